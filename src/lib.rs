@@ -17,7 +17,7 @@
 //! #     camera: &ShadowCamera, depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>,
 //! # ) -> Result<(), Box<dyn std::error::Error>> {
 //! // Once:
-//! let outlines = OutlinePipeline::new(device, &OutlineFormat::default())?;
+//! let outlines = OutlinePipeline::new(device, &OutlineFormat::of_pass(pass, depth)?)?;
 //! let mut extractor = Extractor::new(device, mesh, ExtractorOptions::default())?;
 //! // Every frame, after your depth pass:
 //! let extraction = &extractor.encode(encoder, vertices, &[Light::point(eye)])?;
@@ -80,12 +80,12 @@
 //! ```no_run
 //! # use rimline::{gpu::*, *};
 //! # fn f(device: &wgpu::Device, queue: &wgpu::Queue, mesh: &Mesh, vertices: PositionBuffer<'_>, points: PositionBuffer<'_>)
-//! #     -> Result<Vec<u32>, Box<dyn std::error::Error>> {
+//! #     -> Result<Vec<i32>, Box<dyn std::error::Error>> {
 //! let mut query = ShadowQuery::new(device, mesh, ShadowQueryOptions::default())?;
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! query.encode_at(&mut encoder, vertices, points, 1000, &[Light::point([0.0, 5.0, 2.0])])?;
 //! queue.submit([encoder.finish()]);
-//! Ok(read_back_vec(device, queue, query.depths())?)
+//! Ok(query.read_depths(queue)?)
 //! # }
 //! ```
 //!
@@ -105,10 +105,6 @@
 //! the package.
 
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(feature = "reference"),
-    allow(dead_code, unreachable_pub, reason = "CPU references and layouts that the feature `reference` shows")
-)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod area;
@@ -121,15 +117,16 @@ pub mod displace;
 pub mod gltf;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+#[doc(hidden)]
+pub mod internals;
 mod layout;
 mod lift;
 mod light;
+mod light_batch;
 pub mod mesh;
 mod method;
 pub mod model;
 mod origin;
-#[cfg(feature = "reference")]
-pub mod reference;
 mod shadow;
 #[cfg(feature = "gpu")]
 mod stages;

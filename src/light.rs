@@ -229,6 +229,7 @@ pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightEr
 ///
 /// # Errors
 /// [`LightError::NoRoom`] or [`LightError::TooMany`].
+#[cfg(feature = "gpu")]
 pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
     match max_lights {
         0 => Err(LightError::NoRoom),

@@ -8,7 +8,6 @@ pub enum Method {
     FaceMask,
     /// Tests both faces at each edge, as Brabec and Seidel published it in 2003. It is for comparison. A face's side is
     /// decided again at each of its edges, so loops may fail to close. It has no exact form: see [`Method::predicate`].
-    #[cfg(feature = "reference")]
     PerEdge,
 }
 
@@ -18,12 +17,12 @@ impl Method {
     /// [`Predicate::Plane`].
     pub const fn predicate(self, asked: Predicate) -> Predicate {
         match (self, asked) {
-            #[cfg(feature = "reference")]
             (Self::PerEdge, Predicate::Exact) => Predicate::Plane,
             _ => asked,
         }
     }
 
+    #[cfg(feature = "gpu")]
     pub(crate) const fn is_per_edge(self) -> bool {
         !matches!(self, Self::FaceMask)
     }
@@ -42,10 +41,11 @@ pub enum Predicate {
     Fast,
     /// The sign that `f32` arithmetic gives for the plane equation `n · l − w·(n · a)`, as published in 2003. It is
     /// less accurate than `Fast` far from the origin, because its terms cancel there. It is for comparison.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     Plane,
 }
 
+#[cfg(feature = "gpu")]
 impl Predicate {
     pub(crate) const fn is_plane(self) -> bool {
         !matches!(self, Self::Exact | Self::Fast)

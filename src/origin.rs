@@ -1,7 +1,6 @@
 //! A point near the models that positions in `f32` are relative to. docs/numerics/origin.md.
 
-use crate::Light;
-use crate::model::Matrix3x4;
+use crate::{Light, Transform};
 
 /// The share of the smallest edge that positions in `f32` may be off by before an origin is chosen.
 const SHARE: f64 = 1e-3;
@@ -33,7 +32,7 @@ const SHARE: f64 = 1e-3;
 /// # Ok::<(), rimline::MeshError>(())
 /// ```
 ///
-/// A [`Model`](crate::Model) takes it in its poses: [`Self::matrix`] makes the matrices of an
+/// A [`Model`](crate::Model) takes it in its poses: [`Self::transform`] makes the matrices of an
 /// [`InstancePose`](crate::InstancePose). A [`Scene`](crate::gpu::Scene) takes it in the positions or matrices of its
 /// casters, its lights and its cameras. A glTF file does it by itself: `gltf::Asset::set_origin`.
 ///
@@ -108,11 +107,11 @@ impl Origin {
         Light::homogeneous([x, y, z, w as f32])
     }
 
-    /// A matrix from mesh space to the world, by rows, as one from mesh space to positions relative to the origin:
+    /// A transform from mesh space to the world, by columns, as one from mesh space to positions relative to the origin:
     /// computed in `f64`, rounded once.
-    pub fn matrix(self, rows: &[[f64; 4]; 3]) -> Matrix3x4 {
-        let mut axis = self.0.iter();
-        rows.map(|[x, y, z, shift]| [x, y, z, shift - axis.next().copied().unwrap_or(0.0)].map(|c| c as f32))
+    pub fn transform(self, [x, y, z, translation]: [[f64; 3]; 4]) -> Transform {
+        let translation = std::array::from_fn(|axis| translation[axis] - self.0[axis]);
+        [x, y, z, translation].map(|column| column.map(|c| c as f32)).into()
     }
 
     /// The most by which the position of a point between these corners may be off, once it is relative to the origin and
@@ -243,10 +242,9 @@ mod tests {
         );
         // A direction stays, bit for bit.
         assert_eq!(origin.light([0.1, 7.0, -3.0, 0.0]).to_array(), [0.1, 7.0, -3.0, 0.0].map(|c: f64| c as f32));
-        let rows = [[0.5, 0.0, 0.0, x], [0.0, 2.0, 0.0, y], [0.0, 0.0, 1.0, z]];
-        let moved = origin.matrix(&rows);
-        assert_eq!(moved.map(|row| row[3]), origin.position(place));
-        assert_eq!(moved[1][..3], [0.0, 2.0, 0.0]);
+        let moved = origin.transform([[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], place]);
+        assert_eq!(moved.columns()[3], origin.position(place));
+        assert_eq!(moved.columns()[1], [0.0, 2.0, 0.0]);
         assert_eq!(origin.to_world([1.25, 0.0, 3.0]), [ox + 1.25, oy, oz + 3.0]);
     }
 }

@@ -40,7 +40,7 @@ pub enum Counting {
     /// caster is counted by z-fail for a light where the near plane cuts both ends of a side (its case D), or where the
     /// caster has faces that are not finite. The method is not right from every camera, and takes perspective cameras
     /// only. [`Self::Auto`] never chooses it. It needs what z-fail needs.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     ZpPlus2005,
     /// Counts what fails the depth test, with light and dark caps (Everitt and Kilgard 2002). It needs an infinite far
     /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a
@@ -48,8 +48,9 @@ pub enum Counting {
     ZFail,
 }
 
+#[cfg(feature = "gpu")]
 impl Counting {
-    /// Whether this is ZP+ as published, which only the feature `reference` has.
+    /// Whether this is ZP+ as published.
     pub(crate) const fn is_zp_plus_2005(self) -> bool {
         !matches!(self, Self::Auto | Self::ZPass | Self::ZpPlus | Self::ZFail)
     }
@@ -65,7 +66,6 @@ impl Counting {
             Self::ZpPlus => COUNT_ZP_PLUS,
             Self::ZFail => COUNT_Z_FAIL,
             Self::Auto => COUNT_AUTO,
-            #[cfg(feature = "reference")]
             Self::ZpPlus2005 => COUNT_ZP_PLUS_2005,
         }
     }
@@ -214,6 +214,7 @@ impl ShadowCamera {
     }
 
     /// The same where mirror images will do, as they do for depth maps and the eyes that see these.
+    #[cfg(any(feature = "gpu", test))]
     pub(crate) fn check_any_hand(&self) -> Result<(), CameraError> {
         self.view().map(drop)
     }

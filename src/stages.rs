@@ -204,10 +204,10 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/zp_plus_2005_cases",
 ];
 
-/// The text of a file. In test builds (feature `reference`, debug assertions) the variable `RIMLINE_WGSL` may name a folder
+/// The text of a file. In builds with debug assertions the variable `RIMLINE_WGSL` may name a folder
 /// that is read instead of what was compiled in.
 pub fn source(name: &str) -> Option<&'static str> {
-    #[cfg(all(feature = "reference", debug_assertions))]
+    #[cfg(debug_assertions)]
     if let Some(folder) = std::env::var_os("RIMLINE_WGSL") {
         let text = std::fs::read_to_string(std::path::Path::new(&folder).join(format!("{name}.wgsl")));
         return text.ok().map(|text| &*text.leak());

@@ -1,11 +1,13 @@
 //! Where a mesh is placed, given by columns, by rows, or by glam's type.
 
+use glam::{DAffine3, DVec3};
+
 use crate::model::Matrix3x4;
 
 /// A transform of positions, from mesh space to world space. Functions that place a mesh take whatever it is made of:
 ///
 /// * four columns of three, the last one the translation, as `to_cols_array_2d` of any glam's `Affine3A` gives them,
-/// * `Affine3A` of glam 0.34 itself,
+/// * `Affine3A` of glam 0.34 itself, or `DAffine3`, which is rounded,
 /// * three rows of four, [`Matrix3x4`].
 ///
 /// The types differ, so none can be taken for another.
@@ -30,6 +32,11 @@ impl Transform {
         self.rows
     }
 
+    pub(crate) fn to_f64(self) -> DAffine3 {
+        let [x, y, z, translation] = self.columns().map(|column| DVec3::from(column.map(f64::from)));
+        DAffine3::from_cols(x, y, z, translation)
+    }
+
     /// The columns: the images of the axes of mesh space, and of its origin.
     pub fn columns(self) -> [[f32; 3]; 4] {
         std::array::from_fn(|column| self.rows.map(|row| row[column]))
@@ -51,6 +58,13 @@ impl From<[[f32; 3]; 4]> for Transform {
 impl From<glam::Affine3A> for Transform {
     fn from(transform: glam::Affine3A) -> Self {
         transform.to_cols_array_2d().into()
+    }
+}
+
+/// Rounds to `f32`.
+impl From<DAffine3> for Transform {
+    fn from(transform: DAffine3) -> Self {
+        transform.to_cols_array_2d().map(|column| column.map(|c| c as f32)).into()
     }
 }
 

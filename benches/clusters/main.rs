@@ -4,8 +4,8 @@
 
 use std::hint::black_box;
 
-use rimline::reference::clusters::{Arranged, CLUSTER_FACES, Clusters};
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::clusters::{Arranged, CLUSTER_FACES, Clusters};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};

@@ -2,8 +2,8 @@
 //! long CPU and GPU take to extract silhouettes, and how many records there are. `--quick` for small meshes.
 
 use rimline::gpu::ExtractorOptions;
+use rimline::internals::cpu::{Extraction, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{Extraction, Threads};
 use rimline::{Light, Mesh, Predicate};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};

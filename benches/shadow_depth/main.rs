@@ -3,7 +3,7 @@
 
 use rimline::Light;
 use rimline::gpu::{PositionBuffer, ShadowQuery, ShadowQueryOptions};
-use rimline::reference::cpu::{Threads, shadow_depth};
+use rimline::internals::cpu::{Threads, shadow_depth};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
 use rimline_bench::gpu::{Gpu, Stopwatch};

@@ -3,9 +3,9 @@
 use std::f32::consts::TAU;
 use std::ops::Range;
 
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use rimline::{
-    Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Matrix3x4, Model, ModelError, Pose,
+    Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Model, ModelError, Pose, Transform,
 };
 
 use super::stage::{Camera, Lamp, Placed};
@@ -55,8 +55,8 @@ pub(crate) fn pose(seconds: f32) -> Result<Pose, ModelError> {
             let turn = Quat::from_rotation_y(along + if speed < 0.0 { 0.0 } else { TAU / 2.0 });
             let at = Quat::from_rotation_y(along) * Vec3::X * (radius + 0.6 * spread(number));
             let place = Affine3A::from_rotation_translation(turn, at);
-            let palette = walk::from_rest(&walk::pose(steps.fract())).map(|joint| rows(place * joint));
-            InstancePose::new(palette.to_vec(), Vec::new())
+            let palette = walk::from_rest(&walk::pose(steps.fract())).map(|joint| place * joint);
+            InstancePose::new(palette, Vec::new())
         })
     };
     Ok(Pose::new(RINGS.into_iter().flat_map(ring).collect::<Result<_, _>>()?))
@@ -104,15 +104,14 @@ pub(crate) fn boxes(seconds: f32) -> Vec<Placed> {
 }
 
 fn placed(half: Vec3, turn: Quat, at: Vec3, albedo: [f32; 3]) -> Placed {
-    Placed { rows: rows(Affine3A::from_scale_rotation_translation(half, turn, at)), albedo, first_vertex: 0 }
+    Placed {
+        rows: Transform::from(Affine3A::from_scale_rotation_translation(half, turn, at)).rows(),
+        albedo,
+        first_vertex: 0,
+    }
 }
 
 /// Numbers from 0 to 1, evenly spread by the golden ratio.
 fn spread(number: usize) -> f32 {
     (0.618_034 * number as f32).fract()
-}
-
-fn rows(matrix: Affine3A) -> Matrix3x4 {
-    let matrix = Mat4::from(matrix);
-    [0, 1, 2].map(|row| matrix.row(row).to_array())
 }

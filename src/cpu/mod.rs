@@ -11,10 +11,6 @@ pub(crate) mod extract;
 pub(crate) mod hidden;
 pub(crate) mod polygon;
 pub(crate) mod query;
-#[cfg(feature = "reference")]
-pub(crate) mod scene;
-#[cfg(feature = "reference")]
-pub(crate) mod shadow;
 
 pub use crate::layout::EdgeMasks;
 pub use common::parallel::Threads;

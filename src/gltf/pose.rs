@@ -10,7 +10,7 @@ use super::document::{Frame, Named, Part, Placement, Property, Trs};
 use super::error::GltfError;
 use super::info::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
-use crate::model::{InstancePose, Matrix3x4, ModelError, Pose};
+use crate::model::{InstancePose, ModelError, Pose};
 
 /// World matrices and morph weights of the nodes at one time, as animations set them.
 pub(super) struct State {
@@ -196,7 +196,7 @@ impl Asset {
         let determinants = used.iter().map(|&joint| matrices[joint as usize].matrix3.determinant());
         let mirrored = determinants.clone().filter(|determinant| *determinant < 0.0).count();
         let kept = determinants.filter(|determinant| *determinant > 0.0).count();
-        let palette = matrices.iter().map(rows).collect();
+        let palette = matrices.into_iter().map(Into::into).collect();
         let pose = InstancePose::with(palette, self.morph_weights(placement, state), mirrored > kept);
         (pose, mirrored > 0 && kept > 0)
     }
@@ -221,11 +221,4 @@ fn apply(channel: &Channel, time: f64, trs: &mut Trs, weights: &mut HashMap<usiz
         (Property::Rotation, &[x, y, z, w]) => trs.rotation = DQuat::from_xyzw(x, y, z, w),
         _ => drop(weights.insert(channel.node, value)),
     }
-}
-
-/// The rows of the matrix, rounded to `f32`.
-fn rows(matrix: &DAffine3) -> Matrix3x4 {
-    let DAffine3 { matrix3, translation } = matrix;
-    [0, 1, 2]
-        .map(|row| [matrix3.x_axis[row], matrix3.y_axis[row], matrix3.z_axis[row], translation[row]].map(|c| c as f32))
 }

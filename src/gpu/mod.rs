@@ -36,7 +36,7 @@ pub use query::points::QueryPoints;
 pub use query::shadow_query::ShadowQuery;
 pub use scene::caster::{Caster, CasterPositions};
 pub use scene::frame::SceneFrame;
-#[cfg(feature = "reference")]
+#[doc(hidden)]
 pub use scene::frame::{SceneGroupResults, SceneResults};
 pub use scene::handles::{CasterHandle, LightHandle, MeshHandle, ModelHandle};
 pub use scene::hidden::HiddenCounts;

@@ -18,7 +18,10 @@ use crate::layout::OutlineView;
 use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
 use crate::stages::{OUTLINE_EDGES, OUTLINE_SAMPLES, SCENE_OUTLINE_EDGES, SCENE_OUTLINE_SAMPLES, Stage};
 
-/// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads.
+/// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads. [`Self::of_pass`] takes them from the
+/// descriptor of a pass.
+///
+/// wgpu panics, or reports a validation error, where a pipeline draws into a pass of other attachments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutlineFormat {
     /// The format of the colour attachment. It is one that blends.
@@ -29,6 +32,25 @@ pub struct OutlineFormat {
     pub samples: u32,
     /// Whether the depth that hides lines is in a multisampled texture. Sample 0 of each pixel is read.
     pub is_depth_multisampled: bool,
+}
+
+impl OutlineFormat {
+    /// The format for passes like this one, with this depth for [`OutlineInputs::depth`].
+    ///
+    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear texture is,
+    /// set [`Self::color`].
+    ///
+    /// # Errors
+    /// [`OutlineError::Colors`] if the pass has not exactly one colour attachment.
+    pub fn of_pass(pass: &wgpu::RenderPassDescriptor<'_>, depth: &wgpu::TextureView) -> Result<Self, OutlineError> {
+        let [Some(color)] = pass.color_attachments else {
+            return Err(OutlineError::Colors { given: pass.color_attachments.iter().flatten().count() });
+        };
+        let color = color.view.texture();
+        let depth_stencil = pass.depth_stencil_attachment.as_ref().map(|attachment| attachment.view.texture().format());
+        let is_depth_multisampled = depth.texture().sample_count() > 1;
+        Ok(Self { color: color.format(), depth_stencil, samples: color.sample_count(), is_depth_multisampled })
+    }
 }
 
 impl Default for OutlineFormat {
@@ -159,6 +181,14 @@ pub enum OutlineError {
         "the camera is none of the encode's views, which decide the models that are deformed; add it to `FrameInputs::views`"
     )]
     NoView,
+    /// The pass has no colour attachment, or several, and outlines are drawn into one.
+    #[error(
+        "the pass has {given} colour attachments, and outlines are drawn into one; draw them in a pass of their own"
+    )]
+    Colors {
+        /// Colour attachments of the pass.
+        given: usize,
+    },
     /// The extractor's draws have too few vertices.
     #[error(
         "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::topology` to a triangle strip"
@@ -240,6 +270,7 @@ impl From<ShadowError> for OutlineError {
 /// # use rimline::{ShadowCamera, wgpu};
 /// # fn outlines(pipeline: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder, extraction: &Extraction, camera: &ShadowCamera,
 /// #     depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<(), OutlineError> {
+/// // Once: let pipeline = OutlinePipeline::new(device, &OutlineFormat::of_pass(pass, depth)?)?;
 /// let style = OutlineStyle { width: 3.0, crease: Some([0.3, 0.3, 0.3, 1.0]), ..OutlineStyle::default() };
 /// let of = OutlineSource::Extraction(extraction, 0);
 /// let outline = pipeline.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
@@ -300,7 +331,7 @@ impl Part {
 }
 
 impl Outline {
-    /// Draws the outline into a pass with the attachments of the pipeline's format. It sets pipelines and bind groups 0 and 1.
+    /// Draws the outline into a pass with the attachments of the pipeline's format, from [`OutlineFormat::of_pass`]. It sets pipelines and bind groups 0 and 1.
     ///
     /// # Errors
     /// [`ExtractorError::Stale`] if the extractor was encoded again, [`ShadowError::StaleFrame`] if the scene was. Nothing is drawn
@@ -440,7 +471,8 @@ impl OutlinePipeline {
             let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
             group(device, "outline", &pair.layouts[1], &resources)
         });
-        let own = own.map_err(|message| OutlineError::Refused { message })?;
+        let hint = "is `depth` a view of the depth aspect alone, of one layer, and has `marked` usage STORAGE?";
+        let own = own.map_err(|message| OutlineError::Refused { message: format!("{hint} {message}") })?;
         Ok(self.part(pair, view, [results, own], edges as u32, (arguments, offset)))
     }
 

@@ -43,9 +43,10 @@ impl MeshId {
 /// Compares vertex counts, faces, polygons, records and weld counts.
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
-        let Self { id: _, vertex_count, faces, polygons, edges, weld } = self;
-        (vertex_count, faces, polygons, edges, weld)
-            == (&other.vertex_count, &other.faces, &other.polygons, &other.edges, &other.weld)
+        let Self { id, vertex_count, faces, polygons, edges, weld } = self;
+        *id == other.id
+            || (vertex_count, faces, polygons, edges, weld)
+                == (&other.vertex_count, &other.faces, &other.polygons, &other.edges, &other.weld)
     }
 }
 
@@ -137,6 +138,7 @@ impl Mesh {
     }
 
     /// The identity of this mesh.
+    #[cfg(feature = "gpu")]
     pub(crate) fn id(&self) -> MeshId {
         self.id
     }

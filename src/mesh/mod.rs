@@ -1,7 +1,6 @@
 //! Meshes as the extraction needs them: triangles or polygons, welded vertices, edge records.
 
-#[cfg(feature = "reference")]
-mod bounds;
+#[cfg(feature = "gpu")]
 pub(crate) mod clusters;
 mod diagnostics;
 mod error;
@@ -11,8 +10,6 @@ mod silhouette;
 mod topology;
 pub(crate) mod weld;
 
-#[cfg(feature = "reference")]
-pub use bounds::Bounds;
 pub use diagnostics::MeshDiagnostics;
 pub use error::{MAX_FACES, MeshError};
 pub use faces::Mesh;

@@ -57,9 +57,9 @@ impl Silhouette {
 
     /// Joins the edges to chains, each edge in one of them: first open chains, then closed ones.
     ///
-    /// The silhouette of a closed and consistently oriented mesh has closed chains only. On other meshes an edge between a facing
-    /// and an averted face may end at a boundary, and the chain with it. Where several chains meet at a vertex, boundary edges go
-    /// on as boundary edges if they can. It is not decided geometrically which of them goes on as which.
+    /// The silhouette of a closed and consistently oriented mesh has closed chains only. On other meshes an edge between a
+    /// front-facing and a back-facing face may end at a boundary, and the chain with it. Where several chains meet at a vertex,
+    /// boundary edges go on as boundary edges if they can. It is not decided geometrically which of them goes on as which.
     pub fn chains(&self) -> Vec<Chain> {
         const NONE: u32 = u32::MAX;
         let ends_at = |end: usize| {

@@ -214,9 +214,9 @@ impl GeometryBounds {
         }
         let morphed_size = |rest: &[Span; 3]| [0, 1, 2].map(|axis| rest[axis].size() + moved_size[axis]);
         let size_of_all = morphed_size(&rest);
-        for row in pose.palette().iter().take(self.joints_needed).flatten() {
+        for row in pose.palette().iter().take(self.joints_needed).flat_map(|matrix| matrix.rows()) {
             largest = row.iter().fold(largest, |largest, c| largest.max(f64::from(c.abs())));
-            largest = largest.max(terms(row, size_of_all));
+            largest = largest.max(terms(&row, size_of_all));
         }
         largest = size_of_all.into_iter().fold(largest, f64::max);
         largest = largest.max(self.weights.absolute).max(self.weights.absolute * largest);
@@ -227,7 +227,7 @@ impl GeometryBounds {
         let mut placed = [Span::EMPTY; 3];
         let mut placed_size = [0.0_f64; 3];
         for (joint, rest) in &self.joints {
-            let rows = pose.palette().get(*joint)?;
+            let rows = pose.palette().get(*joint)?.rows();
             let (morphed, size) = (axes(|axis| rest[axis].plus(moved[axis])), morphed_size(rest));
             for (axis, row) in rows.iter().enumerate() {
                 let [x, y, z, shift] = row.map(f64::from);

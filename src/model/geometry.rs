@@ -2,7 +2,7 @@
 
 use super::ModelError;
 use crate::mesh::weld::{self, Keys, NearGroups, bits, groups, near_groups, same_bits};
-use crate::mesh::{Weld, WeldCounts, WeldDistance};
+use crate::mesh::{Mesh, MeshError, Weld, WeldCounts, WeldDistance};
 
 /// The joints that move each vertex, with their weights. A vertex may have any number of joints.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,6 +167,15 @@ impl Geometry {
     /// Counter-clockwise triangles, as indices into [`Geometry::positions`].
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
+    }
+
+    /// The mesh of this geometry alone, for example of a rigid caster at [`Geometry::positions`]. Vertices stay as they are: a
+    /// geometry of a file is welded already, and [`Geometry::welded`] welds others.
+    ///
+    /// # Errors
+    /// [`MeshError`] for a geometry without faces, or with too many.
+    pub fn mesh(&self) -> Result<Mesh, MeshError> {
+        Mesh::from_faces(self.positions.len(), self.faces.clone())
     }
 
     /// One list for each morph target, with one offset for each vertex: its displacement from [`Geometry::positions`].

@@ -1,21 +1,24 @@
 //! Poses: the place and shape of each instance of a model at one time.
 
-use super::{Geometry, ModelError};
+use glam::DAffine3;
 
-/// A matrix of three rows and four columns, stored by rows. It maps `(x, y, z, 1)`.
+use super::{Geometry, ModelError};
+use crate::Transform;
+
+/// A matrix of three rows and four columns, stored by rows. It maps `(x, y, z, 1)`. Functions take it as a [`Transform`].
 pub type Matrix3x4 = [[f32; 4]; 3];
 
 /// The state of one instance at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstancePose {
-    palette: Vec<Matrix3x4>,
+    palette: Vec<Transform>,
     morph_weights: Vec<f32>,
     faces_turned: bool,
 }
 
 impl InstancePose {
-    /// Makes a pose. `palette` maps mesh space to world space. It has a matrix for each joint if the geometry has
-    /// influences, else exactly one. `morph_weights` has a weight for each morph target. Weights may be negative or
+    /// Makes a pose. `palette` maps mesh space to world space, by columns, by glam's type or by rows: see [`Transform`]. It
+    /// has a matrix for each joint if the geometry has influences, else exactly one. `morph_weights` has a weight for each morph target. Weights may be negative or
     /// larger than 1.
     ///
     /// The faces are turned if more matrices mirror (negative determinant) than do not, so that they stay
@@ -23,7 +26,11 @@ impl InstancePose {
     ///
     /// # Errors
     /// [`ModelError`] for a matrix or weight that is not finite.
-    pub fn new(palette: Vec<Matrix3x4>, morph_weights: Vec<f32>) -> Result<Self, ModelError> {
+    pub fn new(
+        palette: impl IntoIterator<Item = impl Into<Transform>>,
+        morph_weights: Vec<f32>,
+    ) -> Result<Self, ModelError> {
+        let palette: Vec<Transform> = palette.into_iter().map(Into::into).collect();
         let mirroring = palette.iter().filter(|matrix| determinant(matrix) < 0.0).count();
         let keeping = palette.iter().filter(|matrix| determinant(matrix) > 0.0).count();
         Self::with(palette, morph_weights, mirroring > keeping)
@@ -38,14 +45,14 @@ impl InstancePose {
 
     /// Checks that all numbers are finite.
     pub(crate) fn with(
-        palette: Vec<Matrix3x4>,
+        palette: Vec<Transform>,
         morph_weights: Vec<f32>,
         faces_turned: bool,
     ) -> Result<Self, ModelError> {
-        let entries = palette.as_flattened().as_flattened();
-        if let Some(at) = entries.iter().position(|entry| !entry.is_finite()) {
+        let entries = palette.iter().flat_map(|matrix| matrix.rows()).flatten();
+        if let Some((at, value)) = entries.enumerate().find(|(_, entry)| !entry.is_finite()) {
             let (joint, row, column) = (at / 12, at / 4 % 3, at % 4);
-            return Err(ModelError::Matrix { joint, row, column, value: entries[at] });
+            return Err(ModelError::Matrix { joint, row, column, value });
         }
         if let Some(target) = morph_weights.iter().position(|weight| !weight.is_finite()) {
             return Err(ModelError::MorphWeight { target, weight: morph_weights[target] });
@@ -54,7 +61,7 @@ impl InstancePose {
     }
 
     /// The matrices from mesh space to world space, one for each joint. All are finite.
-    pub fn palette(&self) -> &[Matrix3x4] {
+    pub fn palette(&self) -> &[Transform] {
         &self.palette
     }
 
@@ -66,6 +73,12 @@ impl InstancePose {
     /// Whether the faces are turned, because the transform mirrors them. They so stay counter-clockwise from outside.
     pub fn faces_turned(&self) -> bool {
         self.faces_turned
+    }
+
+    fn placed(&self, at: &DAffine3) -> Result<Self, ModelError> {
+        let palette = self.palette.iter().map(|matrix| (*at * matrix.to_f64()).into()).collect();
+        let mirrors = at.matrix3.determinant() < 0.0;
+        Self::with(palette, self.morph_weights.clone(), self.faces_turned != mirrors)
     }
 
     /// Checks that this pose fits instance number `instance`, which is of `geometry`.
@@ -88,8 +101,8 @@ impl InstancePose {
 }
 
 /// The determinant of the first three columns. It is computed in `f64`, where no product of finite `f32` overflows.
-fn determinant(matrix: &Matrix3x4) -> f64 {
-    let [a, b, c] = matrix.map(|[x, y, z, _]| [x, y, z].map(f64::from));
+fn determinant(matrix: &Transform) -> f64 {
+    let [a, b, c] = matrix.rows().map(|[x, y, z, _]| [x, y, z].map(f64::from));
     a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
@@ -110,6 +123,17 @@ impl Pose {
     #[cfg(feature = "gltf")]
     pub(crate) fn with_mixed_determinants(self, mixed_determinants: usize) -> Self {
         Self { mixed_determinants, ..self }
+    }
+
+    /// This pose at another place: all instances are moved by `at`, for example a figure of a file into a level. Matrices are
+    /// multiplied in `f64` and rounded once.
+    ///
+    /// # Errors
+    /// [`ModelError::Matrix`] if a result is not finite.
+    pub fn placed(&self, at: impl Into<Transform>) -> Result<Self, ModelError> {
+        let at = at.into().to_f64();
+        let instances = self.instances.iter().map(|instance| instance.placed(&at)).collect::<Result<_, _>>()?;
+        Ok(Self { instances, ..*self })
     }
 
     /// One pose for each of [`Model::instances`](super::Model::instances).

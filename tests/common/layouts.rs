@@ -1,9 +1,9 @@
-//! Structs of the WGSL against `rimline::reference::layout::LAYOUTS`, by naga's reflection.
+//! Structs of the WGSL against `rimline::internals::layout::LAYOUTS`, by naga's reflection.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use naga::{AddressSpace, ArraySize, Module, ScalarKind, TypeInner};
-use rimline::reference::layout::{FieldLayout, LAYOUTS, StructLayout};
+use rimline::internals::layout::{FieldLayout, LAYOUTS, StructLayout};
 
 use crate::{Outcome, modules, modules_with, validated};
 

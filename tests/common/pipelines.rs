@@ -6,7 +6,7 @@ use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer,
     ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
-use rimline::reference::Method;
+use rimline::internals::Method;
 use rimline::{Counting, Displacement, Light, Mesh, Predicate};
 use rimline_testkit::shapes;
 

@@ -5,7 +5,7 @@ use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
     Pipelines, QueryError, ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
-use rimline::reference::Method;
+use rimline::internals::Method;
 use rimline::{Counting, Light};
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};

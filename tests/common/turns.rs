@@ -1,9 +1,9 @@
 //! The turns of loops, as comments in the WGSL tell them, against the bound of each entry point.
 
 use rimline::gpu::include_wgsl;
-use rimline::reference::stages::{DEFORM, DRAWN, EXACT_FACING, SCENE_EXACT_FACING, STAGES, Stage};
-use rimline::reference::turns::{EXACT_ITEMS, MOST_TURNS, TURNS, limits, scene_exact_items};
-use rimline_testkit::turns::turns;
+use rimline::internals::stages::{DEFORM, DRAWN, EXACT_FACING, SCENE_EXACT_FACING, STAGES, Stage};
+use rimline::internals::turns::{EXACT_ITEMS, scene_exact_items};
+use rimline_testkit::turns::{MOST_TURNS, TURNS, limits, turns};
 
 use crate::Outcome;
 

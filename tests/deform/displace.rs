@@ -2,7 +2,7 @@
 
 use rimline::Displacement;
 use rimline::displace::DisplaceError;
-use rimline::reference::displace::deform_wgsl;
+use rimline::internals::displace::deform_wgsl;
 
 const GOOD: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> { return position; }";
 

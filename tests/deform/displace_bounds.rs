@@ -2,7 +2,7 @@
 
 use rimline::Displacement;
 use rimline::displace::DisplaceError;
-use rimline::reference::displace::{MAX_FUNCTION_BYTES, MAX_NESTING, MAX_PRIVATE_BYTES, MAX_SOURCE_BYTES};
+use rimline::internals::displace::{MAX_FUNCTION_BYTES, MAX_NESTING, MAX_PRIVATE_BYTES, MAX_SOURCE_BYTES};
 
 /// `displace` with these statements, after `before`.
 fn displace(before: &str, statements: &str) -> String {

@@ -2,7 +2,7 @@
 //! without a word, which would leave positions short.
 
 use rimline::gpu::{DeformError, Deformer, DeformerOptions};
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, Pose};
 
 use rimline_testkit::device::Gpu;

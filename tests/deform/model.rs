@@ -1,7 +1,7 @@
 //! Models, poses and their parts are checked when they are made, and each refusal names the place.
 
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::model::{influence_range, most_per_vertex};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::model::{influence_range, most_per_vertex};
 use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Mesh, MeshError, Model, ModelError, Pose,
 };
@@ -134,6 +134,28 @@ fn mirroring_matrices_turn_the_faces() {
     let pose = InstancePose::new(vec![mirrored], Vec::new()).expect("finite");
     assert_eq!(faces(pose.clone()), [[0, 2, 1]]);
     assert_eq!(faces(pose.with_faces_turned(false)), [[0, 1, 2]]);
+}
+
+#[test]
+fn a_placed_pose_is_moved_as_a_whole() {
+    let instances = vec![Instance::new(0, None); 2];
+    let model = Model::new(vec![triangle()], instances).expect("one geometry");
+    let rows = [[0.5, 0.0, 0.25, 1.0], [0.0, 2.0, 0.0, -3.0], [0.0, 1.0, 1.5, 0.0]];
+    let of = |turned| InstancePose::new([rows], Vec::new()).expect("finite").with_faces_turned(turned);
+    let pose = Pose::new(vec![of(false), of(true)]);
+    let positions = |pose: &Pose| cpu::deform(&model, pose, 0.0, None, Threads::ONE).expect("it fits");
+    // Products and sums of these are exact.
+    let at = glam::Affine3A::from_mat3_translation(
+        glam::mat3(glam::vec3(-1.0, 0.5, 0.0), glam::vec3(0.0, 2.0, 0.0), glam::vec3(0.25, 0.0, 4.0)),
+        glam::vec3(8.0, -4.0, 0.5),
+    );
+    let placed = pose.placed(at).expect("finite");
+    let moved: Vec<_> = positions(&pose).into_iter().map(|p| at.transform_point3(p.into()).to_array()).collect();
+    assert_eq!(positions(&placed), moved);
+    assert_eq!(placed.instances().iter().map(InstancePose::faces_turned).collect::<Vec<_>>(), [true, false]);
+    assert_eq!(pose.placed(glam::Affine3A::IDENTITY).expect("finite"), pose);
+    let large = [[f32::MAX, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [f32::MAX, 0.0, 0.0]];
+    refused(pose.placed(large), &["matrix 0", "inf", "row 0", "column 3"]);
 }
 
 #[test]

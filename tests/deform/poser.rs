@@ -6,8 +6,8 @@ use std::path::Path;
 use libtest_mimic::Trial;
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{Model, ModelBounds, Pose};
 
 use rimline_testkit::device::Gpu;

@@ -1,7 +1,7 @@
 //! Deform on the GPU against its CPU reference: within the bound that docs/numerics/deform.md derives.
 
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError, PoseInputs};
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::wgpu;
 use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, ModelError, Pose};
 

@@ -2,7 +2,7 @@
 //! of the CPU, of which there may be none.
 
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError};
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, Pose};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -1,7 +1,7 @@
 //! Walls over contours by `contour_marks`, `contour_tiles` and `contour_walls`: lists against goldens, and those that overflow.
 
 use rimline::gpu::depth_map::{DepthMapOptions, DepthMapPipelines};
-use rimline::reference::layout::ContourShape;
+use rimline::internals::layout::ContourShape;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;

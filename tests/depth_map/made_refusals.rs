@@ -6,8 +6,8 @@ use rimline::gpu::depth_map::{
     DepthMapPipelines, DepthMetric, MeshDepth, SceneDepth, SceneDepthCasters,
 };
 use rimline::gpu::{DeviceError, PositionBuffer, ShadowError, ShadowFormat};
+use rimline::internals::depth_map::metric_view;
 use rimline::mesh::Weld;
-use rimline::reference::depth_map::metric_view;
 use rimline::{CameraError, Light, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -1,7 +1,7 @@
 //! Depth maps of tests: random ones, and ones that are hard to take.
 
 use rimline::DepthDirection;
-use rimline::reference::layout::DepthMapShape;
+use rimline::internals::layout::DepthMapShape;
 use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 

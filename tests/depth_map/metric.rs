@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapMerge, DepthMapOptions, DepthMetric};
-use rimline::reference::depth_map::metric_steps;
+use rimline::internals::depth_map::metric_steps;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -4,8 +4,8 @@
 use glam::DVec3;
 use rimline::ShadowCamera;
 use rimline::gpu::depth_map::DepthMapOptions;
-use rimline::reference::depth_map::{DepthMapNearCap, near_box};
-use rimline::reference::layout::DepthNearBox;
+use rimline::internals::depth_map::{DepthMapNearCap, near_box};
+use rimline::internals::layout::DepthNearBox;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::random::Random;

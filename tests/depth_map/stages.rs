@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod, DepthMapOptions, DepthMapStatistics};
-use rimline::reference::depth_map::DepthMapNearCap;
-use rimline::reference::stages::DEPTH_CELLS;
+use rimline::internals::depth_map::DepthMapNearCap;
+use rimline::internals::stages::DEPTH_CELLS;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

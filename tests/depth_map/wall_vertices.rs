@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec4};
 use rimline::DepthDirection;
-use rimline::reference::depth_map::{Placing, map_view};
-use rimline::reference::stages::DEPTH_WALLS;
+use rimline::internals::depth_map::{Placing, map_view};
+use rimline::internals::stages::DEPTH_WALLS;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
 use rimline_testkit::goldens::golden;

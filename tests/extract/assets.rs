@@ -7,8 +7,8 @@ use std::path::Path;
 use libtest_mimic::Trial;
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{InstancePose, Light, Mesh, Model, Pose, Predicate};
 
 use rimline_testkit::device::Gpu;

@@ -1,9 +1,9 @@
 //! The CPU references against brute force written apart from them.
 
+use rimline::internals::Method;
+use rimline::internals::cpu::{self, CpuError, Threads};
+use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::{EdgeKind, PolygonLoops, Weld};
-use rimline::reference::Method;
-use rimline::reference::cpu::{self, CpuError, Threads};
-use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, LightError, Mesh, Predicate};
 use rimline_testkit::cases::{self, hard_positions, random_soup, topologies};
 use rimline_testkit::random::Random;

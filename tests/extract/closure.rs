@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rimline::gpu::ExtractorOptions;
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Light, Mesh};
 use rimline_testkit::shapes::{self, Shape};
 

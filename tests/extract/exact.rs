@@ -1,8 +1,8 @@
 //! Exact facing against big integers: every bit, no band, on the GPU and on the CPU.
 
 use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::shapes;
 

@@ -1,10 +1,10 @@
 //! Facing bits against exact arithmetic: right outside the error band that docs/numerics/facing.md derives, whatever the scale.
 
 use rimline::gpu::ExtractorOptions;
+use rimline::internals::Method;
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::Weld;
-use rimline::reference::Method;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::shapes;
 

@@ -4,10 +4,10 @@ use rimline::gpu::{
     Extraction, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
     results_bind_group_layout,
 };
+use rimline::internals::Method;
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::Weld;
-use rimline::reference::Method;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::polygons::quad_torus;
 use rimline_testkit::shapes;

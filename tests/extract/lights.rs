@@ -1,9 +1,9 @@
 //! Numbers of lights, several encodes, refused lights and meshes, lights in mesh space.
 
 use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, LightError, Mesh, MeshError};
 use rimline_testkit::shapes;
 

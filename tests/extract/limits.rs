@@ -1,7 +1,7 @@
 //! Devices with less: results equal those of the shared device. Input that does not fit is in `refusals.rs`.
 
 use rimline::gpu::{Deformer, DeformerOptions, EdgeTopology, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
-use rimline::reference::Method;
+use rimline::internals::Method;
 use rimline::{Light, Mesh};
 use rimline_testkit::shapes::Shape;
 

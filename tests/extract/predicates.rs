@@ -1,7 +1,7 @@
 //! Exact signs of 200,000 pairs of face and light, 10 million in the long run, against big integers and, where it
 //! applies, against the crate `robust`. `tests/extract/exact.rs` holds the GPU to the same pairs.
 
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Light, Predicate};
 use rimline_testkit::predicates::{Batch, CLASSES, FACES, Signs};
 use rimline_testkit::random::Random;

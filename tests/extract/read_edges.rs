@@ -2,8 +2,8 @@
 
 use rimline::cpu::{self, Threads};
 use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::internals::Method;
 use rimline::mesh::{Silhouette, Weld};
-use rimline::reference::Method;
 use rimline::{Light, Predicate};
 use rimline_testkit::cases::{Case, case, topologies};
 use rimline_testkit::device::Gpu;

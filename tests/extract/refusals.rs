@@ -4,8 +4,8 @@ use rimline::gpu::{
     Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
     MAX_OUTLINE_EDGES, PositionBuffer, results_bind_group_layout,
 };
+use rimline::internals::Method;
 use rimline::mesh::Weld;
-use rimline::reference::Method;
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::shapes::{self, Shape};
 

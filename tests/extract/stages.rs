@@ -4,9 +4,9 @@
 
 use bytemuck::Zeroable;
 use rimline::gpu::{EdgeTopology, ExtractorOptions, ListOptions};
-use rimline::reference::Method;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::DrawArguments;
+use rimline::internals::Method;
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::DrawArguments;
 
 use rimline_testkit::band::check_facing;
 use rimline_testkit::cases::topologies;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use rimline::gpu::ExtractorOptions;
-use rimline::reference::Method;
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::Method;
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Mesh, Predicate};
 use rimline_testkit::error_metrics::{Candidate, Score};
 use rimline_testkit::stress::{self, Scene};

@@ -1,12 +1,10 @@
 //! Properties of every asset that loads, and comparisons, each with a negative control.
 
 use libtest_mimic::Trial;
+use rimline::Transform;
 use rimline::gltf::{Asset, GltfError, GltfWarning};
-use rimline::model::{
-    Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelError, Pose,
-};
-
-use rimline::reference::model::influence_range;
+use rimline::internals::model::influence_range;
+use rimline::model::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, ModelError, Pose};
 
 use crate::{Outcome, ensure, test};
 
@@ -69,8 +67,13 @@ pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
         };
         ensure(enough, || format!("instance {i}: palette of {}", pose.palette().len()))?;
         ensure(pose.morph_weights().len() == geometry.morph_targets().len(), || format!("instance {i}: weights"))?;
-        let mut values = pose.palette().iter().flatten().flatten().chain(pose.morph_weights());
-        ensure(values.all(|v| v.is_finite()), || format!("instance {i}: not finite"))?;
+        let mut values = pose
+            .palette()
+            .iter()
+            .flat_map(|matrix| matrix.rows())
+            .flatten()
+            .chain(pose.morph_weights().iter().copied());
+        ensure(values.all(f32::is_finite), || format!("instance {i}: not finite"))?;
     }
     Ok(())
 }
@@ -127,8 +130,8 @@ pub(crate) fn close(found: &[f64], expected: &[f64], tolerance: f64, what: &str)
 }
 
 /// Maps a point.
-pub(crate) fn map(matrix: &Matrix3x4, point: [f32; 3]) -> [f64; 3] {
-    matrix.map(|row| {
+pub(crate) fn map(matrix: &Transform, point: [f32; 3]) -> [f64; 3] {
+    matrix.rows().map(|row| {
         let products = row.iter().zip([point[0], point[1], point[2], 1.0]);
         products.map(|(a, b)| f64::from(*a) * f64::from(b)).sum()
     })
@@ -222,7 +225,7 @@ fn pose_control() -> Outcome {
     pose(asset.model(), &good)?;
     let first = &good.instances()[0];
     let (palette, weights) = (first.palette().to_vec(), first.morph_weights().to_vec());
-    let with_first = |palette, weights| {
+    let with_first = |palette: Vec<Transform>, weights| {
         let mut instances = good.instances().to_vec();
         instances[0] = InstancePose::new(palette, weights)?;
         Ok::<_, ModelError>(Pose::new(instances))
@@ -239,7 +242,9 @@ fn pose_control() -> Outcome {
         ensure(pose(asset.model(), bad).is_err(), || format!("spoiler {s} went unnoticed"))?;
     }
     let mut infinite = palette;
-    infinite[1][2][3] = f32::INFINITY;
+    let mut rows = infinite[1].rows();
+    rows[2][3] = f32::INFINITY;
+    infinite[1] = rows.into();
     ensure(with_first(infinite, weights).is_err(), || "an infinite matrix was taken".to_owned())
 }
 

@@ -2,7 +2,7 @@
 
 use libtest_mimic::{Failed, Trial};
 use rimline::gltf::{Asset, SceneLightKind};
-use rimline::reference::model::influence_range;
+use rimline::internals::model::influence_range;
 use rimline::{Instance, InstancePose};
 use serde_json::json;
 

@@ -1,6 +1,6 @@
 //! Depth that is copied is the depth that was drawn: `textureLoad` gives the same bits of both.
 
-use rimline::reference::stages::{MASK_SAMPLES, SHADOW_MASKS};
+use rimline::internals::stages::{MASK_SAMPLES, SHADOW_MASKS};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;

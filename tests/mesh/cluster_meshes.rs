@@ -1,8 +1,8 @@
 //! Meshes and lights that clusters may get wrong.
 
 use rimline::Light;
-use rimline::reference::clusters::{ClusterBound, Clusters};
-use rimline::reference::cpu::Threads;
+use rimline::internals::clusters::{ClusterBound, Clusters};
+use rimline::internals::cpu::Threads;
 use rimline_testkit::clusters::whole;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};

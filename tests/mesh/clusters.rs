@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use rimline::internals::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::CHUNK;
 use rimline::mesh::{EdgeKind, INCONSISTENT_BIT, NO_FACE};
-use rimline::reference::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters};
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::CHUNK;
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::clusters::whole;
 use rimline_testkit::oracle::ExactFace;

@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, HiddenStatistics, Threads};
+use rimline::internals::clusters::Clusters;
 use rimline::mesh::{MeshDiagnostics, MeshError, PolygonLoops, Weld, WeldDistance};
 use rimline::model::ModelBounds;
-use rimline::reference::clusters::Clusters;
 use rimline::{
     AreaLight, AreaShape, Cone, Displacement, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light,
     LightError, Mesh, Model, Origin, Pose, Predicate, falloff,
@@ -84,7 +84,7 @@ fn models_of_nothing() {
     let skinned = Geometry::new(Vec::new(), Vec::new(), options).expect("no vertices to move");
     let instance = || Instance::new(0, None);
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    let posed = |palette, weights| InstancePose::new(palette, weights).expect("finite");
+    let posed = |palette: Vec<[[f32; 4]; 3]>, weights| InstancePose::new(palette, weights).expect("finite");
     for (geometries, instances, poses) in [
         (vec![], vec![], vec![]),
         (vec![empty.clone()], vec![], vec![]),

@@ -9,18 +9,65 @@ use rimline_testkit::cases::case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::shapes;
+use rimline_testkit::{same, shapes};
 
-pub(crate) const TESTS: &[Test] = &[("outlines_that_cannot_be_drawn_are_typed_errors", refused)];
+pub(crate) const TESTS: &[Test] = &[
+    ("outlines_that_cannot_be_drawn_are_typed_errors", refused),
+    ("formats_of_passes_are_those_of_their_attachments", of_pass),
+];
+
+/// A format is that of the pass, whatever the depth that is read.
+fn of_pass() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+    let format = wgpu::TextureFormat::Rgba16Float;
+    for samples in [1, 4] {
+        let [color, attached, other] = [
+            texture(gpu, samples, format, wgpu::TextureUsages::empty()),
+            depth(gpu, samples, usage),
+            depth(gpu, 5 - samples, usage),
+        ];
+        let attach = |view| {
+            let (resolve_target, ops) = (None, wgpu::Operations::default());
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops })
+        };
+        let attachment =
+            || wgpu::RenderPassDepthStencilAttachment { view: &attached, depth_ops: None, stencil_ops: None };
+        let colors = [attach(&color)];
+        for (read, depth_stencil_attachment) in [(&attached, Some(attachment())), (&attached, None), (&other, None)] {
+            let depth_stencil = depth_stencil_attachment.is_some().then_some(wgpu::TextureFormat::Depth32Float);
+            let pass = wgpu::RenderPassDescriptor {
+                color_attachments: &colors,
+                depth_stencil_attachment,
+                ..Default::default()
+            };
+            let is_depth_multisampled = read.texture().sample_count() > 1;
+            let expected = OutlineFormat { color: format, depth_stencil, samples, is_depth_multisampled };
+            let found = OutlineFormat::of_pass(&pass, read).map_err(text)?;
+            same("the format", &[&found], &[&expected])?;
+            OutlinePipeline::new(&gpu.pipelines, &found).map_err(text)?;
+        }
+        for (colors, given) in [(vec![], 0), (vec![None], 0), (vec![attach(&color), attach(&color)], 2)] {
+            let pass = wgpu::RenderPassDescriptor { color_attachments: &colors, ..Default::default() };
+            let found = OutlineFormat::of_pass(&pass, &attached);
+            same("the refusal", &[found], &[Err(OutlineError::Colors { given })])?;
+        }
+    }
+    Ok(())
+}
 
 fn depth(gpu: &Gpu, sample_count: u32, usage: wgpu::TextureUsages) -> wgpu::TextureView {
+    texture(gpu, sample_count, wgpu::TextureFormat::Depth32Float, usage)
+}
+
+fn texture(gpu: &Gpu, sample_count: u32, format: wgpu::TextureFormat, usage: wgpu::TextureUsages) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Depth32Float,
+        format,
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
         view_formats: &[],
     });

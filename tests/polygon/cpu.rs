@@ -5,4 +5,3 @@ mod extraction;
 mod lights;
 mod outlines;
 mod query;
-mod twisted;

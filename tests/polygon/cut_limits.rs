@@ -1,19 +1,21 @@
 //! L-twisted outlines with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
-//! pieces are compared with the twin's. docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
+//! pieces are counted, and must close. Those of edges that are seen in line are goldens, made of the twin that there was.
+//! docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
 
+use rimline::Light;
 use rimline::gpu::MAX_OUTLINE_EDGES;
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{Outline, Piece, PieceEnd, cut_edges};
-use rimline::{Light, Mesh};
+use robust::{Coord, orient2d};
 
 use rimline_testkit::device::Gpu;
+use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::polygons::PolygonSet;
 use rimline_testkit::random::Random;
-use rimline_testkit::{must_fail, same};
+use rimline_testkit::{polygon_oracle, same};
 
-use crate::stages::{Listed, check_closed, check_listed, listed, piece_counts};
+use crate::pieces::{Twisted, bits, check_closed, piece_counts, twisted};
 
 pub(crate) const TESTS: &[Test] = &[
     ("pieces_of_coordinates_of_all_sizes", of_all_sizes),
@@ -30,59 +32,40 @@ const MOST_ORDERED: usize = 256;
 /// The most triangles of a polygon, as `ExtractorError::PolygonTooLarge` says it.
 const MOST_TRIANGLES: usize = 2048;
 
-struct Loop {
-    set: PolygonSet,
-    mesh: Mesh,
-    light: Light,
+/// A loop of these corners, and how many triangles it has.
+fn looped(gpu: &Gpu, corners: Vec<[f32; 3]>, towards: [f32; 3]) -> Result<(Twisted, usize), String> {
+    let mut set = PolygonSet::default();
+    set.push_points(&[corners]);
+    let mesh = set.mesh(Weld::Position).map_err(text)?;
+    let own = twisted(gpu, &set, &mesh, &[Light::directional(towards)])?.pop().ok_or("not twisted")?;
+    Ok((own, mesh.faces().len()))
 }
 
-impl Loop {
-    fn new(corners: Vec<[f32; 3]>, light: [f32; 3]) -> Result<Self, String> {
-        let mut set = PolygonSet::default();
-        set.push_points(&[corners]);
-        let mesh = set.mesh(Weld::Position).map_err(text)?;
-        Ok(Self { set, mesh, light: Light::directional(light) })
-    }
-
-    fn outline(&self) -> Result<Outline, String> {
-        let polygons = self.mesh.polygons().ok_or("no polygons")?;
-        Outline::new(polygons.outline(0), &self.set.positions).ok_or_else(|| "not finite".to_owned())
-    }
-
-    fn expected(&self) -> Result<Vec<Piece>, String> {
-        let triangles: Vec<_> =
-            self.mesh.faces().iter().map(|face| face.map(|v| self.set.positions[v as usize])).collect();
-        Ok(cut_edges(&self.outline()?, &triangles, self.light.to_array()))
-    }
-
-    fn found(&self, gpu: &Gpu) -> Result<Vec<Listed>, String> {
-        listed(gpu, &self.set, &self.mesh, &[self.light])?.pop().ok_or_else(|| "no list".to_owned())
-    }
-}
-
-/// The most cuts of an edge.
-fn cuts_of_an_edge(pieces: &[Piece]) -> usize {
-    pieces.chunk_by(|one, other| one.edge == other.edge).map(|pieces| pieces.len() - 1).max().unwrap_or(0)
+/// For each edge the others that cut it, seen from above, in exact arithmetic.
+fn cuts_from_above(outline: &Twisted) -> Vec<usize> {
+    let coord = |p: &[f32; 3]| Coord { x: p[0], y: p[2] };
+    polygon_oracle::cuts_by(&outline.edges, |a, b, c| {
+        let side = orient2d(coord(a), coord(b), coord(c));
+        i32::from(side > 0.0) - i32::from(side < 0.0)
+    })
 }
 
 /// Corners in one plane with the light but for one, so that turns are those of the moved light, and integers decide them.
 fn of_all_sizes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    for count in [24, 200] {
+    for (count, pieces) in [(24, 100), (200, 5854)] {
         let mut random = Random::new(62 + count as u64);
         let mut coordinate = || random.between(-4.0, 4.0) * (-(random.below(100) as f32)).exp2();
         let mut corners: Vec<_> = (0..count).map(|_| [coordinate(), 0.0, coordinate()]).collect();
         corners[0][1] = 1.0;
-        let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
-        let (found, expected) = (outline.found(gpu)?, outline.expected()?);
-        println!("{count} corners: {} pieces", expected.len());
-        same(&format!("pieces of {count} corners"), &[found.len()], &[expected.len()])?;
+        let (outline, _) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
+        same(&format!("pieces of {count} corners"), &[outline.pieces.len()], &[pieces])?;
     }
     Ok(())
 }
 
 /// Zigzag corners of all sizes in one plane with the light, but for the first, which is above what is farthest on both sides, where it
-/// crosses nothing. So they are seen in line, and each edge is cut in its middle, by the twin and by the GPU.
+/// crosses nothing. So they are seen in line, and each edge is cut in its middle.
 fn in_line(random: &mut Random, corners: usize, last: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut points = vec![[0.0, 1.0, 0.0], [1.0, 0.0, 8.0]];
     for at in 0..corners {
@@ -96,48 +79,27 @@ fn in_line(random: &mut Random, corners: usize, last: &[[f32; 3]]) -> Vec<[f32; 
     points
 }
 
-/// Pieces of an outline whose edges are cut in their middles, to the bit.
-fn check_halves(found: &[Listed], expected: &[Piece], outline: &Outline) -> Result<(), String> {
-    let bits = |point: [f32; 3]| point.map(|c| (c + 0.0).to_bits());
-    let end = |piece: &Piece, end: usize| match piece.ends[end] {
-        PieceEnd::Corner => outline.edges()[piece.edge][end],
-        PieceEnd::Touch(point) => point,
-        PieceEnd::Crossing { edge, .. } => {
-            let [a, b] = outline.edges()[piece.edge.min(edge)];
-            [0, 1, 2].map(|axis| 0.5_f32.mul_add(b[axis] - a[axis], a[axis]))
-        }
-    };
-    let ends = |piece: &Piece| {
-        let first = usize::from(piece.is_turned);
-        [bits(end(piece, first)), bits(end(piece, 1 - first))]
-    };
-    let mut found: Vec<_> = found.iter().map(|&[from, to, _]| [bits(from), bits(to)]).collect();
-    let mut expected: Vec<_> = expected.iter().map(ends).collect();
-    found.sort_unstable();
-    expected.sort_unstable();
-    same("pieces", &found, &expected)
+/// Pieces of an outline whose edges are cut in their middles, to the bit. Edges of all sizes in line need not close.
+fn check_halves(outline: &Twisted, name: &str, count: usize) -> Result<(), String> {
+    same("pieces", &[outline.pieces.len()], &[count])?;
+    let mut ends: Vec<_> = outline.pieces.iter().map(|&[from, to, _]| [bits(from), bits(to)]).collect();
+    ends.sort_unstable();
+    golden("polygon", name, ends.as_flattened().as_flattened())
 }
 
 /// An edge that as many others cut as turns order. Integers decide all of them, so each order takes many turns of loops.
 fn most_ordered() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let corners = in_line(&mut Random::new(63), MOST_ORDERED, &[[0.0, 0.0, -6.0], [0.0, 0.0, 6.0]]);
-    let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
-    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
-    println!("{} pieces", expected.len());
-    same("cuts of an edge", &[cuts_of_an_edge(&expected)], &[MOST_ORDERED])?;
-    check_halves(&found, &expected, &outline.outline()?)?;
-    let mut wrong = found;
-    let (one, other) = (wrong[0][1], wrong[1][1]);
-    (wrong[0][1], wrong[1][1]) = (other, one);
-    must_fail("two ends exchanged", &check_halves(&wrong, &expected, &outline.outline()?))
+    let (outline, _) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
+    check_halves(&outline, "most cuts that turns order", 16_803)
 }
 
 /// Outlines of few edges, with more and more triangles: beside a zigzag the polygon walks to a hole and back.
 fn most_triangles() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let hole = [[0.0, 0.0, -3.0], [-0.25, 0.0, -2.5], [0.25, 0.0, -2.7]];
-    for (edges, triangles) in [(32, 32), (32, 34), (24, MOST_TRIANGLES)] {
+    for (edges, triangles, pieces) in [(32, 32, 150), (32, 34, 134), (24, MOST_TRIANGLES, 58)] {
         let mut random = Random::new(66 + triangles as u64);
         let mut corners = in_line(&mut random, edges - 8, &[[-6.0, 0.0, -6.0], [0.0, 0.0, -7.0]]);
         let bridge = (triangles - edges) / 2;
@@ -147,12 +109,10 @@ fn most_triangles() -> Result<(), String> {
         let after = corners.len() - 1;
         let back = there.iter().rev().chain([&corners[after - 1]]).copied().collect();
         corners.splice(after..after, [there, hole.to_vec(), vec![hole[0]], back].concat());
-        let outline = Loop::new(corners, [1.0, 0.0, 0.0])?;
-        same("edges", &[outline.outline()?.edges().len()], &[edges])?;
-        same("triangles", &[outline.mesh.faces().len()], &[triangles])?;
-        let (found, expected) = (outline.found(gpu)?, outline.expected()?);
-        println!("{edges} edges, {triangles} triangles: {} pieces", expected.len());
-        check_halves(&found, &expected, &outline.outline()?).map_err(|error| format!("{triangles}: {error}"))?;
+        let (outline, found) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
+        same("edges and triangles", &[outline.edges.len(), found], &[edges, triangles])?;
+        let name = format!("{edges} edges and {triangles} triangles");
+        check_halves(&outline, &name, pieces).map_err(|error| format!("{name}: {error}"))?;
     }
     Ok(())
 }
@@ -163,23 +123,33 @@ fn zigzag(random: &mut Random, edges: usize, reach: f32) -> Vec<[f32; 3]> {
     (0..=edges).map(|at| [along(at), random.between(-0.1, 0.1), [-reach, reach][at % 2]]).collect()
 }
 
+/// Pieces of an outline that is seen from above: there are as many as cuts say, they close, and wind around what is dark.
+fn check_from_above(outline: &Twisted, cuts: &[usize]) -> Result<(), String> {
+    outline.check_count(cuts)?;
+    check_closed(&outline.pieces)?;
+    let [steps, dark] = outline.check_dark(&mut Random::new(67), 100)?;
+    println!(
+        "{} pieces, {steps} steps between points, {dark} of them from light to dark or back",
+        outline.pieces.len()
+    );
+    if dark > 10 { Ok(()) } else { Err("too few steps".to_owned()) }
+}
+
 /// An outline of the most edges, of which all that can cut the last but one. Seen from above.
 fn most_cuts() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let cuts = MAX_OUTLINE_EDGES - 5;
-    let mut corners = zigzag(&mut Random::new(64), cuts, 1.0);
+    let most = MAX_OUTLINE_EDGES - 5;
+    let mut corners = zigzag(&mut Random::new(64), most, 1.0);
     // Around to the beginning, and along the line.
     corners.extend([[2.0, 0.0, -3.0], [-2.0, 0.1, -3.0], [-2.0, -0.1, 0.01], [2.0, 0.1, 0.02]]);
     corners.rotate_right(1);
-    let outline = Loop::new(corners, [0.0, 1.0, 0.0])?;
-    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
-    println!("{} edges, {} cuts of one", outline.outline()?.edges().len(), cuts_of_an_edge(&expected));
-    same("edges", &[outline.outline()?.edges().len()], &[MAX_OUTLINE_EDGES])?;
-    if cuts_of_an_edge(&expected) < cuts {
-        return Err(format!("only {} cuts of an edge", cuts_of_an_edge(&expected)));
+    let (outline, _) = looped(gpu, corners, [0.0, 1.0, 0.0])?;
+    same("edges", &[outline.edges.len()], &[MAX_OUTLINE_EDGES])?;
+    let cuts = cuts_from_above(&outline);
+    if cuts.iter().all(|&cuts| cuts < most) {
+        return Err(format!("only {:?} cuts of an edge", cuts.iter().max()));
     }
-    check_closed(&found)?;
-    check_listed(&found, &expected, &outline.outline()?, outline.light)
+    check_from_above(&outline, &cuts)
 }
 
 /// Rows that a zigzag cuts as often as turns order, and nearly as many pieces as there is room for. Seen from above.
@@ -195,12 +165,10 @@ fn most_pieces() -> Result<(), String> {
     }
     // Around the rows to where the zigzag begins.
     corners.extend([[1.5, 0.0, -3.0], [-1.5, 0.1, -3.0], [-1.5, -0.1, 2.5]]);
-    let outline = Loop::new(corners, [0.0, 1.0, 0.0])?;
-    let (found, expected) = (outline.found(gpu)?, outline.expected()?);
-    println!("{} pieces, {} cuts of an edge", expected.len(), cuts_of_an_edge(&expected));
-    same("cuts of an edge", &[cuts_of_an_edge(&expected)], &[MOST_ORDERED])?;
-    same("pieces", &[found.len()], &[expected.len()])?;
-    check_closed(&found)
+    let (outline, _) = looped(gpu, corners, [0.0, 1.0, 0.0])?;
+    let cuts = cuts_from_above(&outline);
+    same("most cuts of an edge", &[cuts.iter().max()], &[Some(&MOST_ORDERED)])?;
+    check_from_above(&outline, &cuts)
 }
 
 /// A star of which each edge cuts all others but its neighbours: the most cuts that an outline can have.
@@ -211,8 +179,10 @@ fn too_many() -> Result<(), String> {
         let angle = (at * (corners / 2) % corners) as f32 / corners as f32 * std::f32::consts::TAU;
         [angle.sin(), 0.0, angle.cos()]
     };
-    let outline = Loop::new((0..corners).map(corner).collect(), [0.0, 1.0, 0.0])?;
-    let (counts, capacity) = piece_counts(gpu, &outline.set, &outline.mesh, &[outline.light])?;
+    let mut set = PolygonSet::default();
+    set.push_points(&[(0..corners).map(corner).collect()]);
+    let mesh = set.mesh(Weld::Position).map_err(text)?;
+    let (counts, capacity) = piece_counts(gpu, &set, &mesh, &[Light::directional([0.0, 1.0, 0.0])])?;
     println!("{} pieces, and room for {capacity}", counts[0]);
     same("pieces", &counts, &[(corners * (corners - 2)) as u32])?;
     if counts[0] > capacity { Ok(()) } else { Err("there is room".to_owned()) }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use rimline::internals::cpu::{self, EdgeMasks, Extraction, Outline, PolygonMasks, Seen, Threads};
 use rimline::mesh::{EdgeKind, Weld};
-use rimline::reference::cpu::{self, EdgeMasks, Extraction, Outline, PolygonMasks, Seen, Threads};
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
 use rimline_testkit::random::Random;

@@ -4,6 +4,7 @@ mod cut_limits;
 mod depths;
 mod lights;
 mod limits;
+mod pieces;
 mod query_stages;
 mod stages;
 mod zero;
@@ -11,6 +12,6 @@ mod zero;
 use rimline_testkit::harness;
 
 fn main() {
-    let tests = [stages::TESTS, query_stages::TESTS, zero::TESTS, limits::TESTS, cut_limits::TESTS];
+    let tests = [stages::TESTS, pieces::TESTS, query_stages::TESTS, zero::TESTS, limits::TESTS, cut_limits::TESTS];
     harness::run(harness::gpu_trials(tests.into_iter().flatten().copied()));
 }

@@ -2,8 +2,8 @@
 //! compared with the twin. docs/numerics/loops.md.
 
 use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, MAX_OUTLINE_EDGES};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh};
 
 use rimline_testkit::device::Gpu;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use rimline::Light;
+use rimline::internals::cpu::{Outline, Seen, edge_pair, fits_half_space, polygon_turns};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{Outline, Seen, edge_pair, fits_half_space, polygon_turns};
 use rimline_testkit::polygons::{PolygonSet, random_polygon};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, polygon_oracle};

@@ -1,7 +1,7 @@
 //! Shadow depths of polygons on the CPU: each polygon counts once where an odd number of its triangles lie between.
 
 use rimline::Mesh;
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline_testkit::random::Random;
 use rimline_testkit::shadow_cases::put_on_faces;
 use rimline_testkit::{is_long, must_fail, same, shadow_oracle};

@@ -2,8 +2,8 @@
 
 use rimline::Light;
 use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::{NO_FACE, Weld};
-use rimline::reference::cpu::{self, Threads};
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

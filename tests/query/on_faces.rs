@@ -1,7 +1,7 @@
 //! Points that name the face that they are on: that face does not count for them, and all else is as before.
 
+use rimline::internals::cpu::{self, CpuError, Threads};
 use rimline::mesh::NO_FACE;
-use rimline::reference::cpu::{self, CpuError, Threads};
 use rimline::{Light, Mesh};
 use rimline_testkit::random::Random;
 use rimline_testkit::shadow_cases::{ShadowCase, centre, put_on_faces, shadow_cases};

@@ -1,8 +1,8 @@
 //! Points that name their face, on the GPU: the CPU's integers, however points lie and the query is cut, and what is refused.
 
 use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::NO_FACE;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

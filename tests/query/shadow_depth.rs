@@ -1,6 +1,6 @@
 //! The shadow depth query's CPU reference: against brute force, and what must hold of any such count.
 
-use rimline::reference::cpu::{self, CpuError, Threads};
+use rimline::internals::cpu::{self, CpuError, Threads};
 use rimline::{Light, LightError, Mesh};
 use rimline_testkit::random::Random;
 use rimline_testkit::shadow_cases::{ShadowCase, lattice, shadow_cases};

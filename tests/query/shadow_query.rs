@@ -6,9 +6,9 @@ use rimline::gpu::{
     DeviceError, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, QueryError, ShadowQuery,
     ShadowQueryOptions,
 };
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
-use rimline::reference::stages::EXACT_SHADOW_DEPTH;
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
+use rimline::internals::stages::EXACT_SHADOW_DEPTH;
 use rimline::{Light, LightError, Mesh};
 use rimline_testkit::shapes::{self, Shape};
 
@@ -57,7 +57,9 @@ fn found(
     gpu.submit(|encoder| {
         query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights).map_err(text)
     })?;
-    gpu.read(query.depths(), case.points.len() * case.lights.len())
+    let found = query.read_depths(&gpu.queue).map_err(text)?;
+    same("as the buffer", &gpu.read::<i32>(query.depths(), found.len())?, &found)?;
+    Ok(found)
 }
 
 fn expected(case: &ShadowCase) -> Result<Vec<i32>, String> {
@@ -149,10 +151,14 @@ fn splits() -> Result<(), String> {
     let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
     gpu.submit(|encoder| {
         query.encode_at(encoder, positions, points, 300, &case.lights).map_err(text)?;
-        query.encode_at(encoder, positions, points, 7, &few.lights).map_err(text)?;
-        query.encode_at(encoder, positions, points, 0, &few.lights).map_err(text)
+        query.encode_at(encoder, positions, points, 7, &few.lights).map_err(text)
     })?;
-    same("few", &gpu.read::<i32>(query.depths(), 14)?, &expected(&few)?)
+    same("few", &query.read_depths(&gpu.queue).map_err(text)?, &expected(&few)?)?;
+    for lights in [&few.lights[..], &[]] {
+        gpu.submit(|encoder| query.encode_at(encoder, positions, points, 0, lights).map_err(text))?;
+        same("none", &query.read_depths(&gpu.queue).map_err(text)?, &Vec::new())?;
+    }
+    same("none is written", &gpu.read::<i32>(query.depths(), 14)?, &expected(&few)?)
 }
 
 fn small_limits() -> Result<(), String> {

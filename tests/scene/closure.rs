@@ -4,13 +4,14 @@ use std::collections::HashMap;
 
 use rimline::ShadowCamera;
 use rimline::gpu::FrameInputs;
-use rimline::reference::cpu::{self, SceneTable};
+use rimline::internals::cpu;
+use rimline::internals::scene::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::{must_fail, same};
 
-use crate::found::Found;
+use crate::found::{Found, SlotOrder, slot_order};
 use crate::histories::camera;
 use crate::random_scene::{Own, RandomScene};
 use crate::scenes::roomy;
@@ -102,8 +103,8 @@ fn boundary() -> Result<(), String> {
                             return Err(format!("caster {number}: what the caller excludes is not heeded"));
                         }
                         let (expected, zeros) = expected(&scene, own, light, is_given, [is_every, heeds])?;
-                        let order = frame.slot_order(own.handle);
-                        let place = (index, order);
+                        let order = slot_order(&frame, own.handle, scene.content.mesh_and_positions(own).0);
+                        let place = (index, order.as_ref());
                         let listed = sides_of(&found, own, &scene, place, of_group.side_capacity, (&sides, bit))?;
                         let what = format!("caster {number}, light {light}, every face {is_every}");
                         compare(&what, &listed, &expected)?;
@@ -156,7 +157,7 @@ fn sides_of(
     found: &Found,
     own: &Own,
     scene: &RandomScene,
-    (index, order): (u32, Option<[&[u32]; 2]>),
+    (index, order): (u32, Option<&SlotOrder>),
     capacity: u32,
     (words, bit): (&[u32], u32),
 ) -> Result<Chain, String> {

@@ -2,10 +2,10 @@
 //! decides by more than rounding is decided. docs/numerics/clusters.md, "Bound on planes".
 
 use rimline::Light;
-use rimline::reference::clusters::{CLUSTER_FACES, ClusterBound, Clusters};
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::LightBatch;
-use rimline::reference::stages::CLUSTERS;
+use rimline::internals::clusters::{CLUSTER_FACES, ClusterBound, Clusters};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::LightBatch;
+use rimline::internals::stages::CLUSTERS;
 use rimline_testkit::clusters::height_and_spread;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -37,7 +37,7 @@ fn with_mesh(gpu: &Gpu, seed: u64, shape: shapes::Shape) -> Result<RandomScene, 
     let handle = scene.scene.add_mesh(&case.2, &case.1).map_err(text)?;
     scene.content.meshes.push((Arc::new(case), handle));
     let mesh = scene.content.meshes.len() - 1;
-    scene.insert_as(mesh, Placed::Rigid(IDENTITY), CasterPositions::Rigid(IDENTITY))?;
+    scene.insert_as(mesh, Placed::Rigid(IDENTITY), CasterPositions::Rigid(IDENTITY.into()))?;
     Ok(scene)
 }
 
@@ -155,7 +155,7 @@ fn shifted() -> Result<(), String> {
             scene.scene.remove(own.handle).map_err(text)?;
         }
         while scene.content.casters.len() < casters {
-            scene.insert_as(0, Placed::Rigid(IDENTITY), CasterPositions::Rigid(IDENTITY))?;
+            scene.insert_as(0, Placed::Rigid(IDENTITY), CasterPositions::Rigid(IDENTITY.into()))?;
         }
         scene.set_all_lights()?;
         for direction in directions {

@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use rimline::gpu::{SceneFrame, SceneOptions, ShadowError};
-use rimline::reference::cpu;
-use rimline::reference::layout::LightCone;
-use rimline::reference::stages::NEEDS;
+use rimline::internals::cpu;
+use rimline::internals::layout::LightCone;
+use rimline::internals::stages::NEEDS;
 use rimline::{Cone, Light, LightError, Matrix3x4};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -1,12 +1,12 @@
 //! Figures that walk about, in a scene that deforms them as far as a frame needs them, and in one that deforms all.
 
-use glam::{DVec4, Vec3};
+use glam::{Affine3A, DVec4, Quat, Vec3};
 use rimline::gpu::{
     Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, ModelHandle, PoseInputs, Scene,
     SceneFrame, SceneOptions,
 };
 use rimline::model::Box3;
-use rimline::{Cone, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
+use rimline::{Cone, DepthDirection, Instance, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::models::bending_tube;
 use rimline_testkit::on_gpu::{text, views};
@@ -46,15 +46,10 @@ impl Crowd {
     pub(crate) fn pose(&self, figures: &[Figure]) -> Result<Pose, String> {
         let pose = |figure: &Figure| {
             let bent = (self.bend)(figure.time);
-            let mut palette = bent.instances()[0].palette().to_vec();
             let mirror = if figure.is_mirrored { -figure.size } else { figure.size };
-            for rows in &mut palette {
-                for (row, factor) in rows.iter_mut().zip([mirror, figure.size, figure.size]) {
-                    *row = row.map(|c| c * factor);
-                }
-                rows.iter_mut().zip(figure.at.to_array()).for_each(|(row, c)| row[3] += c);
-            }
-            InstancePose::new(palette, Vec::new()).map_err(text)
+            let scale = glam::vec3(mirror, figure.size, figure.size);
+            let at = Affine3A::from_scale_rotation_translation(scale, Quat::IDENTITY, figure.at);
+            Ok::<_, String>(bent.placed(at).map_err(text)?.instances()[0].clone())
         };
         Ok(Pose::new(figures.iter().map(pose).collect::<Result<_, _>>()?))
     }

@@ -1,7 +1,8 @@
 //! Facing of scenes by exact arithmetic and without it, and what is left to it.
 
 use rimline::gpu::{Capacities, Caster, FrameInputs, LightMask, Measuring, Scene, SceneOptions};
-use rimline::reference::cpu::{self, SceneTable, Threads};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::scene::SceneTable;
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::band::check_facing;
 use rimline_testkit::device::Gpu;

@@ -1,9 +1,12 @@
 //! Results of a frame, read back from its buffers, and a comparison of each caster with its results alone.
 
 use glam::{DMat3, DVec3};
-use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
-use rimline::reference::cpu::{self, SceneTable};
-use rimline::reference::layout::{CHUNK, DrawArguments};
+use rimline::Mesh;
+use rimline::gpu::{CasterHandle, ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
+use rimline::internals::clusters::EdgeOrder;
+use rimline::internals::cpu;
+use rimline::internals::layout::{CHUNK, DrawArguments};
+use rimline::internals::scene::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::same;
@@ -204,8 +207,18 @@ fn lit_of(
     Ok(lit)
 }
 
+/// The face of each face slot of a caster, and the record of each edge slot.
+pub(crate) type SlotOrder = [Vec<u32>; 2];
+
+/// `None`: slots have the order of the mesh.
+pub(crate) fn slot_order(frame: &SceneFrame, caster: CasterHandle, mesh: &Mesh) -> Option<SlotOrder> {
+    let faces = frame.slot_order(caster)?.to_vec();
+    let records = EdgeOrder::new(mesh.edges(), &faces).records().to_vec();
+    Some([faces, records])
+}
+
 /// Masks of face slots in the order of the mesh.
-pub(crate) fn in_order(order: Option<[&[u32]; 2]>, masks: &[u32]) -> Vec<u32> {
+pub(crate) fn in_order(order: Option<&SlotOrder>, masks: &[u32]) -> Vec<u32> {
     let Some([faces, _]) = order else { return masks.to_vec() };
     let mut sorted = vec![u32::MAX; masks.len()];
     for (&face, &mask) in faces.iter().zip(masks) {
@@ -215,7 +228,7 @@ pub(crate) fn in_order(order: Option<[&[u32]; 2]>, masks: &[u32]) -> Vec<u32> {
 }
 
 /// Entries of edge slots, counted from the first of their caster, as entries of edge records, in order.
-pub(crate) fn records(order: Option<[&[u32]; 2]>, mut list: Vec<u32>) -> Vec<u32> {
+pub(crate) fn records(order: Option<&SlotOrder>, mut list: Vec<u32>) -> Vec<u32> {
     if let Some([_, records]) = order {
         for entry in &mut list {
             *entry = records[(*entry & !cpu::WINDING) as usize] | *entry & cpu::WINDING;
@@ -229,7 +242,7 @@ pub(crate) fn records(order: Option<[&[u32]; 2]>, mut list: Vec<u32>) -> Vec<u32
 fn check_caster(
     found: &Found,
     (index, group): (u32, usize),
-    order: Option<[&[u32]; 2]>,
+    order: Option<&SlotOrder>,
     lit: &[u32],
     expected: &Expected,
 ) -> Result<usize, String> {
@@ -268,9 +281,10 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
         let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
         let lit = if batches == 0 { Vec::new() } else { lit_of(content, own, found, index, batches, &mut tally)? };
         let expected = content.alone(own, &lit)?;
-        tally.silhouettes += check_caster(found, (index, group), frame.slot_order(own.handle), &lit, &expected)?;
-        tally.in_planes += expected.excluded.iter().flatten().map(|mask| mask.count_ones()).sum::<u32>();
         let (mesh, positions) = content.mesh_and_positions(own);
+        let order = slot_order(frame, own.handle, mesh);
+        tally.silhouettes += check_caster(found, (index, group), order.as_ref(), &lit, &expected)?;
+        tally.in_planes += expected.excluded.iter().flatten().map(|mask| mask.count_ones()).sum::<u32>();
         let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
         let taken = |batch: usize| found.taken[batch * content.casters.len() + index as usize];
         for (batch, lit) in lit.iter().enumerate() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rimline::gpu::{Capacities, SceneFrame, SceneOptions, ShadowError};
-use rimline::reference::cpu::SceneTable;
+use rimline::internals::scene::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;

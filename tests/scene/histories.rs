@@ -6,7 +6,7 @@ use rimline::gpu::{
     Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Scene,
     SceneFrame, SceneOptions, ShadowStatistics,
 };
-use rimline::reference::layout::ShadowDraws;
+use rimline::internals::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -129,7 +129,7 @@ fn fresh(
     let lights: Vec<(LightHandle, LightHandle)> = lights.collect::<Result<_, String>>()?;
     for own in &content.casters {
         let positions = match &own.placed {
-            Placed::Rigid(rows) => CasterPositions::Rigid(*rows),
+            Placed::Rigid(rows) => CasterPositions::Rigid((*rows).into()),
             Placed::World(world) => CasterPositions::Buffer { buffer: gpu.storage(world), offset: 0, stride: 12 },
         };
         let allowed = lights.iter().filter(|(old, _)| own.lights.contains(*old)).map(|(_, new)| *new);

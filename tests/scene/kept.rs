@@ -9,7 +9,7 @@ use rimline::gpu::{
     CasterHandle, CasterPositions, FrameInputs, Measuring, SceneFrame, SceneOptions, SceneStatistics, ShadowError,
     ShadowStatistics,
 };
-use rimline::reference::cpu;
+use rimline::internals::scene::CHOICE_WORDS;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{text, views};
@@ -278,7 +278,7 @@ fn lists() -> Result<(), String> {
                     let is_fresh = |bit: &usize| made_from.get(*bit) != before.get(*bit);
                     let expected = (0..32).filter(is_fresh).fold(0_u32, |mask, bit| mask | 1 << bit);
                     let word = (view * frame.batches() + group.batch) * group.dispatch.casters as usize;
-                    let found = listed.choices[cpu::CHOICE_WORDS * word + 7];
+                    let found = listed.choices[CHOICE_WORDS * word + 7];
                     same("lists made anew", &[found], &[expected])?;
                     fresh += (found & 63).count_ones();
                 }
@@ -294,7 +294,7 @@ fn lists() -> Result<(), String> {
         second.kept = 0;
         let without_mask = |listed: &Listed| {
             let mut listed = listed.clone();
-            listed.choices.iter_mut().skip(7).step_by(cpu::CHOICE_WORDS).for_each(|word| *word = 0);
+            listed.choices.iter_mut().skip(7).step_by(CHOICE_WORDS).for_each(|word| *word = 0);
             listed
         };
         same("lists of a still frame", &[without_mask(&second)], &[without_mask(&first)])?;
@@ -454,7 +454,7 @@ fn zeros() -> Result<(), String> {
     let cube = scene.content.meshes.iter().position(|(case, _)| case.0 == "cube");
     let mesh = cube.unwrap_or(0);
     let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    scene.insert_as(mesh, Placed::Rigid(rows), CasterPositions::Rigid(rows))?;
+    scene.insert_as(mesh, Placed::Rigid(rows), CasterPositions::Rigid(rows.into()))?;
     // A corner of a face lies in its plane.
     let (_, corner, shape) = &*scene.content.meshes[mesh].0.clone();
     let at = corner[shape.faces()[0][0] as usize];

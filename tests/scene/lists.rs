@@ -2,8 +2,8 @@
 //! read from the GPU. `reach`, `clusters` and `chunks` find the rest from these by integers.
 
 use rimline::gpu::{SceneFrame, SceneStatistics};
-use rimline::reference::cpu::SceneTable;
-use rimline::reference::layout::{CHUNK, FACE_ENTRY, SceneCaster, SceneDispatch};
+use rimline::internals::layout::{CHUNK, FACE_ENTRY, SceneCaster, SceneDispatch};
+use rimline::internals::scene::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::{must_fail, same};

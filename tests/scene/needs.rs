@@ -9,7 +9,7 @@ use rimline::gpu::{
     SceneFrame, SceneOptions, SceneStatistics, ShadowError, View,
 };
 use rimline::model::Box3;
-use rimline::{Cone, Displacement, Light, Mesh, ModelError, ShadowCamera};
+use rimline::{Cone, Displacement, Light, ModelError, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{text, views};
@@ -521,7 +521,7 @@ fn hidden() -> Result<(), String> {
     gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &[]))?;
     let positions = other.positions(gpu)?.into_iter().map(|p| p.map(f32::from_bits)).collect::<Vec<_>>();
     let geometry = &crowd.model.geometries()[0];
-    let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec()).map_err(text)?;
+    let mesh = geometry.mesh().map_err(text)?;
     // The first versions that a scene counts, and those of the caller.
     let figures = positions.chunks(geometry.positions().len());
     let searched: Vec<_> = figures.map(|positions| HiddenCaster { mesh: &mesh, positions, version: Some(1) }).collect();

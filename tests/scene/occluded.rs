@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use rimline::gpu::{
     Caster, CasterHandle, FrameInputs, LightHandle, Measuring, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError,
 };
-use rimline::reference::cpu::SceneTable;
+use rimline::internals::scene::SceneTable;
 use rimline::{Light, Matrix3x4, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -7,7 +7,7 @@ use rimline::gpu::{
     Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, MeshHandle, Scene, SceneFrame,
     SceneOptions,
 };
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Light, Matrix3x4, Mesh, Predicate};
 use rimline_testkit::cases::{Case, case, random_soup, topologies};
 use rimline_testkit::device::Gpu;
@@ -184,7 +184,7 @@ impl RandomScene {
 
     pub(crate) fn insert_rigid_of(&mut self, mesh: usize) -> Result<(), String> {
         let transform = self.transform();
-        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform)).map(drop)
+        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform.into())).map(drop)
     }
 
     pub(crate) fn insert_as(

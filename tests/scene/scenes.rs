@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rimline::gpu::{Capacities, SceneFrame, SceneOptions};
-use rimline::reference::cpu;
+use rimline::internals::cpu;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};

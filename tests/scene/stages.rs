@@ -2,9 +2,9 @@
 
 use glam::{DMat3, DVec3};
 use rimline::gpu::SceneOptions;
-use rimline::mesh::Bounds;
-use rimline::reference::cpu::{self, SceneTable};
-use rimline::reference::layout::SceneCaster;
+use rimline::internals::cpu;
+use rimline::internals::layout::SceneCaster;
+use rimline::internals::scene::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
@@ -73,9 +73,10 @@ fn check_caster(content: &Content, own: &Own, found: &SceneCaster, random: &mut 
     let is_regular = rows.iter().flatten().all(|c| c.is_finite());
     let expected = if is_regular { *rows } else { [[0.0; 4]; 3] };
     same("rows", &[found.row_0, found.row_1, found.row_2], &expected)?;
-    let vertices = mesh.faces().iter().filter(|face| is_finite(face)).flatten();
-    if let Some(bounds) = Bounds::of(vertices.map(|&vertex| &positions[vertex as usize])) {
-        same("box", &[found.low, found.high], &[bounds.min, bounds.max])?;
+    let vertices = mesh.faces().iter().filter(|face| is_finite(face)).flatten().map(|&v| positions[v as usize]);
+    let corner = |of: fn(f32, f32) -> f32| vertices.clone().reduce(|p, q| [0, 1, 2].map(|axis| of(p[axis], q[axis])));
+    if let (Some(low), Some(high)) = (corner(f32::min), corner(f32::max)) {
+        same("box", &[found.low, found.high], &[low, high])?;
     } else if found.low[0] <= found.high[0] {
         return Err("a box of nothing".to_owned());
     }

@@ -1,8 +1,8 @@
 //! Other cameras than a perspective one with reversed depth and without a far plane.
 
 use glam::DVec3;
-use rimline::reference::shadow;
-use rimline::reference::stages::CAP_FACES;
+use rimline::internals::shadow;
+use rimline::internals::stages::CAP_FACES;
 use rimline::{Counting, DepthDirection};
 
 use crate::classes::{CLASSES, Class};

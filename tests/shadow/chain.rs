@@ -1,8 +1,8 @@
 //! All that a scene of one caster records, from extraction to draws.
 
 use rimline::gpu::{PositionBuffer, ShadowFormat, ShadowPipelines};
-use rimline::reference::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowStatistics};
-use rimline::reference::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL};
+use rimline::internals::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowStatistics};
+use rimline::internals::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL};
 use rimline::{Counting, Light};
 
 use crate::stages::{PLACES, instances, placed};

@@ -3,9 +3,9 @@
 //! The stage is `choose`.
 
 use glam::{DMat4, DVec3, DVec4};
-use rimline::reference::cpu;
-use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use rimline::internals::cpu;
+use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
+use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -1,8 +1,8 @@
 //! The vertices of sides and caps as vertex shaders draw them from lists, by a compute shader that calls them.
 
-use rimline::reference::cpu;
-use rimline::reference::layout::{ShadowDraw, ShadowLight, ShadowShape, ShadowView};
-use rimline::reference::stages::{CAP_FACES, SIDES};
+use rimline::internals::cpu;
+use rimline::internals::layout::{ShadowDraw, ShadowLight, ShadowShape, ShadowView};
+use rimline::internals::stages::{CAP_FACES, SIDES};
 
 use crate::sides;
 use crate::stages::{Staged, table, with_depth};

@@ -1,9 +1,9 @@
 //! The vertices of dark caps that orthographic cameras see: docs/numerics/rasterisers.md, "Dark caps of orthographic cameras".
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
-use rimline::reference::cpu;
-use rimline::reference::layout::ShadowShape;
-use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_Z_FAIL};
+use rimline::internals::cpu;
+use rimline::internals::layout::ShadowShape;
+use rimline::internals::shadow::{self, CAST_NOTHING, COUNT_Z_FAIL};
 use rimline::{DepthDirection, Light};
 use rimline_testkit::shapes;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, ShadowError, View};
-use rimline::reference::shadow::CAST_NOTHING;
+use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;

@@ -5,10 +5,10 @@ use rimline::gpu::{
     Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Receivers,
     Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StencilCounts, View,
 };
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::{ShadowLight, ShadowStatistics};
+use rimline::internals::shadow::CAST_AVERTED;
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{ShadowLight, ShadowStatistics};
-use rimline::reference::shadow::CAST_AVERTED;
 use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
 
@@ -205,12 +205,12 @@ impl InScene {
             let (mesh, own, positions) = match (renderer.placing, body.mirror) {
                 (Placing::Moved(_), _) => {
                     let (own, matrix) = turned(&mut random, body);
-                    (mesh(&body.shape.faces)?, own, CasterPositions::Rigid(matrix))
+                    (mesh(&body.shape.faces)?, own, CasterPositions::Rigid(matrix.into()))
                 }
                 (_, Some(mirror)) => {
                     // Mirroring twice is nothing.
                     let own = body.shape.positions.iter().map(|&p| (glam::Vec3::from(p) * mirror).to_array());
-                    (mesh(&mirrored())?, own.collect(), CasterPositions::Rigid(rows(mirror.to_array())))
+                    (mesh(&mirrored())?, own.collect(), CasterPositions::Rigid(rows(mirror.to_array()).into()))
                 }
                 (_, None) => {
                     let buffer = gpu.storage(&body.shape.positions);
@@ -225,7 +225,7 @@ impl InScene {
             let caster = Caster { mesh, positions, lights: mask, in_depth: body.in_depth };
             // Some are elsewhere at first.
             let caster = if is_busy && random.below(2) == 0 {
-                let positions = CasterPositions::Rigid(rows([2.0, 1.0, 1.0]));
+                let positions = CasterPositions::Rigid(rows([2.0, 1.0, 1.0]).into());
                 let elsewhere = scene.insert(Caster { positions, ..caster.clone() }).map_err(text)?;
                 scene.set_positions(elsewhere, caster.positions).map_err(text)?;
                 elsewhere

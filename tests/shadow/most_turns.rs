@@ -2,17 +2,19 @@
 //! llvmpipe ends an invocation's loops after 65,535 turns without an error. docs/numerics/loops.md.
 
 use bytemuck::Zeroable;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{SceneCaster, ShadowDraw, ShadowLight, ShadowShape, ShadowStatistics, StencilPencil};
-use rimline::reference::shadow::{self, CAST_EVERY, COUNT_Z_PASS, COUNT_ZP_PLUS};
-use rimline::reference::stages::{BOUNDS, CAPS, COMPACT, LIST_SIDES, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL};
-use rimline::reference::turns::{EXACT_ITEMS, limits};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::{SceneCaster, ShadowDraw, ShadowLight, ShadowShape, ShadowStatistics, StencilPencil};
+use rimline::internals::scene::CHOICE_WORDS;
+use rimline::internals::shadow::{self, CAST_EVERY, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use rimline::internals::stages::{BOUNDS, CAPS, COMPACT, LIST_SIDES, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL};
+use rimline::internals::turns::EXACT_ITEMS;
 use rimline::{DepthDirection, Light, Mesh, Predicate, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::{Dispatch, uniform};
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
+use rimline_testkit::turns::limits;
 use rimline_testkit::{must_fail, same, shapes};
 
 use crate::sides::{self, box_words};
@@ -88,13 +90,13 @@ fn bounds() -> Result<(), String> {
     words.extend((0..chunks).map(|_| 0));
     let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
     let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_at, ..shape(&mesh, 1) };
-    let mut choices = vec![0_u32; cpu::CHOICE_WORDS * places as usize];
+    let mut choices = vec![0_u32; CHOICE_WORDS * places as usize];
     let mut lit = vec![0_u32; batches as usize];
     let stage = Dispatch::stage(gpu, &BOUNDS);
     let (shape, table) = (uniform(gpu, &own), gpu.storage(&words));
     let (positions, faces) = (placed(gpu, &positions, PLACES[0]), gpu.storage(&faces));
     let mut run = |is_fresh: u32, is_lit: u32| {
-        choices[cpu::CHOICE_WORDS * places as usize - 1] = is_fresh;
+        choices[CHOICE_WORDS * places as usize - 1] = is_fresh;
         lit[batches as usize - 1] = is_lit;
         let (choices, lit, found) = (gpu.storage(&choices), gpu.storage(&lit), gpu.storage(&[0_u32; 7]));
         stage.run(gpu, &[&shape, &table, &positions, &faces, &found, &choices, &lit], 1)?;
@@ -206,7 +208,7 @@ fn list_sides() -> Result<(), String> {
 fn stencil_pencil() -> Result<(), String> {
     const RIGID: u32 = 4;
     let gpu = &*Gpu::shared()?;
-    let casters = (BINDING / (size_of::<SceneCaster>() + 4 * cpu::CHOICE_WORDS)) as u32;
+    let casters = (BINDING / (size_of::<SceneCaster>() + 4 * CHOICE_WORDS)) as u32;
     // Each of 256 invocations has nearly as many as the bound of its loops counts.
     if casters.div_ceil(256) > stated("PENCIL_CASTERS") || casters.div_ceil(256) < stated("PENCIL_CASTERS") * 3 / 4 {
         return Err(format!("{casters} casters"));

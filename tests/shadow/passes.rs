@@ -13,6 +13,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("formats_of_passes_serve_for_them", served),
     ("other_passes_are_typed_errors", other_passes),
     ("light_is_added_where_the_stencil_is_0_at_any_depth", full_screen),
+    ("light_is_compared_with_0_after_volumes", reference),
 ];
 
 const DEPTH_STENCIL: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
@@ -192,7 +193,13 @@ const WHOLE: &str = "
 ";
 
 /// Pixels that the triangle lights, of 4,096, in a pass of these depths and stencil values.
-fn lit(gpu: &Gpu, state: &wgpu::DepthStencilState, depth: f32, stencil: u32) -> Result<usize, String> {
+fn lit(
+    gpu: &Gpu,
+    state: &wgpu::DepthStencilState,
+    depth: f32,
+    stencil: u32,
+    before: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>,
+) -> Result<usize, String> {
     let device = &gpu.device;
     let source = wgpu::ShaderSource::Wgsl(WHOLE.into());
     let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
@@ -234,6 +241,7 @@ fn lit(gpu: &Gpu, state: &wgpu::DepthStencilState, depth: f32, stencil: u32) -> 
             }),
             ..Default::default()
         });
+        before(&mut pass)?;
         pass.set_pipeline(&pipeline);
         pass.draw(0..3, 0..1);
         drop(pass);
@@ -251,9 +259,36 @@ fn full_screen() -> Result<(), String> {
     let format = ShadowFormat::default();
     let (surfaces, whole) = (format.light_pass_depth_stencil(), format.full_screen_depth_stencil());
     for (depth, stencil) in [(0.5, 0), (0.5, 1), (0.25, 0), (0.25, 1), (0.75, 0), (0.75, 128)] {
-        let found = [lit(gpu, &surfaces, depth, stencil)?, lit(gpu, &whole, depth, stencil)?];
+        let found = [lit(gpu, &surfaces, depth, stencil, |_| Ok(()))?, lit(gpu, &whole, depth, stencil, |_| Ok(()))?];
         let expected = [depth == 0.5 && stencil == 0, stencil == 0].map(|is_lit| if is_lit { 4096 } else { 0 });
         same(&format!("depth {depth}, stencil {stencil}"), &found, &expected)?;
     }
     Ok(())
+}
+
+/// A reference that the caller set before volumes were drawn does not change where light is added.
+fn reference() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let format = ShadowFormat { colors: vec![Some(wgpu::TextureFormat::Rgba8Unorm)], ..ShadowFormat::default() };
+    let shape = shapes::torus(16, 8, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
+    let mut caster = one_caster(gpu, &pipelines, &mesh, OneCasterOptions::default()).map_err(text)?;
+    let buffer = gpu.storage(&shape.positions);
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let lights = [Light::point([0.0, 5.0, 2.0])];
+    let shadows =
+        gpu.submit(|encoder| caster.encode(encoder, positions, &lights, Some(&camera()), None).map_err(text))?;
+    let found = |reference| {
+        // A surface that volumes pass behind and before.
+        lit(gpu, &format.full_screen_depth_stencil(), 0.025, 0, |pass| {
+            pass.set_stencil_reference(reference);
+            shadows.draw(pass, &pipelines, 0).map_err(text)
+        })
+    };
+    let expected = found(0)?;
+    if !(1..4096).contains(&expected) {
+        return Err(format!("{expected} pixels are lit"));
+    }
+    same("after another reference", &[found(1)?], &[expected])
 }

@@ -1,7 +1,7 @@
 //! A stencil count is not zero exactly where the shadow depth query is not, at what the pixels see.
 
 use glam::DVec3;
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Counting, Light, Mesh};
 use rimline_testkit::shapes::Shape;
 

@@ -3,9 +3,9 @@
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, View};
-use rimline::reference::cpu::CHOICE_WORDS;
-use rimline::reference::layout::ReceiverView;
-use rimline::reference::shadow;
+use rimline::internals::layout::ReceiverView;
+use rimline::internals::scene::CHOICE_WORDS;
+use rimline::internals::shadow;
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;

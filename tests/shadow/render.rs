@@ -4,8 +4,8 @@ use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, Dept
 use rimline::gpu::{
     Pipelines, PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowPipelines, read_back_vec,
 };
+use rimline::internals::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::mesh::Weld;
-use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Light, Mesh};
 use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame};
 

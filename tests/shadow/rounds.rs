@@ -4,8 +4,8 @@
 
 use glam::Vec4;
 use rimline::gpu::read_back_vec;
-use rimline::reference::layout::{ShadowLight, ShadowView};
-use rimline::reference::shadow;
+use rimline::internals::layout::{ShadowLight, ShadowView};
+use rimline::internals::shadow;
 use rimline::{DepthDirection, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;

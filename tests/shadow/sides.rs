@@ -2,10 +2,10 @@
 //! and the faces in each list of caps. The box of what casts.
 
 use rimline::Mesh;
+use rimline::internals::cpu;
+use rimline::internals::layout::ShadowLight;
+use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_Z_FAIL, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 use rimline::mesh::{INCONSISTENT_BIT, NO_FACE};
-use rimline::reference::cpu;
-use rimline::reference::layout::ShadowLight;
-use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_Z_FAIL, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
 /// The share of a face in the shadow of a light: 0 or ±1, from its masks and the light's choice alone.
 pub(crate) fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {

@@ -1,8 +1,8 @@
 //! A skinned figure in motion: what the deform stage wrote, against rays through it.
 
-use glam::{DVec3, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use rimline::gpu::{Deformer, DeformerOptions, FrameInputs, Scene, SceneOptions};
-use rimline::{Counting, DepthDirection, Instance, InstancePose, Light, Model, Pose, wgpu};
+use rimline::{Counting, DepthDirection, Instance, Light, Model, Pose, wgpu};
 use rimline_testkit::shapes::Shape;
 
 use crate::classes::with_caster;
@@ -76,12 +76,9 @@ fn unneeded() -> Result<(), String> {
         println!("seed {}", 9100 + number);
         let pose = |_| {
             let bent = bend(number as f32 * 0.4);
-            let mut palette = bent.instances()[0].palette().to_vec();
             let at = [random.between(-10.0, 10.0), random.between(-1.5, 1.0), random.between(-10.0, 10.0)];
-            for rows in &mut palette {
-                rows.iter_mut().zip(at).for_each(|(row, c)| row[3] += c);
-            }
-            InstancePose::new(palette, Vec::new()).map_err(|error| text(&error))
+            let placed = bent.placed(Affine3A::from_translation(at.into())).map_err(|error| text(&error))?;
+            Ok::<_, String>(placed.instances()[0].clone())
         };
         let pose = Pose::new((0..FIGURES).map(pose).collect::<Result<_, _>>()?);
         scene.set_pose(inserted, &pose).map_err(|error| text(&error))?;

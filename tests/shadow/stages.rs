@@ -3,19 +3,21 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::{
     SceneCaster, SeenLight, ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView,
 };
-use rimline::reference::shadow::{
+use rimline::internals::scene::CHOICE_WORDS;
+use rimline::internals::shadow::{
     self, CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
     COUNT_ZP_PLUS_2005,
 };
-use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
+use rimline::internals::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
 use rimline::{Light, Mesh, Predicate};
 
 use crate::sides::{self, box_words};
 use rimline_testkit::cases::topologies;
+use rimline_testkit::choices::chosen;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::{Dispatch, uniform};
 use rimline_testkit::goldens::golden;
@@ -140,7 +142,7 @@ pub(crate) fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
         let excludes = light.casting != CAST_NOTHING && light.excludes != 0;
         let kinds = [light.casting != CAST_NOTHING, every, has_near_cap, capped, excludes, excludes];
         for (kind, is_set) in kinds.into_iter().enumerate() {
-            words[cpu::CHOICE_WORDS * (number / 32) + kind] |= u32::from(is_set) << (number % 32);
+            words[CHOICE_WORDS * (number / 32) + kind] |= u32::from(is_set) << (number % 32);
         }
     }
     words.extend(lights.iter().flat_map(|light| [light.end, light.frustum_near].map(f32::to_bits)));
@@ -258,7 +260,7 @@ impl<'a> Staged<'a> {
         let (lit, receivers) = (gpu.storage(&vec![u32::MAX; batches]), gpu.storage(&[0_u32]));
         stage.run(gpu, &[&shape, &lights, &table, &bounds, &twisted, &choices, &statistics, &lit, &receivers], 1)?;
         let words: Vec<u32> = gpu.read(&choices, usize::MAX)?;
-        Ok((cpu::chosen(&self.shape, &seen, &words), gpu.read(&statistics, 1)?[0]))
+        Ok((chosen(&self.shape, &seen, &words), gpu.read(&statistics, 1)?[0]))
     }
 
     /// The counts, the lists in the order of the faces, and which lights have near caps.
@@ -290,7 +292,7 @@ impl<'a> Staged<'a> {
         }
         listed.lists.iter_mut().for_each(|list| list.sort_unstable());
         let words: Vec<u32> = gpu.read(&choices, usize::MAX)?;
-        let capped = |light: usize| words[cpu::CHOICE_WORDS * (light / 32) + 3] >> (light % 32) & 1 != 0;
+        let capped = |light: usize| words[CHOICE_WORDS * (light / 32) + 3] >> (light % 32) & 1 != 0;
         listed.capped = (0..lights.len()).map(capped).collect();
         Ok(listed)
     }

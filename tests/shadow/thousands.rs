@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use rimline::gpu::{Capacities, Caster, FrameInputs, Scene, SceneOptions, StencilCounts};
-use rimline::reference::layout::{ShadowDraws, ShadowStatistics, StencilPencil};
+use rimline::internals::layout::{ShadowDraws, ShadowStatistics, StencilPencil};
 use rimline::{Light, Matrix3x4, ShadowCamera};
 
 use crate::scene::Eye;

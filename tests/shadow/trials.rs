@@ -2,7 +2,7 @@
 
 use rimline::Counting;
 use rimline::gpu::Pipelines;
-use rimline::reference::layout::ShadowLight;
+use rimline::internals::layout::ShadowLight;
 use rimline_testkit::OneCasterOptions;
 
 use crate::classes::{CLASSES, Class};

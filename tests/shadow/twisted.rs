@@ -4,14 +4,13 @@
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::{
     Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Model, Pose,
 };
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::models::rows;
 use rimline_testkit::on_gpu::{read, text};
 use rimline_testkit::polygons::PolygonSet;
 use rimline_testkit::random::Random;
@@ -66,9 +65,9 @@ fn pose(time: f32) -> Result<Pose, String> {
         let along = ring as f32 / (RINGS - 1) as f32;
         let turn =
             Quat::from_rotation_x(9.0 * time.sin() * along) * Quat::from_rotation_z(0.7 * (3.0 * time + along).cos());
-        rows(Affine3A::from_translation(0.2 * Vec3::Y * (time + 4.0 * along).sin()) * Affine3A::from_quat(turn))
+        Affine3A::from_translation(0.2 * Vec3::Y * (time + 4.0 * along).sin()) * Affine3A::from_quat(turn)
     });
-    Ok(Pose::new(vec![InstancePose::new(palette.collect(), Vec::new()).map_err(text)?]))
+    Ok(Pose::new(vec![InstancePose::new(palette, Vec::new()).map_err(text)?]))
 }
 
 /// Polygons at the positions that a deformer wrote: masks are those of its twin, and shadows those of the rays.

@@ -6,10 +6,10 @@
 use std::collections::{BTreeMap, HashMap};
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
-use rimline::reference::cpu;
-use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_ZP_PLUS};
-use rimline::reference::stages::SIDES;
+use rimline::internals::cpu;
+use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
+use rimline::internals::shadow::{self, CAST_NOTHING, COUNT_ZP_PLUS};
+use rimline::internals::stages::SIDES;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;

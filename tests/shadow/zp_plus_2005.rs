@@ -3,7 +3,7 @@
 //! Its stage is `zp_plus_2005_cases`.
 
 use glam::{DMat4, DVec3, DVec4};
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Counting, DepthDirection, Mesh, Predicate};
 
 use crate::classes::CLASSES;

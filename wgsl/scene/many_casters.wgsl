@@ -75,7 +75,7 @@ fn scaled_bits(light_index: u32) -> vec4<u32> {
 }
 fn scaled_light(light_index: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(light_index)); }
 
-// `LightBatch::new` (src/layout.rs) computes the same value.
+// `LightBatch::new` (src/light_batch.rs) computes the same value.
 fn inexact_w(light_index: u32) -> f32 {
   let w = scaled_bits(light_index).w & 0x7fffffffu;
   let is_zero = (given_light(light_index).w & 0x7fffffffu) == 0u;

@@ -19,7 +19,7 @@ struct Picture {
 
 /// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps. `docs/walking_figure.png` is `walk_from_the_front.png` with
 /// `--size 640x800`, and `docs/walking_shadows.png` is `walk_with_shadows.png` with that size.
-const PICTURES: [Picture; 5] = [
+const PICTURES: [Picture; 6] = [
     Picture {
         file: "walk_from_the_front.png",
         command: "draw",
@@ -46,6 +46,12 @@ const PICTURES: [Picture; 5] = [
         model: "walking_figure.glb",
         view: "--animation 0 --time 0.75 --eye -2.2,1.9,-3.1 --target 0,0.88,0 --fov 30",
     },
+    Picture {
+        file: "walk_as_lines.svg",
+        command: "lines",
+        model: "walking_figure.glb",
+        view: "--animation 0 --time 0.02 --view 25,12",
+    },
     Picture { file: "blob.png", command: "draw", model: "blob.glb", view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36" },
 ];
 
@@ -67,7 +73,10 @@ pub(crate) fn run() -> Result<(), String> {
         remove_old(&out)?;
         let mut draw = program("rimline");
         draw.arg(picture.command).arg(demo.join(picture.model)).args(picture.view.split(' '));
-        process::run(draw.args(["--size", "960x1200", "--out"]).arg(&out))?;
+        if picture.command != "lines" {
+            draw.args(["--size", "960x1200"]);
+        }
+        process::run(draw.arg("--out").arg(&out))?;
         if !out.is_file() {
             return Err(format!("`rimline {}` succeeded, but there is no {}", picture.command, out.display()));
         }

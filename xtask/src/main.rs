@@ -23,7 +23,7 @@ Rimline's commands
 Usage: cargo xtask COMMAND
 
 Commands:
-  demo     Make a walking figure and other models by code, and draw their outlines and shadows to PNG files in demo/
+  demo     Make a walking figure and other models by code, and draw their outlines, lines and shadows to files in demo/
   test     Run every test; ends with a line `N passed, N failed, N skipped`. With --drivers: run the tests that compare
            bits, on every driver of this machine (lavapipe, SwiftShader, OpenGL, a GPU's own). With --long [TARGET [TEXT]]:
            with the long trials, hours in all; TARGET is one such as shadow_gpu, TEXT a part of a test's name

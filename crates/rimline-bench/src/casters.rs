@@ -451,7 +451,7 @@ mod tests {
     fn a_wrong_light_is_counted_and_the_stages_of_extraction_are_stages() {
         assert_eq!((wrong_lights(&[7, 8, 9], &[7, 8, 9]), wrong_lights(&[7, 8, 9], &[7, 9, 9])), (0, 1));
         for name in EXTRACTION {
-            assert!(rimline::reference::stages::STAGES.iter().any(|stage| stage.name == name), "{name}");
+            assert!(rimline::internals::stages::STAGES.iter().any(|stage| stage.name == name), "{name}");
         }
     }
 }

@@ -1,9 +1,9 @@
 //! How wrong an extraction is: bits that differ from exact arithmetic, and vertices at which loops stay open.
 
+use rimline::internals::cpu;
+use rimline::internals::layout::{EdgeMasks, live_bits};
+use rimline::internals::light::batches;
 use rimline::mesh::{EdgeKind, Mesh};
-use rimline::reference::cpu;
-use rimline::reference::layout::{EdgeMasks, live_bits};
-use rimline::reference::light::batches;
 
 /// Errors of one extraction, all lights together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub struct Candidate<'a> {
 
 impl Score {
     /// Holds an extraction for `lights` lights against an exact one of the same mesh, positions and lights, as
-    /// [`rimline::reference::cpu::extract`] makes it with [`rimline::Predicate::Exact`].
+    /// [`rimline::internals::cpu::extract`] makes it with [`rimline::Predicate::Exact`].
     ///
     /// # Errors
     /// [`ScoreError::Length`] when the masks are not of this mesh and as many lights.

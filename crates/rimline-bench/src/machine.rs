@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use rimline::reference::cpu::Threads;
+use rimline::internals::cpu::Threads;
 
 /// The machine on which the figures were measured.
 #[derive(Clone, Debug)]

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use rimline::MAX_LIGHTS;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::light::check_lights;
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::light::check_lights;
 use rimline::{Light, Mesh, Predicate};
 use rimline_bench::error_metrics::{Candidate, Score, ScoreError, light_counts};
 use rimline_bench::stress::{self, Scene};
@@ -185,7 +185,7 @@ fn scores_count_what_is_wrong() {
     let mesh = scene.mesh().expect("a mesh");
     let lights = scene.lights(33);
     let exact = exactly(&scene, &lights);
-    let of = |facing: Option<&[u32]>, masks: &[rimline::reference::layout::EdgeMasks]| {
+    let of = |facing: Option<&[u32]>, masks: &[rimline::internals::layout::EdgeMasks]| {
         Score::of(&mesh, 33, &exact, Candidate { facing, masks })
     };
     let (faces, edges) = (mesh.faces().len(), mesh.edges().len());

@@ -6,8 +6,8 @@ use std::fs::File;
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
+use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, Threads};
 use rimline::wgpu;
 use rimline_bench::gpu::Gpu as Measured;
 use rimline_bench::{

@@ -8,11 +8,11 @@ mod survey;
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
 
+use crate::render::bounds::Bounds;
 use frame::Frame;
 use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
-use rimline::mesh::Bounds;
-use rimline::reference::cpu::is_finite;
+use rimline::internals::cpu::is_finite;
 use rimline::{Light, Mesh, MeshError, wgpu};
 
 use crate::args::DrawArgs;

@@ -6,10 +6,10 @@ mod on_gpu;
 use std::borrow::Cow;
 use std::path::Path;
 
+use rimline::internals::Method;
+use rimline::internals::cpu::{self, Extraction, FacingStatistics, Threads};
+use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::EdgeCounts;
-use rimline::reference::Method;
-use rimline::reference::cpu::{self, Extraction, FacingStatistics, Threads};
-use rimline::reference::layout::EdgeMasks;
 use rimline::{Displacement, Light, Mesh, Origin, Predicate};
 use rimline_bench::error_metrics::light_counts;
 use serde_json::json;
@@ -90,7 +90,7 @@ fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), UsageErr
     Ok((method, predicate, named))
 }
 
-/// What to extract, and how.
+/// An extraction, and how it is computed.
 #[derive(Clone, Copy)]
 struct Job<'a, 's> {
     scene: &'a Scene<'s>,

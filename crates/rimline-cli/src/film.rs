@@ -3,7 +3,7 @@
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use rimline::reference::layout::ShadowStatistics;
+use rimline::internals::layout::ShadowStatistics;
 
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;

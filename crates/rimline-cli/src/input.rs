@@ -5,9 +5,9 @@ use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::light::check_lights;
 use rimline::mesh::{Weld, WeldCounts, WeldDistance};
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::light::check_lights;
 use rimline::{
     Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model,
     ModelError, Origin, Pose,

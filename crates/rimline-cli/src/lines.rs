@@ -146,7 +146,9 @@ fn objects_of(
     };
     if is_prefixed {
         let file = input.file.file_name().unwrap_or_default().to_string_lossy();
-        objects.iter_mut().for_each(|object| object.name = format!("{file}: {}", object.name));
+        for object in &mut objects {
+            object.name = format!("{file}: {}", object.name);
+        }
     }
     Ok(objects)
 }

@@ -1,7 +1,7 @@
 //! The run's origin: one for all files, near the models, where coordinates are too large for `f32`.
 
 use rimline::gltf::SceneExtent;
-use rimline::reference::origin::bounds;
+use rimline::internals::origin::bounds;
 use rimline::{Geometry, GeometryOptions, Instance, Model, ModelError, Origin};
 
 use crate::failure::Failure;

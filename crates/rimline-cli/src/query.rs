@@ -8,9 +8,9 @@ use std::path::Path;
 use std::slice;
 
 use args::QueryArgs;
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::light::check_shadow_lights;
 use rimline::mesh::NO_FACE;
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::light::check_shadow_lights;
 use rimline::{Light, MAX_LIGHTS, Mesh, Origin};
 use serde_json::json;
 

@@ -1,16 +1,17 @@
 //! Parts that the commands that make pictures share: camera, shading normals, a short way to pipelines.
 
+pub(crate) mod bounds;
 pub(crate) mod camera;
 pub(crate) mod coincident;
 pub(crate) mod normals;
 pub(crate) mod pipeline_factory;
 
 use rimline::gpu::DeviceError;
-use rimline::mesh::Bounds;
 
 use crate::device::{self, Gpu};
 use crate::failure::{InputError, UsageError};
 use crate::gpu_error::GpuError;
+use bounds::Bounds;
 
 /// The largest side of the bounds, or 1 for a single point.
 pub(crate) fn extent(bounds: &Bounds) -> f32 {

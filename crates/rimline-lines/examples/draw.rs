@@ -1,4 +1,4 @@
-//! Draws a glTF file, or a torus, and says how long it took: `draw FILE.glb|torus:FACES [OUT.svg] [AZIMUTH,ELEVATION] [persp] [thrice] [meet]
+//! Draws a glTF file, or a torus, and says how long it took: `draw FILE.glb|torus:FACES [out=FILE.svg] [AZIMUTH,ELEVATION] [persp] [thrice] [meet]
 //! [hidden] [threads=N]`.
 
 use std::borrow::Cow;
@@ -17,12 +17,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let is_given = |word: &str| arguments.iter().any(|argument| argument == word);
     let model = arguments.first().ok_or("give a file, or torus:FACES")?;
     let begin = Instant::now();
-    let objects = match model.strip_prefix("torus:") {
-        Some(faces) => vec![torus(faces.parse()?)?],
-        None => {
-            let asset = Asset::open(model, LoadOptions::default())?;
-            objects_of_model(asset.model(), &asset.pose([], 0.0)?, Threads::all())?
-        }
+    let objects = if let Some(faces) = model.strip_prefix("torus:") {
+        vec![torus(faces.parse()?)?]
+    } else {
+        let asset = Asset::open(model, LoadOptions::default())?;
+        objects_of_model(asset.model(), &asset.pose([], 0.0)?, Threads::all())?
     };
     let loaded = begin.elapsed();
     let angles = arguments.iter().find_map(|argument| argument.split_once(','));
@@ -50,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         drawing.chains.len(),
         drawing.left_out
     );
-    if let Some(out) = arguments.iter().find(|argument| argument.ends_with(".svg")) {
+    if let Some(out) = arguments.iter().find_map(|argument| argument.strip_prefix("out=")) {
         std::fs::write(out, svg(&drawing, is_given("hidden")))?;
     }
     Ok(())

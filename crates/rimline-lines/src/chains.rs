@@ -47,7 +47,9 @@ pub(crate) fn chains(drawn: &Drawn<'_>) -> (Vec<Span>, Vec<Chain>) {
                 }
             }
         }
-        pieces.iter().for_each(|&piece| walk(2 * piece, &mut spans));
+        for &piece in pieces {
+            walk(2 * piece, &mut spans);
+        }
     }
     (spans, chains)
 }
@@ -154,7 +156,8 @@ impl Drawn<'_> {
     fn cosine(&self, one: End, other: End) -> f64 {
         let direction = |end: End| {
             let page = self.parts[self.pieces[end as usize / 2].line as usize].map_or([[0.0; 2]; 2], |part| part.page);
-            let [x, y] = [0, 1].map(|axis| (page[1][axis] - page[0][axis]) * if end % 2 == 0 { 1.0 } else { -1.0 });
+            let [x, y] =
+                [0, 1].map(|axis| (page[1][axis] - page[0][axis]) * if end.is_multiple_of(2) { 1.0 } else { -1.0 });
             let length = (x * x + y * y).sqrt();
             [x / length, y / length]
         };

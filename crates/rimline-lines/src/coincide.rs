@@ -5,9 +5,10 @@ use rimline::cpu::Threads;
 use crate::count::{Drawn, Piece};
 use crate::exact::is_in_plane;
 use crate::frame::{Frame, Part};
+use crate::hiders::Reach;
 use crate::options::LineClass;
 use crate::parallel::ranges;
-use crate::tree::{Reach, Tree};
+use crate::tree::Tree;
 
 /// Overlaps shorter than this share of a line's page are none.
 const LEAST: f64 = 1e-7;
@@ -18,16 +19,21 @@ impl Drawn<'_> {
     /// The pieces without those that lie behind a better one on the page: visible before hidden, then the higher class, then the one
     /// with fewer faces in front, then the first.
     pub(crate) fn once(&self, frame: &Frame, threads: Threads) -> Vec<Piece> {
-        let tree = Tree::of_parts(frame, self.parts, threads);
+        let item = |(line, part): (u32, &Option<Part>)| Some((frame.bounds_of_part(part.as_ref()?), line));
+        let tree = Tree::new((0..).zip(self.parts).filter_map(item).collect(), 2, threads);
         let found = ranges(threads, self.lines.len(), RUN, |range| {
             let mut pairs = Vec::new();
             for line in range {
                 let Some(part) = &self.parts[line] else { continue };
-                tree.visit(&Reach::new(frame, part), |other: u32| {
-                    if other as usize != line && self.coincide(line, other as usize) {
-                        pairs.extend([[line as u32, other], [other, line as u32]]);
-                    }
-                });
+                let reach = Reach::new(frame, part);
+                tree.visit(
+                    |around| reach.meets(around),
+                    |other: u32| {
+                        if other as usize != line && self.coincide(line, other as usize) {
+                            pairs.extend([[line as u32, other], [other, line as u32]]);
+                        }
+                    },
+                );
             }
             pairs
         });

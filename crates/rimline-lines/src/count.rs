@@ -3,7 +3,8 @@
 use crate::cover::{Segment, Triangle};
 use crate::edges::Line;
 use crate::frame::{Frame, Part};
-use crate::tree::{Reach, Tree};
+use crate::hiders::Reach;
+use crate::tree::Tree;
 use crate::world::World;
 
 /// A part of a line with one number of faces in front.
@@ -46,18 +47,22 @@ pub(crate) fn count(
     pieces: &mut Vec<Piece>,
 ) {
     let is_perspective = world.view.is_perspective();
-    let is_long = is_perspective && part.ends != [0.0, 1.0];
+    let is_long = part.ends != [0.0, 1.0];
     let segment = Segment::new(world, line.vertices, is_long);
     scratch.changes.clear();
     scratch.toggles.clear();
-    tree.visit(&Reach::new(frame, part), |triangle| {
-        let Some(covered) = segment.covered_by(triangle) else { return };
-        if triangle.polygon() == Triangle::ALONE {
-            scratch.changes.extend([(covered[0], 1), (covered[1], -1)]);
-        } else {
-            scratch.toggles.extend(covered.map(|at| (triangle.polygon(), at)));
-        }
-    });
+    let reach = Reach::new(frame, part);
+    tree.visit(
+        |around| reach.meets(around),
+        |triangle| {
+            let Some(covered) = segment.covered_by(triangle) else { return };
+            if triangle.polygon() == Triangle::ALONE {
+                scratch.changes.extend([(covered[0], 1), (covered[1], -1)]);
+            } else {
+                scratch.toggles.extend(covered.map(|at| (triangle.polygon(), at)));
+            }
+        },
+    );
     scratch.count_polygons();
     let Scratch { changes, .. } = scratch;
     changes.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));

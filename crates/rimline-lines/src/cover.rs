@@ -34,6 +34,8 @@ impl Triangle {
 pub(crate) struct Segment<'a> {
     world: &'a World<'a>,
     ends: [End<'a>; 2],
+    /// Through the line and the eye, if its ends are vertices.
+    plane: Option<Plane>,
     /// Whether 30 bits of a crossing are not enough.
     is_long: bool,
 }
@@ -85,7 +87,14 @@ impl<'a> End<'a> {
 
 impl<'a> Segment<'a> {
     pub(crate) fn new(world: &'a World<'a>, vertices: [u32; 2], is_long: bool) -> Self {
-        Self { world, ends: vertices.map(|vertex| End::new(world, vertex)), is_long }
+        let ends = vertices.map(|vertex| End::new(world, vertex));
+        let plane = match &ends {
+            [End::Vertex { position: a, .. }, End::Vertex { position: b, .. }] => {
+                Some(Plane::of_edge(*a, *b, world.eye))
+            }
+            _ => None,
+        };
+        Self { world, ends, plane, is_long }
     }
 
     /// The part of the line, from 0 to 1, whose points have the triangle strictly between them and the moved eye. `None` if there is
@@ -95,6 +104,13 @@ impl<'a> Segment<'a> {
             return None;
         }
         let (eye, corners) = (self.world.eye, triangle.corners.map(|vertex| self.world.positions[vertex as usize]));
+        if let Some(plane) = &self.plane {
+            // Most triangles are beside the line.
+            let [a, b, c] = corners.map(|corner| plane.height(corner.map(f64::from)).certain_sign());
+            if a == b && b == c && a != 0 {
+                return None;
+            }
+        }
         let mut part = [0.0, 1.0];
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
             // Both faces of an edge compute the same numbers, so that one's part ends exactly where the other's begins.

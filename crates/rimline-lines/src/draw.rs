@@ -7,21 +7,22 @@ use crate::count::{Drawn, Piece, Scratch, count};
 use crate::cover::Triangle;
 use crate::drawing::{Drawing, Span};
 use crate::edges::{Line, lines};
-use crate::error::LinesError;
+use crate::error::{LinesError, check_count};
 use crate::frame::{Frame, Part};
+use crate::hiders::hiders;
 use crate::meet::meet;
 use crate::object::Object;
 use crate::options::{LineClass, LineOptions, PageBox};
 use crate::parallel::blocks;
-use crate::tree::{Cells, Item, Tree};
+use crate::tree::{Box3, Tree};
 use crate::view::View;
 use crate::world::World;
 
 /// Lines at a time.
 const RUN: usize = 256;
 
-/// Draws objects as an eye sees them. `progress` is called now and then with the number of lines that are done and of all; it may
-/// end the drawing. The same input gives the same drawing with any number of threads.
+/// Draws objects as an eye sees them. `progress` is called now and then with the number of lines that are done and of all, which are 0
+/// while lines are looked for; it may end the drawing. The same input gives the same drawing with any number of threads.
 ///
 /// A faulty object is left out and named in [`Drawing::left_out`].
 ///
@@ -40,17 +41,18 @@ pub fn draw(
     check_memory(&world, 0, options)?;
     let mut lines = lines(&world, options, &mut left_out)?;
     if options.classes.contains(LineClass::Intersection) {
-        let (frame, _) = Frame::new(&world, &lines, options)?;
-        meet(&mut world, &frame, options.threads, &mut lines);
+        let mut tick = |_| progress(0, 0);
+        meet(&mut world, &mut lines, options.threads, &mut tick)?;
     }
     check_memory(&world, lines.len(), options)?;
     if progress(0, lines.len()).is_break() {
         return Err(LinesError::Cancelled);
     }
     let (frame, parts) = Frame::new(&world, &lines, options)?;
-    let tree = Tree::of_triangles(&world, &frame, &Cells::new(&frame, &parts), options.threads);
+    let tree = hiders(&world, &frame, &parts, options.threads);
     let pieces = pieces(&world, &frame, &tree, &lines, &parts, options, &mut progress)?;
     drop(tree);
+    check_count("pieces of lines", pieces.len(), u32::MAX as usize / 2)?;
     let pieces = Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces }.once(&frame, options.threads);
     let (spans, chains) = chains(&Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces });
     left_out.sort_by_key(|left_out| left_out.object);
@@ -105,7 +107,7 @@ fn check_memory(world: &World<'_>, lines: usize, options: &LineOptions) -> Resul
     let own_positions = if world.placed.len() == 1 { 0 } else { 12 * vertices };
     // Masks and buckets of edges; then boxes and nodes of faces, and lines with their parts, pieces and spans.
     let finding = 4 * vertices + 4 * faces + 16 * edges;
-    let hiding = (size_of::<Item<Triangle>>() + 10) * faces;
+    let hiding = size_of::<Box3>() * vertices + (size_of::<(Box3, Triangle)>() + size_of::<Box3>() / 2) * faces;
     let drawing =
         (size_of::<Line>() + size_of::<Option<Part>>() + 2 * size_of::<Piece>() + 2 * size_of::<Span>() + 32) * lines;
     let needed = (own_positions + finding.max(hiding) + drawing) as u64;

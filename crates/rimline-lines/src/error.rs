@@ -41,10 +41,10 @@ pub enum LinesError {
         /// The limit.
         limit: u64,
     },
-    /// There are more vertices or faces than 32 bits can number.
-    #[error("the objects have {count} {what} together, and at most {most} can be drawn; draw fewer objects at a time")]
+    /// There are more vertices, faces or pieces of lines than 32 bits can number.
+    #[error("there are {count} {what}, and at most {most} can be drawn; draw fewer objects or classes at a time")]
     TooMany {
-        /// `vertices` or `faces`.
+        /// What there are too many of.
         what: &'static str,
         /// How many there are.
         count: usize,
@@ -60,6 +60,11 @@ pub enum LinesError {
     /// The caller ended it.
     #[error("the drawing was cancelled")]
     Cancelled,
+}
+
+/// Refuses more than can be numbered.
+pub(crate) fn check_count(what: &'static str, count: usize, most: usize) -> Result<(), LinesError> {
+    if count > most { Err(LinesError::TooMany { what, count, most }) } else { Ok(()) }
 }
 
 /// An object that is not drawn, or not as asked.
@@ -94,6 +99,9 @@ pub enum Fault {
     /// It is left out: it has no faces, or each of them names a vertex twice.
     #[error("there is no face of three different vertices; the object is left out")]
     NoFaces,
+    /// It has no outline: it reaches behind the eye, or nearer than lines are drawn.
+    #[error("the object reaches behind the eye or too near to it; it has no outline")]
+    TooNear,
     /// It is drawn, but an edge that the caller marks is not there.
     #[error("the marked edge from vertex {} to {} is no edge of the mesh; the rest is drawn", vertices[0], vertices[1])]
     NoSuchEdge {

@@ -153,9 +153,9 @@ fn value(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye, is_moved: bool) -> Val
     let units = Units::new(&[a, b, c], eye);
     if units.bits <= WINDOW {
         let fixed = |number: f32, low: i32| i128::from(fixed(number, low));
-        first_of(&determinants(units.all([a, b, c], eye, fixed), is_point), is_moved, &units, None)
+        first_of(&determinants(&units.all([a, b, c], eye, fixed), is_point), is_moved, &units, None)
     } else {
-        first_of(&determinants(units.all([a, b, c], eye, big), is_point), is_moved, &units, None)
+        first_of(&determinants(&units.all([a, b, c], eye, big), is_point), is_moved, &units, None)
     }
 }
 
@@ -169,15 +169,15 @@ impl PiercePositions {
     /// [`edge_value`] where the edge pierces the face.
     pub(crate) fn edge_value(&self, a: [f32; 3], b: [f32; 3], eye: Eye) -> Value {
         let units = self.units([a, b, a], eye);
-        let at_end = |p| determinants(units.all([a, b, p], eye, big), eye[3] != 0.0);
-        self.mean(self.edge.map(at_end), true, &units)
+        let at_end = |p| determinants(&units.all([a, b, p], eye, big), eye[3] != 0.0);
+        self.mean(&self.edge.map(at_end), true, &units)
     }
 
     /// [`face_value`] where the edge pierces the face.
     pub(crate) fn face_value(&self, a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Value {
         let units = self.units([a, b, c], [0.0, 0.0, 0.0, 1.0]);
-        let at_end = |[x, y, z]: [f32; 3]| determinants(units.all([a, b, c], [x, y, z, 1.0], big), true);
-        self.mean(self.edge.map(at_end), false, &units)
+        let at_end = |[x, y, z]: [f32; 3]| determinants(&units.all([a, b, c], [x, y, z, 1.0], big), true);
+        self.mean(&self.edge.map(at_end), false, &units)
     }
 
     fn units(&self, [a, b, c]: [[f32; 3]; 3], eye: Eye) -> Units {
@@ -186,10 +186,10 @@ impl PiercePositions {
     }
 
     /// The mean of the values at the edge's ends, weighted with how far they are from the face's plane.
-    fn mean(&self, at_ends: [[BigInt; 4]; 2], is_moved: bool, units: &Units) -> Value {
+    fn mean(&self, at_ends: &[[BigInt; 4]; 2], is_moved: bool, units: &Units) -> Value {
         let heights = self.edge.map(|[x, y, z]| {
             let all = Units { far_low: units.low, ..*units }.all(self.face, [x, y, z, 1.0], big);
-            let [height, ..] = determinants(all, true);
+            let [height, ..] = determinants(&all, true);
             BigInt::from(height.into_parts().1)
         });
         let sums = from_fn(|order| &at_ends[0][order] * &heights[1] + &at_ends[1][order] * &heights[0]);
@@ -243,11 +243,10 @@ impl Integer for BigInt {
 }
 
 /// `det[b − a, c − a, l − w·a]`, and for the axes in the place of the third vector. `all` are a, b, c and l.
-fn determinants<T: Integer>(all: [T; 12], is_point: bool) -> [T; 4] {
+fn determinants<T: Integer>(all: &[T; 12], is_point: bool) -> [T; 4] {
     let minus = |at: usize| -> [T; 3] { from_fn(|axis| all[at + axis].clone() - all[axis].clone()) };
     let towards = if is_point { minus(9) } else { from_fn(|axis| all[9 + axis].clone()) };
-    let [nx, ny, nz] = integer_cross(&minus(3), &minus(6));
-    let [x, y, z] = towards;
+    let ([nx, ny, nz], [x, y, z]) = (integer_cross(&minus(3), &minus(6)), towards);
     [nx.clone() * x + ny.clone() * y + nz.clone() * z, nx, ny, nz]
 }
 

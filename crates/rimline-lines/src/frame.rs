@@ -3,6 +3,7 @@
 use crate::edges::Line;
 use crate::error::LinesError;
 use crate::options::{LineOptions, PageBox};
+use crate::tree::Box3;
 use crate::view::View;
 use crate::world::World;
 
@@ -17,31 +18,6 @@ pub(crate) struct Frame {
     depth_size: f64,
     /// A bound of the rounding errors of a depth or a product with an axis of the page.
     error: f64,
-}
-
-/// A box of the page, and its nearest and farthest depths.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
-    pub(crate) low: [f32; 2],
-    pub(crate) high: [f32; 2],
-    pub(crate) near: f32,
-    pub(crate) far: f32,
-}
-
-impl Bounds {
-    /// Whether no point of it is ahead of the eye.
-    pub(crate) fn is_behind_eye(&self) -> bool {
-        self.far == f32::NEG_INFINITY
-    }
-
-    pub(crate) fn join(self, other: Self) -> Self {
-        Self {
-            low: [0, 1].map(|axis| self.low[axis].min(other.low[axis])),
-            high: [0, 1].map(|axis| self.high[axis].max(other.high[axis])),
-            near: self.near.min(other.near),
-            far: self.far.max(other.far),
-        }
-    }
 }
 
 /// The part of a line that is drawn.
@@ -98,11 +74,7 @@ impl Frame {
         let eye = if view.is_perspective() { view.eye().xyz } else { [0.0; 3] };
         let reach = eye.into_iter().fold(f64::from(largest), |reach, c| reach.max(f64::from(c.abs())));
         let ends = |line: &Line| line.vertices.map(|vertex| world.point(vertex));
-        let near = match options.near {
-            Some(near) if near.is_finite() && near > 0.0 => near,
-            Some(near) => return Err(LinesError::Near { near }),
-            None => lines.iter().flat_map(ends).map(|end| view.depth(end)).fold(f64::MIN_POSITIVE, f64::max) * 1e-3,
-        };
+        let near = near_of(&view, options, || lines.iter().flat_map(ends))?;
         let (window, error) = (options.window, 1e-14 * reach);
         let (low, size, depth_low, depth_size) = ([0.0; 2], 1.0, 0.0, 1.0);
         let mut frame = Self { view, near, window, low, size, depth_low, depth_size, error };
@@ -154,28 +126,21 @@ impl Frame {
     }
 
     /// The box around a part of a line.
-    pub(crate) fn bounds_of_part(&self, part: &Part) -> Bounds {
+    pub(crate) fn bounds_of_part(&self, part: &Part) -> Box3 {
         let ends = [0, 1].map(|end| self.bounds(part.page[end], part.depths[end]));
         ends[0].join(ends[1])
     }
 
     /// The box around a vertex, and around all of a face with it. That of a vertex behind the eye is behind all.
-    pub(crate) fn bounds_of_vertex(&self, position: [f32; 3]) -> Bounds {
+    pub(crate) fn bounds_of_vertex(&self, position: [f32; 3]) -> Box3 {
         let point = position.map(f64::from);
         let depth = self.view.depth(point);
         if self.view.is_perspective() && depth < 0.5 * self.near {
             // A face with such a corner may be anywhere on the page. One with no other corners hides nothing.
-            let (low, high) = ([f32::NEG_INFINITY; 2], [f32::INFINITY; 2]);
             let far = if depth < -self.error { f32::NEG_INFINITY } else { f32::INFINITY };
-            return Bounds { low, high, near: f32::NEG_INFINITY, far };
+            return Box3 { low: [f32::NEG_INFINITY; 3], high: [f32::INFINITY, f32::INFINITY, far] };
         }
         self.bounds(self.view.page(point), depth)
-    }
-
-    /// The box around a triangle.
-    pub(crate) fn bounds_of_triangle(&self, corners: [[f32; 3]; 3]) -> Bounds {
-        let [a, b, c] = corners.map(|corner| self.bounds_of_vertex(corner));
-        a.join(b).join(c)
     }
 
     /// A point of the page without its offset and size.
@@ -183,17 +148,28 @@ impl Frame {
         [0, 1].map(|axis| ((page[axis] - self.low[axis]) / self.size) as f32)
     }
 
-    fn bounds(&self, page: [f64; 2], depth: f64) -> Bounds {
+    fn bounds(&self, page: [f64; 2], depth: f64) -> Box3 {
         let scale = if self.view.is_perspective() { (1.0 + page[0].abs() + page[1].abs()) / depth } else { 1.0 };
         let error = self.error * scale;
         let at = |axis: usize, error: f64| (page[axis] + error - self.low[axis]) / self.size;
         let deep = |error: f64| (depth + error - self.depth_low) / self.depth_size;
-        Bounds {
-            low: [0, 1].map(|axis| below(at(axis, -error))),
-            high: [0, 1].map(|axis| above(at(axis, error))),
-            near: below(deep(-self.error)),
-            far: above(deep(self.error)),
+        Box3 {
+            low: [below(at(0, -error)), below(at(1, -error)), below(deep(-self.error))],
+            high: [above(at(0, error)), above(at(1, error)), above(deep(self.error))],
         }
+    }
+}
+
+/// The depth from which on lines are drawn.
+pub(crate) fn near_of<I: Iterator<Item = [f64; 3]>>(
+    view: &View,
+    options: &LineOptions,
+    points: impl FnOnce() -> I,
+) -> Result<f64, LinesError> {
+    match options.near {
+        Some(near) if near.is_finite() && near > 0.0 => Ok(near),
+        Some(near) => Err(LinesError::Near { near }),
+        None => Ok(1e-3 * points().map(|point| view.depth(point)).fold(f64::MIN_POSITIVE, f64::max)),
     }
 }
 

@@ -1,20 +1,21 @@
 //! Where faces pass through each other.
 
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 
 use rimline::cpu::Threads;
 
 use crate::drawing::FaceId;
 use crate::edges::Line;
+use crate::error::{LinesError, check_count};
 use crate::exact::{Plane, face_value};
-use crate::frame::Frame;
 use crate::options::LineClass;
 use crate::parallel::ranges;
-use crate::tree::{Reach, Tree};
+use crate::tree::{Box3, Tree};
 use crate::world::{Pierce, World};
 
 /// Faces at a time.
-const RUN: usize = 1024;
+const RUN: usize = 1 << 14;
 
 /// An end of a line where two faces meet.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -29,7 +30,7 @@ enum End {
 struct Face {
     placed: u32,
     /// The face that edge records name: the triangle or its polygon.
-    face: u32,
+    number: u32,
     corners: [u32; 3],
     positions: [[f32; 3]; 3],
 }
@@ -37,29 +38,36 @@ struct Face {
 /// Adds the lines where faces pass through each other, and what they are made of to the world.
 ///
 /// A vertex in the plane of another face counts as in front of it, so surfaces that touch from there meet nowhere.
-pub(crate) fn meet(world: &mut World<'_>, frame: &Frame, threads: Threads, lines: &mut Vec<Line>) {
+pub(crate) fn meet(
+    world: &mut World<'_>,
+    lines: &mut Vec<Line>,
+    threads: Threads,
+    tick: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<(), LinesError> {
     let faces = Faces::new(world);
-    let tree = Tree::of_boxes(frame, faces.count, threads, |number| faces.get(number).positions);
-    let found = ranges(threads, faces.count as usize, RUN, |range| {
-        let (mut found, mut near) = (Vec::new(), Vec::new());
-        for number in range {
-            let number = number as u32;
-            let face = faces.get(number);
-            near.clear();
-            tree.visit(&Reach::of_triangle(frame, face.positions), |other: u32| {
-                near.extend((other > number).then_some(other))
-            });
-            near.sort_unstable();
-            let met = near.iter().filter_map(|&other| {
-                let other = faces.get(other);
-                meeting(&face, &other).map(|ends| (ends, [face, other].map(|face| (face.placed, face.face))))
-            });
-            found.extend(met);
-        }
-        found
+    let boxes = ranges(threads, faces.count as usize, RUN, |range| {
+        range
+            .map(|number| (Box3::around(faces.positions(faces.corners(number as u32))), number as u32))
+            .collect::<Vec<_>>()
     });
+    let tree = Tree::new(boxes.concat(), 3, threads);
+    let found = tree.pairs(threads, tick, |found, one: u32, other: u32| {
+        let numbers = [one.min(other), one.max(other)];
+        let [corners, others] = numbers.map(|number| faces.corners(number));
+        // Faces of an edge meet there.
+        if corners.iter().filter(|vertex| others.contains(vertex)).count() < 2 {
+            let [one, other] = numbers.map(|number| faces.get(number));
+            if let Some(ends) = meeting(&one, &other) {
+                found.push((numbers, ends, [one, other].map(|face| (face.placed, face.number))));
+            }
+        }
+    });
+    let Some(found) = found else { return Err(LinesError::Cancelled) };
+    let mut found = found.concat();
+    found.sort_unstable_by_key(|&(numbers, ..)| numbers);
+    check_count("points where faces meet", world.positions.len() + 2 * found.len(), u32::MAX as usize)?;
     let (mut numbers, vertices) = (HashMap::new(), world.positions.len() as u32);
-    for (ends, of) in found.into_iter().flatten() {
+    for (_, ends, of) in found {
         let vertices = ends.map(|end| match end {
             End::Vertex(vertex) => vertex,
             End::Pierce(edge, face) => {
@@ -74,6 +82,7 @@ pub(crate) fn meet(world: &mut World<'_>, frame: &Frame, threads: Threads, lines
         world.meetings.push(of.map(|(placed, face)| FaceId { object: world.placed[placed as usize].number, face }));
         lines.push(Line { vertices, class: LineClass::Intersection, placed: of[0].0, record });
     }
+    Ok(())
 }
 
 /// The triangles of all objects, by one number.
@@ -93,24 +102,40 @@ impl<'a> Faces<'a> {
             count - placed.object.mesh.faces().len() as u32
         });
         let first = first.collect();
-        let polygons = world.placed.iter().map(|placed| placed.object.mesh.polygons().map(|of| of.triangle_polygons()));
+        let polygons = world
+            .placed
+            .iter()
+            .map(|placed| placed.object.mesh.polygons().map(rimline::mesh::Polygons::triangle_polygons));
         Self { world, first, polygons: polygons.collect(), count }
     }
 
+    /// The object of a triangle, and its number there.
+    fn place(&self, number: u32) -> (usize, usize) {
+        let placed = if self.first.len() == 1 { 0 } else { self.first.partition_point(|&first| first <= number) - 1 };
+        (placed, (number - self.first[placed]) as usize)
+    }
+
+    fn corners(&self, number: u32) -> [u32; 3] {
+        let (placed, triangle) = self.place(number);
+        let placed = &self.world.placed[placed];
+        placed.object.mesh.faces()[triangle].map(|vertex| vertex + placed.first_vertex)
+    }
+
+    fn positions(&self, corners: [u32; 3]) -> [[f32; 3]; 3] {
+        corners.map(|vertex| self.world.positions[vertex as usize])
+    }
+
     fn get(&self, number: u32) -> Face {
-        let at = self.first.partition_point(|&first| first <= number) - 1;
-        let (placed, triangle) = (&self.world.placed[at], (number - self.first[at]) as usize);
-        let corners = placed.object.mesh.faces()[triangle].map(|vertex| vertex + placed.first_vertex);
-        let face = self.polygons[at].as_ref().map_or(triangle as u32, |of| of[triangle]);
-        let positions = corners.map(|vertex| self.world.positions[vertex as usize]);
-        Face { placed: at as u32, face, corners, positions }
+        let (placed, triangle) = self.place(number);
+        let corners = self.corners(number);
+        let number = self.polygons[placed].as_ref().map_or(triangle as u32, |of| of[triangle]);
+        Face { placed: placed as u32, number, corners, positions: self.positions(corners) }
     }
 }
 
 /// The ends of the line where two faces pass through each other.
 fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
-    let shared = one.corners.iter().filter(|vertex| other.corners.contains(vertex)).count();
-    if shared >= 2 || (one.placed, one.face) == (other.placed, other.face) {
+    if (one.placed, one.number) == (other.placed, other.number) {
         return None;
     }
     let crossings = [crossings(one, other)?, crossings(other, one)?];
@@ -135,14 +160,15 @@ fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
 fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
+    let is_shared = face.corners.map(|vertex| other.corners.contains(&vertex));
     let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
-    let quick = heights.map(|height| height.certain_sign());
-    if quick == [1; 3] || quick == [-1; 3] {
+    // A shared corner is in the plane. With all others on one side, that is all that is.
+    let is_on = |side: i32| (0..3).all(|at| is_shared[at] || heights[at].certain_sign() == side);
+    if is_on(1) || is_on(-1) {
         return None;
     }
-    let is_shared = |at: usize| other.corners.contains(&face.corners[at]);
     let value = |at: usize| {
-        if is_shared(at) {
+        if is_shared[at] {
             0.0
         } else {
             heights[at].accurate().unwrap_or_else(|| face_value(a, b, c, face.positions[at])).number()

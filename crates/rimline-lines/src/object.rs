@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use rimline::cpu::{Threads, deform};
+use rimline::mesh::Weld;
 use rimline::{Mesh, Model, Pose};
 
 use crate::error::LinesError;
@@ -28,7 +29,8 @@ impl<'a> Object<'a> {
     }
 }
 
-/// The objects of a posed model: one for each of its instances, in their order. Instances without faces are among them; a
+/// The objects of a posed model: one for each of its instances, in their order. Vertices at one position in this pose are welded; faces
+/// keep their numbers. Instances without faces are among them; a
 /// drawing names and leaves them out.
 ///
 /// # Errors
@@ -43,8 +45,8 @@ pub fn objects_of_model(model: &Model, pose: &Pose, threads: Threads) -> Result<
             let own = positions[first..first + count].to_vec();
             first += count;
             let turned = |&[a, b, c]: &[u32; 3]| if pose.faces_turned() { [a, c, b] } else { [a, b, c] };
-            let faces = geometry.faces().iter().map(turned).collect();
-            let mesh = Mesh::from_faces(count, faces).or_else(|_| Mesh::from_faces(3, vec![[0; 3]]));
+            let faces: Vec<_> = geometry.faces().iter().map(turned).collect();
+            let mesh = Mesh::new(&own, &faces, Weld::Position).or_else(|_| Mesh::from_faces(3, vec![[0; 3]]));
             let name = instance.name().or(geometry.name()).map_or_else(|| format!("instance {number}"), str::to_owned);
             let mesh = Cow::Owned(mesh.map_err(rimline::ModelError::from)?);
             Ok(Object { name, mesh, positions: Cow::Owned(own), marked: Vec::new() })

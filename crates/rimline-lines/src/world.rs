@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use rimline::mesh::MAX_FACES;
 
 use crate::drawing::FaceId;
-use crate::error::{Fault, LeftOut, LinesError};
+use crate::error::{Fault, LeftOut, LinesError, check_count};
 use crate::exact::{Eye, Plane, face_value, facing};
 use crate::object::Object;
 use crate::view::View;
@@ -66,19 +66,14 @@ impl<'a> World<'a> {
             placed.push(Placed { number, object, first_vertex: vertices as u32, first_face: faces as u32 });
             vertices += object.mesh.vertex_count() as usize;
             faces += object.mesh.face_count().max(object.mesh.faces().len());
-            for (what, count, most) in [("vertices", vertices, u32::MAX as usize - 1), ("faces", faces, MAX_FACES)] {
-                if count > most {
-                    return Err(LinesError::TooMany { what, count, most });
-                }
-            }
+            check_count("vertices", vertices, u32::MAX as usize - 1)?;
+            check_count("faces", faces, MAX_FACES)?;
         }
-        let positions = match &*placed {
-            [only] => Cow::Borrowed(&only.object.positions[..vertices]),
-            _ => {
-                let own =
-                    placed.iter().map(|placed| &placed.object.positions[..placed.object.mesh.vertex_count() as usize]);
-                Cow::Owned(own.collect::<Vec<_>>().concat())
-            }
+        let own = |placed: &Placed<'a>| &placed.object.positions[..placed.object.mesh.vertex_count() as usize];
+        let positions = if let [only] = &*placed {
+            Cow::Borrowed(own(only))
+        } else {
+            Cow::Owned(placed.iter().map(own).collect::<Vec<_>>().concat())
         };
         Ok(Self { placed, positions, view, eye: view.eye().to_array(), pierces: Vec::new(), meetings: Vec::new() })
     }

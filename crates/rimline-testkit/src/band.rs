@@ -1,6 +1,6 @@
 //! The error bounds of docs/numerics, with its constants. Evaluated in f64, whose own error the last digits cover.
 
-use rimline::reference::model::influence_range;
+use rimline::internals::model::influence_range;
 use rimline::{Geometry, InstancePose, Light};
 
 use super::oracle::ExactFace;
@@ -178,7 +178,7 @@ pub fn deform_bound(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> 
     };
     let mut sums = [0.0; 3];
     for &(joint, weight) in &influences {
-        for (sum, row) in sums.iter_mut().zip(pose.palette()[joint as usize]) {
+        for (sum, row) in sums.iter_mut().zip(pose.palette()[joint as usize].rows()) {
             let [x, y, z, w] = row.map(magnitude);
             let along = x * morphed[0] + y * morphed[1] + z * morphed[2] + w;
             *sum += magnitude(weight) * along;

@@ -1,8 +1,8 @@
 //! Decisions by the bound of a cluster, in `f64`. docs/numerics/clusters.md, "Bound on planes".
 
 use rimline::Light;
-use rimline::reference::clusters::ClusterBound;
-use rimline::reference::layout::LightBatch;
+use rimline::internals::clusters::ClusterBound;
+use rimline::internals::layout::LightBatch;
 
 /// 2.5 units in the last place: the most that the rounding of `w·centre` in `f32` changes the height by.
 pub const PRODUCT: f32 = 2.5 / 8_388_608.0;

@@ -1,6 +1,6 @@
 //! One stage by itself: its shader with a test's own buffers.
 
-use rimline::reference::stages::Stage;
+use rimline::internals::stages::Stage;
 
 use crate::device::Gpu;
 

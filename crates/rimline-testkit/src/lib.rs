@@ -6,6 +6,7 @@
 //!   docs/numerics in `f64`;
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
+//! * [`choices`]: what the GPU chose for the lights of a caster;
 //! * [`clusters`]: what the bound of a cluster decides, in `f64`;
 //! * [`dispatch`]: a short way to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a
 //!   shader have;
@@ -16,6 +17,7 @@
 
 pub mod band;
 pub mod cases;
+pub mod choices;
 pub mod clusters;
 pub mod device;
 pub mod dispatch;

@@ -68,7 +68,7 @@ pub fn random_model(random: &mut Random, vertices: usize) -> Model {
 /// Random matrices; morph weights zero, small, negative or large.
 pub fn random_pose(random: &mut Random, model: &Model) -> Pose {
     let instances = model.placed_geometries().map(|geometry| {
-        let palette = (0..geometry.joints_needed()).map(|_| random_matrix(random)).collect();
+        let palette: Vec<_> = (0..geometry.joints_needed()).map(|_| random_matrix(random)).collect();
         let weights = geometry.morph_targets().iter();
         let weights = weights
             .map(|_| [0.0, -0.0, random.between(-1.0, 1.0), random.between(0.0, 9.0)][random.below(4)])
@@ -123,9 +123,9 @@ pub fn bending_tube() -> (Model, impl Fn(f32) -> Pose) {
             let at = Vec3::X * HALF * (2.0 * joint as f32 / (JOINTS - 1) as f32 - 1.0);
             let turn = Quat::from_euler(EulerRot::XYZ, 0.0, 0.6 * (time + joint as f32).sin(), 0.5 * time.cos());
             sum *= Affine3A::from_translation(at) * Affine3A::from_quat(turn) * Affine3A::from_translation(-at);
-            rows(sum)
+            sum
         });
-        Pose::new(vec![InstancePose::new(palette.collect(), Vec::new()).expect("all is finite")])
+        Pose::new(vec![InstancePose::new(palette, Vec::new()).expect("all is finite")])
     };
     (Model::new(vec![geometry], vec![Instance::new(0, None)]).expect("there is one geometry"), pose)
 }

@@ -1,13 +1,14 @@
 //! Extractions and deformations on the GPU, read back for tests to compare.
 
 use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowError, ShadowPipelines, View};
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::layout::{
     DrawArguments, EdgeMasks, ExtractionStatistics, SeenLight, ShadowDraws, ShadowLight, ShadowStatistics,
 };
 use rimline::{Light, Mesh, Model, Pose, ShadowCamera};
 
 use crate::band::deform_bound;
+use crate::choices;
 use crate::device::Gpu;
 use crate::same;
 use crate::shapes::{self, Shape};
@@ -92,7 +93,7 @@ pub fn chosen(gpu: &Gpu, frame: &OneFrame, lights: usize) -> Result<Vec<ShadowLi
     let (seen, shape) = results.seen.ok_or("no view")?;
     let seen: Vec<SeenLight> = gpu.read(seen, lights)?;
     let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;
-    Ok(cpu::chosen(&shape, &seen, &words))
+    Ok(choices::chosen(&shape, &seen, &words))
 }
 
 /// Its draws of each light.

@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use num_bigint::{BigInt, Sign};
+use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::EdgeKind;
-use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh};
 
 /// A finite f32 as `mantissa · 2^exponent`; zero has the highest exponent there is, so that it never sets a scale.

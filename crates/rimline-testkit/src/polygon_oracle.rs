@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use num_bigint::BigInt;
 use rimline::Light;
-use rimline::reference::cpu::Seen;
+use rimline::internals::cpu::Seen;
 
 use super::shadow_oracle::{Vector, least, minus, scaled, sign};
 
@@ -35,23 +35,52 @@ fn is_zero(v: &Vector) -> bool {
     v.iter().all(|c| sign(c) == 0)
 }
 
+/// An outline and a light, in integers of one scale.
+struct Scaled {
+    /// Edges that have a length.
+    edges: Vec<[Vector; 2]>,
+    light: Vector,
+    w: BigInt,
+}
+
+impl Scaled {
+    fn new(edges: &[[[f32; 3]; 2]], light: Light) -> Self {
+        let scale = -least(edges.iter().flatten().flatten().copied());
+        let integers = |p: [f32; 3]| p.map(|c| scaled(c, scale));
+        let [x, y, z, w] = light.to_array();
+        // Exponent that makes integers of w and of the light's coordinates times 2^scale.
+        let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
+        Self {
+            edges: edges.iter().map(|edge| edge.map(integers)).filter(|[a, b]| a != b).collect(),
+            light: [x, y, z].map(|c| scaled(c, scale + common)),
+            w: scaled(w, common),
+        }
+    }
+
+    fn touches(&self) -> bool {
+        (0..self.edges.len()).any(|i| (0..i).any(|j| touch(&self.edges[i], &self.edges[j])))
+    }
+
+    /// The plane that the moved light sees. `None` if the outline fits no half-space.
+    fn projection(&self) -> Option<Projection> {
+        let (moved, w) = moved_light(self.edges.iter().flatten(), self.light.clone(), self.w.clone());
+        Projection::new(&self.edges, &moved, w)
+    }
+
+    fn flat(&self, projection: &Projection) -> Vec<[Point; 2]> {
+        self.edges.iter().map(|[a, b]| [projection.point(a), projection.point(b)]).collect()
+    }
+}
+
 /// The outline of these directed edges, whose numbers are finite.
 pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
-    let scale = -least(edges.iter().flatten().flatten().copied());
-    let edges: Vec<[Vector; 2]> = edges.iter().map(|edge| edge.map(|p| p.map(|c| scaled(c, scale)))).collect();
-    let edges: Vec<[Vector; 2]> = edges.into_iter().filter(|[a, b]| a != b).collect();
-    let touches = (0..edges.len()).any(|i| (0..i).any(|j| touch(&edges[i], &edges[j])));
-    let [x, y, z, w] = light.to_array();
-    // Exponent that makes integers of w and of the light's coordinates times 2^scale.
-    let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
-    let (l, w) = ([x, y, z].map(|c| scaled(c, scale + common)), scaled(w, common));
-    if is_in_plane(&edges, &l, &w) {
+    let scaled = Scaled::new(edges, light);
+    let touches = scaled.touches();
+    if is_in_plane(&scaled.edges, &scaled.light, &scaled.w) {
         return Found { seen: Seen::InPlane, touches };
     }
-    let (moved, w) = moved_light(edges.iter().flatten(), l, w);
-    let Some(projection) = Projection::new(&edges, &moved, w) else { return Found { seen: Seen::Twisted, touches } };
-    let flat: Vec<[Point; 2]> = edges.iter().map(|[a, b]| [projection.point(a), projection.point(b)]).collect();
-    let windings = windings(&flat);
+    let Some(projection) = scaled.projection() else { return Found { seen: Seen::Twisted, touches } };
+    let windings = windings(&scaled.flat(&projection));
     let is_within = |allowed: [i32; 2]| windings.iter().all(|winding| allowed.contains(winding));
     let seen = match () {
         () if is_within([0, 1]) => Seen::Facing,
@@ -59,6 +88,21 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
         () => Seen::Twisted,
     };
     Found { seen, touches }
+}
+
+/// For each edge the others that cross it as the light sees them. `None` if the outline fits no half-space, or touches itself in
+/// space.
+pub fn cuts(edges: &[[[f32; 3]; 2]], light: Light) -> Option<Vec<usize>> {
+    let scaled = Scaled::new(edges, light);
+    let flat = scaled.flat(&scaled.projection().filter(|_| !scaled.touches())?);
+    Some(cuts_by(&flat, |a, b, c| sign(&determinant(a, b, c))))
+}
+
+/// The same, by the side on which a point lies of the line through two others.
+pub fn cuts_by<P>(edges: &[[P; 2]], side: impl Fn(&P, &P, &P) -> i32) -> Vec<usize> {
+    let parts = |[a, b]: &[P; 2], [c, d]: &[P; 2]| side(a, b, c) * side(a, b, d) < 0;
+    let of = |edge: &[P; 2]| edges.iter().filter(|other| parts(edge, other) && parts(other, edge)).count();
+    edges.iter().map(of).collect()
 }
 
 /// The light moved by (ε, ε², ε³), with an ε below the inverse of any determinant of these points.
@@ -71,37 +115,6 @@ fn moved_light<'a>(points: impl Iterator<Item = &'a Vector>, l: Vector, w: BigIn
         *coordinate += BigInt::from(1) << ((2 - axis as u64) * epsilon);
     }
     (moved, w << (3 * epsilon))
-}
-
-/// How often the outline winds around the ray from the light through a point. `None` if the outline fits no half-space, or the
-/// point is not in it.
-pub fn winding_at(edges: &[[[f32; 3]; 2]], light: Light, point: [f32; 3]) -> Option<i32> {
-    let coordinates = edges.iter().flatten().chain([&point]).flatten().copied();
-    let scale = -least(coordinates);
-    let integers = |p: [f32; 3]| p.map(|c| scaled(c, scale));
-    let edges: Vec<[Vector; 2]> = edges.iter().map(|edge| edge.map(integers)).filter(|[a, b]| a != b).collect();
-    let [x, y, z, w] = light.to_array();
-    let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
-    let (l, w) = ([x, y, z].map(|c| scaled(c, scale + common)), scaled(w, common));
-    let point = integers(point);
-    let (moved, w) = moved_light(edges.iter().flatten().chain([&point]), l, w);
-    let projection = Projection::new(&edges, &moved, w)?;
-    let at = projection.point(&point);
-    if sign(&at.z) <= 0 {
-        return None;
-    }
-    // A ray towards +x, half-open upwards.
-    let mut winding = 0;
-    for [a, b] in edges.iter().map(|[a, b]| [projection.point(a), projection.point(b)]) {
-        let below = |p: &Point| compare(&p.y, &p.z, &at.y, &at.z) != Ordering::Greater;
-        let side = sign(&determinant(&a, &b, &at));
-        match (below(&a), below(&b)) {
-            (true, false) if side > 0 => winding += 1,
-            (false, true) if side < 0 => winding -= 1,
-            _ => {}
-        }
-    }
-    Some(winding)
 }
 
 /// A homogeneous point of the plane, with positive z.

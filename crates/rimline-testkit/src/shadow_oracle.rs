@@ -93,7 +93,7 @@ impl Triangle {
     }
 }
 
-/// The depth of each point for each light, as `rimline::reference::cpu::shadow_depth` lays them out.
+/// The depth of each point for each light, as `rimline::internals::cpu::shadow_depth` lays them out.
 pub fn shadow_depth(positions: &[[f32; 3]], faces: &[[u32; 3]], points: &[[f32; 3]], lights: &[Light]) -> Vec<i32> {
     let is_finite = |p: &[f32; 3]| p.iter().all(|c| c.is_finite());
     let coordinates = positions.iter().chain(points).filter(|p| is_finite(p)).flatten().copied();

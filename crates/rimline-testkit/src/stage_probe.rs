@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use rimline::reference::layout::{SeenLight, ShadowLight, ShadowView};
-use rimline::reference::stages::Stage;
+use rimline::internals::layout::{SeenLight, ShadowLight, ShadowView};
+use rimline::internals::stages::Stage;
 
 use crate::device::Gpu;
 use crate::dispatch::Dispatch;

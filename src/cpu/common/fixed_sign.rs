@@ -7,7 +7,6 @@ use std::array::from_fn;
 /// `w·a`.
 const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 96;
-const WGSL_LIGHT_BITS: i32 = 48;
 
 /// An odd number or zero, times a power of two. The value is `mantissa · 2^(exponent − 149)`.
 #[derive(Clone, Copy)]
@@ -47,28 +46,9 @@ fn window(numbers: &[Number]) -> (i32, i32) {
     ends.reduce(|(low, high), (other_low, other_high)| (low.min(other_low), high.max(other_high))).unwrap_or((0, 0))
 }
 
-/// Where the bits of a number begin and end. As in the WGSL, a subnormal one may have fewer.
-fn bits_of(value: f32) -> Option<(i32, i32)> {
-    let number = Number::new(value);
-    let zeros = number.exponent + 1 - (value.to_bits() >> 23 & 0xff).max(1) as i32;
-    (number.mantissa != 0).then_some((number.exponent, number.exponent + 24 - zeros))
-}
-
-/// Whether fixed point of the WGSL holds the determinants of any three of these points, for the light and for the axes as lights.
-pub(crate) fn holds_all(points: impl Iterator<Item = [f32; 3]>, [x, y, z, w]: [f32; 4]) -> bool {
-    let hull = |one: (i32, i32), other: (i32, i32)| (one.0.min(other.0), one.1.max(other.1));
-    let points = points.flatten().filter_map(bits_of).reduce(hull);
-    let moved = bits_of(w).zip(points).map(|(w, points)| (w.0 + points.0 - 149, w.1 + points.1 - 149));
-    let light = [x, y, z].into_iter().filter_map(bits_of).chain(moved).reduce(hull);
-    let length = |(low, high): (i32, i32)| high - low;
-    points.map_or(0, length) <= FACE_BITS && light.map_or(0, length) <= WGSL_LIGHT_BITS
-}
-
 /// The values that all lights of a face share.
 pub(crate) struct FixedFace {
     a: [Number; 3],
-    /// The exponent of the unit of its vectors.
-    lowest: i32,
     /// `(b − a) × (c − a)` as multiples of a power of two, below 2⁹⁵.
     normal: [i128; 3],
 }
@@ -92,28 +72,11 @@ impl FixedFace {
         let (u, v): ([i64; 3], [i64; 3]) = (from_fn(|axis| b[axis] - a[axis]), from_fn(|axis| c[axis] - a[axis]));
         let component = |j: usize, k: usize| product(u[j], v[k]) - product(u[k], v[j]);
         let normal = [component(1, 2), component(2, 0), component(0, 1)];
-        Some(Self { a: from_fn(|axis| all[axis]), lowest, normal })
+        Some(Self { a: from_fn(|axis| all[axis]), normal })
     }
 
     /// Returns 1, 0 or −1, or `None` if the light's numbers do not fit the window.
-    pub(crate) fn sign(&self, light: [f32; 4]) -> Option<i32> {
-        let FixedSum { digits: [first, second, top], .. } = self.sum(light)?;
-        Some(if top < 0 { -1 } else { i32::from(top > 0 || first | second != 0) })
-    }
-
-    /// The determinant, rounded. It is 0 only if the determinant is. `None` as above.
-    pub(crate) fn value(&self, light: [f32; 4]) -> Option<f64> {
-        let FixedSum { digits: [first, second, top], exponent } = self.sum(light)?;
-        // Rounding of the magnitude is relative to it. A negative one would end in a run of ones.
-        let low = (second << 48) + first;
-        let (top, low) = if top < 0 { (-top - i128::from(low != 0), (1 << 96) - low) } else { (top, low) };
-        let low = if low == 1_i128 << 96 { 0 } else { low };
-        let size = top as f64 * 2_f64.powi(96) + low as f64;
-        let sign = if self.sign(light)? < 0 { -1.0 } else { 1.0 };
-        Some(sign * size * 2_f64.powi(exponent))
-    }
-
-    fn sum(&self, [x, y, z, w]: [f32; 4]) -> Option<FixedSum> {
+    pub(crate) fn sign(&self, [x, y, z, w]: [f32; 4]) -> Option<i32> {
         let (l, w) = ([x, y, z].map(Number::new), Number::new(w));
         let wa = self.a.map(|a| a.times(w));
         let [lx, ly, lz] = l;
@@ -132,16 +95,10 @@ impl FixedFace {
         }
         let second = sums[1] + (sums[0] >> 48);
         let top = sums[2] + (second >> 48);
-        let below = (1 << 48) - 1;
-        let exponent = 2 * self.lowest + lowest - 3 * 149;
-        Some(FixedSum { digits: [sums[0] & below, second & below, top], exponent })
+        // Digits of 48 bits. The last has the sign.
+        let below = (sums[0] | second) & ((1 << 48) - 1);
+        Some(if top < 0 { -1 } else { i32::from(top > 0 || below != 0) })
     }
-}
-
-/// A determinant in digits of 48 bits, the lowest first, in units of `2^exponent`. The last digit has the sign.
-struct FixedSum {
-    digits: [i128; 3],
-    exponent: i32,
 }
 
 fn product(p: i64, q: i64) -> i128 {

@@ -59,5 +59,5 @@ fn add_scaled(sum: [f32; 3], weight: f32, v: [f32; 3]) -> [f32; 3] {
 
 fn transform(pose: &InstancePose, joint: u32, p: [f32; 3]) -> [f32; 3] {
     // `Model::check` made sure that the palette has every joint.
-    pose.palette()[joint as usize].map(|[x, y, z, w]| x * p[0] + y * p[1] + z * p[2] + w)
+    pose.palette()[joint as usize].rows().map(|[x, y, z, w]| x * p[0] + y * p[1] + z * p[2] + w)
 }

@@ -3,7 +3,6 @@
 use super::edges::{FaceMasks, edges_into};
 use super::facing::FacingStatistics;
 use super::facing::facing_into;
-#[cfg(feature = "reference")]
 use super::per_edge::per_edge;
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::error::{CpuError, check_positions};
@@ -11,7 +10,6 @@ use crate::cpu::polygon::polygon_facing::polygon_facing;
 use crate::layout::EdgeMasks;
 use crate::light::{MAX_LIGHTS, check_lights};
 use crate::mesh::Silhouette;
-#[cfg(feature = "reference")]
 use crate::method::Method;
 use crate::method::Predicate;
 use crate::{Light, Mesh};
@@ -78,7 +76,7 @@ impl Extraction {
     ///
     /// # Errors
     /// The errors of [`Self::update`].
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn update_by(
         &mut self,
         positions: &[[f32; 3]],
@@ -122,7 +120,6 @@ pub fn extract(
 ///
 /// # Errors
 /// The errors of [`extract`].
-#[cfg(feature = "reference")]
 pub fn extract_by(
     positions: &[[f32; 3]],
     mesh: &Mesh,

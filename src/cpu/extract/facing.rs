@@ -69,7 +69,6 @@ pub fn facing_into(
                 (Predicate::Exact, _) => run.fill_exactly(masks),
                 (Predicate::Fast, 1) => run.fill_fast_for_one_light(masks),
                 (Predicate::Fast, _) => run.fill_fast(masks),
-                #[cfg(feature = "reference")]
                 (Predicate::Plane, _) => run.fill_by_plane(masks),
             }
         });

@@ -2,7 +2,6 @@
 //! from edge to edge.
 
 use crate::mesh::{INCONSISTENT_BIT, Mesh, NO_FACE};
-#[cfg(feature = "reference")]
 use crate::{
     Light,
     cpu::common::determinant::{local_mask, plane_mask},
@@ -14,7 +13,6 @@ use crate::{
 
 /// Silhouette and winding masks: ⌈N/32⌉ planes with one [`EdgeMasks`] for each edge record. [`Method::predicate`] says
 /// which predicate replaces `predicate`. Vertices that `positions` lacks count as NaN.
-#[cfg(feature = "reference")]
 pub fn per_edge(
     positions: &[[f32; 3]],
     mesh: &Mesh,
@@ -57,7 +55,6 @@ pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
         .collect()
 }
 
-#[cfg(feature = "reference")]
 fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], light_batch: &LightBatch, by_plane: bool) -> EdgeMasks {
     let position = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
     let mask = |a, b, c| if by_plane { plane_mask(a, b, c, light_batch) } else { local_mask(a, b, c, light_batch) };

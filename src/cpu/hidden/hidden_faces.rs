@@ -166,6 +166,7 @@ impl HiddenFaces {
         self.statistics
     }
 
+    #[cfg(feature = "gpu")]
     pub(crate) fn casters(&self) -> &[HiddenOfCaster] {
         &self.casters
     }

@@ -1,9 +1,5 @@
 //! Polygons as a light sees them: facing, averted, in a plane with the light, or L-twisted; docs/numerics/polygons.md.
 
-#[cfg(feature = "reference")]
-pub(crate) mod cut_edges;
-#[cfg(feature = "reference")]
-pub(crate) mod cut_quads;
 pub(crate) mod edge_pair;
 pub(crate) mod half_space;
 pub(crate) mod many_edges;

@@ -1,7 +1,6 @@
 //! Turn: whether three points turn counter-clockwise as seen from a light.
 
 use crate::cpu::common::double_sign::{certain_sign, cross, difference, dot, to_light};
-use crate::cpu::common::fixed_sign::FixedFace;
 use crate::cpu::extract::exact_facing::exact_facing;
 
 /// Lights along the axes. To break a tie, the light moves along each of them, by infinitely less each time.
@@ -29,22 +28,4 @@ pub(crate) fn turn(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i3
         0 => AXES.into_iter().map(|axis| turn_as_given(a, b, c, axis)).find(|&sign| sign != 0).unwrap_or(0),
         sign => sign,
     }
-}
-
-/// The determinants of the same turn for the light as given and for the axes as lights, rounded, if fixed point holds them.
-pub(crate) fn turn_values(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> Option<[f64; 4]> {
-    let face = FixedFace::new(a, b, c)?;
-    let [x, y, z] = AXES;
-    let [given, x, y, z] = [light, x, y, z].map(|light| face.value(light));
-    Some([given?, x?, y?, z?])
-}
-
-/// The light that tells where the plane through `(c, d)` and the moved light is along `(a, b)`: as given, or the first axis as
-/// a light for which `a` or `b` is beside it. The second is whether it is as given.
-pub(crate) fn light_of_cut([c, d]: [[f32; 3]; 2], ends: [[f32; 3]; 2], light: [f32; 4]) -> ([f32; 4], bool) {
-    let is_beside = |light: &[f32; 4]| ends.iter().any(|&end| turn_as_given(c, d, end, *light) != 0);
-    if is_beside(&light) {
-        return (light, true);
-    }
-    (AXES.into_iter().find(is_beside).unwrap_or(light), false)
 }

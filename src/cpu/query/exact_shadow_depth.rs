@@ -9,7 +9,7 @@ const AXES: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0
 /// point and light are strictly on opposite sides of its plane, and the line between them goes through the inside of
 /// the face after the light has moved by `(ε, ε², ε³)`; docs/numerics/query.md. The orientation of the face does not matter. All
 /// numbers are finite.
-pub fn exactly_between([a, b, c]: [[f32; 3]; 3], p: [f32; 3], light: [f32; 4]) -> bool {
+pub(crate) fn exactly_between([a, b, c]: [[f32; 3]; 3], p: [f32; 3], light: [f32; 4]) -> bool {
     let [x, y, z] = p;
     let face = ExactFace::new(a, b, c);
     let point_side = face.sign([x, y, z, 1.0]);

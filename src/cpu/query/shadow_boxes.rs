@@ -77,6 +77,7 @@ pub(crate) fn cluster_count(mesh: &Mesh, run: usize) -> usize {
 }
 
 /// The number of triangles of the largest polygon.
+#[cfg(feature = "gpu")]
 pub(crate) fn largest_polygon(mesh: &Mesh) -> usize {
     mesh.polygons()
         .map_or(1, |polygons| (0..polygons.len()).map(|polygon| polygons.triangles(polygon).len()).max().unwrap_or(0))

@@ -129,13 +129,13 @@ impl Pipelines {
     }
 
     /// The number of pipelines made so far, compute and render. Waits for those that other threads are making.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn len(&self) -> usize {
         self.0.compute.len() + self.0.volumes.len()
     }
 
     /// Whether no pipeline was made yet.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

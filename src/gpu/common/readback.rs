@@ -20,7 +20,7 @@ pub fn read_back(
     mut take: impl FnMut(&[u8]),
 ) -> Result<(), DeviceError> {
     // The next piece is copied after `take` has this one, so only one piece is in memory twice.
-    for range in pieces(buffer)? {
+    for range in pieces(buffer, buffer.size())? {
         wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut take)?;
     }
     Ok(())
@@ -71,8 +71,21 @@ pub fn read_back_vec<T: bytemuck::Pod>(
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
 ) -> Result<Vec<T>, DeviceError> {
-    let mut items = Items::with_capacity_for(buffer);
-    read_back(device, queue, buffer, |bytes| items.take(bytes))?;
+    read_back_first(device, queue, buffer, buffer.size())
+}
+
+/// Reads the first `end` bytes of a buffer as [`read_back_vec`] does.
+pub(crate) fn read_back_first<T: bytemuck::Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    end: u64,
+) -> Result<Vec<T>, DeviceError> {
+    let mut items = Items::with_capacity_for(end);
+    // The next piece is copied after this one was taken, so only one piece is in memory twice.
+    for range in pieces(buffer, end)? {
+        wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut |bytes| items.take(bytes))?;
+    }
     Ok(items.items)
 }
 
@@ -86,7 +99,7 @@ pub fn read_back_vec_async<T: bytemuck::Pod>(
     buffer: &wgpu::Buffer,
 ) -> impl Future<Output = Result<Vec<T>, DeviceError>> + use<T> {
     let downloads = downloads(device, queue, buffer);
-    let mut items = Items::with_capacity_for(buffer);
+    let mut items = Items::with_capacity_for(buffer.size());
     async move {
         for download in downloads? {
             download.await?.hand_to(&mut |bytes| items.take(bytes))?;
@@ -97,15 +110,14 @@ pub fn read_back_vec_async<T: bytemuck::Pod>(
 
 /// Submits the copies of a whole buffer.
 fn downloads(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<Download>, DeviceError> {
-    pieces(buffer)?.map(|range| Download::new(device, queue, buffer, range)).collect()
+    pieces(buffer, buffer.size())?.map(|range| Download::new(device, queue, buffer, range)).collect()
 }
 
 /// The ranges of bytes that are copied one by one.
-fn pieces(buffer: &wgpu::Buffer) -> Result<impl Iterator<Item = Range<u64>> + use<>, DeviceError> {
+fn pieces(buffer: &wgpu::Buffer, end: u64) -> Result<impl Iterator<Item = Range<u64>> + use<>, DeviceError> {
     if !buffer.usage().contains(wgpu::BufferUsages::COPY_SRC) {
         return Err(DeviceError::NotCopySource);
     }
-    let end = buffer.size();
     Ok((0..end).step_by(PIECE as usize).map(move |begin| begin..end.min(begin + PIECE)))
 }
 
@@ -117,8 +129,8 @@ struct Items<T> {
 }
 
 impl<T: bytemuck::Pod> Items<T> {
-    fn with_capacity_for(buffer: &wgpu::Buffer) -> Self {
-        Self { items: Vec::with_capacity(buffer.size() as usize / size_of::<T>()), rest: Vec::new() }
+    fn with_capacity_for(bytes: u64) -> Self {
+        Self { items: Vec::with_capacity(bytes as usize / size_of::<T>()), rest: Vec::new() }
     }
 
     fn take(&mut self, bytes: &[u8]) {

@@ -12,6 +12,7 @@ pub(crate) enum Subject {
     Shadow,
     Query,
     Deform,
+    #[cfg(any(feature = "depth-map", test))]
     DepthMap,
 }
 
@@ -36,7 +37,7 @@ impl Subject {
 
     /// Whether vertex shaders read storage buffers.
     fn reads_in_vertex_shaders(self) -> bool {
-        matches!(self, Self::Shadow | Self::DepthMap)
+        !matches!(self, Self::Extract | Self::Query | Self::Deform)
     }
 }
 

@@ -242,7 +242,7 @@ impl Deformer {
         }
     }
 
-    /// The positions, once the encoder was submitted.
+    /// The positions, once the encoder was submitted. The buffer stays the same, and has the usages `VERTEX` and `STORAGE`.
     pub fn positions(&self) -> PositionBuffer<'_> {
         PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
     }
@@ -350,7 +350,7 @@ impl Deformer {
         for (instance, (layout, pose)) in self.layouts.iter().zip(pose.instances()).enumerate() {
             layout.check(instance, pose)?;
             words.resize(layout.palette as usize, 0);
-            for row in pose.palette().iter().take(layout.joints as usize).flatten() {
+            for row in pose.palette().iter().take(layout.joints as usize).flat_map(|matrix| matrix.rows()) {
                 words.extend(row.map(f32::to_bits));
             }
             words.resize(layout.targets as usize, 0);

@@ -140,7 +140,6 @@ impl Contours {
     }
 
     /// Marks, places and counts.
-    #[cfg(feature = "reference")]
     pub(super) fn tested(&self) -> [&wgpu::Buffer; 3] {
         [&self.buffers.marks, &self.buffers.places, &self.buffers.counts]
     }

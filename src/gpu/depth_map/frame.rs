@@ -96,7 +96,7 @@ impl DepthMapFrame {
     }
 
     /// Whether its near cap is drawn.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn near_cap(&self) -> &DepthMapNearCap {
         &self.near_cap
     }

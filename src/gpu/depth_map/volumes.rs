@@ -251,7 +251,6 @@ impl DepthMapVolumes {
     }
 
     /// Marks of edges that contours cross, the places where they do, and counts of walls: the buffers that draws of walls read.
-    #[cfg(feature = "reference")]
     #[doc(hidden)]
     pub fn contour_buffers(&self) -> Option<[&wgpu::Buffer; 3]> {
         self.contours.as_ref().map(Contours::tested)

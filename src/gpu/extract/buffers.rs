@@ -98,7 +98,7 @@ pub(crate) const RECORD_HEAD: u64 = size_of::<ExtractionStatistics>() as u64 + 4
 
 /// Room for all faces of one dispatch, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> usize {
-    if mesh.polygons().is_some() || options.method().predicate(options.predicate) != Predicate::Exact {
+    if mesh.polygons().is_some() || options.method.predicate(options.predicate) != Predicate::Exact {
         return 0;
     }
     let fitting = ((split.binding - RECORD_HEAD) / 4) as usize;
@@ -153,7 +153,7 @@ impl Buffers {
         split: &DispatchLimits,
         chunks: &UniformTable,
     ) -> Result<Self, DeviceError> {
-        let per_edge = options.method().is_per_edge();
+        let per_edge = options.method.is_per_edge();
         let mut light_batches = UniformTable::default();
         (0..shape.batches()).for_each(|_| _ = light_batches.push(&LightBatch::new(&[], 0, 3)));
         let (lights, edges) = (shape.max_lights as u32, shape.edges as u32);
@@ -186,7 +186,7 @@ impl<B> Buffers<B> {
         make: &mut impl FnMut(Wanted<'_>) -> B,
     ) -> Self {
         let batches = shape.batches();
-        let planes = if options.method().is_per_edge() { 0 } else { batches };
+        let planes = if options.method.is_per_edge() { 0 } else { batches };
         let mask_planes = if options.masks { batches } else { usize::from(options.is_ordered()) };
         let lists = if options.lists.is_some() { batches } else { 0 };
         let places = if options.is_ordered() { u64::from(shape.blocks) * 32 * 4 } else { 0 };

@@ -7,7 +7,6 @@ use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
-#[cfg(feature = "reference")]
 use super::results::ExtractionResults;
 use super::stages::{Binder, Made, Runs, from_facing, from_positions, made, programs};
 use crate::gpu::common::device_error::DeviceError;
@@ -62,7 +61,7 @@ impl Extractor {
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
         let device = pipelines.device();
         light::check_room(options.max_lights)?;
-        let per_edge = options.method().is_per_edge();
+        let per_edge = options.method.is_per_edge();
         if mesh.polygons().is_some() && (per_edge || options.predicate != Predicate::Exact) {
             return Err(ExtractorError::Polygons);
         }
@@ -178,7 +177,7 @@ impl Extractor {
 
     /// The buffers that hold the results of the last encode, once its encoder was submitted. They stay the same for the
     /// life of the extractor.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn results(&self) -> ExtractionResults<'_> {
         self.shared.results()
     }
@@ -186,7 +185,7 @@ impl Extractor {
     /// For each batch of lights one `u32` a face: the lights for which the face is excluded, of the last encode once
     /// submitted. These are the lights in its plane, if facing is exact, and all lights if it has a vertex that is not
     /// finite. Empty without lists, which shadow volumes need.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn excluded_masks(&self) -> &[wgpu::Buffer] {
         &self.shared.buffers.excluded
     }
@@ -194,13 +193,13 @@ impl Extractor {
     /// For each batch of lights the pieces of L-twisted polygons, of the last encode once submitted: the number of pieces of
     /// each of 32 lights, then for each light as many pieces as there is room for, of nine words: where it begins, where
     /// it ends, and the middle of its polygon. Empty without polygons or lists.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn pieces(&self) -> &[wgpu::Buffer] {
         self.shared.buffers.polygons.as_ref().map_or(&[], |polygons| &polygons.pieces)
     }
 
     /// The number of pieces of each light that there is room for.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn piece_capacity(&self) -> u32 {
         self.shared.shape.polygons.map_or(0, |polygons| polygons.pieces)
     }

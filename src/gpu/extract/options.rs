@@ -10,10 +10,10 @@ pub const MAX_OUTLINE_EDGES: usize = 1024;
 pub struct ExtractorOptions {
     /// The largest number of lights in one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
-    /// The method that finds silhouettes. Only the feature `reference` has this option.
-    #[cfg(feature = "reference")]
+    /// The method that finds silhouettes.
+    #[doc(hidden)]
     pub method: Method,
-    /// How a face's side is decided. The per-edge method of the feature `reference` is never exact.
+    /// How a face's side is decided.
     pub predicate: Predicate,
     /// Faces that the list of undecided faces has room for. `None`: all faces, at 4 bytes each. An overflow loses
     /// nothing: every face then goes through the exact stage, which is slow.
@@ -35,7 +35,6 @@ impl Default for ExtractorOptions {
     fn default() -> Self {
         Self {
             max_lights: 1,
-            #[cfg(feature = "reference")]
             method: Method::FaceMask,
             predicate: Predicate::Exact,
             undecided_capacity: None,
@@ -47,14 +46,6 @@ impl Default for ExtractorOptions {
 }
 
 impl ExtractorOptions {
-    /// The method: face masks, unless the feature `reference` asks for another one.
-    pub(crate) const fn method(&self) -> Method {
-        #[cfg(feature = "reference")]
-        return self.method;
-        #[cfg(not(feature = "reference"))]
-        Method::FaceMask
-    }
-
     /// Whether lists have the order of the edges.
     pub(crate) fn is_ordered(&self) -> bool {
         self.lists.is_some_and(|lists| lists.ordered)

@@ -92,9 +92,9 @@ pub(super) fn from_positions(
         ];
         return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();
     }
-    let predicate = options.method().predicate(options.predicate);
+    let predicate = options.method.predicate(options.predicate);
     let plane = ("PLANE", switch(predicate.is_plane()));
-    if options.method().is_per_edge() {
+    if options.method.is_per_edge() {
         let [masks, append] = emit_constants(options);
         let program = Program::of(&PER_EDGE, &[windows, plane, masks, append]);
         return vec![Planned { program, over: Over::Edges, size: Size::Items }];
@@ -113,7 +113,7 @@ pub(super) fn from_facing(options: &ExtractorOptions, twisted_at: usize, words: 
     let [masks, append] = emit_constants(options);
     let windows = ("FACING_WINDOW_WORDS", f64::from(words));
     let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_AT", twisted_at as f64)]);
-    let has_edges = !options.method().is_per_edge() && (options.masks || options.lists.is_some());
+    let has_edges = !options.method.is_per_edge() && (options.masks || options.lists.is_some());
     let compact = COMPACT.entry_points.iter().zip([Size::Items, Size::Lights, Size::Items]);
     let compact = compact
         .filter(|_| options.is_ordered())

@@ -133,7 +133,16 @@ impl ShadowMasks {
             let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
             let layout = layout(&self.shared, is_sampled);
             let made = any_error(device, || group(device, "mask depth", &layout, &[texture(depth)]));
-            (depth.clone(), made.map_err(|message| refused(device, "the depth", message))?)
+            (
+                depth.clone(),
+                made.map_err(|message| {
+                    refused(
+                        device,
+                        "the depth",
+                        format!("is it a view of the depth aspect alone, of one layer? {message}"),
+                    )
+                })?,
+            )
         };
         Ok(self.depth.insert(made).1.clone())
     }

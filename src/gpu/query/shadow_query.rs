@@ -17,6 +17,7 @@ use crate::gpu::common::memory::{check, guarded};
 use crate::gpu::common::pass::{Dispatch, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer};
+use crate::gpu::common::readback::read_back_first;
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
@@ -32,7 +33,8 @@ use crate::{Light, Mesh};
 /// orientation and whatever the mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh the
 /// parity tells inside from outside. A point in shadow has a depth above 0. The depths equal those of
 /// [`crate::cpu::shadow_depth`] on every device; that function describes how ties are broken. Points on the surface may name
-/// their face ([`QueryPoints`]), or be moved off it before ([`Light::lift`]).
+/// their face ([`QueryPoints`]), or be moved off it before ([`Light::lift`]). Ranges and cones of lights do not matter. For several
+/// meshes add the depths of a query for each, in its own space ([`Light::to_mesh_space`]).
 ///
 /// The query records compute passes into the caller's encoder. Every face is tested against every pair of point and
 /// light, except for faces that the boxes leave out.
@@ -48,6 +50,8 @@ pub struct ShadowQuery {
     pipelines: Pipelines,
     passes: Passes,
     options: ShadowQueryOptions,
+    /// The number of pairs of the last encode.
+    pairs: u64,
 }
 
 /// The buffers of a query.
@@ -170,6 +174,7 @@ impl ShadowQuery {
             passes: Passes::new(&pipelines, kind),
             pipelines,
             options,
+            pairs: 0,
         })
     }
 
@@ -237,12 +242,15 @@ impl ShadowQuery {
         check_alive(self.pipelines.device())?;
         self.pipelines.check_bindable(positions.buffer)?;
         self.pipelines.check_bindable(points.buffer).map_err(QueryError::Points)?;
-        if lights.is_empty() {
+        let pairs = u64::from(point_count) * lights.len() as u64;
+        if pairs == 0 {
+            self.pairs = 0;
             return Ok(());
         }
         let clusters = cluster_chunks(&self.split, self.clusters)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(QueryError::Points)?;
+        self.pairs = pairs;
         let (names_faces, window_words) = (given.on_face.is_some(), bound.windows.words);
         let kind = PassKind { names_faces, window_words, ..self.passes.kind };
         if self.passes.kind != kind {
@@ -319,15 +327,24 @@ impl ShadowQuery {
     }
 
     /// The depths, once the encoder was submitted: one `i32` for each pair. Points follow each other, and each point
-    /// has one number for each light of that encode. A point that is infinite or NaN has −1. Usages `STORAGE`,
-    /// `COPY_SRC` and `COPY_DST`.
+    /// has one number for each light of that encode. A point that is infinite or NaN has −1. The buffer is as long as the options
+    /// ask for; numbers behind those of the last encode have no meaning. Usages `STORAGE`, `COPY_SRC` and `COPY_DST`.
     pub fn depths(&self) -> &wgpu::Buffer {
         &self.buffers.depths
     }
 
+    /// Reads [`Self::depths`] of the last encode, and no more, once its encoder was submitted. It waits for the device.
+    /// `queue` must be the queue of the query's device.
+    ///
+    /// # Errors
+    /// [`QueryError::Device`] if the device does not hand them back.
+    pub fn read_depths(&self, queue: &wgpu::Queue) -> Result<Vec<i32>, QueryError> {
+        Ok(read_back_first(self.pipelines.device(), queue, self.depths(), 4 * self.pairs)?)
+    }
+
     /// The faces of the mesh in clusters, with the boxes of the last encode: one `FaceCluster` for each cluster. The
     /// usages are those of [`Self::depths`].
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn clusters(&self) -> &wgpu::Buffer {
         &self.buffers.clusters
     }

@@ -34,7 +34,7 @@ pub struct Caster {
 impl Caster {
     /// A rigid caster in the depth buffer, for all lights.
     pub fn rigid(mesh: MeshHandle, mesh_to_world: impl Into<Transform>) -> Self {
-        let positions = CasterPositions::Rigid(mesh_to_world.into().rows());
+        let positions = CasterPositions::Rigid(mesh_to_world.into());
         Self { mesh, positions, lights: LightMask::ALL, in_depth: true }
     }
 
@@ -54,14 +54,13 @@ impl From<PositionBuffer<'_>> for CasterPositions {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum CasterPositions {
-    /// At the positions that were given with the mesh, placed in world space by this matrix: three rows of four
-    /// ([`Transform::rows`]). Lights
+    /// At the positions that were given with the mesh, placed in world space by this transform. Lights
     /// are moved to mesh space instead, as [`Light::to_mesh_space`](crate::Light::to_mesh_space) does. A caster with a
-    /// singular matrix, or one that is not finite, casts nothing.
+    /// singular transform, or one that is not finite, casts nothing.
     ///
-    /// A vertex less the camera's origin is at `row.xyz · position + (row.w − origin)` for each axis, with products added
-    /// from x to z. With z-fail a depth pass must compute the same bits; see [`Counting`](crate::Counting).
-    Rigid(Matrix3x4),
+    /// A vertex less the camera's origin is at `row.xyz · position + (row.w − origin)` for each axis, by [`Transform::rows`],
+    /// with products added from x to z. With z-fail a depth pass must compute the same bits; see [`Counting`](crate::Counting).
+    Rigid(Transform),
     /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode,
     /// unless [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed.
     /// Casters with the same buffer are drawn together, so keep many in one buffer. A model with poses is easier by

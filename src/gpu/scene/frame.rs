@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-#[cfg(feature = "reference")]
 use super::handles::CasterHandle;
 use super::handles::{LightHandle, SceneId};
 use super::hidden::HiddenCounts;
@@ -13,7 +12,6 @@ use crate::gpu::common::requirements::check_same;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::gpu::shadow::shadow_pipelines::ShadowPipelines;
-#[cfg(feature = "reference")]
 use crate::layout::{SceneDispatch, ShadowShape};
 use crate::{Light, ShadowCamera};
 
@@ -41,7 +39,6 @@ pub struct SceneFrame {
 
 /// The results of a group of casters for a batch of lights. A group has one page of topology and one source of
 /// positions.
-#[cfg(feature = "reference")]
 #[derive(Clone, Debug)]
 pub struct SceneGroupResults<'a> {
     /// The group and the batch.
@@ -67,14 +64,13 @@ pub struct SceneGroupResults<'a> {
     pub draws: &'a wgpu::Buffer,
     /// Begins with [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
     pub record: &'a wgpu::Buffer,
-    /// The clusters of its page, as [`Arranged::words`](crate::reference::clusters::Arranged::words) has them for each mesh.
+    /// The clusters of its page, as [`Arranged::words`](crate::internals::clusters::Arranged::words) has them for each mesh.
     pub clusters: &'a wgpu::Buffer,
     /// The uniform of the stages.
     pub dispatch: SceneDispatch,
 }
 
 /// The buffers of a frame.
-#[cfg(feature = "reference")]
 #[derive(Clone, Debug)]
 pub struct SceneResults<'a> {
     /// The scene table, in units of 16 bytes.
@@ -93,7 +89,7 @@ pub struct SceneResults<'a> {
     /// The lights as each view sees them, [`SeenLight`](crate::layout::SeenLight)s of all bits, and the sizes of the first group
     /// and batch. `None`: no view.
     pub seen: Option<(&'a wgpu::Buffer, ShadowShape)>,
-    /// The choices: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
+    /// The choices: for each view, batch and caster eight words, as `rimline_testkit::choices` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
     /// For each view, after one word, what its shadows may fall on: so many words as the number says, a
     /// head and the levels of `wgsl/shadow/receivers.wgsl`. `None`: no view.
@@ -102,7 +98,7 @@ pub struct SceneResults<'a> {
     /// the silhouettes, and the version of the camera. `None`: no view.
     pub listed: Option<&'a wgpu::Buffer>,
     /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters its row, as
-    /// `reference::cpu::stencil_crossings` makes it. `None`: no bound was asked for.
+    /// the stage `stencil_crossings` makes it. `None`: no bound was asked for.
     pub bound: Option<[&'a wgpu::Buffer; 2]>,
     /// For each group the [`ShadowDraws`](crate::layout::ShadowDraws) of each view and light bit.
     pub shadow_draws: &'a [wgpu::Buffer],
@@ -138,8 +134,8 @@ impl SceneFrame {
     /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
     /// the attachments of `pipelines`. Views are the cameras of the encode, counted from 0. It counts up from the current
     /// content of the bits of the stencil that counts own, which must be 0 if casters are counted in batches. The other bits stay
-    /// as they are. Other state of the pass does not matter. It changes the pipeline and bind groups 0 and 1, and sets the
-    /// stencil reference to 0 if casters are counted in batches.
+    /// as they are. Other state of the pass does not matter. It changes the pipeline and bind groups 0 and 1, and sets
+    /// the stencil reference to 0, with which pipelines that add light compare.
     ///
     /// Each light has a pass of its own. The pass loads the depths of the depth pass and clears the stencil to 0. After
     /// this draw, the same pass adds the light where the stencil is still 0: with a pipeline of
@@ -165,6 +161,7 @@ impl SceneFrame {
             return Err(ShadowError::CountBatches { count_batches: self.count_batches });
         }
         self.record(pass, pipelines, view, light);
+        pass.set_stencil_reference(0);
         Ok(())
     }
 
@@ -227,7 +224,7 @@ impl SceneFrame {
     ///
     /// # Errors
     /// [`ShadowError::StaleFrame`] if a later encode overwrites them.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn results(&self) -> Result<SceneResults<'_>, ShadowError> {
         self.check_current()?;
         let Structure { table, buffers, parts, .. } = &*self.structure;
@@ -270,16 +267,16 @@ impl SceneFrame {
         })
     }
 
-    /// The face of each face slot of a caster, and the record of each edge slot. `None`: slots have the order of the mesh.
-    #[cfg(feature = "reference")]
-    pub fn slot_order(&self, caster: CasterHandle) -> Option<[&[u32]; 2]> {
+    /// The face of each face slot of a caster. `None`: slots have the order of the mesh.
+    #[doc(hidden)]
+    pub fn slot_order(&self, caster: CasterHandle) -> Option<&[u32]> {
         let (index, _) = self.place(caster)?;
         let order = self.structure.layout.slot_orders.get(index as usize)?.as_ref()?;
-        Some([&order.faces, &order.records])
+        Some(&order.faces)
     }
 
     /// The place of a caster in the scene table, and its group.
-    #[cfg(feature = "reference")]
+    #[doc(hidden)]
     pub fn place(&self, caster: CasterHandle) -> Option<(u32, usize)> {
         let layout = &self.structure.layout;
         if caster.scene != self.scene {

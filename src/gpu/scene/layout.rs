@@ -1,7 +1,6 @@
 //! Lays a scene out: groups, slots, and what lies where in the scene table.
 
 use std::collections::HashMap;
-#[cfg(feature = "reference")]
 use std::sync::Arc;
 
 use slotmap::{DefaultKey, SecondaryMap, SlotMap};
@@ -11,7 +10,6 @@ use super::lights::Lights;
 use super::mask::LightMask;
 use super::occluders::OccluderPlaces;
 use super::table::{LIGHT_PARTS, Part, Slots, Table};
-#[cfg(feature = "reference")]
 use super::topology::SlotOrder;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -51,7 +49,6 @@ pub(crate) struct Layout {
     /// The casters in the order of the table.
     pub(crate) order: Vec<DefaultKey>,
     /// The contents of their slots, where a mesh is in clusters.
-    #[cfg(feature = "reference")]
     pub(crate) slot_orders: Vec<Option<Arc<SlotOrder>>>,
     /// Where occluders are in the table. None are there unless they are heeded.
     pub(crate) occluders: OccluderPlaces,
@@ -146,7 +143,6 @@ impl Layout {
                     ..group.add(mesh, caster.in_depth)
                 });
                 layout.order.push(key);
-                #[cfg(feature = "reference")]
                 layout.slot_orders.push(mesh.order.clone());
             }
             layout.groups.push(group);

@@ -10,7 +10,7 @@ use super::lights::Lights;
 use super::mask::bits;
 use super::table::{Part, Table};
 use crate::gpu::shadow::errors::ShadowError;
-use crate::layout::ScaledLight;
+use crate::light_batch::ScaledLight;
 
 /// The most corners of an occluder.
 pub(crate) const MOST_CORNERS: usize = 8;

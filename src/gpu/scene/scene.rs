@@ -385,7 +385,7 @@ impl Scene {
         let entry = self.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
         let (page, vertices) = (entry.run.page, entry.vertices);
         let (placement, bound) = match positions {
-            CasterPositions::Rigid(matrix) => (Placement::Rigid(Rigid::new(matrix)), None),
+            CasterPositions::Rigid(transform) => (Placement::Rigid(Rigid::new(transform.rows())), None),
             CasterPositions::Buffer { buffer, offset, stride } => {
                 let positions = PositionBuffer { buffer: &buffer, offset, stride };
                 let (placement, bound) = bind(&self.pipelines, &positions, vertices)?;

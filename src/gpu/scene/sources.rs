@@ -55,7 +55,6 @@ impl Source {
             edge_vertices: page.edge_vertices.clone(),
             edge_faces: page.edge_faces.clone(),
             positions: (positions.clone(), range),
-            #[cfg(feature = "reference")]
             clusters: page.clusters.clone(),
         }
     }
@@ -69,7 +68,6 @@ pub(crate) struct GroupTopology {
     pub(crate) edge_faces: wgpu::Buffer,
     pub(crate) positions: (wgpu::Buffer, Range<u64>),
     /// The clusters of its page.
-    #[cfg(feature = "reference")]
     pub(crate) clusters: wgpu::Buffer,
 }
 

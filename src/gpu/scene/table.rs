@@ -6,8 +6,9 @@ use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::bits;
 use crate::layout::caster_flags::{BOUNDED, CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
-use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, ScaledLight, SceneCaster};
+use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, SceneCaster};
 use crate::light::Light;
+use crate::light_batch::ScaledLight;
 
 /// Words of the table, in fours.
 pub(crate) type Part = [u32; 4];

@@ -24,9 +24,6 @@ pub(crate) struct Topology<'a> {
 pub(crate) struct SlotOrder {
     /// The face of each face slot.
     pub(crate) faces: Vec<u32>,
-    /// The edge record of each edge slot.
-    #[cfg(feature = "reference")]
-    pub(crate) records: Vec<u32>,
 }
 
 impl<'a> Topology<'a> {
@@ -45,11 +42,7 @@ impl<'a> Topology<'a> {
     pub(crate) fn in_clusters(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
         let clusters = Clusters::new(mesh, positions, Threads::all());
         let Arranged { faces, edge_vertices, edge_faces, words } = Arranged::new(mesh, &clusters, Threads::all());
-        let order = SlotOrder {
-            #[cfg(feature = "reference")]
-            records: clusters.edges().records().to_vec(),
-            faces: clusters.into_faces(),
-        };
+        let order = SlotOrder { faces: clusters.into_faces() };
         Self {
             faces: faces.into(),
             edge_vertices: edge_vertices.into(),

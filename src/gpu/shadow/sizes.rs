@@ -91,7 +91,6 @@ impl Room {
         let near = match options.counting {
             Counting::ZPass | Counting::ZFail => 1,
             Counting::Auto | Counting::ZpPlus => faces.min(few + 16 * faces.isqrt()),
-            #[cfg(feature = "reference")]
             Counting::ZpPlus2005 => faces,
         };
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };

@@ -10,7 +10,7 @@ const PLACE_BITS: u32 = 30;
 
 /// When a chunk of edges has no silhouette edge for a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Spared {
+pub(super) enum Spared {
     /// It may always have one: there are boundaries or inconsistent records.
     Never = 0,
     /// All its clusters are decided: each record is within a cluster.
@@ -29,7 +29,7 @@ pub struct Arranged {
     /// The slots of its faces, packed as in [`EdgeRecords::packed_faces`](crate::mesh::EdgeRecords::packed_faces).
     pub edge_faces: Vec<[u32; 2]>,
     /// Twelve words for each cluster, its [`ClusterBound`](super::ClusterBound). Then, for each chunk of edge slots and for
-    /// their end, the word where the clusters of its faces begin, with [`Spared`] in the upper two bits. Then these clusters.
+    /// their end, the word where the clusters of its faces begin, with `Spared` in the upper two bits. Then these clusters.
     pub words: Vec<u32>,
 }
 

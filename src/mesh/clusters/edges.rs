@@ -21,7 +21,7 @@ pub struct EdgeOrder {
 
 impl EdgeOrder {
     /// `faces` has the face of each slot.
-    pub(super) fn new(records: &EdgeRecords, faces: &[u32]) -> Self {
+    pub fn new(records: &EdgeRecords, faces: &[u32]) -> Self {
         let clusters = faces.len().div_ceil(CLUSTER_FACES);
         let mut cluster_of = vec![0_u32; faces.len()];
         for (cluster, slots) in (0..).zip(faces.chunks(CLUSTER_FACES)) {

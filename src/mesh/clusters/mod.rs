@@ -10,16 +10,10 @@ mod edges;
 mod order;
 mod plane;
 
-#[cfg(feature = "gpu")]
 pub use arranged::Arranged;
-#[cfg(feature = "reference")]
-pub use arranged::Spared;
 pub use bound::ClusterBound;
-#[cfg(feature = "reference")]
 pub use bound::WIDENING;
 pub use edges::EdgeOrder;
-#[cfg(feature = "reference")]
-pub use plane::LARGE;
 
 use crate::cpu::Threads;
 use crate::layout::CHUNK;

@@ -4,7 +4,7 @@ use crate::cpu::common::positions::position;
 use crate::mesh::is_degenerate;
 
 /// Faces with a coordinate from 2¹²⁰ on are in no cluster that is decided by its bound: sums could overflow.
-pub const LARGE: f32 = f32::from_bits((127 + 120) << 23);
+pub(super) const LARGE: f32 = f32::from_bits((127 + 120) << 23);
 /// The normal must be at least this much of its terms, or cancellation has spoilt it: 2⁻²⁰.
 const LEAST_NORMAL: f64 = 1.0 / 1_048_576.0;
 

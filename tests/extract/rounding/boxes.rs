@@ -2,8 +2,8 @@
 //! allows: a box that the segment passes through is never left out. docs/numerics/query.md.
 
 use rimline::Light;
-use rimline::reference::layout::LightBatch;
-use rimline::reference::stages::SHADOW_DEPTH;
+use rimline::internals::layout::LightBatch;
+use rimline::internals::stages::SHADOW_DEPTH;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
 

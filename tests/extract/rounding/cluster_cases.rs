@@ -1,7 +1,7 @@
 //! Clusters of one to three faces, and lights, whose decision hangs on rounding.
 
-use rimline::reference::clusters::{ClusterBound, Clusters};
-use rimline::reference::cpu::Threads;
+use rimline::internals::clusters::{ClusterBound, Clusters};
+use rimline::internals::cpu::Threads;
 use rimline::{Light, Mesh};
 use rimline_testkit::random::Random;
 

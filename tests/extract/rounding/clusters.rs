@@ -2,9 +2,9 @@
 //! docs/numerics/clusters.md.
 
 use rimline::Light;
-use rimline::reference::clusters::{ClusterBound, WIDENING};
-use rimline::reference::layout::LightBatch;
-use rimline::reference::stages::CLUSTERS;
+use rimline::internals::clusters::{ClusterBound, WIDENING};
+use rimline::internals::layout::LightBatch;
+use rimline::internals::stages::CLUSTERS;
 use rimline_testkit::band::{facing_bound, gamma};
 use rimline_testkit::clusters::{LEAST, PRODUCT, height_and_spread};
 use rimline_testkit::oracle::ExactFace;

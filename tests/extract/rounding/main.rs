@@ -8,8 +8,8 @@ mod pairs;
 mod rounding_models;
 
 use rimline::Light;
-use rimline::reference::cpu::{RELATIVE, UNDERFLOW};
-use rimline::reference::stages::{EXACT_FACING, FACING, Stage};
+use rimline::internals::cpu::{RELATIVE, UNDERFLOW};
+use rimline::internals::stages::{EXACT_FACING, FACING, Stage};
 use rimline_testkit::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
 use rimline_testkit::oracle::ExactFace;
 use rimline_testkit::random::Random;

@@ -2,8 +2,8 @@
 
 use rimline::Light;
 
-use rimline::reference::cpu::UNDERFLOW;
-use rimline::reference::layout::LightBatch;
+use rimline::internals::cpu::UNDERFLOW;
+use rimline::internals::layout::LightBatch;
 use rimline_testkit::random::Random;
 
 /// Which neighbour of an exact value is taken.

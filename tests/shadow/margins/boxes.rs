@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_AUTO, COUNT_ZP_PLUS_2005};
-use rimline::reference::stages::CAP_FACES;
+use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_AUTO, COUNT_ZP_PLUS_2005};
+use rimline::internals::stages::CAP_FACES;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;

@@ -5,9 +5,10 @@
 
 use glam::DVec3;
 use rimline::gpu::{Capacities, Caster, FrameInputs, Measuring, Scene, SceneOptions, ShadowStatistics, StencilCounts};
+use rimline::internals::cpu::{self, Threads};
+use rimline::internals::scene::CHOICE_WORDS;
+use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY};
 use rimline::mesh::EdgeKind;
-use rimline::reference::cpu::{self, CHOICE_WORDS, Threads};
-use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY};
 use rimline::{DepthDirection, Light, Mesh, Predicate};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;

@@ -2,9 +2,9 @@
 
 use glam::{DVec3, DVec4};
 use rimline::Light;
-use rimline::reference::layout::{ShadowLight, ShadowShape};
-use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS};
-use rimline::reference::stages::SIDES;
+use rimline::internals::layout::{ShadowLight, ShadowShape};
+use rimline::internals::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS};
+use rimline::internals::stages::SIDES;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;

@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3, DVec4};
 use rimline::Light;
-use rimline::reference::layout::ShadowLight;
-use rimline::reference::shadow;
-use rimline::reference::stages::{CAPS, SIDES};
+use rimline::internals::layout::ShadowLight;
+use rimline::internals::shadow;
+use rimline::internals::stages::{CAPS, SIDES};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;

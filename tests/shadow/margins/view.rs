@@ -2,9 +2,9 @@
 
 use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};
-use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::reference::shadow;
-use rimline::reference::stages::CHOOSE;
+use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
+use rimline::internals::shadow;
+use rimline::internals::stages::CHOOSE;
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;

@@ -2,7 +2,7 @@
 
 use rimline::Predicate;
 use rimline::gpu::ExtractorOptions;
-use rimline::reference::Method;
+use rimline::internals::Method;
 
 use super::subject::Case;
 use crate::row::{Mark, Variant};

@@ -8,10 +8,10 @@ use std::time::Instant;
 
 use rimline::Predicate;
 use rimline::gpu::ExtractorOptions;
+use rimline::internals::Method;
+use rimline::internals::cpu;
+use rimline::internals::layout::ExtractionStatistics;
 use rimline::mesh::Mesh;
-use rimline::reference::Method;
-use rimline::reference::cpu;
-use rimline::reference::layout::ExtractionStatistics;
 use serde_json::json;
 
 use crate::engine::{Contender, Metric, Rounds, Sample, interleave};

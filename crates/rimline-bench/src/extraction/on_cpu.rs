@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use rimline::reference::cpu::{self, Threads};
+use rimline::internals::cpu::{self, Threads};
 use rimline::{Light, Mesh};
 
 use super::method::{OnCpu, Share};

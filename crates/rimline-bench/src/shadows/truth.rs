@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;
-use rimline::reference::cpu;
+use rimline::internals::cpu;
 
 use super::Stage;
 use crate::rays::Tracer;

@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
-use rimline::{Geometry, GeometryOptions, Influences, InstancePose, Matrix3x4, ModelError, Pose};
+use rimline::{Geometry, GeometryOptions, Influences, InstancePose, ModelError, Pose};
 
 /// Metres and steps a second.
 const SPEED: f32 = 1.25;
@@ -29,15 +29,9 @@ pub(super) fn pose(walkers: &[Walker], frame: usize) -> Result<Pose, ModelError>
         let at = walker.at + turn * Vec3::Z * SPEED * seconds;
         let palette = joints(walker.phase + STEPS * seconds);
         let place = Affine3A::from_rotation_translation(turn, at);
-        InstancePose::new(palette.map(|joint| rows(place * joint)).to_vec(), Vec::new())
+        InstancePose::new(palette.map(|joint| place * joint), Vec::new())
     };
     Ok(Pose::new(walkers.iter().map(pose).collect::<Result<_, _>>()?))
-}
-
-/// The row-major rows of a transform.
-fn rows(transform: Affine3A) -> Matrix3x4 {
-    let (m, t) = (transform.matrix3.transpose(), transform.translation);
-    [(m.x_axis, t.x), (m.y_axis, t.y), (m.z_axis, t.z)].map(|(row, t)| [row.x, row.y, row.z, t])
 }
 
 /// A ball around this holds a figure that walks.
@@ -141,7 +135,6 @@ fn joints(phase: f32) -> [Affine3A; JOINTS] {
 mod tests {
     use rimline::Instance;
     use rimline::cpu::Threads;
-    use rimline::mesh::Mesh;
 
     use super::super::tests::volume;
     use super::*;
@@ -150,7 +143,7 @@ mod tests {
     #[test]
     fn a_figure_is_closed_and_wound_outwards_however_it_walks() {
         let figure = figure().expect("a figure");
-        let mesh = Mesh::from_faces(figure.positions().len(), figure.faces().to_vec()).expect("a mesh");
+        let mesh = figure.mesh().expect("a mesh");
         assert!(mesh.is_closed());
         assert_eq!(figure.faces().len(), 4032);
         let walkers = [0.0, 1.0, 2.0].map(|way| Walker { at: Vec3::X * way, heading: 2.0 * way, phase: 0.3 * way });

@@ -1,7 +1,7 @@
 //! The frame's uniform, and where in a target there is anything to do for a model. Elsewhere passes would write what was cleared.
 
+use crate::render::bounds::Bounds;
 use glam::DVec3;
-use rimline::mesh::Bounds;
 use rimline::wgpu;
 
 use crate::render::camera::Camera;

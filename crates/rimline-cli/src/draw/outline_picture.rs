@@ -1,7 +1,7 @@
 //! The picture's passes, in order: survey, contact shadow, paper and model, occlusion, lines.
 
+use crate::render::bounds::Bounds;
 use rimline::gpu::{Extraction, include_wgsl, results_bind_group_layout};
-use rimline::mesh::Bounds;
 use rimline::wgpu;
 use wgpu::{BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
 

@@ -2,9 +2,9 @@
 
 use std::io::{self, Seek, Write};
 
+use rimline::internals::layout::EdgeMasks;
+use rimline::internals::light::batches;
 use rimline::mesh::EdgeKind;
-use rimline::reference::layout::EdgeMasks;
-use rimline::reference::light::batches;
 use rimline::{Light, Mesh, Origin};
 
 use super::Found;

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 use rimline::gpu::{Extractor, ExtractorOptions, StageTimer};
-use rimline::reference::Method;
-use rimline::reference::cpu::FacingStatistics;
-use rimline::reference::layout::ExtractionStatistics;
+use rimline::internals::Method;
+use rimline::internals::cpu::FacingStatistics;
+use rimline::internals::layout::ExtractionStatistics;
 use rimline::{Predicate, wgpu};
 
 use super::{Found, Job};

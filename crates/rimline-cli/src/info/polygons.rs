@@ -1,6 +1,6 @@
 //! Report on polygons: how many corners they have, how many are not planar, and how lights see them.
 
-use rimline::reference::cpu::{Outline, Seen};
+use rimline::internals::cpu::{Outline, Seen};
 use rimline::{Light, Mesh};
 use serde_json::{Value, json};
 

@@ -1,7 +1,8 @@
 //! Report on a mesh, gathered once for text and JSON.
 
-use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
-use rimline::reference::model::most_per_vertex;
+use crate::render::bounds::Bounds;
+use rimline::internals::model::most_per_vertex;
+use rimline::mesh::{Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
 use rimline::{Geometry, Mesh, MeshError, Origin};
 use serde_json::{Value, json};
 
@@ -38,7 +39,7 @@ impl MeshReport {
             let name = geometry.name().map(str::to_owned);
             return Ok(Self { name, vertices, ..Self::default() });
         }
-        let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec())?;
+        let mesh = geometry.mesh()?;
         Ok(Self {
             name: geometry.name().map(str::to_owned),
             vertices,

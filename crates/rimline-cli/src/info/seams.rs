@@ -1,7 +1,8 @@
 //! Boundary edges that nearly meet others, as rounding leaves them, and T-junctions.
 
+use crate::render::bounds::Bounds;
 use glam::DVec3;
-use rimline::mesh::{Bounds, Edge, EdgeKind, Weld, WeldDistance};
+use rimline::mesh::{Edge, EdgeKind, Weld, WeldDistance};
 use rimline::{Geometry, Mesh};
 use serde_json::{Value, json};
 
@@ -35,7 +36,7 @@ impl Seams {
         let by = WeldDistance::new(distance).ok()?;
         let closed = |by: WeldDistance| {
             let (welded, counts) = geometry.welded(Weld::Distance(by));
-            let after = Mesh::from_faces(welded.positions().len(), welded.faces().to_vec()).ok()?;
+            let after = welded.mesh().ok()?;
             let before = mesh.edges().counts().boundary;
             Some((before.saturating_sub(after.edges().counts().boundary), counts.collapsed))
         };

@@ -2,8 +2,9 @@
 
 use std::fmt::{Display, Write as _};
 
+use crate::render::bounds::Bounds;
 use rimline::Origin;
-use rimline::mesh::{Bounds, EdgeCounts};
+use rimline::mesh::EdgeCounts;
 
 use super::report::{MeshReport, kind_name};
 use crate::coordinates;

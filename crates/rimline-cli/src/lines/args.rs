@@ -68,7 +68,7 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "all")]
     classes: Vec<ClassArg>,
 
-    /// What becomes of lines behind faces
+    /// How lines behind faces are drawn
     #[arg(long, value_enum, default_value_t = Hidden::None)]
     pub(crate) hidden: Hidden,
 
@@ -102,7 +102,7 @@ const EXAMPLES: &str = "\
 Examples:
   rimline lines house.obj --out house.svg
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
-  rimline lines fox.glb --animation Run --time 0.4 --view 30,15 --classes silhouette,boundary --out fox.svg
+  rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
   rimline lines part.glb --view top --page A3 --out part.dxf
 
 A style, with the defaults of some lines; widths and dashes in millimetres:
@@ -167,7 +167,7 @@ impl FromStr for ClassArg {
     }
 }
 
-/// What becomes of hidden lines.
+/// How hidden lines are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Hidden {
     /// They are not drawn

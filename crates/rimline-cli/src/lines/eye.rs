@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use crate::render::bounds::Bounds;
 use rimline::Origin;
-use rimline::mesh::Bounds;
 use rimline_lines::{LinesError, Object, View};
 
 use super::args::{LinesArgs, Side};

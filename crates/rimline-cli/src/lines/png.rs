@@ -19,7 +19,7 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
             "a PNG of {width}x{height} pixels is too large, at most {MOST_PIXELS} each way are written; give a lower --dpi"
         ))
     };
-    if size.into_iter().any(|side| !(side <= f64::from(MOST_PIXELS))) {
+    if !size.into_iter().all(|side| side <= f64::from(MOST_PIXELS)) {
         return Err(too_large());
     }
     let [width, height] = size.map(|side| side as u32);

@@ -81,7 +81,7 @@ impl Sheet {
                 ));
             }
         }
-        if size_mm.into_iter().any(|side| !(side <= LARGEST_MM)) {
+        if !size_mm.into_iter().all(|side| side <= LARGEST_MM) {
             let [width, height] = size_mm;
             return Err(UsageError::PageTooLarge { width, height });
         }
@@ -154,9 +154,8 @@ pub(crate) fn window(args: &LinesArgs) -> Option<PageBox> {
 /// Width and height of a page for a drawing of this size.
 fn turned(paper: Paper, [width, height]: [f64; 2]) -> [f64; 2] {
     match paper {
-        Paper::Given(size) => size,
         Paper::Turned([short, long]) if width > height => [long, short],
-        Paper::Turned(size) => size,
+        Paper::Given(size) | Paper::Turned(size) => size,
     }
 }
 

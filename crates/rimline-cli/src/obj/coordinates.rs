@@ -1,7 +1,7 @@
 //! Coordinates of text, in `f64`, and the positions in `f32` that are made of them.
 
 use rimline::Origin;
-use rimline::reference::origin::{bounds, smallest};
+use rimline::internals::origin::{bounds, smallest};
 
 /// A number. Rounded from `f64` to `f32`, it is the `f32` that is nearest to the text.
 pub(super) fn number(text: &str) -> Option<f64> {

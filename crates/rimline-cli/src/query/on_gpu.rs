@@ -85,7 +85,5 @@ fn count(
     let bound = QueryPoints { points: points_at, on_face: on_face.map(|_| POINT - 4) };
     query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, lights)?;
     gpu.submit(encoder);
-    let mut found = gpu.read(query.depths())?;
-    found.truncate(points.len() * lights.len());
-    Ok(found)
+    Ok(query.read_depths(&gpu.queue)?)
 }

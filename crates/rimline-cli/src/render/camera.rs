@@ -1,7 +1,7 @@
 //! Where the picture is taken from, and the outermost points that its frame hangs on.
 
+use crate::render::bounds::Bounds;
 use glam::{DVec3, Vec3};
-use rimline::mesh::Bounds;
 
 use crate::failure::UsageError;
 use crate::input_args::PlacedView;
@@ -169,8 +169,8 @@ fn directions() -> impl Iterator<Item = DVec3> {
 
 #[cfg(test)]
 mod tests {
+    use crate::render::bounds::Bounds;
     use clap::Parser;
-    use rimline::mesh::Bounds;
 
     use super::*;
     use crate::args::{Cli, Command};

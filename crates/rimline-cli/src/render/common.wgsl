@@ -1,4 +1,4 @@
-// What passes of all pictures share.
+// Parts that passes of all pictures share.
 
 // A triangle that covers the target.
 @vertex fn cover_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
@@ -24,4 +24,18 @@ fn unfold(word: u32) -> vec3<f32> {
   n.x += select(t, -t, n.x >= 0.0);
   n.y += select(t, -t, n.y >= 0.0);
   return normalize(n);
+}
+
+fn largest(v: vec3<f32>) -> f32 {
+  return max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-37));
+}
+
+// Like `normalize` and `length`, whose squares leave the range of floats sooner.
+fn direction_of(v: vec3<f32>) -> vec3<f32> {
+  return normalize(v / largest(v));
+}
+
+fn length_of(v: vec3<f32>) -> f32 {
+  let scale = largest(v);
+  return scale * length(v / scale);
 }

@@ -14,7 +14,7 @@ const fn buffer_type(ty: BufferBindingType, has_dynamic_offset: bool) -> wgpu::B
 }
 
 pub(crate) const ADD: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Add);
-/// What is there times what is drawn.
+/// Multiplies the colour of the target by the drawn colour.
 pub(crate) const MULTIPLY: BlendState = blend(BlendFactor::Dst, BlendFactor::Zero, BlendOperation::Add);
 pub(crate) const LARGEST: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Max);
 

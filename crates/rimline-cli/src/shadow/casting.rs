@@ -7,7 +7,7 @@ use std::ops::{ControlFlow, Range};
 
 use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
-use rimline::reference::layout::ExtractionStatistics;
+use rimline::internals::layout::ExtractionStatistics;
 use rimline::{Light, LightError, Mesh, Predicate, ShadowCamera, wgpu};
 
 use super::posed_model::{PosedModel, Topology};

@@ -1,6 +1,6 @@
 //! Limits of the depth and the stencil that shadows are counted with, and other numbers that stages leave.
 
-use rimline::reference::layout::ShadowStatistics;
+use rimline::internals::layout::ShadowStatistics;
 use rimline::wgpu;
 use wgpu::TextureFormat;
 

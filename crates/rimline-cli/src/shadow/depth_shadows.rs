@@ -8,7 +8,7 @@ use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
     DepthMapVolumes, DepthMetric, MeshDepth,
 };
-use rimline::reference::layout::ShadowStatistics;
+use rimline::internals::layout::ShadowStatistics;
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 use wgpu::TextureUsages;
 

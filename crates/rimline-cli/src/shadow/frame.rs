@@ -170,7 +170,7 @@ impl Part {
 
 #[cfg(test)]
 mod tests {
-    use rimline::mesh::Bounds;
+    use crate::render::bounds::Bounds;
 
     use super::*;
 

@@ -1,4 +1,4 @@
-// What is behind the models, and the picture of the light of them.
+// The backdrop behind the models, and the picture that the light becomes.
 
 // Behind the models and above the horizon.
 @fragment fn backdrop_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {

@@ -1,7 +1,7 @@
 //! A file's model at one posed.
 
+use rimline::internals::cpu::is_finite;
 use rimline::mesh::MAX_FACES;
-use rimline::reference::cpu::is_finite;
 use rimline::{Displacement, Geometry, InstancePose, Mesh, MeshError};
 
 use crate::device::Gpu;

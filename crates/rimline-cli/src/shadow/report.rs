@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
-use rimline::reference::layout::ShadowStatistics;
+use rimline::internals::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
 use super::args::ShadowArgs;

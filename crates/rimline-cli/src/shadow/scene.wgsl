@@ -70,20 +70,6 @@ fn direction_to_clip(d: vec3<f32>) -> vec4<f32> {
   return frame.view_projection[0] * d.x + frame.view_projection[1] * d.y + frame.view_projection[2] * d.z;
 }
 
-fn largest(v: vec3<f32>) -> f32 {
-  return max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-37));
-}
-
-// Like `normalize` and `length`, whose squares leave the range of floats sooner.
-fn direction_of(v: vec3<f32>) -> vec3<f32> {
-  return normalize(v / largest(v));
-}
-
-fn length_of(v: vec3<f32>) -> f32 {
-  let scale = largest(v);
-  return scale * length(v / scale);
-}
-
 // Light that arrives at a position, on a surface perpendicular to its rays. The position is relative to the eye, in
 // units.
 struct Arriving {

@@ -9,8 +9,8 @@ use rimline::gpu::{
     Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError,
     StageTimer,
 };
-use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
-use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::internals::scene::{CHOICE_WORDS, SceneTable};
 use rimline::{Counting, Light, wgpu};
 
 use super::casting::{CastInputs, CoveredFaces, Extracted, FacingMasks, VERSION, set_lights};
@@ -148,7 +148,7 @@ impl Shadows for SceneShadows<'_> {
                 let caster = SceneTable(&table).caster(index);
                 let first = masks.slots.len();
                 masks.slots.extend(caster.first_face_slot..caster.first_face_slot + caster.faces);
-                if let Some([faces, _]) = frame.slot_order(handle) {
+                if let Some(faces) = frame.slot_order(handle) {
                     for (slot, &face) in (caster.first_face_slot..).zip(faces) {
                         masks.slots[first + face as usize] = slot;
                     }

@@ -1,10 +1,10 @@
 //! Lights as the picture has them: place, colour, reach, samples.
 
+use crate::render::bounds::Bounds;
 use glam::{DVec3, Vec3};
 use rimline::falloff;
 use rimline::gltf::{SceneLight, SpotCone};
-use rimline::mesh::Bounds;
-use rimline::reference::light::check_shadow_lights;
+use rimline::internals::light::check_shadow_lights;
 use rimline::{AreaLight, AreaShape, Light};
 
 use crate::failure::{Failure, UsageError};

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::render::bounds::Bounds;
 use glam::Vec3;
 use rimline::gpu::StageTimer;
-use rimline::mesh::Bounds;
 use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
 
 use super::casters::{Casters, DrawInputs};

@@ -5,8 +5,8 @@ use std::thread::{Builder, JoinHandle};
 
 use rimline::gpu::depth_map::DepthMapPipelines;
 use rimline::gpu::{SceneOptions, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use};
-use rimline::reference::cpu::CHOICE_WORDS;
-use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::internals::scene::CHOICE_WORDS;
 use rimline::{Counting, Light, Origin, wgpu};
 
 use super::casting::{CastInputs, CoveredFaces, FacingMasks};

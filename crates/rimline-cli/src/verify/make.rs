@@ -3,7 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rimline::mesh::{Bounds, Weld};
+use crate::render::bounds::Bounds;
+use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
 use rimline_bench::random::Random;
 use rimline_bench::stress;
@@ -112,7 +113,7 @@ impl Maker<'_> {
         let refused = |error: InputError| Failure::input(&target(self.folder, &name))(error);
         let geometry = Geometry::new(positions, faces, GeometryOptions::default());
         let (geometry, _) = geometry.map_err(|error| refused(error.into()))?.welded(Weld::Position);
-        let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec());
+        let mesh = geometry.mesh();
         let mesh = mesh.map_err(|error| refused(error.into()))?;
         self.write(&name, geometry.positions(), mesh, &lights, Origin::ZERO)
     }
@@ -194,7 +195,7 @@ fn extent(positions: &[[f32; 3]]) -> ([f32; 3], f32) {
 #[cfg(test)]
 mod tests {
     use rimline::MAX_LIGHTS;
-    use rimline::reference::light::check_lights;
+    use rimline::internals::light::check_lights;
 
     use super::*;
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use rimline::gltf::LoadOptions;
-use rimline::reference::light::check_lights;
+use rimline::internals::light::check_lights;
 use rimline::{Light, MAX_LIGHTS, Mesh};
 use serde_json::{Value, json};
 

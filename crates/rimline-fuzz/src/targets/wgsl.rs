@@ -3,7 +3,7 @@
 use naga::back::{PipelineConstants, spv};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rimline::Displacement;
-use rimline::reference::displace::deform_wgsl;
+use rimline::internals::displace::deform_wgsl;
 use rimline_testkit::random::Random;
 
 use rimline_testkit::mutate;

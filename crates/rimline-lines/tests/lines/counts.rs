@@ -29,6 +29,9 @@ fn size_of(shapes: &[Shape]) -> f32 {
     (0..3).map(|axis| 0.5 * most[axis] - 0.5 * least[axis]).fold(0.0, f32::max)
 }
 
+/// Where a span begins and ends along its edge, and its count.
+type Counted = ([f64; 2], u32);
+
 /// What comparing points found.
 #[derive(Debug, Default)]
 struct Found {
@@ -74,7 +77,7 @@ fn oracle(shapes: &[Shape], view: &View) -> Oracle {
 fn compare(shapes: &[Shape], view: &View, points: usize, random: &mut Random, lie: u32) -> Found {
     let (drawing, oracle) = (drawn(shapes, view), oracle(shapes, view));
     // For each edge where its spans begin and end along it, with their counts.
-    let mut edges: BTreeMap<(u32, u32), Vec<([f64; 2], u32)>> = BTreeMap::new();
+    let mut edges: BTreeMap<(u32, u32), Vec<Counted>> = BTreeMap::new();
     let ends_of = |(object, edge): (u32, u32)| {
         let Shape { positions, mesh } = &shapes[object as usize];
         mesh.edges().get(edge as usize).expect("an edge").vertices.map(|vertex| positions[vertex as usize])
@@ -233,7 +236,7 @@ fn models(random: &mut Random) -> Vec<(&'static str, Vec<Shape>)> {
 #[test]
 fn counts_are_exact() {
     let mut random = Random::new(1);
-    let points = if is_long() { 9_000 } else { 600 };
+    let points = if is_long() { 10_500 } else { 600 };
     let mut total = Found::default();
     for (name, shapes) in models(&mut random) {
         let [least, most] = corners(&shapes);

@@ -1,5 +1,6 @@
 //! Inputs at the border of what can be drawn, options, chains.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use rimline::cpu::Threads;
@@ -156,9 +157,13 @@ fn classes() {
         vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
         &[[0, 1, 2], [0, 1, 3], [0, 1, 4]],
     )];
-    let drawing = drawn(&sheets, &aside());
-    let non_manifold: Vec<_> = drawing.spans.iter().filter(|span| span.class == LineClass::NonManifold).collect();
-    assert!(non_manifold.len() <= 1 && drawing.spans.iter().any(|span| span.edge == Some(0)), "{drawing:?}");
+    let options = LineOptions { classes: only(LineClass::NonManifold), ..LineOptions::default() };
+    let drawing = draw(&objects(&sheets), &aside(), &options, go_on).expect("drawn");
+    assert!(drawing.spans.iter().all(|span| span.edge == Some(0)) && !drawing.spans.is_empty(), "{drawing:?}");
+    // Six boundaries, and an edge that two of the sheets make a silhouette or not.
+    let view = View::orthographic([3.0, 2.5, 1.0], [0.0, 0.0, 1.0]).expect("a view");
+    let edges: BTreeSet<_> = drawn(&sheets, &view).spans.iter().map(|span| span.edge).collect();
+    assert_eq!(edges.len(), 7, "{edges:?}");
 }
 
 /// Silhouettes are those of the core, and close; a chain begins where the one before ends.
@@ -187,6 +192,11 @@ fn silhouettes_close() {
     // All of a ball's outline is visible: one closed chain.
     let drawing = drawn(&[ball(40, 20)], &aside());
     assert!(matches!(&*drawing.chains, [only] if only.is_closed && !only.is_hidden), "{:?}", drawing.chains);
+    // The ball is on its left.
+    let points = drawing.page_points(&drawing.chains[0]);
+    let next = points.iter().cycle().skip(1);
+    let area: f64 = points.iter().zip(next).map(|([x, y], [u, v])| 0.5 * (x * v - u * y)).sum();
+    assert!((3.0..3.2).contains(&area), "{area}");
 }
 
 /// Two surfaces that pass through each other meet in closed lines, also where corners lie on edges; surfaces that touch do not.

@@ -2,4 +2,6 @@
 
 mod counts;
 mod edge_cases;
+mod outlines;
+mod pictures;
 mod support;

@@ -60,7 +60,7 @@ pub fn of_model(model: &Model, pose: &Pose) -> Vec<Posed> {
     for (instance, pose) in model.instances().iter().zip(pose.instances()) {
         let geometry = &model.geometries()[instance.geometry()];
         let palette: Vec<Affine> =
-            pose.palette().iter().map(|rows| Affine(rows.map(|row| row.map(f64::from)))).collect();
+            pose.palette().iter().map(|matrix| Affine(matrix.rows().map(|row| row.map(f64::from)))).collect();
         for (vertex, position) in geometry.positions().iter().enumerate() {
             let weights = pose.morph_weights().iter().map(|&weight| f64::from(weight));
             let offsets = geometry.morph_targets().iter().map(|target| target[vertex].map(f64::from));

@@ -7,12 +7,14 @@
 //! the turns are those of all times together, for all lanes of a subgroup. `// Turns: of one branch.` above an `if` says that all
 //! lanes take the same.
 
+mod bounds;
 mod expression;
 
 use std::collections::BTreeMap;
 
 use naga::{Block, Function, Handle, Module, Span, Statement};
 
+pub use bounds::{MOST_TURNS, TURNS, limits};
 use expression::{head_turns, value};
 
 /// The names that comments may use besides the constants of the module.

@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::reference::cpu::is_finite;
+use rimline::internals::cpu::is_finite;
 
 /// Cells are cut into four so many times.
 const MOST_CUTS: u32 = 24;

@@ -19,7 +19,7 @@ impl Random {
     }
 
     pub(crate) fn below(&mut self, count: usize) -> usize {
-        (self.bits() >> 32) as usize * count >> 32
+        ((self.bits() >> 32) as usize * count) >> 32
     }
 
     pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {

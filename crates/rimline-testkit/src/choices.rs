@@ -1,12 +1,10 @@
-//! Choices for the lights of a caster, as the stages keep it. The WGSL is `wgsl/shadow/choices.wgsl`.
+//! Choices for the lights of a caster, as the stages keep them. The WGSL is `wgsl/shadow/choices.wgsl`.
 
-use crate::layout::{SeenLight, ShadowLight, ShadowShape};
-use crate::shadow::{
+use rimline::internals::layout::{SeenLight, ShadowLight, ShadowShape};
+use rimline::internals::scene::CHOICE_WORDS;
+use rimline::internals::shadow::{
     CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
-
-/// Words of a caster's choices for a batch of lights and a view.
-pub const CHOICE_WORDS: usize = 8;
 
 /// The lights of a single caster and view, with the choices that `choose` and the stages after it left in `words`. Words that
 /// are missing count as 0.

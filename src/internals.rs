@@ -1,7 +1,5 @@
-//! CPU references of stages, the struct layouts, the list of stages, methods for comparison, and what tests and
-//! measurements ask of displacements and influences.
-//!
-//! **Outside the promise of stability**: anything here may change in any release.
+//! Internals for `rimline-bench`, the command and the tests of this repository. Anything here, and every other item that is
+//! hidden in the documentation, **may change in any release**.
 
 pub use crate::method::Method;
 
@@ -10,9 +8,10 @@ pub mod layout {
     pub use crate::layout::*;
 }
 
-/// How many turns the loops of each entry point have.
+/// Most items that an invocation takes in turn.
+#[cfg(feature = "gpu")]
 pub mod turns {
-    pub use crate::turns::{EXACT_ITEMS, MOST_TURNS, TURNS, limits, scene_exact_items};
+    pub use crate::turns::*;
 }
 
 /// Cameras and lights as the GPU sees them, and the codes of the choices that the GPU makes.
@@ -46,6 +45,7 @@ pub mod origin {
 
 /// Internals of depth maps: the decision on near caps before the map is read, the input of draws, and the conversion of maps
 /// of distances.
+#[cfg(feature = "depth-map")]
 pub mod depth_map {
     use crate::ShadowCamera;
     use crate::gpu::depth_map::DepthMapError;
@@ -111,18 +111,16 @@ pub mod light {
 }
 
 /// The list of stages, with their WGSL.
+#[cfg(feature = "gpu")]
 pub mod stages {
-    pub use crate::compose::Composed;
     pub use crate::stages::*;
 }
 
 /// The bounds of a displacement, and its WGSL.
+#[cfg(feature = "gpu")]
 pub mod displace {
     use crate::Displacement;
-    pub use crate::displace::bounds::{
-        MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_FUNCTION_BYTES, MAX_NESTING, MAX_OPERATIONS, MAX_PRIVATE_BYTES,
-        MAX_SOURCE_BYTES, MAX_WORKGROUP_BYTES,
-    };
+    pub use crate::displace::bounds::{MAX_FUNCTION_BYTES, MAX_NESTING, MAX_PRIVATE_BYTES, MAX_SOURCE_BYTES};
 
     /// The WGSL of the deform stage with this displacement. The caller's source comes first, so its line numbers hold.
     pub fn deform_wgsl(displacement: &Displacement) -> String {
@@ -149,8 +147,43 @@ pub mod model {
 }
 
 /// Clusters of faces that are decided whole.
+#[cfg(feature = "gpu")]
 pub mod clusters {
-    pub use crate::mesh::clusters::*;
+    pub use crate::mesh::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters, EdgeOrder, WIDENING};
+}
+
+/// The scene table and the choices, as the GPU keeps them.
+#[cfg(feature = "gpu")]
+pub mod scene {
+    use bytemuck::Zeroable;
+
+    use crate::layout::SceneCaster;
+
+    /// Words of a caster's choices for a batch of lights and a view: `wgsl/shadow/choices.wgsl`.
+    pub const CHOICE_WORDS: usize = 8;
+
+    /// The scene table, in units of 16 bytes. Reading past its end gives zero.
+    #[derive(Clone, Copy, Debug)]
+    pub struct SceneTable<'a>(pub &'a [[u32; 4]]);
+
+    impl SceneTable<'_> {
+        /// A caster.
+        pub fn caster(&self, index: u32) -> SceneCaster {
+            let first = 8 * index as usize;
+            let parts = self.0.get(first..first + 8).map(bytemuck::cast_slice::<_, SceneCaster>);
+            parts.and_then(|casters| casters.first().copied()).unwrap_or(SceneCaster::zeroed())
+        }
+
+        /// Four words.
+        pub fn part(&self, at: u32) -> [u32; 4] {
+            self.0.get(at as usize).copied().unwrap_or_default()
+        }
+
+        /// Word `index` from part `at` on.
+        pub fn word(&self, at: u32, index: u32) -> u32 {
+            self.part(at + index / 4)[index as usize % 4]
+        }
+    }
 }
 
 /// CPU references of stages. File and function have the name of the stage. Tests compare the two bit for bit. Other stages have none:
@@ -166,19 +199,13 @@ pub mod cpu {
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
-    pub use crate::cpu::polygon::cut_edges::{Piece, PieceEnd, cut_edges};
-    pub use crate::cpu::polygon::cut_quads::cut_quads;
-    pub use crate::cpu::polygon::edge_pair::{EdgePair, edge_pair};
+    pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
     pub use crate::cpu::polygon::outline::Outline;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
     pub use crate::cpu::polygon::seen::Seen;
-    pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
-    pub use crate::cpu::scene::table::SceneTable;
-    pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
-    pub use crate::cpu::shadow::near_cap::{End, near_cap};
     pub use crate::cpu::*;
 }

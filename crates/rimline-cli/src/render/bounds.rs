@@ -2,16 +2,16 @@
 
 /// The smallest axis-aligned box around some positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// The lowest x, y and z.
-    pub min: [f32; 3],
+    pub(crate) min: [f32; 3],
     /// The highest x, y and z.
-    pub max: [f32; 3],
+    pub(crate) max: [f32; 3],
 }
 
 impl Bounds {
     /// The box around the finite ones of `positions`, in their space and unit. `None` if none is finite.
-    pub fn of<'a>(positions: impl IntoIterator<Item = &'a [f32; 3]>) -> Option<Self> {
+    pub(crate) fn of<'a>(positions: impl IntoIterator<Item = &'a [f32; 3]>) -> Option<Self> {
         positions.into_iter().filter(|position| position.iter().all(|c| c.is_finite())).fold(
             None,
             |bounds: Option<Self>, &position| {
