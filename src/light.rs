@@ -13,7 +13,7 @@ pub const MAX_LIGHTS: usize = 1024;
 /// * Any other finite `w`: a point light at `(x, y, z) / w`.
 ///
 /// A face `(a, b, c)` faces the light when `det[b − a, c − a, l − w·a] > 0`, for every finite `w`. So `w < 0` reverses
-/// the sides. Scenes, shadow volumes and shadow queries refuse such a light.
+/// the sides. Scenes, shadow queries and the search for occluded faces refuse such a light.
 ///
 /// Extraction uses the components as given. It never normalises or divides them.
 #[derive(Clone, Copy, Debug, PartialEq)]

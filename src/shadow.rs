@@ -156,12 +156,6 @@ pub enum CameraError {
          the sign of its row of y (pipelines that are made for mirror images have `FrontFace::Cw`)"
     )]
     Mirrored,
-    /// The matrix makes no mirror image, and the pipelines are made for one.
-    #[error(
-        "the camera's matrix makes no mirror image, and the pipelines are made for one; set `ShadowFormat::front_face` to \
-         `Ccw`"
-    )]
-    NotMirrored,
     /// A perspective camera's near plane is nearer than 2⁻¹¹⁰, or clip w is below that there. Depths of what lies farther
     /// away would leave the normal range of `f32`.
     #[error(
@@ -215,23 +209,14 @@ impl ShadowCamera {
     /// [`CameraError`] for a singular matrix, an oblique near plane, near and far the wrong way round, a matrix that
     /// mirrors, or a near plane so near that depths leave the normal range of `f32`.
     pub fn check(&self) -> Result<(), CameraError> {
-        self.check_hand(false)
+        self.view()?;
+        if self.mirrors() { Err(CameraError::Mirrored) } else { Ok(()) }
     }
 
     /// The same where mirror images will do, as they do for depth maps and the eyes that see these.
     #[cfg(any(feature = "gpu", test))]
     pub(crate) fn check_any_hand(&self) -> Result<(), CameraError> {
         self.view().map(drop)
-    }
-
-    /// The same for pipelines that are made for mirror images, or for others.
-    pub(crate) fn check_hand(&self, mirrors: bool) -> Result<(), CameraError> {
-        self.view()?;
-        match (self.mirrors(), mirrors) {
-            (true, false) => Err(CameraError::Mirrored),
-            (false, true) => Err(CameraError::NotMirrored),
-            (true, true) | (false, false) => Ok(()),
-        }
     }
 
     /// Whether the matrix makes a mirror image, as one does whose y points down: what turns counter-clockwise turns clockwise on
@@ -506,7 +491,6 @@ mod tests {
     fn mirror_images_are_told_and_refused() {
         for (number, camera) in cameras().into_iter().enumerate() {
             assert_eq!(camera.check(), Ok(()), "{number}");
-            assert_eq!(camera.check_hand(true), Err(CameraError::NotMirrored), "{number}");
             // A turn by half a circle is no mirror.
             let turned = Mat4::from_scale(Vec3::new(-1.0, -1.0, 1.0)) * mat(camera);
             assert_eq!(ShadowCamera { view_projection: turned.to_cols_array_2d(), ..camera }.check(), Ok(()));
@@ -514,7 +498,7 @@ mod tests {
                 let matrix = Mat4::from_scale(flip) * mat(camera);
                 let mirrored = ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..camera };
                 assert_eq!(mirrored.check(), Err(CameraError::Mirrored), "{number}, {flip}");
-                assert_eq!((mirrored.check_hand(true), mirrored.check_any_hand()), (Ok(()), Ok(())), "{number}");
+                assert_eq!(mirrored.check_any_hand(), Ok(()), "{number}");
             }
         }
     }

@@ -25,6 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("positions_and_models_that_do_not_fit_are_typed_errors", positions_and_models_too_large),
     ("a_memory_limit_refuses_before_anything_is_allocated", memory_limit),
     ("the_include_refuses_what_takes_several_bindings", include_refuses),
+    ("draws_without_lists_are_refused", no_lists),
     ("polygons_need_exact_masks_and_outlines_of_some_size", polygons),
 ];
 
@@ -156,4 +157,23 @@ fn include_refuses() -> Result<(), String> {
     // The extraction itself goes on, in windows.
     let options = ExtractorOptions { masks: true, ..Default::default() };
     extract(&gpu, &shape.positions, &mesh, &[Light::point([3.0, 2.0, 1.0])], options).map(drop)
+}
+
+fn no_lists() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::cube();
+    let mesh = mesh_of(&shape)?;
+    let buffer = gpu.storage(&shape.positions);
+    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let light = [Light::point([3.0, 2.0, 1.0])];
+    let arguments = |lists| {
+        let options = ExtractorOptions { lists, ..Default::default() };
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light).map_err(text))?;
+        Ok::<_, String>(extraction.draw_arguments(0).map(drop))
+    };
+    refused([
+        refusal("no lists", arguments(None)?, is(ExtractorError::NoLists)),
+        refusal("lists", arguments(Some(ListOptions::default()))?, Expected::Taken),
+    ])
 }

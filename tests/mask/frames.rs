@@ -4,7 +4,7 @@ use rimline::gpu::{MaskInputs, SceneOptions, ShadowMasks};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::same;
+use rimline_testkit::{must_fail, same};
 use wgpu::TextureFormat::{Depth24Plus, R8Uint, R32Uint};
 
 use crate::drawn::Picture;
@@ -39,8 +39,11 @@ fn sizes() -> Result<(), String> {
         let inputs = MaskInputs { depth, view: 0, lights: &encoded.lights, target: &target };
         encoded.frame.write_masks(&mut dropped, masks, &inputs).map_err(text)?;
         drop(dropped);
-        let [found, _] = picture.both(gpu, &world, &SceneOptions::default(), masks)?;
-        same(&format!("{size:?}"), &found, &fresh(gpu, &world, &picture)?)?;
+        let [mut found, _] = picture.both(gpu, &world, &SceneOptions::default(), masks)?;
+        let expected = fresh(gpu, &world, &picture)?;
+        same(&format!("{size:?}"), &found, &expected)?;
+        found[2][0] ^= 1;
+        must_fail("a bit that is changed", &same("masks", &found, &expected))?;
     }
     Ok(())
 }
@@ -62,10 +65,11 @@ fn views() -> Result<(), String> {
         }
         Ok(())
     })?;
-    for (other, target) in others.iter().zip(&targets) {
-        same("a view", &picture.masks(gpu, target, 3)?, &fresh(gpu, other, picture)?)?;
-    }
-    Ok(())
+    let mut expected = others.iter().map(|other| fresh(gpu, other, picture)).collect::<Result<Vec<_>, _>>()?;
+    let found = targets.iter().map(|target| picture.masks(gpu, target, 3)).collect::<Result<Vec<_>, _>>()?;
+    same("views", &found, &expected)?;
+    expected.reverse();
+    must_fail("the other view", &same("views", &found, &expected))
 }
 
 /// Bits are in the order of the lights given, twice if they are given twice; the bits of others are 0, whatever was there.
@@ -87,7 +91,9 @@ fn order() -> Result<(), String> {
         })?;
         let nothing = vec![0; all[0].len()];
         let expected = (0..12).map(|bit| list.get(bit).map_or(&nothing, |&light| &all[light]).clone());
-        same(&format!("{list:?}"), &picture.masks(gpu, &target, 12)?, &expected.collect::<Vec<_>>())?;
+        let found = picture.masks(gpu, &target, 12)?;
+        same(&format!("{list:?}"), &found, &expected.collect::<Vec<_>>())?;
+        must_fail("another order", &same("masks", &found, &all))?;
     }
     Ok(())
 }

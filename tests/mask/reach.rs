@@ -4,9 +4,9 @@ use glam::{DVec2, DVec3};
 use rimline::gpu::{SceneOptions, ShadowMasks};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::scenes::PROJECTIONS;
+use rimline_testkit::{is_long, must_fail};
 use wgpu::TextureFormat::{Depth32Float, R8Uint};
 
 use crate::drawn::Picture;
@@ -33,7 +33,7 @@ fn reaches(light: &rimline::Light, place: DVec3) -> bool {
 fn parts() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
     let masks = &mut ShadowMasks::new(&gpu.pipelines).map_err(text)?;
-    let [mut reached, mut dark, mut cut, mut none] = [0; 4];
+    let [mut reached, mut dark, mut cut, mut none, mut noticed] = [0; 5];
     for number in 0..if is_long() { 500 } else { 40 } {
         let world = World::new(2000 + number as u64, number % PROJECTIONS, 8).with_reach(number as u64);
         let picture = Picture { size: SIZE, depth: Depth32Float, samples: 1, target: R8Uint };
@@ -42,24 +42,35 @@ fn parts() -> Result<(), String> {
         let pixels = (0..SIZE[0] * SIZE[1]).map(|at| DVec2::new(f64::from(at % SIZE[0]), f64::from(at / SIZE[0])));
         let places: Vec<_> = pixels.map(|pixel| truth.at(pixel + 0.5).map(|seen| seen.place)).collect();
         for (light, (mask, stencil)) in world.lights.iter().zip(found.iter().zip(&stencils)) {
-            let mut is_reached = false;
-            for (at, place) in places.iter().enumerate() {
+            let is_reached: Vec<bool> =
+                places.iter().map(|place| place.is_some_and(|place| reaches(light, place))).collect();
+            let compare = |mask: &[u8]| {
+                let wrong = |&at: &usize| is_reached[at] && (mask[at] != 0) != (stencil[at] != 0);
+                (0..mask.len()).find(wrong).map_or(Ok(()), |at| {
+                    Err(format!("world {number}, {light:?}: pixel {at} is {}, stencil {}", mask[at], stencil[at]))
+                })
+            };
+            compare(mask)?;
+            for at in 0..mask.len() {
                 let is_dark = stencil[at] != 0;
-                if place.is_some_and(|place| reaches(light, place)) {
-                    (reached, dark, is_reached) = (reached + 1, dark + usize::from(is_dark), true);
-                    if (mask[at] != 0) != is_dark {
-                        return Err(format!(
-                            "world {number}, {light:?}: pixel {at} is {}, stencil {}",
-                            mask[at], stencil[at]
-                        ));
-                    }
-                } else {
-                    cut += usize::from(is_dark && mask[at] == 0);
-                }
+                reached += usize::from(is_reached[at]);
+                dark += usize::from(is_reached[at] && is_dark);
+                cut += usize::from(!is_reached[at] && is_dark && mask[at] == 0);
             }
-            none += usize::from(!is_reached);
+            if let Some(last) = is_reached.iter().rposition(|is_reached| *is_reached) {
+                let mut changed = mask.clone();
+                changed[last] = u8::from(mask[last] == 0);
+                must_fail("a bit that is changed", &compare(&changed))?;
+                noticed += 1;
+            } else {
+                none += 1;
+            }
         }
     }
     println!("{reached} pixels reached, {dark} of them in shadow; {cut} cut; {none} lights reach nothing");
-    if dark > 50_000 && cut > 50_000 && none > 3 { Ok(()) } else { Err("too little of a kind".to_owned()) }
+    if dark > 50_000 && cut > 50_000 && none > 3 && noticed > 3 {
+        Ok(())
+    } else {
+        Err("too little of a kind".to_owned())
+    }
 }

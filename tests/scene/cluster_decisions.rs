@@ -33,9 +33,9 @@ fn decisions(gpu: &Gpu, pairs: &[Pair]) -> Result<Vec<[bool; 2]>, String> {
     let source = format!(
         "{}
 fn probe_decide(index: u32) -> vec4<u32> {{
-  matter = 1u;
+  active_mask = 1u;
   lights = CasterLights(1u, 2u * index, vec2<f32>());
-  let found = decide(BOUND_WORDS * index);
+  let found = decide_cluster(BOUND_WORDS * index);
   return vec4<u32>(found.decided, found.facing, 0u, 0u);
 }}",
         CLUSTERS.wgsl()

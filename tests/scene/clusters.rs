@@ -9,7 +9,7 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
-use rimline_testkit::{same, shapes};
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::cluster_meshes::{self, Case};
 use crate::found::{Found, check_frame};
@@ -54,11 +54,15 @@ fn put_lights(scene: &mut RandomScene, lights: &[Light]) -> Result<(), String> {
     Ok(())
 }
 
-/// A frame against casters alone, and what it listed. `kept` is as in [`listed`].
+/// A frame against casters alone, and what it listed. `kept` is as in [`listed`]. In the first frame a flipped bit must be noticed.
 fn check(gpu: &Gpu, scene: &mut RandomScene, kept: &mut Vec<u32>) -> Result<Listed, String> {
     let frame: SceneFrame = gpu.submit(|encoder| scene.encode(encoder))?;
-    let found = Found::read(gpu, &frame)?;
+    let mut found = Found::read(gpu, &frame)?;
     check_frame(&scene.content, &frame, &found)?;
+    if let Some(face) = found.lit_face(&scene.content, &frame).filter(|_| kept.is_empty()) {
+        found.groups[face.group].facing[face.slot] ^= face.bit;
+        must_fail("a flipped facing bit", &check_frame(&scene.content, &frame, &found))?;
+    }
     listed(gpu, &frame, kept)
 }
 

@@ -10,7 +10,7 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
-use rimline_testkit::{same, shapes};
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::found::{Found, check_frame};
 use crate::scenes::{check, roomy, sample};
@@ -69,9 +69,14 @@ fn fast() -> Result<(), String> {
             for (place, &bit) in (0..).zip(&bits) {
                 let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
                 let list = &results.lists[bit as usize];
-                let list: Vec<u32> = list.iter().filter(own).map(|entry| entry - edges.start).collect();
-                same("list", &list, &listed(&masks, place))?;
+                let mut list: Vec<u32> = list.iter().filter(own).map(|entry| entry - edges.start).collect();
+                let expected = listed(&masks, place);
+                same("list", &list, &expected)?;
                 silhouettes += list.len();
+                if let Some(entry) = list.last_mut() {
+                    *entry ^= cpu::WINDING;
+                    must_fail("a flipped winding bit", &same("list", &list, &expected))?;
+                }
             }
         }
     }
@@ -137,7 +142,10 @@ fn full_invocations() -> Result<(), String> {
         let live = left_out.map_or(u32::MAX, |bit| !(1 << bit));
         same("undecided pairs", &[group.statistics.undecided_pairs], &[live.count_ones() * FULL])?;
         let expected: Vec<u32> = right.iter().map(|mask| mask & live).collect();
-        same("facing", &group.facing[..FULL as usize], &expected)?;
+        let mut facing = group.facing[..FULL as usize].to_vec();
+        same("facing", &facing, &expected)?;
+        facing[FULL as usize - 1] ^= 2;
+        must_fail("a flipped facing bit", &same("facing", &facing, &expected))?;
     }
     Ok(())
 }

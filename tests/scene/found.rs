@@ -22,6 +22,16 @@ pub(crate) struct Found {
     pub(crate) groups: Vec<GroupFound>,
 }
 
+/// Where a bit of a caster's first face is, for a light that reaches it.
+pub(crate) struct LitFace {
+    /// The number of the caster in the frame.
+    pub(crate) caster: usize,
+    /// Position in [`Found::groups`].
+    pub(crate) group: usize,
+    pub(crate) slot: usize,
+    pub(crate) bit: u32,
+}
+
 pub(crate) struct GroupFound {
     pub(crate) group: usize,
     pub(crate) batch: usize,
@@ -70,6 +80,18 @@ impl Found {
             });
         }
         Ok(found)
+    }
+
+    /// The first face of a caster that a light of the first batch reaches.
+    pub(crate) fn lit_face(&self, content: &Content, frame: &SceneFrame) -> Option<LitFace> {
+        let places = content.casters.iter().filter_map(|own| frame.place(own.handle));
+        let (index, group) = places.into_iter().find(|(index, _)| self.lit[*index as usize] != 0)?;
+        Some(LitFace {
+            caster: index as usize,
+            group: self.groups.iter().position(|found| (found.group, found.batch) == (group, 0))?,
+            slot: SceneTable(&self.table).caster(index).first_face_slot as usize,
+            bit: 1 << self.lit[index as usize].trailing_zeros(),
+        })
     }
 
     pub(crate) fn group(&self, group: usize, batch: usize) -> Result<&GroupFound, String> {

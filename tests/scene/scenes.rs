@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use rimline::gpu::{Capacities, SceneFrame, SceneOptions};
 use rimline::internals::cpu;
-use rimline::internals::scene::SceneTable;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
-use crate::found::{Found, Tally, check_frame};
+use crate::found::{Found, LitFace, Tally, check_frame};
 use crate::random_scene::RandomScene;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -111,20 +110,13 @@ fn controls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (scene, frame, mut found) = sample(gpu, 1601, roomy(8))?;
     check_frame(&scene.content, &frame, &found)?;
-    let table = found.table.clone();
-    // A caster that some light reaches.
-    let index = (0..scene.content.casters.len()).find(|&index| found.lit[index] != 0).ok_or("nothing is lit")?;
-    let caster = SceneTable(&table).caster(index as u32);
-    let own =
-        scene.content.casters.iter().find(|own| frame.place(own.handle).is_some_and(|(at, _)| at as usize == index));
-    let (_, group) = own.and_then(|own| frame.place(own.handle)).ok_or("no such caster")?;
-    let at = found.groups.iter().position(|found| (found.group, found.batch) == (group, 0)).ok_or("no group")?;
-    found.groups[at].facing[caster.first_face_slot as usize] ^= 1 << found.lit[index].trailing_zeros();
+    let LitFace { caster, group: at, slot, bit } = found.lit_face(&scene.content, &frame).ok_or("nothing is lit")?;
+    found.groups[at].facing[slot] ^= bit;
     must_fail("a flipped facing bit", &check_frame(&scene.content, &frame, &found))?;
-    found.groups[at].facing[caster.first_face_slot as usize] ^= 1 << found.lit[index].trailing_zeros();
-    found.groups[at].excluded[caster.first_face_slot as usize] ^= 1 << found.lit[index].trailing_zeros();
+    found.groups[at].facing[slot] ^= bit;
+    found.groups[at].excluded[slot] ^= bit;
     must_fail("a flipped bit of a light in a plane", &check_frame(&scene.content, &frame, &found))?;
-    found.groups[at].excluded[caster.first_face_slot as usize] ^= 1 << found.lit[index].trailing_zeros();
+    found.groups[at].excluded[slot] ^= bit;
     let list = found.groups[at].lists.iter().position(|list| !list.is_empty()).ok_or("no silhouette")?;
     found.groups[at].lists[list][0] ^= cpu::WINDING;
     must_fail("a flipped winding bit", &check_frame(&scene.content, &frame, &found))?;
@@ -132,9 +124,9 @@ fn controls() -> Result<(), String> {
     let entry = found.groups[at].lists[list].pop();
     must_fail("a missing entry", &check_frame(&scene.content, &frame, &found))?;
     found.groups[at].lists[list].extend(entry);
-    found.lit[index] = 0;
+    found.lit[caster] = 0;
     must_fail("a light that reaches and does not matter", &check_frame(&scene.content, &frame, &found))?;
-    found.lit[index] = u32::MAX;
+    found.lit[caster] = u32::MAX;
     must_fail("a light that is not there", &check_frame(&scene.content, &frame, &found))
 }
 

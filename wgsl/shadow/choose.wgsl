@@ -119,7 +119,7 @@ fn choose_by_box(
   }
   let is_light_inside = can_contain_light(light, low, high);
   // A light in the box may be in the plane of a face. Facing would tell, but this stage does not wait for it.
-  light.excludes = select(0u, 1u, has_holes || has_twisted || is_light_inside);
+  light.excludes = select(0u, 1u, has_holes || has_twisted || is_light_inside || (flags & EXCLUDING) != 0u);
   // Back-facing faces suffice for a closed caster if light and eye are outside it. A caster with holes is not closed.
   // docs/numerics/casting-faces.md, "Which faces cast".
   let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
@@ -201,7 +201,6 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
       bounding_box.high,
       bounding_box.has_holes,
       has_twisted_polygon(caster, light_index));
-    light.excludes = select(light.excludes, 1u, is_excluding);
     if (light.casting != CAST_NOTHING && receivers_offset != 0u &&
       is_volume_without_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset)) {
       light.casting = CAST_NOTHING;

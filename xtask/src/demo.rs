@@ -17,7 +17,8 @@ struct Picture {
     view: &'static str,
 }
 
-/// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps.
+/// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps. `docs/walking_figure.png` is `walk_from_the_front.png` with
+/// `--size 640x800`, and `docs/walking_shadows.png` is `walk_with_shadows.png` with that size.
 const PICTURES: [Picture; 6] = [
     Picture {
         file: "walk_from_the_front.png",

@@ -29,7 +29,7 @@ Commands:
            with the long trials, hours in all; TARGET is one such as shadow_gpu, TEXT a part of a test's name
   circles  Check that no modules of a crate import one another in a circle
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
-           compilers, the bits on SwiftShader, then fuzz for 30 seconds
+           compilers, the bits on SwiftShader, then fuzz for 10 seconds a target
   fuzz     Feed mutated glTF, .npz, OBJ, WGSL and arguments to what reads them; --seconds N for each of the five (60)
   mutants  Make the code wrong in a copy, in one place after the other, and tell which tests notice; --only TEXT
 

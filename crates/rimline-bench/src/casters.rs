@@ -27,14 +27,14 @@ use crate::{Error, Host};
 pub(crate) const LIGHTS: usize = 5;
 /// The most casters whose volumes are drawn.
 const MOST_DRAWN: usize = 1000;
-/// The most casters that have an extractor each.
-const MOST_EXTRACTORS: usize = 100;
+/// The most casters that have a scene each.
+const MOST_SCENES: usize = 100;
 /// Half the width of the cube that casters stand in.
 const HALF_WIDTH: i16 = 50;
 /// Positions are multiples of its reciprocal.
 const GRID: f32 = 4096.0;
 /// The stages that extract, of a scene and of a single mesh.
-const EXTRACTION: [&str; 6] = ["reach", "chunks", "facing", "exact_facing", "edges", "arguments"];
+const EXTRACTION: [&str; 7] = ["reach", "clusters", "chunks", "facing", "exact_facing", "edges", "arguments"];
 
 /// The mesh that all casters of a scene have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,7 @@ fn variant(id: &str) -> Variant {
         "scene-all-moved" => ("scene, all moved", 6, 1),
         "scene-light-moved" => ("scene, a light moved", 1, 4),
         "scene-new-caster" => ("scene, a new caster", 2, 4),
-        _ => ("an extractor a caster", 0, 2),
+        _ => ("a scene a caster", 0, 2),
     };
     Variant::new(id, name, colour, shape)
 }
@@ -189,7 +189,7 @@ pub(crate) fn measure(
     }
     let mut extractors = None;
     let mut extractors_device_bytes = None;
-    if casters <= MOST_EXTRACTORS {
+    if casters <= MOST_SCENES {
         let before = gpu.allocated_bytes()?;
         let mut all = Meshes::new(Some(volumes), &setting.lights, Some(setting.camera));
         all.push_all(gpu, setting.casters.placed())?;

@@ -145,7 +145,7 @@ fn casters(rows: &[&Row]) -> Vec<Line> {
         let Some(row) = of.max_by(|a, b| a.number("casters").total_cmp(&b.number("casters"))) else { continue };
         let ms = |id: &str| Some(format!("{} ms", figures(row.entry(id)?.median(recording)?)));
         let answers =
-            [("nothing moved", "scene-still"), ("all moved", "scene-all-moved"), ("an extractor each", "extractors")];
+            [("nothing moved", "scene-still"), ("all moved", "scene-all-moved"), ("a scene a caster", "extractors")];
         let answers = answers.into_iter().filter_map(|(name, id)| Some(format!("{} {name}", ms(id)?)));
         let title = &row.title;
         lines.push((format!("Recording a frame of {title}: CPU time"), answers.collect::<Vec<_>>().join(", ")));

@@ -222,10 +222,6 @@ pub(crate) enum UsageError {
     #[error("{0}; give another light, or leave out --hide-covered")]
     Covered(rimline::cpu::CpuError),
     #[error(
-        "--method {0} draws each file by itself, so no file covers another; leave out --hide-covered or --method {0}"
-    )]
-    CoveredMethod(String),
-    #[error(
         "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, as those of an .obj are without \
          --polygons, or leave out --hide-covered",
         .file.display()

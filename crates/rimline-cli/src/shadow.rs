@@ -22,7 +22,7 @@ pub(crate) mod shadows;
 
 use std::time::Instant;
 
-use args::{CountingArg, ShadowArgs, value_name};
+use args::ShadowArgs;
 use casters::{Casters, DrawInputs};
 use casting::CoveredFaces;
 use frame::PARTS;
@@ -48,9 +48,6 @@ use crate::warm_up;
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
-    if args.hide_covered && scene.method == CountingArg::ZpPlus2005 {
-        return Err(UsageError::CoveredMethod(value_name(&scene.method)).into());
-    }
     ResultFiles::check(args)?;
     let progress = Progress::start();
     let mut times = Times::default();

@@ -17,10 +17,12 @@ use crate::gpu::shadow::format::VolumeKey;
 use crate::stages::{DEFORM, Stage};
 
 /// The pipelines of one device. Each is compiled when it is first needed and then shared by everything that is made
-/// with the same `Pipelines` or a clone of it, on any thread. A scene of many meshes makes one `Pipelines` and gives it
-/// to [`Extractor::new`](crate::gpu::Extractor::new), [`ShadowPipelines::new`](crate::gpu::ShadowPipelines::new),
-/// [`ShadowQuery::new`](crate::gpu::ShadowQuery::new) and [`Deformer::new`](crate::gpu::Deformer::new). Each of them
-/// also takes a `&wgpu::Device`, and then has pipelines of its own.
+/// with the same `Pipelines` or a clone of it, on any thread. Make one for each device, and give it to every constructor:
+/// [`Scene::new`](crate::gpu::Scene::new), [`ShadowPipelines::new`](crate::gpu::ShadowPipelines::new),
+/// [`Extractor::new`](crate::gpu::Extractor::new), [`OutlinePipeline::new`](crate::gpu::OutlinePipeline::new),
+/// [`ShadowMasks::new`](crate::gpu::ShadowMasks::new), [`ShadowQuery::new`](crate::gpu::ShadowQuery::new),
+/// [`Deformer::new`](crate::gpu::Deformer::new), and those of depth maps. Each of them also takes a `&wgpu::Device`, and then
+/// has pipelines of its own.
 ///
 /// ```no_run
 /// # use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, Pipelines};

@@ -20,8 +20,7 @@ pub struct SceneOptions {
     /// Meshes of at least so many faces are put in clusters of 128 faces that lie together. For a rigid caster, a cluster of
     /// which all faces are on one side of a light is decided as a whole. So on a smooth mesh about the root of all faces is
     /// tested. It takes about the time and a half of [`Mesh::new`](crate::Mesh::new) once more to add such a mesh, less than a
-    /// byte a face of the device's memory, and 4 bytes a face of the host's. `None`: no mesh is. Clusters need
-    /// [`Predicate::Exact`].
+    /// byte a face of the device's memory, and 4 bytes a face of the host's. `None`: no mesh is.
     pub clusters_from: Option<u32>,
     /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
     pub memory_limit: Option<u64>,

@@ -24,7 +24,7 @@ pub enum ShadowError {
     /// The camera is refused. [`Self::ViewCamera`] is that of a scene.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The extractor makes no lists or no facing masks, or a later encode of it overwrote what the volumes read.
+    /// A polygon of a mesh has too many edges or triangles for the GPU.
     #[error(transparent)]
     Extraction(ExtractorError),
 

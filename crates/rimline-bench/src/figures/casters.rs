@@ -44,10 +44,11 @@ fn recording(rows: &[&Row]) -> Figure {
     Figure {
         id: "casters_recording",
         title: format!("Recording a frame against the number of casters, {LIGHTS} lights, one view"),
-        lead: "CPU time of moving what moves, of recording all stages and of finishing the command buffer, without its \
-               submission. Medians; all methods of a scene ran in turn. Beside a scene the way before it: an extractor with \
-               shadow volumes for each caster."
-            .to_owned(),
+        lead:
+            "CPU time of moving what moves, of recording all stages and of finishing the command buffer, without its \
+               submission. Medians; all methods of a scene ran in turn. Beside a scene of all casters stands \
+               a scene for each caster."
+                .to_owned(),
         chart: Some(chart),
         table,
     }
@@ -55,7 +56,7 @@ fn recording(rows: &[&Row]) -> Figure {
 
 fn memory(rows: &[&Row]) -> Figure {
     let bytes = ["scene_bytes", "scene_device_bytes", "extractors_device_bytes"];
-    let head = ["Casters", "bytes a caster, scene", "on the device, scene", "on the device, an extractor a caster"];
+    let head = ["Casters", "bytes a caster, scene", "on the device, scene", "on the device, a scene a caster"];
     let mut found = Table::new(head);
     for row in rows {
         let each = |name: &str| {

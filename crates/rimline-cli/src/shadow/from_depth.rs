@@ -80,7 +80,7 @@ impl FromDepth {
             options.rounded_to = map.rounded_to;
             options.metric = map.arrays.metric;
         }
-        // Outlines and objects alone are found: moved by their slopes, steep sides would leave the object (`DepthMap::objects`).
+        // Only edges of objects are found. Steep sides, moved by their slopes, would leave the object (`DepthMap::objects`).
         if matches!(self.method, DepthMapMethod::Differences { threshold: 1.0, .. }) {
             options.slope_bias = 0.0;
         }

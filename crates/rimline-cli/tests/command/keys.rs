@@ -45,6 +45,10 @@ fn described() -> Outcome {
     };
     write_file(at("model.npz"), tetrahedron())?;
     write_file(at("points.npz"), write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]))?;
+    // A box whose top is twisted.
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 1 2 0\nv 1 1 1\nv 0 2 1\n";
+    let faces = "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
+    write_file(at("box.obj"), format!("{corners}{faces}"))?;
     own_gltf::write(&folder, "body.gltf", &own_gltf::value())?;
     let gltf = at("body.gltf");
     let model = at("model.npz");
@@ -64,16 +68,21 @@ fn described() -> Outcome {
     let extract = ["extract", &model, light[0], light[1], "--out", &out];
     let query = ["query", &model, "--points", &at("points.npz"), light[0], light[1], "--out", &out];
     let shadow = ["shadow", &model, size[0], size[1], "--mask", &at("mask"), "--out", &png];
+    let polygons = at("box.obj");
+    let of_polygons = ["shadow", &polygons, "--polygons", size[0], size[1], "--out", &png];
     let drawing = ["lines", &model, "--hidden", "thin", "--out", "-"];
-    let lines: [(&[&str], &[&str]); 14] = [
+    let lines: [(&[&str], &[&str]); 17] = [
         (&drawing, &["--format", "json"]),
         (&extract, &["--device", "gpu"]),
         (&extract, &["--device", "gpu", "--method", "per-edge"]),
         (&extract, &["--device", "cpu"]),
+        (&["extract", &polygons, "--polygons", light[0], light[1], "--out", &out], &["--device", "gpu"]),
         (&query, &["--device", "gpu"]),
         (&query, &["--device", "cpu"]),
         (&shadow, &["--area", "disc", "--samples", "2"]),
         (&shadow, &["--hide-covered"]),
+        (&shadow, &["--method", "zp+paper"]),
+        (&of_polygons, &["--light", "point:0.4,5,0.3"]),
         (&shadow, &["--from-depth", "64"]),
         (&shadow, &["--from-depth", "64", "--detector", "contours=0.001"]),
         (&["info", &model], &[]),
