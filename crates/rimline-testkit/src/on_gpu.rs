@@ -42,6 +42,7 @@ pub fn extract(
     options: ExtractorOptions,
 ) -> Result<Found, String> {
     let buffer = gpu.storage(positions);
+    let options = ExtractorOptions { for_volumes: true, ..options };
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| error.to_string())?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     gpu.submit(|encoder| extractor.encode(encoder, positions, lights).map_err(text))?;

@@ -34,9 +34,17 @@ pub(super) fn too_coarse(format: TextureFormat, near: f32, farthest: f32, pixel:
 /// The most that the stencil counts to; 256 looks like 0.
 pub(super) const MOST: u32 = 255;
 
-/// Tells the user where counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts lights, or samples, whose counts may
-/// exceed what the stencil holds. All casters count into one stencil.
-pub(crate) fn warn_of_wrapping(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) {
+/// Tells the user where shadows may be wrong. Counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts lights, or
+/// samples, whose counts may exceed what the stencil holds. All casters count into one stencil. Pieces of twisted polygons may
+/// have no room.
+pub(crate) fn warn_of_limits(found: ShadowStatistics) {
+    let ShadowStatistics { count_bound, may_wrap, lost_pieces, most_pieces, .. } = found;
+    if lost_pieces > 0 {
+        note(&format!(
+            "warning: shadows of twisted polygons are wrong: a light sees polygons of a file in {most_pieces} pieces, more than \
+             this device's largest binding holds. Use fewer lights, split the file, or leave out --polygons"
+        ));
+    }
     if may_wrap > 0 {
         note(&format!(
             "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
