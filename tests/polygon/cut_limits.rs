@@ -212,8 +212,8 @@ fn too_many() -> Result<(), String> {
         [angle.sin(), 0.0, angle.cos()]
     };
     let outline = Loop::new((0..corners).map(corner).collect(), [0.0, 1.0, 0.0])?;
-    let (counts, capacity) = piece_counts(gpu, &outline.set, &outline.mesh, &[outline.light])?;
+    let (counts, capacity) = piece_counts(gpu, &outline.set, &outline.mesh, &[outline.light; 2])?;
     println!("{} pieces, and room for {capacity}", counts[0]);
-    same("pieces", &counts, &[(corners * (corners - 2)) as u32])?;
+    same("pieces", &counts, &[(corners * (corners - 2)) as u32; 2])?;
     if counts[0] > capacity { Ok(()) } else { Err("there is room".to_owned()) }
 }

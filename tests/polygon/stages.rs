@@ -9,7 +9,7 @@ use rimline::{Light, Mesh, Predicate};
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{Found, extract, text};
+use rimline_testkit::on_gpu::{Found, compare, extract, extract_with, text};
 use rimline_testkit::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_set};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, polygon_oracle, same};
@@ -105,6 +105,10 @@ fn masks() -> Result<(), String> {
             wrong[at].twisted ^= 1;
             must_fail("a twisted bit", &check_masks(&mesh, &found, &wrong))?;
         }
+        let plain = extract_with(gpu, &set.positions, &mesh, &lights, options)?;
+        let public = Found { excluded: Vec::new(), ..found };
+        compare(&format!("seed {seed}, not for volumes"), &plain, &public, u32::MAX, lists.ordered)?;
+        same("twisted", &plain.twisted, &public.twisted)?;
     }
     println!("{twisted} twisted pairs, {large} large outlines, {not_finite} not finite");
     if twisted > 1000 && large > 50 && not_finite > 0 { Ok(()) } else { Err("too few of a kind".to_owned()) }
@@ -114,8 +118,7 @@ fn masks() -> Result<(), String> {
 pub(crate) type Listed = [[f32; 3]; 3];
 
 fn extracted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Extractor, String> {
-    let options =
-        ExtractorOptions { max_lights: lights.len(), for_volumes: true, ..ExtractorOptions::default() };
+    let options = ExtractorOptions { max_lights: lights.len(), for_volumes: true, ..ExtractorOptions::default() };
     let buffer = gpu.storage(&set.positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };

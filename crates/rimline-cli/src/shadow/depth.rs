@@ -38,13 +38,8 @@ pub(super) const MOST: u32 = 255;
 /// samples, whose counts may exceed what the stencil holds. All casters count into one stencil. Pieces of twisted polygons may
 /// have no room.
 pub(crate) fn warn_of_limits(found: ShadowStatistics) {
-    let ShadowStatistics { count_bound, may_wrap, lost_pieces, most_pieces, .. } = found;
-    if lost_pieces > 0 {
-        note(&format!(
-            "warning: shadows of twisted polygons are wrong: a light sees polygons of a file in {most_pieces} pieces, more than \
-             this device's largest binding holds. Use fewer lights, split the file, or leave out --polygons"
-        ));
-    }
+    let ShadowStatistics { count_bound, may_wrap, .. } = found;
+    too_many_pieces(&found).iter().for_each(|warning| note(warning));
     if may_wrap > 0 {
         note(&format!(
             "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
@@ -52,6 +47,16 @@ pub(crate) fn warn_of_limits(found: ShadowStatistics) {
              layers; `rimline query` counts without this limit"
         ));
     }
+}
+
+/// A warning, if pieces of twisted polygons had no room.
+fn too_many_pieces(&ShadowStatistics { lost_pieces, most_pieces, .. }: &ShadowStatistics) -> Option<String> {
+    (lost_pieces > 0).then(|| {
+        format!(
+            "warning: shadows of twisted polygons are wrong: those of a file have {most_pieces} pieces for a light, and a buffer \
+             of this device has no room for them. Use fewer lights, cut the file into several, or leave out --polygons"
+        )
+    })
 }
 
 /// Each number of one statistic and the same of the other.
@@ -86,6 +91,14 @@ mod tests {
         // Steps are half a pixel there.
         let step = |distance: f32, near: f32| distance * distance / (16_777_216.0 * near);
         assert_eq!(step(10.0, least), 0.5 * 10.0 / 1024.0);
+    }
+
+    #[test]
+    fn pieces_without_room_are_told() {
+        let found = |lost_pieces| ShadowStatistics { lost_pieces, most_pieces: 600, ..Zeroable::zeroed() };
+        assert_eq!(too_many_pieces(&found(0)), None);
+        let warning = too_many_pieces(&found(1)).expect("one is lost");
+        assert!(warning.contains("have 600 pieces for a light"), "{warning}");
     }
 
     #[test]

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rimline::cpu::HiddenFaces;
 use rimline::gpu::{
-    Capacities, Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError,
-    StageTimer,
+    Capacities, Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions,
+    ShadowError, StageTimer,
 };
 use rimline::reference::cpu::{CHOICE_WORDS, SceneTable};
 use rimline::reference::layout::{ExtractionStatistics, ShadowStatistics};
@@ -76,8 +76,9 @@ impl<'a> SceneShadows<'a> {
         loop {
             let mut encoder = self.gpu.encoder("polygons");
             let timer = timer.as_deref_mut();
-            let frame =
-                self.scene.encode(&mut encoder, FrameInputs { timer, ..FrameInputs::new(&[(*inputs.camera).into()]) })?;
+            let frame = self
+                .scene
+                .encode(&mut encoder, FrameInputs { timer, ..FrameInputs::new(&[(*inputs.camera).into()]) })?;
             self.gpu.submit(encoder);
             let Some(statistics) = frame.shadow_statistics() else { return Ok(frame) };
             let ShadowStatistics { lost_pieces, most_pieces, .. } = self.gpu.read_first(statistics)?;
