@@ -165,9 +165,12 @@ fn room() -> Result<(), String> {
             let statistics = counted.statistics[0];
             same(&what, &[statistics.lost_pieces, statistics.most_pieces], &[lost, 600])?;
             let stencil = &counted.stencils[0];
-            let wrong = rig.wrong(&truths, stencil, |count, value| count as u8 == value);
-            let all = all.get_or_insert_with(|| stencil.clone());
-            let changed = stencil.iter().zip(all).filter(|(own, all)| *own != all).count();
+            let mut wrong = Vec::new();
+            if lost == 0 {
+                wrong = rig.wrong(&truths, stencil, |count, value| count as u8 == value);
+            }
+            let all = &*all.get_or_insert_with(|| stencil.clone());
+            let changed = stencil.iter().zip(all).filter(|(own, all)| own != all).count();
             let agree =
                 truths.iter().zip(stencil).filter(|(truth, own)| **truth == Truth::Odd(u32::from(**own))).count();
             println!("{what}: {changed} pixels changed, {agree} are those of the pixel's ray");
