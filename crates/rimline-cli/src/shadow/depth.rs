@@ -39,7 +39,9 @@ pub(super) const MOST: u32 = 255;
 /// have no room.
 pub(crate) fn warn_of_limits(found: ShadowStatistics) {
     let ShadowStatistics { count_bound, may_wrap, .. } = found;
-    too_many_pieces(&found).iter().for_each(|warning| note(warning));
+    if let Some(warning) = too_many_pieces(&found) {
+        note(&warning);
+    }
     if may_wrap > 0 {
         note(&format!(
             "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
