@@ -121,7 +121,10 @@ fn many_pieces() -> Outcome {
     folder.write("all.obj", bow_ties(0..COLUMNS))?;
     folder.write("one.obj", bow_ties(0..COLUMNS / 2))?;
     folder.write("other.obj", bow_ties(COLUMNS / 2..COLUMNS))?;
-    let lights: String = (0..32).map(|light| format!(" --light dir:{},64,-5", light - 16)).collect();
+    let mut lights = String::new();
+    for x in -16..16 {
+        let _ = write!(lights, " --light dir:{x},64,-5");
+    }
     let masks = |models: &str, name: &str| -> Result<Vec<Image>, String> {
         let run = folder.run(&format!("shadow {models} --polygons {VIEW}{lights} --method z-fail --mask @{name}"));
         run.expect(0, &[])?;
