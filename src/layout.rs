@@ -609,8 +609,11 @@ shared_structs! {
         /// Skipped pairs whose box the light does not reach, likewise. Scenes cull most of these pairs earlier:
         /// [`SceneStatistics::unreached_pairs`].
         unreached: u32,
-        /// Pieces of L-twisted polygons that there was no room for. Shadows are wrong where they would be.
+        /// Pieces of L-twisted polygons that there was no room for. If there are any, shadows are wrong where they would be, and
+        /// [`Capacities::pieces`](crate::gpu::Capacities::pieces) must be larger.
         lost_pieces: u32,
+        /// The most pieces that a caster has for a light: room for so many loses none.
+        most_pieces: u32,
     }
 }
 

@@ -190,6 +190,7 @@ fn found(
 ) -> Result<Found, String> {
     let buffer = gpu.storage(positions);
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let options = ExtractorOptions { for_volumes: true, ..options };
     let mut extractor = Extractor::new(pipelines, mesh, options).map_err(text)?;
     let lights = lights(&mut Random::new(82), options.max_lights);
     gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
@@ -220,7 +221,8 @@ fn windows() -> Result<(), String> {
     let gpu = limited(16 << 10, 1 << 20, 64)?;
     let shared = Pipelines::new(&gpu.device);
     // With more room than that, lists would not fit a binding.
-    let options = ExtractorOptions { masks: true, lists: Some(lists(2000, true)), ..Default::default() };
+    let options =
+        ExtractorOptions { masks: true, lists: Some(lists(2000, true)), for_volumes: true, ..Default::default() };
     let query = ShadowQueryOptions { max_points: 300, ..Default::default() };
     let light = [Light::point([3.0, 2.0, 1.0])];
     for [rings, segments] in [[20, 16], [60, 40], [20, 16]] {

@@ -25,7 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 fn exact(max_lights: usize) -> ExtractorOptions {
-    ExtractorOptions { max_lights, masks: true, ..Default::default() }
+    ExtractorOptions { max_lights, masks: true, for_volumes: true, ..Default::default() }
 }
 
 /// Every bit of GPU and CPU reference is the oracle's.

@@ -88,6 +88,7 @@ fn unchanged() -> Result<(), String> {
                         method,
                         masks: true,
                         lists: fits.then_some(lists),
+                        for_volumes: true,
                         ..Default::default()
                     },
                 };

@@ -57,7 +57,7 @@ fn is_on(point: Vector, [a, b, c]: [Vector; 3]) -> bool {
 pub(crate) type Listed = [[f32; 3]; 3];
 
 fn extracted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Extractor, String> {
-    let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
+    let options = ExtractorOptions { max_lights: lights.len(), for_volumes: true, ..ExtractorOptions::default() };
     let buffer = gpu.storage(&set.positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };

@@ -7,7 +7,7 @@ use rimline::{Light, Mesh, Predicate};
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{Found, extract};
+use rimline_testkit::on_gpu::{Found, compare, extract, extract_with};
 use rimline_testkit::polygons::{PolygonSet, random_set};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
@@ -99,6 +99,10 @@ fn masks() -> Result<(), String> {
             wrong[at].twisted ^= 1;
             must_fail("a twisted bit", &check_masks(&mesh, &found, &wrong))?;
         }
+        let plain = extract_with(gpu, &set.positions, &mesh, &lights, options)?;
+        let public = Found { excluded: Vec::new(), ..found };
+        compare(&format!("seed {seed}, not for volumes"), &plain, &public, u32::MAX, lists.ordered)?;
+        same("twisted", &plain.twisted, &public.twisted)?;
     }
     println!("{twisted} twisted pairs, {large} large outlines, {not_finite} not finite");
     if twisted > 1000 && large > 50 && not_finite > 0 { Ok(()) } else { Err("too few of a kind".to_owned()) }

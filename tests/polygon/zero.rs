@@ -39,7 +39,8 @@ fn without_triangles() -> Result<(), String> {
     for (number, mesh) in meshes()?.iter().enumerate() {
         let what = |error: &dyn std::fmt::Display| format!("mesh {number}: {error}");
         for lists in [None, Some(ListOptions::default()), Some(ListOptions { ordered: true, ..Default::default() })] {
-            let options = ExtractorOptions { max_lights: 40, masks: true, lists, ..Default::default() };
+            let options =
+                ExtractorOptions { max_lights: 40, masks: true, lists, for_volumes: true, ..Default::default() };
             let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| what(&error))?;
             for lights in [&LIGHTS[..], &[]] {
                 gpu.submit(|encoder| extractor.encode(encoder, positions, lights).map(drop).map_err(text))

@@ -126,7 +126,7 @@ fn without_room() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for counting in COUNTINGS {
         let found = [Some(0), Some(1), None].map(|room| {
-            let capacities = Capacities { lists: room, undecided: room, caps: room };
+            let capacities = Capacities { lists: room, undecided: room, caps: room, pieces: room };
             let (count_batches, clusters_from) = (room.unwrap_or(1), room.or(Some(4096)));
             let stencil = StencilCounts { count_batches, bound_counts: true, ..StencilCounts::default() };
             let options = SceneOptions { counting, stencil, capacities, clusters_from, ..SceneOptions::default() };

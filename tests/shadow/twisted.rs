@@ -3,19 +3,19 @@
 //! It tests the stage `piece_crossings`, too.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
+use rimline::gpu::{Capacities, Deformer, DeformerOptions, Extractor, ExtractorOptions, PositionBuffer};
 use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
 use rimline::{
-    Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Model, Pose,
+    Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Mesh, Model, Pose,
 };
-use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::on_gpu::{read, text};
+use rimline_testkit::on_gpu::{read, shadow_statistics, text};
 use rimline_testkit::polygons::PolygonSet;
 use rimline_testkit::random::Random;
 use rimline_testkit::same;
 use rimline_testkit::shapes::Shape;
+use rimline_testkit::{OneCaster, OneCasterOptions};
 
 use crate::polygons::{Rig, Truth, compare, frame};
 use crate::render::Renderer;
@@ -23,8 +23,12 @@ use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, frames};
 use rimline_testkit::goldens::golden;
 
-pub(crate) const TESTS: &[Test] =
-    &[("skinned_quadrilaterals_that_twist", motion), ("a_thousand_that_are_twisted_overlap", thousand)];
+pub(crate) const TESTS: &[Test] = &[
+    ("skinned_quadrilaterals_that_twist", motion),
+    ("a_thousand_that_are_twisted_overlap", thousand),
+    ("twisted_polygons_tell_their_pieces_without_room", room),
+    ("a_scene_gets_room_for_pieces", grow),
+];
 
 const RINGS: u32 = 7;
 const SIDES: u32 = 5;
@@ -123,12 +127,8 @@ fn bow_ties(random: &mut Random, count: usize) -> PolygonSet {
     set
 }
 
-/// Each counts once, modulo 256, and the bound tells that counts wrap.
-fn thousand() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 79_000;
-    println!("seed {seed}");
-    let set = bow_ties(&mut Random::new(seed), 1000);
+/// Bow ties in a room.
+fn in_room(set: &PolygonSet, light: Light) -> Result<(Mesh, Frame), String> {
     let mesh = set.mesh(Weld::Keep).map_err(text)?;
     let shape = Shape { positions: set.positions.clone(), faces: mesh.faces().to_vec() };
     let eye = Eye {
@@ -140,10 +140,79 @@ fn thousand() -> Result<(), String> {
         far: None,
         half_width: None,
     };
+    let caster = Body { polygons: Some(set.clone()), ..Body::caster(shape) };
+    let bodies = vec![caster, Body::room([0.0; 3], 4.0)];
+    Ok((mesh, Frame { bodies, eye, lights: vec![light], size: 64 }))
+}
+
+/// With room for all pieces the shadows are right, and statistics tell how many have none.
+fn room() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 79_500;
+    println!("seed {seed}");
+    let set = bow_ties(&mut Random::new(seed), 100);
+    let (mesh, frame) = in_room(&set, Light::directional([0.05, 1.0, 0.02]))?;
+    let rig = Rig::new(&frame, &mesh);
+    let truths = rig.truths();
+    for counting in [Counting::Auto, Counting::ZFail] {
+        let mut all = None;
+        for (capacity, lost) in [(None, 0), (Some(600), 0), (Some(599), 1), (Some(300), 300), (Some(0), 599)] {
+            let mut renderer = Renderer::new(gpu);
+            renderer.options = OneCasterOptions { piece_capacity: capacity, ..renderer.options };
+            let counted = renderer.count(&frame, counting)?;
+            let what = format!("{counting:?}, room for {capacity:?}");
+            let statistics = counted.statistics[0];
+            same(&what, &[statistics.lost_pieces, statistics.most_pieces], &[lost, 600])?;
+            let stencil = &counted.stencils[0];
+            let mut wrong = Vec::new();
+            if lost == 0 {
+                wrong = rig.wrong(&truths, stencil, |count, value| count as u8 == value);
+            }
+            let all = &*all.get_or_insert_with(|| stencil.clone());
+            let changed = stencil.iter().zip(all).filter(|(own, all)| own != all).count();
+            let agree =
+                truths.iter().zip(stencil).filter(|(truth, own)| **truth == Truth::Odd(u32::from(**own))).count();
+            println!("{what}: {changed} pixels changed, {agree} are those of the pixel's ray");
+            let is_right = if lost == 0 { wrong.is_empty() && changed == 0 } else { changed > 100 };
+            if !is_right {
+                return Err(format!("{what}: {} pixels are wrong, {changed} changed", wrong.len()));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Room is given to a scene that has lost pieces.
+fn grow() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let set = bow_ties(&mut Random::new(79_501), 50);
+    let light = Light::directional([0.05, 1.0, 0.02]);
+    let (mesh, frame) = in_room(&set, light)?;
+    let options = OneCasterOptions { piece_capacity: Some(7), ..OneCasterOptions::default() };
+    let mut caster = OneCaster::new(&gpu.pipelines, &gpu.queue, &mesh, &options).map_err(text)?;
+    let buffer = gpu.storage(&set.positions);
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let camera = frame.eye.camera();
+    for (capacity, lost) in [(None, 293), (Some(299), 1), (Some(300), 0), (Some(u32::MAX), 0), (Some(1), 299)] {
+        if let Some(pieces) = capacity {
+            caster.scene.set_capacities(Capacities { pieces: Some(pieces), ..Capacities::default() });
+        }
+        let frame =
+            gpu.submit(|encoder| caster.encode(encoder, positions, &[light], Some(&camera), None).map_err(text))?;
+        let statistics = shadow_statistics(gpu, &frame)?;
+        same(&format!("{capacity:?}"), &[statistics.lost_pieces, statistics.most_pieces], &[lost, 300])?;
+    }
+    Ok(())
+}
+
+/// Each counts once, modulo 256, and the bound tells that counts wrap.
+fn thousand() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 79_000;
+    println!("seed {seed}");
+    let set = bow_ties(&mut Random::new(seed), 1000);
     for light in [Light::directional([0.05, 1.0, 0.02]), Light::point([0.2, 3.5, 0.3])] {
-        let caster = Body { polygons: Some(set.clone()), ..Body::caster(shape.clone()) };
-        let bodies = vec![caster, Body::room([0.0; 3], 4.0)];
-        let frame = Frame { bodies, eye, lights: vec![light], size: 64 };
+        let (mesh, frame) = in_room(&set, light)?;
         let rig = Rig::new(&frame, &mesh);
         let truths = rig.truths();
         let most = truths.iter().map(|truth| if let Truth::Odd(count) = truth { *count } else { 0 }).max();

@@ -95,7 +95,7 @@ fn write_piece(light: u32, index: u32, from_end: vec3<u32>, to_end: vec3<u32>, i
 
 // Stage `cut_quads`: lists the pieces of L-twisted quadrilaterals that `polygon_turns` decided. Two neighbouring corners
 // turn left and the others right, so the two edges between them cross. Each of the two lobes has the sense of its corners.
-// Dispatched after the passes of `cut_edges`, if the extractor has lists, an invocation a record of `undecided`. It appends
+// Dispatched after the passes of `cut_edges`, an invocation a record of `undecided`. It appends
 // six pieces for each light. It must come last, because the passes of `cut_edges` read all listed pieces as their cuts. Both
 // lobes share one crossing point, bit for bit.
 

@@ -23,6 +23,7 @@ struct ShadowStatistics {
   hidden: atomic<u32>, // Pairs culled by receivers: no receiver can lie in the volume.
   unreached: atomic<u32>, // Pairs culled by light range.
   lost_pieces: atomic<u32>, // Pieces of L-twisted polygons that the list has no room for. Shadows are wrong there.
+  most_pieces: atomic<u32>, // The most pieces of a caster for a light, including those without room.
 }
 
 // The caller's camera, as a caster sees it. The camera frame has the axes of the world and the camera's origin at 0.

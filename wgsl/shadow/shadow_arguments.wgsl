@@ -126,6 +126,7 @@ fn write_piece_arguments(bit: u32) {
     if (pieces[bit] > count) {
       atomicAdd(&shadow_statistics.lost_pieces, pieces[bit] - count);
     }
+    atomicMax(&shadow_statistics.most_pieces, pieces[bit]);
     let is_clipped = light.counting == COUNT_ZP_PLUS;
     let is_z_fail = light.counting == COUNT_Z_FAIL;
     // A piece and the middle of its polygon make a front-facing triangle.

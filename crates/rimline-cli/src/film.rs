@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::casters::Casters;
-use crate::shadow::depth::warn_of_wrapping;
+use crate::shadow::depth::warn_of_limits;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::posed_model::PosedModel;
 use crate::shadow::render_resources::RenderResources;
@@ -84,6 +84,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         let found = casters.shadows.statistics().on(&gpu)?;
         most.count_bound = most.count_bound.max(found.count_bound);
         most.may_wrap = most.may_wrap.max(found.may_wrap);
+        most.lost_pieces = most.lost_pieces.max(found.lost_pieces);
+        most.most_pieces = most.most_pieces.max(found.most_pieces);
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
         if frame == 0 {
@@ -92,7 +94,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         progress.picture_done();
     }
     drop(progress);
-    warn_of_wrapping(most);
+    warn_of_limits(most);
     set.warn_of_depth(&gpu);
     let [first, last] = [file(0), file(frames - 1)];
     let [width, height] = scene.view.size;

@@ -137,7 +137,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
     drop(progress);
-    depth::warn_of_wrapping(report.all);
+    depth::warn_of_limits(report.all);
     set.warn_of_depth(&gpu);
     print(&if args.json { report.json(scene, &times) } else { report.text(&files.names, scene.view.size, &times) })
 }

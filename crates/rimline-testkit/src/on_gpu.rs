@@ -42,6 +42,17 @@ pub fn extract(
     lights: &[Light],
     options: ExtractorOptions,
 ) -> Result<Found, String> {
+    extract_with(gpu, positions, mesh, lights, ExtractorOptions { for_volumes: true, ..options })
+}
+
+/// The same with these options as they are.
+pub fn extract_with(
+    gpu: &Gpu,
+    positions: &[[f32; 3]],
+    mesh: &Mesh,
+    lights: &[Light],
+    options: ExtractorOptions,
+) -> Result<Found, String> {
     let buffer = gpu.storage(positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| error.to_string())?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };

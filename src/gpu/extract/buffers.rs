@@ -51,8 +51,8 @@ impl Shape {
             return Err(DeviceError::BindingTooLarge { what: "edge lists", bytes, limit: split.binding }.into());
         }
         let counts = mesh.polygons().map(PolygonCounts::new).transpose()?;
-        let has_lists = options.lists.is_some();
-        let polygons = counts.map(|counts| PolygonShape::new(&counts, options.max_lights, has_lists, split.binding));
+        let pieces = if options.is_for_volumes() { None } else { Some(0) };
+        let polygons = counts.map(|counts| PolygonShape::new(&counts, options.max_lights, pieces, split.binding));
         Ok(Self {
             vertices: mesh.vertex_count(),
             faces: mesh.faces().len(),
@@ -118,7 +118,7 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are asked for.
     pub(crate) masks: Vec<B>,
     pub(crate) lists: Vec<B>,
-    /// For which lights a face is excluded; with lists, for shadow volumes.
+    /// For which lights a face is excluded, for shadow volumes.
     pub(crate) excluded: Vec<B>,
     /// A `FacingRecord`: the statistics while they are counted, and the undecided faces of exact facing.
     pub(super) record: B,
@@ -189,6 +189,7 @@ impl<B> Buffers<B> {
         let planes = if options.method.is_per_edge() { 0 } else { batches };
         let mask_planes = if options.masks { batches } else { usize::from(options.is_ordered()) };
         let lists = if options.lists.is_some() { batches } else { 0 };
+        let excluded = if options.is_for_volumes() { planes } else { 0 };
         let places = if options.is_ordered() { u64::from(shape.blocks) * 32 * 4 } else { 0 };
         let [edges, faces, face_words, lights] =
             [shape.edges, shape.faces, shape.face_words, shape.max_lights].map(|count| count as u64);
@@ -210,7 +211,7 @@ impl<B> Buffers<B> {
             facing: (0..planes).map(|_| make(facing)).collect(),
             masks: (0..mask_planes).map(|_| make(edge_masks)).collect(),
             lists: (0..lists).map(|batch| make(list(batch))).collect(),
-            excluded: (0..lists.min(planes)).map(|_| make(Wanted::new("excluded masks", faces * 4))).collect(),
+            excluded: (0..excluded).map(|_| make(Wanted::new("excluded masks", faces * 4))).collect(),
             record: make(Wanted::new("undecided faces", shape.record_bytes())),
             places: make(Wanted::new("places", places).whole_if(true)),
             counts: make(Wanted::new("counts", lights * 4).whole_if(true)),

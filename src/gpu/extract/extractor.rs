@@ -184,7 +184,7 @@ impl Extractor {
 
     /// For each batch of lights one `u32` a face: the lights for which the face is excluded, of the last encode once
     /// submitted. These are the lights in its plane, if facing is exact, and all lights if it has a vertex that is not
-    /// finite. Empty without lists, which shadow volumes need.
+    /// finite. Empty unless they are found for volumes.
     #[doc(hidden)]
     pub fn excluded_masks(&self) -> &[wgpu::Buffer] {
         &self.shared.buffers.excluded
@@ -192,7 +192,7 @@ impl Extractor {
 
     /// For each batch of lights the pieces of L-twisted polygons, of the last encode once submitted: the number of pieces of
     /// each of 32 lights, then for each light as many pieces as there is room for, of nine words: where it begins, where
-    /// it ends, and the middle of its polygon. Empty without polygons or lists.
+    /// it ends, and the middle of its polygon. Empty without polygons, and unless they are found for volumes.
     #[doc(hidden)]
     pub fn pieces(&self) -> &[wgpu::Buffer] {
         self.shared.buffers.polygons.as_ref().map_or(&[], |polygons| &polygons.pieces)

@@ -118,7 +118,7 @@ impl Shared {
         Ok(positions::bound(device, || group(device, "rimline results", layout, &resources))?)
     }
 
-    /// Checks that each array that the include and shadow volumes read fits one binding.
+    /// Checks that each array that the include reads fits one binding.
     pub(crate) fn check_single_bindings(&self, bound: &BoundPositions) -> Result<(), DeviceError> {
         let limit = self.limits.binding;
         let too_large = |what, bytes| Err(DeviceError::BindingTooLarge { what, bytes, limit });

@@ -21,13 +21,16 @@ pub struct ExtractorOptions {
     /// Keep the silhouette and winding masks of every edge record. They take 8 bytes for each edge and batch of 32
     /// lights.
     pub masks: bool,
-    /// The lists of silhouette edges. `None`: no lists. With lists, [`Predicate::Exact`] also keeps 4 bytes for each face
-    /// and batch of 32 lights. Shadow volumes read from them which faces have a light in their plane.
+    /// The lists of silhouette edges. `None`: no lists.
     pub lists: Option<ListOptions>,
     /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no limit.
     /// wgpu does not tell the memory of a device, so only the device then finds that a mesh is too large. Buffers allocated
     /// before that are freed.
     pub memory_limit: Option<u64>,
+    /// With lists, find what only the shadow volumes of a scene read, too: which faces have a light in their plane, and the
+    /// pieces of twisted polygons. For tests. It is not covered by the promise of stability.
+    #[doc(hidden)]
+    pub for_volumes: bool,
 }
 
 impl Default for ExtractorOptions {
@@ -41,11 +44,17 @@ impl Default for ExtractorOptions {
             masks: false,
             lists: Some(ListOptions::default()),
             memory_limit: None,
+            for_volumes: false,
         }
     }
 }
 
 impl ExtractorOptions {
+    /// Whether it finds what volumes read.
+    pub(crate) const fn is_for_volumes(&self) -> bool {
+        self.for_volumes && self.lists.is_some()
+    }
+
     /// Whether lists have the order of the edges.
     pub(crate) fn is_ordered(&self) -> bool {
         self.lists.is_some_and(|lists| lists.ordered)

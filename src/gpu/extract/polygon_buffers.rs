@@ -28,8 +28,8 @@ pub(super) const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 
 /// Counts before the lists of pieces, and words of a piece.
 pub(crate) const PIECE_COUNTS: u64 = 32;
 pub(crate) const PIECE_WORDS: u64 = 9;
-/// Pieces of a light for which there is room in any case, if there can be so many.
-const FEW_PIECES: u64 = 1 << 15;
+/// Pieces of all lights of a batch together for which there is room, if there can be so many.
+const SHARED_PIECES: u64 = 1 << 20;
 
 /// Numbers of a mesh of polygons that all sizes follow from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub(crate) struct PolygonShape {
     pub(super) polygons: usize,
     /// Entries of all polygons for a batch of lights.
     entries: u64,
-    /// Pieces of a light that there is room for. It is 0 without lists.
+    /// Pieces of a light that there is room for. 0: none are listed.
     pub(crate) pieces: u32,
 }
 
@@ -79,14 +79,16 @@ impl PolygonCounts {
 }
 
 impl PolygonShape {
-    /// A binding has room for `binding` bytes.
-    pub(crate) fn new(counts: &PolygonCounts, max_lights: usize, has_lists: bool, binding: u64) -> Self {
+    /// `capacity` is the room for pieces of each light. `None`: room for all that there can be, up to a share of
+    /// [`SHARED_PIECES`] and one for each sixteenth edge. A binding has room for `binding` bytes.
+    pub(crate) fn new(counts: &PolygonCounts, max_lights: usize, capacity: Option<u32>, binding: u64) -> Self {
         let &PolygonCounts { polygons, outline_edges, small, large, pieces } = counts;
         let lights = max_lights.min(32);
         let entries = small * lights.div_ceil(ENTRY_LIGHTS) as u64 + large * lights as u64;
         let fitting = (binding / 4).saturating_sub(PIECE_COUNTS) / (PIECE_WORDS * lights.max(1) as u64);
-        let room = pieces.min(FEW_PIECES + outline_edges as u64 / 16).min(fitting).min(u64::from(u32::MAX)) as u32;
-        Self { polygons, entries, pieces: if has_lists { room.max(1) } else { 0 } }
+        let shared = SHARED_PIECES / lights.max(1) as u64 + outline_edges as u64 / 16;
+        let room = capacity.map_or(shared, u64::from).min(pieces.max(1)).min(fitting);
+        Self { polygons, entries, pieces: u32::try_from(room).unwrap_or(u32::MAX) }
     }
 
     pub(crate) fn undecided_bytes(&self) -> u64 {
@@ -107,7 +109,7 @@ pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
     pub(super) head: B,
     /// The arguments of the indirect dispatches, at the same bytes as in the head.
     pub(super) arguments: B,
-    /// For each batch of lights, with lists.
+    /// For each batch of lights, if they are listed.
     pub(crate) pieces: Vec<B>,
 }
 

@@ -71,12 +71,13 @@ impl GroupSizes {
         let fitting = (limits.binding - LISTS_HEAD) / 4 / u64::from(lights.max(1));
         let capacity = options.capacities.lists.map_or_else(|| default_capacity(group, lights), u64::from);
         let capacity = capacity.min(fitting).min(u64::from(group.edge_slots())).max(1);
+        let pieces = options.capacities.pieces.map(|pieces| pieces.max(1));
         Self {
             masks: 4 * slots,
             record: RECORD_HEAD + 4 * undecided,
             lists: LISTS_HEAD + 4 * capacity * u64::from(lights.max(1)),
             capacity: capacity as u32,
-            polygons: group.polygons.map(|counts| PolygonShape::new(&counts, lights as usize, true, limits.binding)),
+            polygons: group.polygons.map(|counts| PolygonShape::new(&counts, lights as usize, pieces, limits.binding)),
             lights,
         }
     }

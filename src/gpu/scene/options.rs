@@ -29,7 +29,8 @@ pub struct SceneOptions {
     pub measuring: Measuring,
 }
 
-/// Room for the entries of lists. Too little loses nothing: the work then goes over all edges or faces.
+/// Room for the entries of lists. Too little loses nothing, except for [`Self::pieces`]: the work then goes over all edges or
+/// faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacities {
     /// Entries that the list of each light has room for, in each group of casters. `None`: room for all boundary and
@@ -42,6 +43,18 @@ pub struct Capacities {
     /// `None`: room for every face where every face may have a cap, else for a share. After an overflow the draw goes over
     /// all faces.
     pub caps: Option<u32>,
+    /// Pieces of twisted polygons that the list of each light has room for, in each caster of polygons; each takes 36 bytes. A
+    /// polygon is twisted if its loops cross themselves as seen from a light. A quadrilateral then has 6 pieces, a polygon with n
+    /// edges at most n(n − 2). Room for more than there can be, or for more than one binding holds, is not made.
+    ///
+    /// `None`: the lights of a batch share room for 1,048,576, and each has one for each sixteenth edge besides. **Pieces
+    /// without room are not drawn, and shadows are wrong.** [`ShadowStatistics::lost_pieces`] says whether there are any, and
+    /// [`ShadowStatistics::most_pieces`] the room that loses none: give it to
+    /// [`Scene::set_capacities`](crate::gpu::Scene::set_capacities).
+    ///
+    /// [`ShadowStatistics::lost_pieces`]: crate::gpu::ShadowStatistics::lost_pieces
+    /// [`ShadowStatistics::most_pieces`]: crate::gpu::ShadowStatistics::most_pieces
+    pub pieces: Option<u32>,
 }
 
 /// How the counts of a scene's shadow volumes use the stencil.

@@ -11,7 +11,7 @@ use super::lights::Lights;
 use super::mask::LightMask;
 use super::model::{Deformed, ModelEntry};
 use super::occluders;
-use super::options::{Measuring, SceneOptions};
+use super::options::{Capacities, Measuring, SceneOptions};
 use super::pages::Pages;
 use super::receivers::SeenReceivers;
 use super::sources::{Sources, bind};
@@ -132,6 +132,14 @@ impl Scene {
             structures: 0,
             encodes: Arc::default(),
         })
+    }
+
+    /// Changes the room of lists, from the next encode on.
+    pub fn set_capacities(&mut self, capacities: Capacities) {
+        if self.options.capacities != capacities {
+            self.options.capacities = capacities;
+            self.structure = None;
+        }
     }
 
     /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. Casters with a

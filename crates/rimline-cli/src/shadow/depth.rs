@@ -34,9 +34,14 @@ pub(super) fn too_coarse(format: TextureFormat, near: f32, farthest: f32, pixel:
 /// The most that the stencil counts to; 256 looks like 0.
 pub(super) const MOST: u32 = 255;
 
-/// Tells the user where counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts lights, or samples, whose counts may
-/// exceed what the stencil holds. All casters count into one stencil.
-pub(crate) fn warn_of_wrapping(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) {
+/// Tells the user where shadows may be wrong. Counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts lights, or
+/// samples, whose counts may exceed what the stencil holds. All casters count into one stencil. Pieces of twisted polygons may
+/// have no room.
+pub(crate) fn warn_of_limits(found: ShadowStatistics) {
+    let ShadowStatistics { count_bound, may_wrap, .. } = found;
+    if let Some(warning) = too_many_pieces(&found) {
+        note(&warning);
+    }
     if may_wrap > 0 {
         note(&format!(
             "warning: shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
@@ -44,6 +49,16 @@ pub(crate) fn warn_of_wrapping(ShadowStatistics { count_bound, may_wrap, .. }: S
              layers; `rimline query` counts without this limit"
         ));
     }
+}
+
+/// A warning, if pieces of twisted polygons had no room.
+fn too_many_pieces(&ShadowStatistics { lost_pieces, most_pieces, .. }: &ShadowStatistics) -> Option<String> {
+    (lost_pieces > 0).then(|| {
+        format!(
+            "warning: shadows of twisted polygons are wrong: those of a file have {most_pieces} pieces for a light, and a buffer \
+             of this device has no room for them. Use fewer lights, cut the file into several, or leave out --polygons"
+        )
+    })
 }
 
 /// Each number of one statistic and the same of the other.
@@ -78,6 +93,14 @@ mod tests {
         // Steps are half a pixel there.
         let step = |distance: f32, near: f32| distance * distance / (16_777_216.0 * near);
         assert_eq!(step(10.0, least), 0.5 * 10.0 / 1024.0);
+    }
+
+    #[test]
+    fn pieces_without_room_are_told() {
+        let found = |lost_pieces| ShadowStatistics { lost_pieces, most_pieces: 600, ..Zeroable::zeroed() };
+        assert_eq!(too_many_pieces(&found(0)), None);
+        let warning = too_many_pieces(&found(1)).expect("one is lost");
+        assert!(warning.contains("have 600 pieces for a light"), "{warning}");
     }
 
     #[test]

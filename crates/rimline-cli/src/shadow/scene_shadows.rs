@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rimline::cpu::HiddenFaces;
 use rimline::gpu::{
-    Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions, ShadowError,
-    StageTimer,
+    Capacities, Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions,
+    ShadowError, StageTimer,
 };
 use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::internals::scene::{CHOICE_WORDS, SceneTable};
@@ -34,6 +34,8 @@ pub(super) struct SceneShadows<'a> {
     max_lights: usize,
     /// If the bound of the stages leaves it open whether the stencil counts to what lies over each other.
     layers: Option<Layers>,
+    /// Pieces of twisted polygons without room, in all encodes.
+    lost_pieces: u32,
 }
 
 /// Meshes and casters of a file in the scene. Each file has its own buffer of positions, so no group of casters has those
@@ -51,7 +53,43 @@ struct File {
 impl<'a> SceneShadows<'a> {
     pub(super) fn new(gpu: &'a Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { max_lights, ..scene_options(counting) })?;
-        Ok(Self { gpu, scene, counting, lights: Vec::new(), files: Vec::new(), frame: None, max_lights, layers: None })
+        Ok(Self {
+            gpu,
+            scene,
+            counting,
+            lights: Vec::new(),
+            files: Vec::new(),
+            frame: None,
+            max_lights,
+            layers: None,
+            lost_pieces: 0,
+        })
+    }
+
+    /// Encodes and submits, again with more room while the device finds that pieces of twisted polygons have none.
+    fn encode_polygons(
+        &mut self,
+        inputs: &CastInputs<'_>,
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<SceneFrame, GpuError> {
+        let mut room = 0;
+        loop {
+            let mut encoder = self.gpu.encoder("polygons");
+            let timer = timer.as_deref_mut();
+            let frame = self
+                .scene
+                .encode(&mut encoder, FrameInputs { timer, ..FrameInputs::new(&[(*inputs.camera).into()]) })?;
+            self.gpu.submit(encoder);
+            let Some(statistics) = frame.shadow_statistics() else { return Ok(frame) };
+            let ShadowStatistics { lost_pieces, most_pieces, .. } = self.gpu.read_first(statistics)?;
+            if lost_pieces == 0 || most_pieces <= room {
+                self.lost_pieces = self.lost_pieces.saturating_add(lost_pieces);
+                return Ok(frame);
+            }
+            // Room for more than a binding holds is not made.
+            room = most_pieces;
+            self.scene.set_capacities(Capacities { pieces: Some(room), ..Capacities::default() });
+        }
     }
 
     fn frame(&self) -> Result<&SceneFrame, ShadowError> {
@@ -114,8 +152,12 @@ impl Shadows for SceneShadows<'_> {
             }
         }
         set_lights(&mut self.scene, &mut self.lights, inputs.lights)?;
-        self.frame =
-            Some(self.scene.encode(encoder, FrameInputs { timer, ..FrameInputs::new(&[(*inputs.camera).into()]) })?);
+        let frame = if inputs.bodies.iter().any(PosedModel::has_polygons) {
+            self.encode_polygons(&inputs, timer)?
+        } else {
+            self.scene.encode(encoder, FrameInputs { timer, ..FrameInputs::new(&[(*inputs.camera).into()]) })?
+        };
+        self.frame = Some(frame);
         self.layers.as_mut().map_or(Ok(()), |layers| layers.encode(encoder, &inputs))
     }
 
@@ -207,6 +249,7 @@ impl Shadows for SceneShadows<'_> {
         let buffer = self.frame().ok().and_then(SceneFrame::shadow_statistics);
         let mut found: ShadowStatistics =
             buffer.map_or(Ok(bytemuck::Zeroable::zeroed()), |buffer| self.gpu.read_first(buffer))?;
+        found.lost_pieces = self.lost_pieces;
         if let Some(layers) = &self.layers {
             found.count_bound = found.count_bound.min(layers.most.unwrap_or(u32::MAX));
             found.may_wrap = 0;

@@ -11,7 +11,10 @@ use super::pictures::Image;
 use super::run::{folder, is_long, read_file, write_file};
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[("polygon_shadows::the_ground_is_dark_where_query_counts_polygons", ground)];
+pub(crate) const TESTS: &[Test] = &[
+    ("polygon_shadows::the_ground_is_dark_where_query_counts_polygons", ground),
+    ("polygon_shadows::more_pieces_than_there_is_room_for", many_pieces),
+];
 
 const SIZE: usize = 96;
 /// The eye looks straight down from a height of 2, on 4 by 4 units of the ground.
@@ -92,5 +95,47 @@ fn ground() -> Outcome {
         }
     }
     ensure!(folds > 1000, "triangles have the same shadows but for {folds} pixels");
+    Ok(())
+}
+
+/// Rows of small quadrilaterals above the eye that cross themselves as seen from above: six pieces each.
+fn bow_ties(rows: std::ops::Range<usize>) -> String {
+    let (mut text, mut vertex) = (String::new(), 1);
+    for (row, column) in rows.flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
+        let [x, z] = [column, row].map(|at| 3.0 * ((at as f32 + 0.5) / COLUMNS as f32 - 0.5));
+        for [dx, dz] in [[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]] {
+            let _ = writeln!(text, "v {} {} {}", x + 0.015 * dx, 3.0 + 0.001 * dx, z + 0.015 * dz);
+        }
+        let _ = writeln!(text, "f {vertex} {} {} {}", vertex + 1, vertex + 2, vertex + 3);
+        vertex += 4;
+    }
+    text
+}
+
+const COLUMNS: usize = 84;
+
+/// A scene has room for 1,048,576 pieces of 32 lights and one for each sixteenth edge: 34,532 a light. There are 42,336. In two files
+/// there is room.
+fn many_pieces() -> Outcome {
+    let folder = folder();
+    folder.write("all.obj", bow_ties(0..COLUMNS))?;
+    folder.write("one.obj", bow_ties(0..COLUMNS / 2))?;
+    folder.write("other.obj", bow_ties(COLUMNS / 2..COLUMNS))?;
+    let mut lights = String::new();
+    for x in -16..16 {
+        let _ = write!(lights, " --light dir:{x},64,-5");
+    }
+    let masks = |models: &str, name: &str| -> Result<Vec<Image>, String> {
+        let run = folder.run(&format!("shadow {models} --polygons {VIEW}{lights} --method z-fail --mask @{name}"));
+        run.expect(0, &[])?;
+        ensure!(!run.stderr.contains("warning"), "{}", run.stderr);
+        (0..32).map(|light| Image::mask(&folder.path().join(format!("{name}.{light}.png")))).collect()
+    };
+    let (whole, cut) = (masks("@all.obj", "whole")?, masks("@one.obj @other.obj", "cut")?);
+    for (light, (whole, cut)) in whole.iter().zip(&cut).enumerate() {
+        let dark = [whole, cut].map(|mask| mask.count(0));
+        ensure!(whole.bytes == cut.bytes, "light {light}: {dark:?} dark pixels");
+        ensure!(dark[0] > 500, "light {light}: {} dark pixels", dark[0]);
+    }
     Ok(())
 }
