@@ -247,8 +247,12 @@ pub(crate) enum UsageError {
     LinesFormat { out: PathBuf },
     #[error("--scale needs an orthographic view; leave out --fov, or give --ortho with --eye")]
     ScaleOfPerspective,
-    #[error("the page would be {width}x{height} mm, more than 100 m; give a smaller --scale")]
-    PageTooLarge { width: f64, height: f64 },
+    #[error(
+        "at this scale the drawing takes {width}x{height} mm, and at most 100 m each way are drawn; give a smaller --scale"
+    )]
+    DrawingTooLarge { width: String, height: String },
+    #[error("--eye is in the middle of the models, where it looks by default; give --target")]
+    EyeInMiddle,
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]

@@ -54,7 +54,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     let options = LineOptions {
         classes: args.classes(),
         crease_degrees: args.crease,
-        window: sheet::window(args),
+        window: sheet::taken(args),
         memory_limit: Some(args.load.memory_limit),
         threads: Threads::all(),
         ..LineOptions::default()
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         return Err(Failure::input(&args.files[0])(InputError::NothingToDraw));
     }
     if drawing.spans.is_empty() {
-        note("warning: the eye sees no line of these classes");
+        note("warning: no line of these classes is in sight");
     }
     let sheet = Sheet::new(args, &style, &drawing, eye.view.is_perspective())?;
     progress.step("writing");
@@ -106,7 +106,7 @@ impl Picture<'_> {
         shown::Line(self.args.files.iter().map(name).collect::<Vec<_>>().join(", ")).to_string()
     }
 
-    /// What is seen, in a sentence.
+    /// The view and the scale in a sentence.
     fn description(&self) -> String {
         format!("{}; {}", self.eye.said(self.args), self.sheet.scale_said())
     }
@@ -144,6 +144,7 @@ fn objects_of(
             vec![owned(object)]
         }
     };
+    objects = objects.into_iter().map(finite).collect::<Result<_, _>>()?;
     if is_prefixed {
         let file = input.file.file_name().unwrap_or_default().to_string_lossy();
         for object in &mut objects {
@@ -151,6 +152,20 @@ fn objects_of(
         }
     }
     Ok(objects)
+}
+
+/// Without faces that are not finite, as long as there are others: a warning has counted them. Polygons stay as they are.
+fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
+    let is_finite = |face: &&[u32; 3]| {
+        face.iter()
+            .all(|&vertex| object.positions.get(vertex as usize).is_some_and(|at| at.iter().all(|c| c.is_finite())))
+    };
+    let faces: Vec<[u32; 3]> = object.mesh.faces().iter().filter(is_finite).copied().collect();
+    if faces.is_empty() || faces.len() == object.mesh.faces().len() || object.mesh.polygons().is_some() {
+        return Ok(object);
+    }
+    let mesh = Mesh::from_faces(object.positions.len(), faces).map_err(rimline::ModelError::from)?;
+    Ok(Object { mesh: Cow::Owned(mesh), ..object })
 }
 
 fn owned(object: Object<'_>) -> Object<'static> {

@@ -152,7 +152,7 @@ impl Drawn<'_> {
         pairs
     }
 
-    /// Of the angle on the page between the directions in which two pieces leave their common end: −1 for a straight row.
+    /// The cosine of the angle on the page between the directions in which two pieces leave their common end: −1 for a straight row.
     fn cosine(&self, one: End, other: End) -> f64 {
         let direction = |end: End| {
             let page = self.parts[self.pieces[end as usize / 2].line as usize].map_or([[0.0; 2]; 2], |part| part.page);

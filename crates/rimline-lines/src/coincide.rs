@@ -74,7 +74,7 @@ impl Drawn<'_> {
         ends.into_iter().all(|end| is_in_plane(a, b, end, self.world.eye))
     }
 
-    /// What is kept of the pieces of one line, with the lines that coincide with it.
+    /// The pieces of one line that are kept, with the lines that coincide with it.
     fn keep(&self, own: &[Piece], pairs: &[[u32; 2]], kept: &mut Vec<Piece>) {
         let line = own[0].line as usize;
         let Some(part) = &self.parts[line] else { return };

@@ -47,7 +47,7 @@ pub struct Chain {
     pub is_closed: bool,
 }
 
-/// What the eye sees.
+/// The lines that an eye sees, and those behind.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// The spans, one chain after the other.

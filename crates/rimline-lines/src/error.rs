@@ -44,7 +44,7 @@ pub enum LinesError {
     /// There are more vertices, faces or pieces of lines than 32 bits can number.
     #[error("there are {count} {what}, and at most {most} can be drawn; draw fewer objects or classes at a time")]
     TooMany {
-        /// What there are too many of.
+        /// The kind of elements.
         what: &'static str,
         /// How many there are.
         count: usize,
@@ -74,11 +74,11 @@ pub struct LeftOut {
     pub object: usize,
     /// Its name.
     pub name: String,
-    /// What is wrong with it.
+    /// Its fault.
     pub fault: Fault,
 }
 
-/// What is wrong with an object.
+/// A fault of an object.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {

@@ -95,7 +95,7 @@ impl Frame {
         Ok((frame, parts))
     }
 
-    /// What of a line is ahead of the near plane and in the window.
+    /// The part of a line that is ahead of the near plane and in the window.
     fn part(&self, ends: [[f64; 3]; 2]) -> Option<Part> {
         let depths = ends.map(|end| self.view.depth(end));
         let mut part = [0.0, 1.0];

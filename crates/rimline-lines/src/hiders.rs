@@ -78,7 +78,7 @@ impl Reach {
         !is_apart
     }
 
-    /// Those of `columns` that the line passes between two heights, and perhaps a few more at each end.
+    /// The part of `columns` that the line passes between two heights, and perhaps a few more at each end.
     fn columns(&self, heights: [f32; 2], columns: std::ops::Range<usize>) -> std::ops::Range<usize> {
         let [nx, ny] = self.across;
         if columns.len() <= 2 || nx.abs() < 1e-3 {

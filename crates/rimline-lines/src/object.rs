@@ -1,4 +1,4 @@
-//! What is drawn: meshes in world space.
+//! Objects to draw: meshes in world space.
 
 use std::borrow::Cow;
 

@@ -82,7 +82,7 @@ pub struct PageBox {
     pub high: [f64; 2],
 }
 
-/// What is drawn, and how much it may take.
+/// Options of a drawing, and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineOptions {
     /// The classes that are drawn. Default: all.

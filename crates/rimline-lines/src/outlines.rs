@@ -14,7 +14,7 @@ use crate::options::LineOptions;
 use crate::view::View;
 use crate::world::{Placed, World};
 
-/// What is covered of the page.
+/// The part of the page that objects cover.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
     /// Polygons that do not overlap.
@@ -37,7 +37,7 @@ pub struct OutlinePolygon {
 pub struct Outlines {
     /// One for each object given. Objects that are left out have an empty one.
     pub objects: Vec<Outline>,
-    /// Of all objects together.
+    /// The part that all objects cover together.
     pub all: Outline,
     /// Objects without an outline.
     pub left_out: Vec<LeftOut>,
@@ -46,7 +46,7 @@ pub struct Outlines {
 /// The outlines of objects, each by itself and of all together. Only silhouette and boundary edges are united. Points are rounded to
 /// about a thousand-millionth of the outline's size.
 ///
-/// Of the options [`LineOptions::near`] and [`LineOptions::threads`] matter. An object that reaches nearer to the eye is left out.
+/// The options [`LineOptions::near`] and [`LineOptions::threads`] matter, no others. An object that reaches nearer to the eye is left out.
 ///
 /// # Errors
 /// [`LinesError`] for a `near` out of range, or too many faces.

@@ -102,7 +102,7 @@ impl<T: Copy + Send + Sync> Tree<T> {
         }
     }
 
-    /// What `found` adds for all pairs of items whose boxes meet, in any order. `None` if `tick` ends it.
+    /// Results that `found` adds for all pairs of items whose boxes meet, in any order. `None` if `tick` ends it.
     pub(crate) fn pairs<R: Send>(
         &self,
         threads: Threads,

@@ -37,7 +37,7 @@ pub(crate) struct Pierce {
     /// Vertices, the lower one first.
     pub(crate) edge: [u32; 2],
     pub(crate) face: [u32; 3],
-    /// Of the edge's ends.
+    /// Weights of the edge's ends.
     pub(crate) weights: [f64; 2],
     pub(crate) point: [f64; 3],
 }

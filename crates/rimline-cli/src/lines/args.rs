@@ -12,7 +12,7 @@ use crate::input_args::{LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
 use crate::spec;
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
+#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS, mut_arg("weld", |weld| weld.default_value("position")))]
 pub(crate) struct LinesArgs {
     /// One or more .gltf, .glb, .obj or .npz files, or - for standard input. All are drawn together
     #[arg(required = true, value_name = "FILE")]
@@ -51,7 +51,7 @@ pub(crate) struct LinesArgs {
     pub(crate) target: Option<[Coordinate; 3]>,
 
     /// The vertical field of view in degrees. With --view it makes the view perspective, from where the models just fit in it; with
-    /// --eye it is what the page shows [default: what the models take]
+    /// --eye it is what the page shows [default: what the models take, at most 100]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::field_of_view)]
     pub(crate) fov: Option<f32>,
 
@@ -103,7 +103,7 @@ Examples:
   rimline lines house.obj --out house.svg
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
   rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
-  rimline lines part.glb --view top --page A3 --out part.dxf
+  rimline lines part.obj --scale 1:0.05 --out part.dxf   # 1:50, in mm
 
 A style, with the defaults of some lines; widths and dashes in millimetres:
   [silhouette]
@@ -158,6 +158,7 @@ impl FromStr for ClassArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim().to_lowercase();
         let is_named = |class: &LineClass| *class != LineClass::Marked && class.name() == text;
         match LineClass::ALL.into_iter().find(is_named) {
             _ if text == "all" => Ok(Self::All),
@@ -201,7 +202,7 @@ impl FromStr for Side {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if let Some((name, side)) = SIDES.into_iter().find(|(name, _)| *name == text) {
+        if let Some((name, side)) = SIDES.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text)) {
             return Ok(Self::Named(name, side));
         }
         let angles = text.split_once(',').and_then(|(azimuth, elevation)| {
@@ -251,13 +252,13 @@ impl FromStr for Paper {
 /// How large things are on the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Scale {
-    /// As large as fits.
+    /// The largest that fits the page.
     Fit,
     /// So many metres of the page a unit.
     Ratio {
-        /// Of the page.
+        /// A length on the page.
         page: f64,
-        /// Of the models.
+        /// The same length of the models.
         model: f64,
     },
 }
@@ -266,7 +267,7 @@ impl FromStr for Scale {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if text == "fit" {
+        if text.eq_ignore_ascii_case("fit") {
             return Ok(Self::Fit);
         }
         let part = |text: &str| text.trim().parse().ok().filter(|part: &f64| (1e-9..=1e9).contains(part));

@@ -23,11 +23,16 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     }
     pair(to, 0, "ENDSEC")?;
     section(to, "TABLES")?;
-    let has_dashes = sheet.layers.iter().any(|layer| !layer.pen.dash_mm.is_empty());
-    table(to, "LTYPE", 1 + usize::from(has_dashes))?;
+    let mut dashes: Vec<&[f64]> = Vec::new();
+    for layer in sheet.layers.iter().filter(|layer| !layer.pen.dash_mm.is_empty()) {
+        if !dashes.contains(&&*layer.pen.dash_mm) {
+            dashes.push(&layer.pen.dash_mm);
+        }
+    }
+    table(to, "LTYPE", 1 + dashes.len())?;
     line_type(to, "CONTINUOUS", "Solid line", &[])?;
-    if has_dashes {
-        line_type(to, "HIDDEN", "Dashed line", &[1.5, -0.8])?;
+    for (number, dashes) in dashes.iter().enumerate() {
+        line_type(to, &dashed(number), "Dashed line", dashes)?;
     }
     pair(to, 0, "ENDTAB")?;
     table(to, "LAYER", sheet.layers.len())?;
@@ -36,7 +41,8 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
         pair(to, 2, name(layer))?;
         pair(to, 70, 0)?;
         pair(to, 62, index_of_color(layer.pen.color))?;
-        pair(to, 6, if layer.pen.dash_mm.is_empty() { "CONTINUOUS" } else { "HIDDEN" })?;
+        let pattern = dashes.iter().position(|dashes| *dashes == layer.pen.dash_mm);
+        pair(to, 6, pattern.map_or("CONTINUOUS".to_owned(), dashed))?;
     }
     pair(to, 0, "ENDTAB")?;
     pair(to, 0, "ENDSEC")?;
@@ -47,6 +53,11 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     }
     pair(to, 0, "ENDSEC")?;
     pair(to, 0, "EOF")
+}
+
+/// The name of a line type.
+fn dashed(number: usize) -> String {
+    format!("DASHED{}", number + 1)
 }
 
 /// Layer names of R12 have capital letters.
@@ -79,18 +90,30 @@ fn polyline(to: &mut impl Write, layer: &str, line: &Polyline) -> io::Result<()>
     entity(to, "SEQEND")
 }
 
-/// A number of the palette: black and white are 7; other colours take the nearest of its first six.
+/// Colours of the palette that CAD programs share, with their numbers. 7 is black on white paper.
+const PALETTE: [(u32, [u8; 3]); 15] = [
+    (7, [0; 3]),
+    (1, [255, 0, 0]),
+    (2, [255, 255, 0]),
+    (3, [0, 255, 0]),
+    (4, [0, 255, 255]),
+    (5, [0, 0, 255]),
+    (6, [255, 0, 255]),
+    (8, [128; 3]),
+    (9, [192; 3]),
+    (250, [51; 3]),
+    (251, [91; 3]),
+    (252, [132; 3]),
+    (253, [173; 3]),
+    (254, [214; 3]),
+    (255, [255; 3]),
+];
+
+/// The number of the nearest colour of the palette.
 fn index_of_color(color: [u8; 3]) -> u32 {
-    let [r, g, b] = color.map(|part| part > 127);
-    match (r, g, b) {
-        (true, false, false) => 1,
-        (true, true, false) => 2,
-        (false, true, false) => 3,
-        (false, true, true) => 4,
-        (false, false, true) => 5,
-        (true, false, true) => 6,
-        _ => 7,
-    }
+    let distance =
+        |other: &[u8; 3]| color.iter().zip(other).map(|(a, b)| i32::from(a.abs_diff(*b)).pow(2)).sum::<i32>();
+    PALETTE.iter().min_by_key(|(_, other)| distance(other)).map_or(7, |(number, _)| *number)
 }
 
 fn section(to: &mut impl Write, name: &str) -> io::Result<()> {
@@ -104,16 +127,18 @@ fn table(to: &mut impl Write, name: &str, count: usize) -> io::Result<()> {
     pair(to, 70, count)
 }
 
-/// Dashes are positive, gaps negative.
+/// Dashes are positive in the file, gaps negative. An odd number of lengths is gone through twice.
 fn line_type(to: &mut impl Write, name: &str, description: &str, lengths: &[f64]) -> io::Result<()> {
     pair(to, 0, "LTYPE")?;
     pair(to, 2, name)?;
     pair(to, 70, 0)?;
     pair(to, 3, description)?;
     pair(to, 72, 65)?;
+    let lengths = if lengths.len().is_multiple_of(2) { lengths.to_vec() } else { lengths.repeat(2) };
     pair(to, 73, lengths.len())?;
-    pair(to, 40, lengths.iter().map(|length: &f64| length.abs()).sum::<f64>())?;
-    lengths.iter().try_for_each(|length| pair(to, 49, length))
+    pair(to, 40, lengths.iter().sum::<f64>())?;
+    let mut signed = lengths.iter().enumerate().map(|(number, length)| if number % 2 == 0 { *length } else { -length });
+    signed.try_for_each(|length| pair(to, 49, length))
 }
 
 /// A group code and its value, each on a line.

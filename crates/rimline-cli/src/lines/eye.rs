@@ -56,7 +56,8 @@ impl Eye {
             let eye = relative(eye, origin);
             let target = args.target.map_or(nearest(middle), |target| relative(target, origin));
             if eye == target {
-                return Err(EyeError::Usage(UsageError::EyeAtTarget));
+                let is_given = args.target.is_some();
+                return Err(EyeError::Usage(if is_given { UsageError::EyeAtTarget } else { UsageError::EyeInMiddle }));
             }
             let up = up_of([0, 1, 2].map(|axis| f64::from(eye[axis]) - f64::from(target[axis])));
             let view = if args.ortho {
@@ -95,7 +96,7 @@ impl Eye {
     }
 }
 
-/// What is up on the page: +Y, or for an eye above or below -Z or +Z.
+/// The direction that is up on the page: +Y, or for an eye above or below -Z or +Z.
 fn up_of([x, y, z]: [f64; 3]) -> [f32; 3] {
     if libm::sqrt(x * x + z * z) > 1e-6 * y.abs() { UP } else { [0.0, 0.0, if y < 0.0 { 1.0 } else { -1.0 }] }
 }

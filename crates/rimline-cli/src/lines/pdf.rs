@@ -8,8 +8,10 @@ use pdf_writer::{Content, Filter, Finish as _, Name, Pdf, Rect, Ref, TextStr};
 use super::Picture;
 use super::sheet::{Layer, Polyline};
 
-/// Points of PDF a millimetre.
+/// Points a millimetre.
 const POINTS_PER_MM: f64 = 72.0 / 25.4;
+/// Most units of PDF that readers take each way. A unit is a point; of larger pages it is several points.
+const MOST_UNITS: f64 = 14_400.0;
 
 const CATALOG: i32 = 1;
 const PAGES: i32 = 2;
@@ -38,9 +40,14 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     }
     catalog.finish();
     pdf.pages(Ref::new(PAGES)).kids([Ref::new(PAGE)]).count(1);
-    let [width, height] = picture.sheet.size_mm.map(|side| (side * POINTS_PER_MM) as f32);
+    let points = picture.sheet.size_mm.map(|side| side * POINTS_PER_MM);
+    let points_per_unit = libm::ceil(points[0].max(points[1]) / MOST_UNITS).max(1.0);
+    let [width, height] = points.map(|side| (side / points_per_unit) as f32);
     let mut page = pdf.page(Ref::new(PAGE));
     page.parent(Ref::new(PAGES)).media_box(Rect::new(0.0, 0.0, width, height)).contents(Ref::new(CONTENT));
+    if points_per_unit > 1.0 {
+        page.user_unit(points_per_unit as f32);
+    }
     let mut resources = page.resources();
     let mut properties = resources.insert(Name(b"Properties")).dict();
     for number in 0..layers.len() {
@@ -54,7 +61,7 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
         group.pair(Name(b"Type"), Name(b"OCG"));
         group.pair(Name(b"Name"), TextStr(&content.name()));
     }
-    let content = compressed(&contents(layers))?;
+    let content = compressed(&contents(layers, POINTS_PER_MM / points_per_unit))?;
     pdf.stream(Ref::new(CONTENT), &content).filter(Filter::FlateDecode);
     to.write_all(&pdf.finish())
 }
@@ -64,25 +71,27 @@ fn key(layer: usize) -> String {
     format!("L{layer}")
 }
 
-fn contents(layers: &[Layer]) -> Vec<u8> {
+fn contents(layers: &[Layer], per_mm: f64) -> Vec<u8> {
     let mut content = Content::new();
-    content.set_line_cap(LineCapStyle::RoundCap).set_line_join(LineJoinStyle::RoundJoin);
+    content.set_line_join(LineJoinStyle::RoundJoin);
     for (number, layer) in layers.iter().enumerate() {
-        let points = |mm: f64| (mm * POINTS_PER_MM) as f32;
+        let points = |mm: f64| (mm * per_mm) as f32;
         let pen = &layer.pen;
         let [r, g, b] = pen.color.map(|part| f32::from(part) / 255.0);
         content.begin_marked_content_with_properties(Name(b"OC")).properties_named(Name(key(number).as_bytes()));
         content.set_stroke_rgb(r, g, b).set_line_width(points(pen.width_mm));
+        // Round ends would fill the gaps of dashes.
+        content.set_line_cap(if pen.dash_mm.is_empty() { LineCapStyle::RoundCap } else { LineCapStyle::ButtCap });
         content.set_dash_pattern(pen.dash_mm.iter().map(|&mm| points(mm)), 0.0);
-        layer.lines.iter().for_each(|line| path(&mut content, line));
+        layer.lines.iter().for_each(|line| path(&mut content, line, per_mm));
         content.end_marked_content();
     }
     content.finish().to_vec()
 }
 
-fn path(content: &mut Content, line: &Polyline) {
+fn path(content: &mut Content, line: &Polyline, per_mm: f64) {
     for (number, point) in line.points.iter().enumerate() {
-        let [x, y] = point.map(|micrometres| (micrometres as f64 / 1000.0 * POINTS_PER_MM) as f32);
+        let [x, y] = point.map(|micrometres| (micrometres as f64 / 1000.0 * per_mm) as f32);
         if number == 0 {
             content.move_to(x, y)
         } else {

@@ -6,6 +6,7 @@ use tiny_skia::{Color, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stro
 
 use super::Picture;
 use super::sheet::{Layer, Polyline};
+use crate::input_args::size as memory;
 
 /// More pixels each way are refused.
 const MOST_PIXELS: u32 = 32_768;
@@ -22,6 +23,15 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     if !size.into_iter().all(|side| side <= f64::from(MOST_PIXELS)) {
         return Err(too_large());
     }
+    // Each pixel has four bytes where it is drawn, and three where it is written.
+    let (needed, limit) = ((7.0 * size[0] * size[1]) as u64, picture.args.load.memory_limit);
+    if needed > limit {
+        return Err(io::Error::other(format!(
+            "a PNG of this size takes {} of memory, more than the limit of {}; give a lower --dpi or a larger --memory-limit",
+            memory(needed),
+            memory(limit),
+        )));
+    }
     let [width, height] = size.map(|side| side as u32);
     let mut pixels = Pixmap::new(width, height).ok_or_else(too_large)?;
     pixels.fill(Color::WHITE);
@@ -31,7 +41,7 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     let mut encoder = png::Encoder::new(to, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    let dots = (1000.0 * per_mm) as u32;
+    let dots = libm::round(1000.0 * per_mm) as u32;
     encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: dots, yppu: dots, unit: png::Unit::Meter }));
     let mut writer = encoder.write_header()?;
     let rgb: Vec<u8> = pixels.data().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
@@ -50,7 +60,8 @@ fn draw(pixels: &mut Pixmap, layer: &Layer, per_mm: f64, height: f64) {
     let lengths = pen.dash_mm.iter().chain(pen.dash_mm.iter().take(odd * pen.dash_mm.len()));
     let stroke = Stroke {
         width: scaled(pen.width_mm),
-        line_cap: LineCap::Round,
+        // Round ends would fill the gaps of dashes.
+        line_cap: if pen.dash_mm.is_empty() { LineCap::Round } else { LineCap::Butt },
         line_join: LineJoin::Round,
         dash: StrokeDash::new(lengths.map(|&mm| scaled(mm)).collect(), 0.0),
         ..Stroke::default()

@@ -9,7 +9,7 @@ use crate::output::note;
 
 /// The empty border of a page.
 const MARGIN_MM: f64 = 10.0;
-/// The largest page; more would be a wrong scale.
+/// The largest drawing; more would be a wrong scale.
 const LARGEST_MM: f64 = 100_000.0;
 
 /// Lines that lie on the page, by layers.
@@ -70,6 +70,10 @@ impl Sheet {
             }
         };
         let needed = size.map(|side| side * mm_per_unit);
+        if !needed.into_iter().all(|side| side <= LARGEST_MM) {
+            let [width, height] = needed.map(short);
+            return Err(UsageError::DrawingTooLarge { width, height });
+        }
         if args.scale != Scale::Fit {
             if args.page.is_none() {
                 size_mm = needed.map(|side| libm::ceil(side + 2.0 * MARGIN_MM));
@@ -80,10 +84,6 @@ impl Sheet {
                     "warning: the drawing takes {wide}x{high} mm, more than the page of {width}x{height} mm; give a smaller --scale or a larger --page"
                 ));
             }
-        }
-        if !size_mm.into_iter().all(|side| side <= LARGEST_MM) {
-            let [width, height] = size_mm;
-            return Err(UsageError::PageTooLarge { width, height });
         }
         let corner =
             [0, 1].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]) - 0.5 * size_mm[axis] / mm_per_unit);
@@ -97,6 +97,9 @@ impl Sheet {
                     sheet.layers.push(Layer { class, is_hidden, pen, lines });
                 }
             }
+        }
+        if sheet.layers.is_empty() && !drawing.chains.is_empty() {
+            note("warning: all lines are hidden, or shorter than a micrometre at this scale");
         }
         Ok(sheet)
     }
@@ -127,23 +130,33 @@ impl Sheet {
         }
     }
 
-    /// What was drawn, in a line for the user.
+    /// A line for the user that says how much was drawn.
     pub(crate) fn said(&self, args: &LinesArgs) -> String {
         let count = |is_hidden: bool| {
             let layers = self.layers.iter().filter(|layer| layer.is_hidden == is_hidden);
             layers.map(|layer| layer.lines.len()).sum::<usize>()
         };
-        let hidden =
-            if args.hidden == Hidden::None { String::new() } else { format!(" and {} hidden ones", count(true)) };
-        let (visible, [width, height]) = (count(false), self.size_mm);
-        let s = if visible == 1 { "" } else { "s" };
+        let s = |count: usize| if count == 1 { "" } else { "s" };
+        let (visible, behind, [width, height]) = (count(false), count(true), self.size_mm);
+        let hidden = match args.hidden {
+            Hidden::None => String::new(),
+            _ => format!(" and {behind} hidden line{}", s(behind)),
+        };
+        let s = s(visible);
         let (out, scale) = (args.out.display(), self.scale_said());
         format!("wrote {out}: {visible} line{s}{hidden} on {width}x{height} mm, {scale}\n")
     }
 }
 
+/// The part of the view's page from which lines are taken. An eye within a model sees lines at any angle, so there is a limit.
+pub(crate) fn taken(args: &LinesArgs) -> Option<PageBox> {
+    const MOST: f64 = 1.19; // The tangent of 50 degrees.
+    let most = PageBox { low: [-MOST; 2], high: [MOST; 2] };
+    window(args).or_else(|| args.eye.filter(|_| !args.ortho).map(|_| most))
+}
+
 /// The part of the view's page that `--fov` asks for, if the eye is given.
-pub(crate) fn window(args: &LinesArgs) -> Option<PageBox> {
+fn window(args: &LinesArgs) -> Option<PageBox> {
     let (Some(_), Some(degrees)) = (args.eye, args.fov) else { return None };
     let height = libm::tan(f64::from(degrees).to_radians() / 2.0);
     let [width_mm, height_mm] = turned(args.page.unwrap_or(Paper::A4), [2.0, 1.0]).map(|side| side - 2.0 * MARGIN_MM);
@@ -161,6 +174,9 @@ fn turned(paper: Paper, [width, height]: [f64; 2]) -> [f64; 2] {
 
 /// A number with four digits that count.
 fn short(number: f64) -> String {
+    if !(1e-4..1e7).contains(&number.abs()) {
+        return format!("{number:.3e}");
+    }
     let digits = (3.0 - libm::floor(libm::log10(number.abs().max(f64::MIN_POSITIVE)))).clamp(0.0, 9.0) as usize;
     format!("{number:.digits$}")
 }

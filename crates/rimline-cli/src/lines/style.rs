@@ -19,7 +19,7 @@ pub(crate) struct Pen {
     pub(crate) dash_mm: Vec<f64>,
 }
 
-/// What a style file says; what it leaves out has a default.
+/// The contents of a style file; omitted keys have defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Style {
     visible: Vec<(LineClass, Strokes)>,
@@ -103,8 +103,9 @@ fn as_table<'a>(value: &'a Value, place: &str) -> Result<&'a Table, String> {
 }
 
 fn class(key: &str, place: &str) -> Result<LineClass, String> {
-    LineClass::ALL.into_iter().find(|class| class.name() == key).ok_or_else(|| {
-        let names: Vec<_> = LineClass::ALL.into_iter().map(LineClass::name).collect();
+    let classes = || LineClass::ALL.into_iter().filter(|class| *class != LineClass::Marked);
+    classes().find(|class| class.name() == key).ok_or_else(|| {
+        let names: Vec<_> = classes().map(LineClass::name).collect();
         format!("{place} is no class of lines; tables are {}, hidden, or hidden.CLASS", names.join(", "))
     })
 }

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use super::Picture;
 use super::sheet::{Layer, Polyline};
 use super::style::Pen;
+use crate::shown::Line;
 
 pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()> {
     let [width, height] = picture.sheet.size_mm;
@@ -26,9 +27,12 @@ fn group(to: &mut impl Write, picture: &Picture<'_>, layer: &Layer) -> io::Resul
     let (name, Pen { width_mm, color: [r, g, b], dash_mm }) = (layer.name(), &layer.pen);
     write!(
         to,
-        r##"<g id="{name}" inkscape:groupmode="layer" inkscape:label="{name}" fill="none" stroke="#{r:02x}{g:02x}{b:02x}" stroke-width="{width_mm}" stroke-linecap="round" stroke-linejoin="round""##
+        r##"<g id="{name}" inkscape:groupmode="layer" inkscape:label="{name}" fill="none" stroke="#{r:02x}{g:02x}{b:02x}" stroke-width="{width_mm}" stroke-linejoin="round""##
     )?;
-    if !dash_mm.is_empty() {
+    // Round ends would fill the gaps of dashes.
+    if dash_mm.is_empty() {
+        write!(to, r#" stroke-linecap="round""#)?;
+    } else {
         let lengths: Vec<_> = dash_mm.iter().map(f64::to_string).collect();
         write!(to, r#" stroke-dasharray="{}""#, lengths.join(" "))?;
     }
@@ -43,7 +47,7 @@ fn group(to: &mut impl Write, picture: &Picture<'_>, layer: &Layer) -> io::Resul
             path(to, line, picture.sheet.size_mm[1])?;
         }
         let name = picture.objects.get(object as usize).map_or("", |object| &*object.name);
-        writeln!(to, r#""><title>{}</title></path>"#, Escaped(name))?;
+        writeln!(to, r#""><title>{}</title></path>"#, Escaped(&Line(name).to_string()))?;
     }
     writeln!(to, "</g>")
 }

@@ -32,7 +32,7 @@ fn size_of(shapes: &[Shape]) -> f32 {
 /// Where a span begins and ends along its edge, and its count.
 type Counted = ([f64; 2], u32);
 
-/// What comparing points found.
+/// Results of comparing points.
 #[derive(Debug, Default)]
 struct Found {
     points: usize,

@@ -12,7 +12,7 @@ const SIDE: usize = 160;
 const REACH: f64 = 2.2;
 const PIXEL: f64 = 2.0 * REACH / SIDE as f64;
 
-/// What a ray of a pixel hits first: its depth, and the normal there.
+/// The first hit of a pixel's ray: its depth, and the normal there.
 type Hit = Option<(f64, [f64; 3])>;
 
 fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {

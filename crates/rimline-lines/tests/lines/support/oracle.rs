@@ -167,7 +167,7 @@ impl Oracle {
         face.holds(&Point { xyz, w: mix(&point.w, &self.moved.w) })
     }
 
-    /// What `f64` says if nothing is near doubt, by where the ray crosses the plane.
+    /// The answer of `f64` if nothing is near doubt, by where the ray crosses the plane.
     fn quick(&self, face: &Face, p: [f64; 3]) -> Option<bool> {
         let [x, y, z, w] = self.doubles;
         let [a, b, c] = face.doubles;
