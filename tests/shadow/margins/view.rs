@@ -93,7 +93,7 @@ pub(crate) fn chosen(gpu: &Gpu, shape: ShadowShape, cases: &[Case]) -> Result<Ve
     let mut seen = cases.iter().map(given).collect::<Result<Vec<_>, String>>()?;
     let inputs: Vec<_> =
         (0..).zip(cases).map(|(number, (_, _, positions))| (number, box_of(positions.iter().copied()))).collect();
-    let (shape, statistics) = (uniform(gpu, &shape), gpu.storage(&[0_u32; 12]));
+    let (shape, statistics) = (uniform(gpu, &shape), gpu.storage(&[0_u32; 13]));
     let bound = [(0, &shape), (6, &statistics)];
     let found = probe.run(gpu, &bound, &seen, &inputs)?;
     for ((_, light), found) in seen.iter_mut().zip(found) {

@@ -77,7 +77,7 @@ const NUMBERS: &[Number] = &[
 ];
 
 /// Options whose values are words, though they may be digits.
-const WORDS: [&str; 3] = ["animation", "device", "scenes"];
+const WORDS: [&str; 4] = ["animation", "classes", "device", "scenes"];
 
 /// The error of clap for an option's value, or `None` if clap takes it. Tries the value once with `=` and once as an
 /// argument of its own.
