@@ -38,12 +38,11 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     let style = args.style.as_deref().map_or_else(|| Ok(Style::default()), style::read)?;
     let progress = Progress::start();
     progress.step("reading the models");
-    let inputs = read(args)?;
+    let (inputs, chosen) = read(args)?;
     let read = inputs.iter().flat_map(Input::files).map(Path::to_owned).chain(args.style.clone());
     Inputs::new(read.collect::<Vec<PathBuf>>()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
-    let chosen = animations(&inputs, &args.pose)?;
     let mut objects = Vec::new();
     for (input, playing) in inputs.iter().zip(&chosen) {
         objects.extend(objects_of(input, playing, args.pose.time, inputs.len() > 1)?);
@@ -112,7 +111,8 @@ impl Picture<'_> {
     }
 }
 
-fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
+/// The files, and the animations of each that play.
+fn read(args: &LinesArgs) -> Result<(Vec<Input>, Vec<Vec<usize>>), Failure> {
     let options = args.load.options(args.weld.weld());
     let mut inputs = Vec::with_capacity(args.files.len());
     for file in &args.files {
@@ -121,7 +121,7 @@ fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
     let chosen = animations(&inputs, &args.pose)?;
     origin::settle(&mut inputs, &chosen, args.pose.time)?;
     note_idle_time(&args.pose, &chosen.concat(), None);
-    Ok(inputs)
+    Ok((inputs, chosen))
 }
 
 /// The objects of a file. Where there are several files, their names begin with the file's.
@@ -137,11 +137,9 @@ fn objects_of(
             objects_of_model(model, pose, Threads::all()).map_err(|error| refused(&input.file, error))?
         }
         Shape::World(positions) => {
-            let mesh: Mesh = input.mesh(&shape)?;
             let name = input.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let mut object = Object::new(&mesh, positions);
-            object.name = name;
-            vec![owned(object)]
+            let (mesh, positions) = (Cow::Owned(input.mesh(&shape)?), Cow::Owned(positions.to_vec()));
+            vec![Object { name, mesh, positions, marked: Vec::new() }]
         }
     };
     objects = objects.into_iter().map(finite).collect::<Result<_, _>>()?;
@@ -166,11 +164,6 @@ fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
     }
     let mesh = Mesh::from_faces(object.positions.len(), faces).map_err(rimline::ModelError::from)?;
     Ok(Object { mesh: Cow::Owned(mesh), ..object })
-}
-
-fn owned(object: Object<'_>) -> Object<'static> {
-    let Object { name, mesh, positions, marked } = object;
-    Object { name, mesh: Cow::Owned(mesh.into_owned()), positions: Cow::Owned(positions.into_owned()), marked }
 }
 
 fn refused(file: &Path, error: LinesError) -> Failure {

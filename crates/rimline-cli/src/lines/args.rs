@@ -120,7 +120,8 @@ A style, with the defaults of some lines; widths and dashes in millimetres:
 
 const REMARKS: &str = "\
 Whether a line is hidden is decided exactly, by faces that lie strictly in front of it; both sides of a face hide. Equal input gives \
-equal files, on every machine. No GPU is needed.
+equal files, on every machine. No GPU is needed. Vertices of a glTF mesh that its pose puts at one point are joined in any case. \
+--memory-limit is for the drawing, too.
 
 Layers of .svg, .pdf and .dxf: one a class for visible lines, and one for hidden lines if they are drawn. Keys of --format json: rimline, \
 title, view (eye, perspective), page_mm, mm_per_unit (null with perspective), objects (names), left_out (object, why), spans and \
