@@ -245,7 +245,7 @@ fn lights_of(
     }
     let frame = gpu.submit(|encoder| scene.encode(encoder))?;
     let pairs = scene.content.casters.len() * frame.batches();
-    let lit = gpu.read(frame.results().map_err(text)?.lit, pairs)?;
+    let lit = gpu.read(frame.results().map_err(text)?.relevant_lights, pairs)?;
     Ok((lit, frame))
 }
 

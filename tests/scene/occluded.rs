@@ -229,7 +229,7 @@ fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<
             )?;
         }
     }
-    same("counter", &[found.statistics.occluded_pairs], &[hidden])?;
+    same("counter", &[found.statistics.pairs_culled_by_occluders], &[hidden])?;
     Ok([hidden, could])
 }
 
@@ -327,7 +327,7 @@ fn edges() -> Result<(), String> {
             stage.scene.set_excluded(stage.casters[0], stage.lights[0], &[1]).map_err(text)?;
         }
         let frame = stage.encode(gpu)?;
-        same("hidden", &[Found::read(gpu, &frame)?.statistics.occluded_pairs], &[expected])?;
+        same("hidden", &[Found::read(gpu, &frame)?.statistics.pairs_culled_by_occluders], &[expected])?;
     }
     Ok(())
 }
@@ -380,7 +380,7 @@ fn most_tried() -> Result<(), String> {
         }
         let lit = found.lit[place(hidden)? as usize];
         let what = format!("{near_misses} near misses");
-        same(&what, &[found.statistics.occluded_pairs, (!lit).count_ones()], &[expected; 2])?;
+        same(&what, &[found.statistics.pairs_culled_by_occluders, (!lit).count_ones()], &[expected; 2])?;
     }
     Ok(())
 }

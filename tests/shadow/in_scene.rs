@@ -162,7 +162,7 @@ fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting)
         ..SceneOptions::default()
     };
     options.measuring.set(Measuring::EVERY_FACE, renderer.options.every_face);
-    options.measuring.set(Measuring::UNSEEN, !renderer.options.skip_unseen);
+    options.measuring.set(Measuring::UNSEEN, !renderer.options.cull_by_view);
     // Counts of all casters, unless a test asks for dark and lit alone.
     options.measuring.set(Measuring::OCCLUDED, true);
     (renderer.levels)(&mut options);

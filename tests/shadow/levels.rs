@@ -77,12 +77,12 @@ fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
     let shadows = counted.statistics[0];
     let unseen = shadows.skipped - shadows.hidden - shadows.unreached;
     Ok([
-        scene.unreached_pairs + shadows.unreached,
+        scene.pairs_culled_by_range + shadows.unreached,
         unseen,
-        scene.kept_pairs,
-        shadows.kept_lists,
+        scene.cached_pairs,
+        shadows.cached_lists,
         shadows.hidden,
-        scene.spared_faces,
+        scene.untested_faces,
     ])
 }
 
@@ -186,7 +186,7 @@ fn occluded() -> Result<(), String> {
         same("dark pixels", &found, &expected).map_err(what)?;
         found[7] = !found[7];
         must_fail("one pixel", &same("dark pixels", &found, &expected))?;
-        hidden += with.scene.ok_or("no scene")?.occluded_pairs;
+        hidden += with.scene.ok_or("no scene")?.pairs_culled_by_occluders;
         shadowed += expected.iter().filter(|dark| **dark).count();
     }
     println!("{hidden} pairs hidden, {shadowed} dark pixels");

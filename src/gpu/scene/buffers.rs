@@ -108,12 +108,12 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// For each group and batch.
     pub(crate) groups: Vec<Vec<GroupBuffers<B>>>,
     /// For each batch and caster the lights that matter.
-    pub(crate) lit: B,
+    pub(crate) relevant_lights: B,
     /// For each batch and caster those of them whose bits are computed.
-    pub(crate) taken: B,
+    pub(crate) active_lights: B,
     /// The inputs of the bits in the masks: `wgsl/scene/table.wgsl`. It goes with the masks and lists: a new one comes with
     /// new masks and lists.
-    pub(crate) kept: B,
+    pub(crate) cache: B,
     /// For each group and batch four words, then the lists of chunks.
     pub(crate) work: B,
     /// [`SceneStatistics`].
@@ -127,8 +127,8 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
 pub(crate) struct Sizes<'a> {
     /// The sizes of each group and batch.
     pub(crate) groups: &'a [Vec<GroupSizes>],
-    /// Words for the lights of casters.
-    pub(crate) lit: u64,
+    /// Pairs of batch and caster.
+    pub(crate) pairs: u64,
     pub(crate) batches: usize,
     /// Face chunks of all groups.
     pub(crate) face_chunks: u64,
@@ -143,7 +143,7 @@ impl Sizes<'_> {
     /// Bytes of what is kept.
     fn kept(&self) -> u64 {
         let (batches, groups) = (self.batches as u64, self.groups.len() as u64);
-        4 * (4 + 32 * batches + 2 * self.lit + batches * (32 * groups + CLUSTER_WORDS as u64 * self.face_chunks))
+        4 * (4 + 32 * batches + 2 * self.pairs + batches * (32 * groups + CLUSTER_WORDS as u64 * self.face_chunks))
     }
 }
 
@@ -185,8 +185,8 @@ impl Buffers {
         limits: &DispatchLimits,
         headroom: u64,
     ) -> Result<Self, DeviceError> {
-        let takes_old = old.is_some_and(|old| fits(&old.kept, sizes.kept()));
-        // If old buffers are not taken, they only tell what may be needed soon.
+        let takes_old = old.is_some_and(|old| fits(&old.cache, sizes.kept()));
+        // If old buffers are not active_lights, they only tell what may be needed soon.
         let sized = |wanted: Wanted<'static>, old: Option<&wgpu::Buffer>| {
             let bytes = match old {
                 Some(old) if fits(old, wanted.bytes) => old.size(),
@@ -244,9 +244,9 @@ impl<B> Buffers<B> {
         let statistics = size_of::<SceneStatistics>() as u64;
         Self {
             groups: sizes.groups.iter().enumerate().map(&mut of_group).collect(),
-            lit: make(Wanted::new("lights of casters", 4 * sizes.lit), old.map(|old| &old.lit)),
-            taken: make(Wanted::new("taken lights of casters", 4 * sizes.lit), old.map(|old| &old.taken)),
-            kept: make(Wanted::new("versions of casters", sizes.kept()), old.map(|old| &old.kept)),
+            relevant_lights: make(Wanted::new("relevant lights", 4 * sizes.pairs), old.map(|old| &old.relevant_lights)),
+            active_lights: make(Wanted::new("active lights", 4 * sizes.pairs), old.map(|old| &old.active_lights)),
+            cache: make(Wanted::new("versions of casters", sizes.kept()), old.map(|old| &old.cache)),
             work: make(Wanted::new("lists of chunks", 4 * sizes.work), old.map(|old| &old.work)),
             statistics: make(Wanted::new("scene statistics", statistics), old.map(|old| &old.statistics)),
             bytes: 0,

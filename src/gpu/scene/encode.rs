@@ -21,7 +21,7 @@ use crate::gpu::common::requirements::check_timer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
-use crate::layout::{SeenLight, ShadowView};
+use crate::layout::{ShadowView, ViewLight};
 
 impl Scene {
     /// Records the extraction of all casters for all lights, and the shadow volumes of all views. One encoder may hold several
@@ -58,26 +58,29 @@ impl Scene {
         let deformed = self.take_deformed(&views);
         let (structure, volumes) = self.prepare_receivers(given.len(), words)?;
         let needs = if deformed.is_some() { None } else { self.find_needs(given, &views)? };
-        let unneeded_at = if self.figures.is_empty() { 0 } else { structure.unneeded_at };
-        self.table.put_encode(self.encode_number(), unneeded_at);
+        let needed_states_offset = if self.figures.is_empty() { 0 } else { structure.needed_states_offset };
+        self.table.put_encode(self.encode_number(), needed_states_offset);
         self.table.put_origin(given.iter().flat_map(|view| view.camera.origin).fold(0.0, |size, c| size.max(c.abs())));
         let of_receivers = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
             Some(volumes) => {
                 let target = (&volumes.buffers.of.receivers, volumes.buffers.sizes.receivers);
-                let seen = given.iter().zip(&views).map(|(given, view)| (&given.camera, view, given.depth.as_ref()));
-                receivers::steps(&self.pipelines, seen, target)?
+                let of_views =
+                    given.iter().zip(&views).map(|(given, view)| (&given.camera, view, given.depth.as_ref()));
+                receivers::steps(&self.pipelines, of_views, target)?
             }
             None => Vec::new(),
         };
         self.renew_views(&views, given);
-        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, given, &views));
+        let view_lights = volumes.as_ref().map_or_else(Vec::new, |volumes| self.view_lights(volumes, given, &views));
         let light_batches = structure.light_batches(&self.meshes, &self.casters, &self.lights);
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
         uploads.extend(needs.iter().flat_map(|needs| self.deform_uploads(needs)));
         if !structure.parts.is_empty() {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
-            uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.of.seen, bytemuck::cast_slice(&seen[..]))));
+            uploads.extend(
+                volumes.iter().map(|volumes| (&volumes.buffers.of.view_lights, bytemuck::cast_slice(&view_lights[..]))),
+            );
             uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
         }
         if !uploads.is_empty() {
@@ -85,7 +88,7 @@ impl Scene {
         }
         let unneeded = needs.map(|needs| self.record_needs(encoder, &needs, timer.as_deref_mut())).or(deformed);
         if let Some(words) = unneeded.filter(|_| !structure.parts.is_empty()) {
-            let (to, bytes) = (4 * u64::from(unneeded_at), 4 * self.figures.len() as u64);
+            let (to, bytes) = (4 * u64::from(needed_states_offset), 4 * self.figures.len() as u64);
             encoder.copy_buffer_to_buffer(&words, 0, &structure.buffers.work, to, bytes);
         }
         record(self.steps.iter().chain(&of_receivers), encoder, 0..1, timer.as_deref_mut());
@@ -199,18 +202,18 @@ impl Scene {
     }
 
     /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
-    fn seen(&self, volumes: &Volumes, given: &[View<'_>], views: &[ShadowView]) -> Vec<SeenLight> {
-        let mut seen = Vec::with_capacity(volumes.buffers.sizes.seen());
+    fn view_lights(&self, volumes: &Volumes, given: &[View<'_>], views: &[ShadowView]) -> Vec<ViewLight> {
+        let mut all = Vec::with_capacity(volumes.buffers.sizes.view_lights());
         for (number, ((given, &view), &(_, version, _))) in given.iter().zip(views).zip(&self.seen_views).enumerate() {
             let at = if given.depth.is_some() { receivers::at(number, volumes.buffers.sizes.receivers) } else { 0 };
             for bit in 0..volumes.buffers.sizes.lights as u32 {
                 let light = self.lights.get(bit).map(|light| given.camera.light(&view, light));
                 let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
-                seen.push(SeenLight { view, light, version: [version, at, 0, 0], ..bytemuck::Zeroable::zeroed() });
+                all.push(ViewLight { view, light, version: [version, at, 0, 0], ..bytemuck::Zeroable::zeroed() });
             }
         }
-        seen.resize(volumes.buffers.sizes.seen(), bytemuck::Zeroable::zeroed());
-        seen
+        all.resize(volumes.buffers.sizes.view_lights(), bytemuck::Zeroable::zeroed());
+        all
     }
 
     /// Brings everything up to date, with room for so many views.

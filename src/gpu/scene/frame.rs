@@ -76,19 +76,19 @@ pub struct SceneResults<'a> {
     /// The scene table, in units of 16 bytes.
     pub table: &'a wgpu::Buffer,
     /// For each batch and caster the bits of the lights that matter.
-    pub lit: &'a wgpu::Buffer,
+    pub relevant_lights: &'a wgpu::Buffer,
     /// For each batch and caster those of them whose bits were computed.
-    pub taken: &'a wgpu::Buffer,
+    pub active_lights: &'a wgpu::Buffer,
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics).
     pub statistics: &'a wgpu::Buffer,
     /// The inputs of the bits: the number of the layout, three zeros, then for each batch the versions of 32 lights. Then come,
     /// for each batch and caster, the caster's version and the lights that culling leaves.
-    pub kept: &'a wgpu::Buffer,
+    pub cache: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
-    /// The lights as each view sees them, [`SeenLight`](crate::layout::SeenLight)s of all bits, and the sizes of the first group
+    /// The lights as each view sees them, [`ViewLight`](crate::layout::ViewLight)s of all bits, and the sizes of the first group
     /// and batch. `None`: no view.
-    pub seen: Option<(&'a wgpu::Buffer, ShadowShape)>,
+    pub view_lights: Option<(&'a wgpu::Buffer, ShadowShape)>,
     /// The choices: for each view, batch and caster eight words, as `rimline_testkit::choices` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
     /// For each view, after one word, what its shadows may fall on: so many words as the number says, a
@@ -250,16 +250,16 @@ impl SceneFrame {
             })
         });
         Ok(SceneResults {
-            seen: volumes.map(|volumes| (&volumes.of.seen, volumes.sizes.shape(0))),
+            view_lights: volumes.map(|volumes| (&volumes.of.view_lights, volumes.sizes.shape(0))),
             choices: of.map(|of| &of.choices),
             receivers: volumes.map(|volumes| (&volumes.of.receivers, volumes.sizes.receivers)),
             listed: of.map(|of| &of.listed),
             bound: of.and_then(|of| of.bound.as_ref()).map(|bound| [&bound.pencils, &bound.crossings]),
             shadow_draws: of.map_or(&[][..], |of| &of.draws),
             table,
-            lit: &buffers.lit,
-            taken: &buffers.taken,
-            kept: &buffers.kept,
+            relevant_lights: &buffers.relevant_lights,
+            active_lights: &buffers.active_lights,
+            cache: &buffers.cache,
             statistics: &buffers.statistics,
             work: &buffers.work,
             groups: groups.collect(),

@@ -34,8 +34,8 @@ pub(crate) struct Group {
     /// Consistent edges that silhouettes may take, see [`smooth_edges`].
     pub(crate) smooth: usize,
     /// Where the casters of its chunks begin in the table.
-    pub(crate) face_chunks_at: usize,
-    pub(crate) edge_chunks_at: usize,
+    pub(crate) face_chunks_offset: usize,
+    pub(crate) edge_chunks_offset: usize,
     /// The caller excludes faces of a caster.
     pub(crate) is_given: bool,
     /// The polygons of its only caster.
@@ -198,9 +198,9 @@ impl Layout {
         }
         self.uploaded = next;
         for group in &mut self.groups {
-            group.face_chunks_at = next;
-            group.edge_chunks_at = next + group.face_chunks.div_ceil(4) as usize;
-            next = group.edge_chunks_at + group.edge_chunks.div_ceil(4) as usize;
+            group.face_chunks_offset = next;
+            group.edge_chunks_offset = next + group.face_chunks.div_ceil(4) as usize;
+            next = group.edge_chunks_offset + group.edge_chunks.div_ceil(4) as usize;
         }
         // The shaders hold places in 32 bits, which one binding never exceeds.
         let bytes = (next * size_of::<Part>()) as u64;
@@ -250,8 +250,8 @@ impl Layout {
                 (group.first..).zip(meshes).filter_map(|(index, mesh)| mesh.map(|mesh| (index, mesh)))
             };
             for (at, chunks_of) in [
-                (group.face_chunks_at, MeshEntry::face_chunks as fn(&MeshEntry) -> u32),
-                (group.edge_chunks_at, MeshEntry::edge_chunks),
+                (group.face_chunks_offset, MeshEntry::face_chunks as fn(&MeshEntry) -> u32),
+                (group.edge_chunks_offset, MeshEntry::edge_chunks),
             ] {
                 let words = table.parts.get_mut(at..).unwrap_or_default().as_flattened_mut();
                 let chunks = of_group().flat_map(|(index, mesh)| std::iter::repeat_n(index, chunks_of(mesh) as usize));

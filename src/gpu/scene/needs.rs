@@ -17,7 +17,7 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::gpu::common::wanted::Wanted;
 use crate::gpu::shadow::errors::ShadowError;
-use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
+use crate::layout::{LightCone, NeedsDispatch, ShadowLight, ShadowView, ViewLight};
 use crate::stages::NEEDS;
 use crate::turns::NEEDS_BOXES;
 
@@ -99,17 +99,17 @@ impl Scene {
         let is_short = views.len() * (lights + 1) <= NEEDS_BOXES;
         let does = |skipped: Measuring| u32::from(!self.options.measuring.has(skipped));
         let frame = NeedsDispatch {
-            figures: self.figures.len() as u32,
+            casters: self.figures.len() as u32,
             views: views.len() as u32,
             lights: lights as u32,
             parts: (figures.len() / self.figures.len()) as u32,
             all: u32::from(does(Measuring::UNNEEDED) == 0 || views.is_empty() || !is_short),
-            skip_unreached: does(Measuring::UNREACHED),
-            skip_unseen: does(Measuring::UNSEEN),
+            cull_by_range: does(Measuring::UNREACHED),
+            cull_by_view: does(Measuring::UNSEEN),
             reserved: 0,
         };
         // Bindings are never empty.
-        seen.extend(seen.is_empty().then(SeenLight::zeroed));
+        seen.extend(seen.is_empty().then(ViewLight::zeroed));
         let (words, step) = self.needs_step(&frame, [bytemuck::cast_slice(&seen), bytemuck::cast_slice(&figures)])?;
         let uniforms = self.models.values().map(|model| model.deformer.uniforms(model.time_s)).collect();
         Ok(Some(Needs { words, step, uniforms }))
@@ -130,7 +130,7 @@ impl Scene {
     }
 
     /// The lights of each view, up to the last one. There is at least one entry for each view.
-    fn seen_for_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Vec<SeenLight> {
+    fn seen_for_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Vec<ViewLight> {
         let last = (0..32 * self.lights.batches() as u32).rfind(|&bit| self.lights.get(bit).is_some());
         let lights = last.unwrap_or(0) + 1;
         let mut seen = Vec::with_capacity(views.len() * lights as usize);
@@ -139,7 +139,7 @@ impl Scene {
                 let own = self.lights.get(bit);
                 let light = own.map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
                 let cone = own.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
-                seen.push(SeenLight { view, light, cone, ..SeenLight::zeroed() });
+                seen.push(ViewLight { view, light, cone, ..ViewLight::zeroed() });
             }
         }
         seen
@@ -152,7 +152,7 @@ impl Scene {
         let wanted = [
             Wanted::filled("seen by needs", inputs[0]),
             Wanted::filled("figures", inputs[1]),
-            Wanted::new("unneeded figures", 4 * u64::from(frame.figures.max(1))),
+            Wanted::new("unneeded figures", 4 * u64::from(frame.casters.max(1))),
         ];
         let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
         let bytes = check(&allocations, limits.binding, None)?;
@@ -163,13 +163,13 @@ impl Scene {
         let offset = table.push(frame);
         let frames = table.into_buffer(device, "needs");
         let pipeline = self.pipelines.compute(&NEEDS, NEEDS.name, &[]);
-        let count = u64::from(frame.figures).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
+        let count = u64::from(frame.casters).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
         let dispatch = pipeline.dispatch(device, Workgroups::Known([count, 1]), |name| {
             Some(match name {
                 "frame" => uniform::<NeedsDispatch>(&frames, offset),
-                "seen" => whole(&seen),
-                "figures" => whole(&figures),
-                "unneeded" => whole(&words),
+                "view_lights" => whole(&seen),
+                "deforming_casters" => whole(&figures),
+                "needed_states" => whole(&words),
                 _ => return None,
             })
         });

@@ -24,7 +24,7 @@ pub(crate) struct OccluderPlaces {
     pub(crate) at: usize,
     pub(crate) count: usize,
     /// The scaled lights, in world space: for each batch 32 parts.
-    pub(crate) lights_at: usize,
+    pub(crate) lights_offset: usize,
 }
 
 /// Refuses polygons that are none, or are not on the mesh.
@@ -64,8 +64,8 @@ impl OccluderPlaces {
         if count == 0 {
             return (Self::default(), next);
         }
-        let lights_at = next + count * batches;
-        (Self { at: next, count, lights_at }, lights_at + 32 * batches + corners)
+        let lights_offset = next + count * batches;
+        (Self { at: next, count, lights_offset }, lights_offset + 32 * batches + corners)
     }
 
     /// Writes the occluders as they are, and the lights.
@@ -82,8 +82,8 @@ impl OccluderPlaces {
         }
         let scaled = |bit: u32| lights.get(bit).map(|light| ScaledLight::new(light.to_array()).light);
         let scaled: Vec<[f32; 4]> = (0..32 * table.batches as u32).map(|bit| scaled(bit).unwrap_or_default()).collect();
-        table.put(self.lights_at, bytemuck::cast_slice(&scaled));
-        let mut corners_at = self.lights_at + scaled.len();
+        table.put(self.lights_offset, bytemuck::cast_slice(&scaled));
+        let mut corners_at = self.lights_offset + scaled.len();
         for (number, (caster, corners)) in occluders(order, casters).enumerate() {
             let Placement::Rigid(rigid) = caster.placement else { continue };
             let is_closed = meshes.get(caster.mesh).is_some_and(|mesh| mesh.is_closed);

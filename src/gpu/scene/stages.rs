@@ -196,7 +196,7 @@ impl<'a> Binder<'a> {
 
     fn get(&self, stage: &str, name: &str, at: &GroupBatch) -> Option<Resource<'a>> {
         let Structure { table, uniforms, shapes, buffers, .. } = self.structure;
-        let Buffers { lit, taken, kept, work, statistics, .. } = buffers;
+        let Buffers { relevant_lights, active_lights, cache, work, statistics, .. } = buffers;
         let of_group = buffers.groups.get(at.group)?.get(at.batch)?;
         let (page, source) = self.structure.source(self.making, at.group)?;
         Some(match name {
@@ -204,11 +204,11 @@ impl<'a> Binder<'a> {
             "shape" => uniform::<DrawShape>(shapes, at.shape),
             "table" => whole(table),
             "work" => whole(work),
-            "lit" => whole(lit),
+            "relevant_lights" => whole(relevant_lights),
             // Lists that are made anew have all casters.
-            "taken" if stage == SCENE_EDGES.name => whole(lit),
-            "taken" => whole(taken),
-            "kept" => whole(kept),
+            "active_lights" if stage == SCENE_EDGES.name => whole(relevant_lights),
+            "active_lights" => whole(active_lights),
+            "cache" => whole(cache),
             "statistics" if stage == ARGUMENTS.name => {
                 part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64)
             }

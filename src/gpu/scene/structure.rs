@@ -46,9 +46,9 @@ pub(crate) struct Structure {
     /// The scene table. Its part about chunks is written here, once. Each encode uploads all that comes before it.
     pub(crate) table: wgpu::Buffer,
     /// Where the choices of shadow volumes begin in the table, in units of 16 bytes.
-    pub(crate) choices_at: usize,
+    pub(crate) choices_offset: usize,
     /// The word of the work lists from which on there is one for each caster: whether figures are not needed.
-    pub(crate) unneeded_at: u32,
+    pub(crate) needed_states_offset: u32,
     pub(crate) buffers: Buffers,
     pub(crate) batches: usize,
     pub(crate) parts: Vec<GroupBatch>,
@@ -106,7 +106,7 @@ impl Structure {
             })
             .collect();
         let (places, words) = work_places(&layout.groups, batches);
-        let lit = (table.casters * batches) as u64;
+        let pairs = (table.casters * batches) as u64;
         let [_, choices] = choice_bytes(options, making.has_receivers, [table.casters, 32 * batches, views]);
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
         if table_bytes > limits.binding {
@@ -120,7 +120,7 @@ impl Structure {
         let memory_limit = options.memory_limit;
         let face_chunks = layout.groups.iter().map(|group| u64::from(group.face_chunks)).sum();
         let work = words + table.casters as u64;
-        let wanted = Sizes { groups: &sizes, lit, batches, face_chunks, work, others, memory_limit };
+        let wanted = Sizes { groups: &sizes, pairs, batches, face_chunks, work, others, memory_limit };
         let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
@@ -128,7 +128,7 @@ impl Structure {
         let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, ids);
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
         let shapes = shapes.into_buffer(device, "draw shapes");
-        let choices_at = table.parts.len();
+        let choices_offset = table.parts.len();
         let usage = wgpu::BufferUsages::COPY_SRC;
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let given =
@@ -138,12 +138,12 @@ impl Structure {
             Some(source.topology(making.pages.get(source.page)?))
         };
         let topology = layout.groups.iter().filter_map(topology).collect();
-        let unneeded_at = words as u32;
+        let needed_states_offset = words as u32;
         Ok(Self {
             layout,
             table: table_buffer,
-            choices_at,
-            unneeded_at,
+            choices_offset,
+            needed_states_offset,
             buffers,
             batches,
             parts,
@@ -249,11 +249,11 @@ fn parts(
     sizes: &[Vec<GroupSizes>],
     places: &[Vec<WorkPlace>],
     room: impl Fn(usize) -> u32,
-    [structure, keeps]: [u32; 2],
+    [structure, uses_cache]: [u32; 2],
 ) -> (Vec<GroupBatch>, UniformTable, UniformTable) {
     // Behind the versions of casters, and behind those of lists.
     let kept = 4 + 32 * table.batches + 2 * table.batches * table.casters;
-    let mut clusters_at = kept + 32 * table.batches * layout.groups.len();
+    let mut clusters_offset = kept + 32 * table.batches * layout.groups.len();
     let (mut parts, mut uniforms, mut shapes) = (Vec::new(), UniformTable::default(), UniformTable::default());
     let batches = layout.groups.iter().zip(sizes).zip(places).enumerate();
     for (number, ((group, sizes), places)) in batches {
@@ -262,11 +262,11 @@ fn parts(
                 casters: table.casters as u32,
                 batches: table.batches as u32,
                 batch: batch as u32,
-                lists_at: (kept + 32 * parts.len()) as u32,
-                lights_at: table.lights_at() as u32,
-                ranges_at: table.ranges_at() as u32,
-                face_chunks_at: group.face_chunks_at as u32,
-                edge_chunks_at: group.edge_chunks_at as u32,
+                lists_offset: (kept + 32 * parts.len()) as u32,
+                lights_offset: table.lights_offset() as u32,
+                ranges_offset: table.ranges_offset() as u32,
+                face_chunks_offset: group.face_chunks_offset as u32,
+                edge_chunks_offset: group.edge_chunks_offset as u32,
                 face_chunks: group.face_chunks,
                 edge_chunks: group.edge_chunks,
                 work_count: place.count as u32,
@@ -274,13 +274,13 @@ fn parts(
                 edge_work: place.edges as u32,
                 capacity: sizes.capacity,
                 structure,
-                keeps,
-                clusters_at: clusters_at as u32,
-                occluders_at: layout.occluders.at as u32,
+                uses_cache,
+                clusters_offset: clusters_offset as u32,
+                occluders_offset: layout.occluders.at as u32,
                 occluders: layout.occluders.count as u32,
-                world_lights_at: layout.occluders.lights_at as u32,
+                world_lights_offset: layout.occluders.lights_offset as u32,
             };
-            clusters_at += CLUSTER_WORDS * group.face_chunks as usize;
+            clusters_offset += CLUSTER_WORDS * group.face_chunks as usize;
             let offset = uniforms.push(&dispatch);
             let shape = shapes.push(&DrawShape {
                 lights: 32,

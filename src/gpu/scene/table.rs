@@ -5,7 +5,9 @@ use bytemuck::Zeroable;
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::bits;
-use crate::layout::caster_flags::{BOUNDED, CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
+use crate::layout::caster_flags::{
+    BOUNDED, CLOSED, EXCLUDES, GROUP_EXCLUDES, MIRRORED, NON_FINITE, PROXY, RIGID, UNCACHED,
+};
 use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, SceneCaster};
 use crate::light::Light;
 use crate::light_batch::ScaledLight;
@@ -48,18 +50,18 @@ pub(crate) struct Slots {
 
 impl Table {
     /// Where the lights of casters begin.
-    pub(crate) fn lights_at(&self) -> usize {
+    pub(crate) fn lights_offset(&self) -> usize {
         CASTER_PARTS * self.casters
     }
 
     /// Where the ranges of lights begin.
-    pub(crate) fn ranges_at(&self) -> usize {
-        self.lights_at() + self.batches * self.casters
+    pub(crate) fn ranges_offset(&self) -> usize {
+        self.lights_offset() + self.batches * self.casters
     }
 
     /// Where the number of the encode is.
     fn encode_at(&self) -> usize {
-        self.ranges_at() + 2 * RANGE_PARTS * self.batches
+        self.ranges_offset() + 2 * RANGE_PARTS * self.batches
     }
 
     /// Where the cones of lights begin.
@@ -73,8 +75,8 @@ impl Table {
     }
 
     /// Writes the number of the encode, and the word of the work lists where it says which figures are not needed, 0 for none.
-    pub(crate) fn put_encode(&mut self, encode: u32, unneeded_at: u32) {
-        self.put(self.encode_at(), &[[encode, unneeded_at, 0, 0]]);
+    pub(crate) fn put_encode(&mut self, encode: u32, needed_states_offset: u32) {
+        self.put(self.encode_at(), &[[encode, needed_states_offset, 0, 0]]);
     }
 
     /// Writes the largest coordinate of the origins of cameras.
@@ -114,10 +116,10 @@ impl Table {
                 | flag(entry.bounds.is_some(), BOUNDED)
                 | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
                 | flag(rigid.is_some(), RIGID)
-                | flag(rigid.is_some() && mesh.is_holed, HOLED)
-                | flag(entry.is_excluding(), EXCLUDING)
-                | flag(entry.is_changing(), CHANGING)
-                | flag(slots.is_given, GIVEN),
+                | flag(rigid.is_some() && mesh.is_holed, NON_FINITE)
+                | flag(entry.is_excluding(), EXCLUDES)
+                | flag(entry.is_changing(), UNCACHED)
+                | flag(slots.is_given, GROUP_EXCLUDES),
             first_face_slot: slots.first_face,
             faces: mesh.faces,
             first_face: faces,
@@ -129,7 +131,7 @@ impl Table {
             version: entry.version,
             group: slots.group,
             first_caster: slots.first_caster,
-            clusters_or_figure: match (rigid, &mesh.order) {
+            clusters_or_deforming_index: match (rigid, &mesh.order) {
                 (None, _) => entry.figure,
                 (Some(_), Some(_)) => clusters,
                 (Some(_), None) => NO_CLUSTERS,
@@ -147,7 +149,7 @@ impl Table {
     pub(crate) fn put_change(&mut self, entry: &CasterEntry) {
         let at = CASTER_PARTS * entry.index as usize;
         let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-        let mut flags = flag(entry.is_changing(), CHANGING);
+        let mut flags = flag(entry.is_changing(), UNCACHED);
         if let Placement::Rigid(rigid) = &entry.placement {
             self.put(at, bytemuck::cast_slice(&finite(rigid.rows)));
             flags |= flag(rigid.is_mirrored, MIRRORED);
@@ -162,7 +164,7 @@ impl Table {
             flags |= flag(entry.bounds.is_some(), BOUNDED);
         }
         if let Some([high, .., last]) = self.parts.get_mut(at + 4..at + 8) {
-            high[3] = high[3] & !(MIRRORED | CHANGING | BOUNDED) | flags;
+            high[3] = high[3] & !(MIRRORED | UNCACHED | BOUNDED) | flags;
             last[0] = entry.version;
             if let Placement::World { .. } = entry.placement {
                 last[3] = entry.figure;
@@ -175,19 +177,22 @@ impl Table {
         let mask = caster.lights.and(&lights.used);
         let mut first = caster.first_light;
         for batch in 0..self.batches {
-            let (mut allowed, mut at, mut reach) = (0, first, [0.0_f32; 2]);
+            let (mut allowed, mut at, mut magnitudes) = (0, first, [0.0_f32; 2]);
             for bit in bits(mask.word(batch)) {
                 let light = caster.light(lights, 32 * batch as u32 + bit);
                 let Some(given) = light.map(Light::to_array) else { continue };
                 let ScaledLight { light: scaled, inexact_w } = ScaledLight::new(given);
                 self.put(at as usize, &[given.map(f32::to_bits), scaled.map(f32::to_bits)]);
                 let [x, y, z, w] = scaled.map(f32::abs);
-                reach = [reach[0].max(x).max(y).max(z), reach[1].max(w.max(inexact_w))];
+                magnitudes = [magnitudes[0].max(x).max(y).max(z), magnitudes[1].max(w.max(inexact_w))];
                 allowed |= 1 << bit;
                 at += LIGHT_PARTS;
             }
-            let lights = CasterLights { allowed, first, reach };
-            self.put(self.lights_at() + batch * self.casters + caster.index as usize, bytemuck::cast_slice(&[lights]));
+            let lights = CasterLights { allowed, first, magnitudes };
+            self.put(
+                self.lights_offset() + batch * self.casters + caster.index as usize,
+                bytemuck::cast_slice(&[lights]),
+            );
             first += LIGHT_PARTS * mask.word(batch).count_ones();
         }
     }
@@ -202,8 +207,8 @@ impl Table {
         for part in 0..RANGE_PARTS * self.batches {
             let first = 4 * part as u32;
             let of_part = [first, first + 1, first + 2, first + 3];
-            self.put(self.ranges_at() + part, &[of_part.map(range)]);
-            let versions_at = self.ranges_at() + RANGE_PARTS * self.batches;
+            self.put(self.ranges_offset() + part, &[of_part.map(range)]);
+            let versions_at = self.ranges_offset() + RANGE_PARTS * self.batches;
             self.put(versions_at + part, &[of_part.map(|bit| lights.version(bit))]);
         }
         for bit in 0..32 * self.batches {

@@ -52,21 +52,21 @@ fn sizes(making: &Making<'_>, structure: &Structure, views: usize, limits: &Disp
     let group_size = |part: &GroupBatch| {
         let sizes = |group: &Group| (group.face_slots(), group.edge_slots(), CHUNK * group.proxy_chunks);
         let (faces, edges, proxies) = group_of(part).map_or((0, 0, 0), sizes);
-        let SceneDispatch { lights_at, face_chunks_at, edge_chunks_at, .. } = part.dispatch;
+        let SceneDispatch { lights_offset, face_chunks_offset, edge_chunks_offset, .. } = part.dispatch;
         let first_caster = group_of(part).map_or(0, |group| group.first);
-        GroupSize { faces, edges, first_caster, proxies, lights_at, face_chunks_at, edge_chunks_at }
+        GroupSize { faces, edges, first_caster, proxies, lights_offset, face_chunks_offset, edge_chunks_offset }
     };
     let room = |part: &GroupBatch| {
         let room = Room::new(making.options, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);
         let pieces = part.sizes.polygons.map_or(0, |polygons| polygons.pieces);
-        Room { lists_at: part.dispatch.lists_at, pieces, ..room }
+        Room { lists_offset: part.dispatch.lists_offset, pieces, ..room }
     };
     VolumeSizes {
         options: *making.options,
         casters: structure.layout.order.len(),
         lights: 32 * structure.batches,
         views,
-        choices_at: structure.choices_at,
+        choices_offset: structure.choices_offset,
         groups: structure.parts.iter().filter(|part| part.batch == 0).map(group_size).collect(),
         rooms: structure.parts.iter().map(room).collect(),
         receivers: 0,
@@ -101,6 +101,9 @@ fn source<'a>(making: &Making<'a>, structure: &'a Structure) -> VolumeSource<'a>
         })
     };
     let groups = structure.parts.chunks(structure.batches.max(1)).filter_map(group).collect();
-    let named = vec![("lit", whole(&structure.buffers.lit)), ("kept", whole(&structure.buffers.kept))];
+    let named = vec![
+        ("relevant_lights", whole(&structure.buffers.relevant_lights)),
+        ("cache", whole(&structure.buffers.cache)),
+    ];
     VolumeSource { table: &structure.table, named, groups }
 }
