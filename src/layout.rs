@@ -367,7 +367,7 @@ shared_structs! {
         near_max: [f32; 3],
         sky_receives: u32,
         pixels: [u32; 2],
-        at: u32,
+        offset: u32,
         reserved: u32,
     }
 

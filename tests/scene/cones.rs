@@ -269,7 +269,7 @@ fn check_cones(content: &Content, frame: &SceneFrame, lit: &[u32], uncut: &[u32]
         return Err(format!("pair {at}: {:b}, without cones {:b}", lit[at], uncut[at]));
     }
     for own in &content.casters {
-        let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
         for (handle, light) in &content.lights {
             let (batch, bit) = (handle.bit() / 32, handle.bit() % 32);
             let at = batch as usize * content.casters.len() + index as usize;

@@ -84,7 +84,7 @@ impl Found {
 
     /// The first face of a caster that a light of the first batch reaches.
     pub(crate) fn lit_face(&self, content: &Content, frame: &SceneFrame) -> Option<LitFace> {
-        let places = content.casters.iter().filter_map(|own| frame.place(own.handle));
+        let places = content.casters.iter().filter_map(|own| frame.locate(own.handle));
         let (index, group) = places.into_iter().find(|(index, _)| self.lit[*index as usize] != 0)?;
         Some(LitFace {
             caster: index as usize,
@@ -278,7 +278,7 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
     let batches = frame.batches();
     let mut non_finite = 0;
     for own in &content.casters {
-        let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
         let lit = if batches == 0 { Vec::new() } else { lit_of(content, own, found, index, batches, &mut tally)? };
         let expected = content.alone(own, &lit)?;
         let (mesh, positions) = content.mesh_and_positions(own);

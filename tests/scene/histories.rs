@@ -180,7 +180,7 @@ fn histories() -> Result<(), String> {
             end_at_range: random.below(2) == 0,
             ..SceneOptions::default()
         };
-        options.measuring.set(Measuring::UNSEEN, random.below(2) == 0);
+        options.measuring.set(Measuring::CULLED_BY_VIEW, random.below(2) == 0);
         let mut scene = RandomScene::new(gpu, seed, options)?;
         let mut excluded = Excluded::new();
         for _ in 0..[3, 36][random.below(2)] {

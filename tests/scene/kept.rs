@@ -55,7 +55,7 @@ fn check(
     let mut after = now.clone();
     let batches = frame.batches();
     for own in &content.casters {
-        let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
         let at = |batch: usize| batch * content.casters.len() + index as usize;
         let lit: Vec<u32> = (0..batches).map(|batch| found.lit[at(batch)]).collect();
         let is_same = before.casters.get(&own.handle) == now.casters.get(&own.handle) && is_rigid(&own.placed);
@@ -190,7 +190,7 @@ fn still() -> Result<(), String> {
     for seed in 2701..2711 {
         for keep_bits in [true, false] {
             let mut options = roomy(40);
-            options.measuring.set(Measuring::BITS, !keep_bits);
+            options.measuring.set(Measuring::CACHED_BITS, !keep_bits);
             let mut scene = RandomScene::new(gpu, seed, options)?;
             for _ in 0..6 {
                 scene.add_light()?;

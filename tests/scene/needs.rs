@@ -409,7 +409,7 @@ fn off() -> Result<(), String> {
         (true, vec![away], Some(f32::INFINITY), 0),
     ] {
         let mut options = options();
-        options.measuring.set(Measuring::UNNEEDED, !skips);
+        options.measuring.set(Measuring::CULLED_CASTERS, !skips);
         let mut stage = Stage::new(gpu, &crowd, &pose, &[], options)?;
         if let Some(displaced_by) = displaced_by {
             stage.scene.remove_model(stage.model).map_err(text)?;
