@@ -50,15 +50,16 @@ fn check(
 ) -> Result<Memory, String> {
     check_frame(content, frame, found)?;
     let mut after = now.clone();
-    for own in &content.casters {
-        let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
+    for caster in &content.casters {
+        let (index, _) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
         let words = |all: &[u32]| -> Vec<u32> {
             (0..frame.batches()).map(|batch| all[batch * content.casters.len() + index as usize]).collect()
         };
         let relevant = words(&found.relevant);
         if let Some(before) = before {
-            let is_same = before.casters.get(&own.handle) == now.casters.get(&own.handle) && is_rigid(&own.placed);
-            let old = before.relevant.get(&own.handle).filter(|_| is_same);
+            let is_same =
+                before.casters.get(&caster.handle) == now.casters.get(&caster.handle) && is_rigid(&caster.placed);
+            let old = before.relevant.get(&caster.handle).filter(|_| is_same);
             let is_cached = |bit: u32| {
                 let was_relevant =
                     old.and_then(|old| old.get(bit as usize / 32)).is_some_and(|old| old >> (bit % 32) & 1 != 0);
@@ -70,7 +71,7 @@ fn check(
             let expected: Vec<u32> = expected.collect();
             same(&format!("active lights of caster {index}"), &words(&found.active), &expected)?;
         }
-        after.relevant.insert(own.handle, relevant);
+        after.relevant.insert(caster.handle, relevant);
     }
     Ok(after)
 }

@@ -11,9 +11,9 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::{must_fail, same};
 
-use crate::found::{Found, SlotOrder, slot_order};
+use crate::found::{Found, SlotOrder, entries_of, slot_order};
 use crate::histories::camera;
-use crate::random_scene::{Own, RandomScene};
+use crate::random_scene::{RandomScene, TestCaster};
 use crate::scenes::roomy;
 
 pub(crate) const TESTS: &[Test] = &[("sides_are_the_boundary_of_what_casts", boundary)];
@@ -59,12 +59,12 @@ fn boundary() -> Result<(), String> {
         let mut given = Excluded::new();
         for index in 0..scene.content.casters.len() {
             for light in 0..scene.content.lights.len() {
-                let own = &scene.content.casters[index];
-                let faces = scene.content.meshes[own.mesh].0.2.faces().len() as u32;
+                let caster = &scene.content.casters[index];
+                let faces = scene.content.meshes[caster.mesh].0.2.faces().len() as u32;
                 if scene.random.below(3) == 0 {
                     let some: Vec<u32> = (0..faces).filter(|_| scene.random.below(3) == 0).collect();
                     let handle = scene.content.lights[light].0;
-                    scene.scene.set_excluded(own.handle, handle, &some).map_err(text)?;
+                    scene.scene.set_excluded(caster.handle, handle, &some).map_err(text)?;
                     given.insert((index, handle.bit()), some);
                 }
             }
@@ -78,8 +78,8 @@ fn boundary() -> Result<(), String> {
             let results = frame.results().map_err(text)?;
             let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;
             let casters = scene.content.casters.len();
-            for (number, own) in scene.content.casters.iter().enumerate() {
-                let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
+            for (number, caster) in scene.content.casters.iter().enumerate() {
+                let (index, group) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
                 for batch in 0..frame.batches() {
                     let of_group = results.groups.iter().find(|of| (of.group, of.batch) == (group, batch));
                     let of_group = of_group.ok_or("no group")?;
@@ -94,10 +94,10 @@ fn boundary() -> Result<(), String> {
                         if given.get(&(number, light)).is_some_and(|faces| !faces.is_empty()) && !heeds {
                             return Err(format!("caster {number}: excluded faces of the caller are not heeded"));
                         }
-                        let (expected, zeros) = expected(&scene, own, light, is_given, [is_every, heeds])?;
-                        let order = slot_order(&frame, own.handle, scene.content.mesh_and_positions(own).0);
+                        let (expected, zeros) = expected(&scene, caster, light, is_given, [is_every, heeds])?;
+                        let order = slot_order(&frame, caster.handle, scene.content.mesh_and_positions(caster).0);
                         let place = (index, order.as_ref());
-                        let listed = sides_of(&found, own, &scene, place, of_group.side_capacity, (&sides, bit))?;
+                        let listed = sides_of(&found, caster, &scene, place, of_group.side_capacity, (&sides, bit))?;
                         let Some(listed) = listed else {
                             overflowed += 1;
                             continue;
@@ -134,13 +134,13 @@ fn compare(what: &str, listed: &Chain, expected: &Chain) -> Result<(), String> {
 /// The boundary by the faces, and how many have the light in their plane.
 fn expected(
     scene: &RandomScene,
-    own: &Own,
+    caster: &TestCaster,
     light: u32,
     is_given: impl Fn(usize) -> bool,
     [every, heeds]: [bool; 2],
 ) -> Result<(Chain, usize), String> {
-    let (mesh, positions) = scene.content.mesh_and_positions(own);
-    let light = scene.content.own_light(own, light).ok_or("a light that is not allowed")?;
+    let (mesh, positions) = scene.content.mesh_and_positions(caster);
+    let light = scene.content.moved_light(caster, light).ok_or("a light that is not allowed")?;
     let facing = cpu::facing(positions, mesh.faces(), &[light], rimline::Predicate::Exact, cpu::Threads::ONE);
     let facing: Vec<bool> = facing.iter().map(|mask| mask & 1 != 0).collect();
     let excluded = cpu::excluded(positions, mesh.faces(), &[light]);
@@ -153,27 +153,25 @@ fn expected(
 /// The sides of a caster for a light of the batch, as a chain. `None`: the list overflowed.
 fn sides_of(
     found: &Found,
-    own: &Own,
+    caster: &TestCaster,
     scene: &RandomScene,
     (index, order): (u32, Option<&SlotOrder>),
     capacity: u32,
     (words, bit): (&[u32], u32),
 ) -> Result<Option<Chain>, String> {
-    let (mesh, _) = scene.content.mesh_and_positions(own);
-    let caster = SceneTable(&found.table).caster(index);
+    let (mesh, _) = scene.content.mesh_and_positions(caster);
+    let entry = SceneTable(&found.table).caster(index);
     let [plain, clipped] = [0, 1].map(|kind| words[(2 * bit + kind) as usize] as usize);
     let range = words[64 + (bit * capacity) as usize..].get(..capacity as usize).ok_or("sides end early")?;
     if plain + clipped > range.len() {
         return Ok(None);
     }
     let mut chain = Chain::new();
-    for entry in range[..plain].iter().chain(&range[range.len() - clipped..]) {
-        let edge = (entry & !cpu::WINDING).wrapping_sub(caster.first_edge_slot);
-        if edge < caster.edges {
-            let times = if entry & cpu::WINDING != 0 { 1 } else { -1 };
-            let record = order.map_or(edge, |[_, records]| records[edge as usize]);
-            add(&mut chain, mesh.edges().vertices()[record as usize], times);
-        }
+    let all = [&range[..plain], &range[range.len() - clipped..]].concat();
+    for side in entries_of(&entry, &all) {
+        let (edge, times) = (side & !cpu::WINDING, if side & cpu::WINDING != 0 { 1 } else { -1 });
+        let record = order.map_or(edge, |[_, records]| records[edge as usize]);
+        add(&mut chain, mesh.edges().vertices()[record as usize], times);
     }
     Ok(Some(chain))
 }

@@ -181,11 +181,11 @@ impl Apart {
         let meshes = [mesh(false)?, mesh(true)?];
         let lights = lights.iter().map(|light| scene.add_light(*light).map_err(text)).collect::<Result<_, _>>()?;
         let mut casters = Vec::new();
-        for ((instance, pose), own) in pose.instances().iter().enumerate().zip(crowd.boxes(pose)?) {
+        for ((instance, pose), bounds) in pose.instances().iter().enumerate().zip(crowd.boxes(pose)?) {
             let positions = deformer.instance_positions(instance).ok_or("no instance")?;
             let mesh = meshes[usize::from(pose.faces_turned())];
             let caster = scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)?;
-            scene.set_bounds(caster, own).map_err(text)?;
+            scene.set_bounds(caster, bounds).map_err(text)?;
             casters.push(caster);
         }
         Ok(Self { scene, deformer, casters, lights })

@@ -49,26 +49,26 @@ fn fast() -> Result<(), String> {
         let options = SceneOptions { measuring: Measuring::FAST, ..roomy(8) };
         let mut scene = RandomScene::filled(gpu, seed, options, [6, 10])?;
         let (frame, found) = read_frame(gpu, &mut scene)?;
-        for own in &scene.content.casters {
-            let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
+        for caster in &scene.content.casters {
+            let (index, group) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
             let relevant = found.relevant[index as usize];
             let bits: Vec<u32> = (0..32).filter(|bit| relevant >> bit & 1 != 0).collect();
-            let lights = bits.iter().map(|&bit| scene.content.own_light(own, bit));
+            let lights = bits.iter().map(|&bit| scene.content.moved_light(caster, bit));
             let lights: Vec<_> = lights.collect::<Option<_>>().ok_or("a light is not allowed")?;
             if lights.is_empty() {
                 continue;
             }
-            let (mesh, positions) = scene.content.mesh_and_positions(own);
-            let caster = SceneTable(&found.table).caster(index);
+            let (mesh, positions) = scene.content.mesh_and_positions(caster);
+            let entry = SceneTable(&found.table).caster(index);
             let results = found.group(group, 0)?;
-            let slots = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
+            let slots = entry.first_face_slot as usize..(entry.first_face_slot + entry.faces) as usize;
             let gather =
                 |&mask: &u32| bits.iter().zip(0..).fold(0, |all, (bit, index)| all | (mask >> bit & 1) << index);
             let facing: Vec<u32> = results.facing[slots].iter().map(gather).collect();
             check_facing(&format!("caster {index}"), &facing, positions, mesh.faces(), &lights)?;
             let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), lights.len(), Threads::ONE);
             for (light, &bit) in (0..).zip(&bits) {
-                let mut list = entries_of(&caster, &results.lists[bit as usize]);
+                let mut list = entries_of(&entry, &results.lists[bit as usize]);
                 let expected = listed(&masks, light);
                 same("list", &list, &expected)?;
                 silhouettes += list.len();
@@ -82,7 +82,7 @@ fn fast() -> Result<(), String> {
     if silhouettes == 0 { Err("no silhouettes".to_owned()) } else { Ok(()) }
 }
 
-/// Light indices past the last light of a caster repeat it, and each caster has a bound of its own lights. Neither leaves more
+/// Light indices past the last light of a caster repeat it, and each caster has a bound of its caster lights. Neither leaves more
 /// faces undecided than in a single mesh.
 fn few_undecided() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;

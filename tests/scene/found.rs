@@ -12,7 +12,7 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::same;
 
 use crate::cones::inside;
-use crate::random_scene::{Content, Expected, Own, Placed, RandomScene};
+use crate::random_scene::{Content, Expected, Placed, RandomScene, TestCaster};
 
 /// Results of a frame, read back from its buffers.
 pub(crate) struct Found {
@@ -90,7 +90,7 @@ impl Found {
 
     /// A caster with a relevant light in the first batch.
     pub(crate) fn lit_face(&self, content: &Content, frame: &SceneFrame) -> Option<LitFace> {
-        let mut located = content.casters.iter().filter_map(|own| frame.locate(own.handle));
+        let mut located = content.casters.iter().filter_map(|caster| frame.locate(caster.handle));
         let (index, group) = located.find(|(index, _)| self.relevant[*index as usize] != 0)?;
         Some(LitFace {
             caster: index as usize,
@@ -107,8 +107,8 @@ impl Found {
 }
 
 /// A position in world space, in `f64`.
-fn in_world(own: &Own, rest: &[[f32; 3]], vertex: u32) -> DVec3 {
-    match &own.placed {
+fn in_world(caster: &TestCaster, rest: &[[f32; 3]], vertex: u32) -> DVec3 {
+    match &caster.placed {
         Placed::World(world) => DVec3::from(world[vertex as usize].map(f64::from)),
         Placed::Rigid(rows) => {
             let position = DVec3::from(rest[vertex as usize].map(f64::from));
@@ -121,19 +121,19 @@ fn in_world(own: &Own, rest: &[[f32; 3]], vertex: u32) -> DVec3 {
 }
 
 /// Whether the caster must be relevant: a corner of a face is within the light's range, and one is in its cone.
-fn certainly_affects(content: &Content, own: &Own, light: Light) -> bool {
-    let is_boxed = matches!(own.placed, Placed::Rigid(_)) || own.bounds.is_some();
+fn certainly_affects(content: &Content, caster: &TestCaster, light: Light) -> bool {
+    let is_boxed = matches!(caster.placed, Placed::Rigid(_)) || caster.bounds.is_some();
     if !is_boxed || light.w == 0.0 {
         return true;
     }
-    let (_, rest, mesh) = &*content.meshes[own.mesh].0;
-    let corners = || mesh.faces().iter().flatten().map(|&vertex| in_world(own, rest, vertex));
+    let (_, rest, mesh) = &*content.meshes[caster.mesh].0;
+    let corners = || mesh.faces().iter().flatten().map(|&vertex| in_world(caster, rest, vertex));
     let apex = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
     let least = || corners().map(|corner| corner.distance(apex)).fold(f64::MAX, f64::min);
     let is_in_range = !light.range.is_finite() || least() <= f64::from(light.range) * (1.0 - 1e-5);
     // Faces that are not finite are in no box.
     let has_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(rest[vertex as usize]));
-    let finite = || mesh.faces().iter().filter(has_finite).flatten().map(|&vertex| in_world(own, rest, vertex));
+    let finite = || mesh.faces().iter().filter(has_finite).flatten().map(|&vertex| in_world(caster, rest, vertex));
     is_in_range && light.cone.is_none_or(|cone| finite().any(|corner| inside(cone, apex, corner) > 0.0))
 }
 
@@ -144,9 +144,9 @@ pub(crate) enum Culled {
     ByCone,
 }
 
-pub(crate) fn certainly_culled(content: &Content, own: &Own, light: Light) -> Option<Culled> {
-    let Placed::Rigid(rows) = &own.placed else { return None };
-    let (mesh, positions) = content.mesh_and_positions(own);
+pub(crate) fn certainly_culled(content: &Content, caster: &TestCaster, light: Light) -> Option<Culled> {
+    let Placed::Rigid(rows) = &caster.placed else { return None };
+    let (mesh, positions) = content.mesh_and_positions(caster);
     let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
     let corners = mesh.faces().iter().filter(is_finite).flatten();
     let corners = corners.map(|&vertex| DVec3::from(positions[vertex as usize].map(f64::from)));
@@ -221,7 +221,7 @@ impl Tally {
 /// relevant that must be culled.
 fn relevant_lights(
     content: &Content,
-    own: &Own,
+    caster: &TestCaster,
     found: &Found,
     index: u32,
     batches: usize,
@@ -232,16 +232,16 @@ fn relevant_lights(
     for bit in 0..32 * batches as u32 {
         let is_relevant = relevant[bit as usize / 32] >> (bit % 32) & 1 != 0;
         let light = content.lights.iter().find(|(handle, _)| handle.bit() == bit).map(|(_, light)| *light);
-        let Some(light) = light.filter(|_| content.own_light(own, bit).is_some()) else {
+        let Some(light) = light.filter(|_| content.moved_light(caster, bit).is_some()) else {
             if is_relevant {
                 return Err(format!("light {bit} is relevant to caster {index}, which does not allow it"));
             }
             continue;
         };
-        if !is_relevant && certainly_affects(content, own, light) {
+        if !is_relevant && certainly_affects(content, caster, light) {
             return Err(format!("light {bit} affects caster {index}, and is culled: {light:?}"));
         }
-        let culled = certainly_culled(content, own, light);
+        let culled = certainly_culled(content, caster, light);
         if is_relevant && let Some(rule) = culled {
             return Err(format!("light {bit} is not culled for caster {index} {rule:?}: {light:?}"));
         }
@@ -349,12 +349,12 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
     let mut tally = Tally::default();
     let batches = frame.batches();
     let [mut non_finite, mut faces, mut edges] = [0; 3];
-    for own in &content.casters {
-        let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
-        let relevant = relevant_lights(content, own, found, index, batches, &mut tally)?;
-        let expected = content.alone(own, &relevant)?;
-        let (mesh, positions) = content.mesh_and_positions(own);
-        let order = slot_order(frame, own.handle, mesh);
+    for caster in &content.casters {
+        let (index, group) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
+        let relevant = relevant_lights(content, caster, found, index, batches, &mut tally)?;
+        let expected = content.alone(caster, &relevant)?;
+        let (mesh, positions) = content.mesh_and_positions(caster);
+        let order = slot_order(frame, caster.handle, mesh);
         tally.silhouettes += check_caster(found, (index, group), order.as_ref(), &relevant, &expected)?;
         tally.in_planes += expected.excluded.iter().flatten().map(|mask| mask.count_ones()).sum::<u32>();
         let active = |batch: usize| found.active[batch * content.casters.len() + index as usize];

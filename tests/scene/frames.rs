@@ -8,13 +8,13 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::{same, shapes};
 
 use crate::found::{Checked, Found, check_frame, checked, sorted_lists};
-use crate::random_scene::{Own, RandomScene, encoder};
+use crate::random_scene::{RandomScene, TestCaster, encoder};
 use crate::scenes::roomy;
 
 pub(crate) const TESTS: &[Test] =
     &[("two_frames_in_one_encoder", two_frames), ("regions_of_removed_meshes_wait_for_late_frames", removed_mesh)];
 
-/// Each frame of an encoder sees its own scene: the lists of the first are copied before the second overwrites them.
+/// Each frame of an encoder sees its caster scene: the lists of the first are copied before the second overwrites them.
 fn two_frames() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for seed in 2301..2321 {
@@ -54,24 +54,24 @@ fn removed_mesh() -> Result<(), String> {
         let mesh = scene.add_mesh("torus", shape.clone())?;
         scene.insert_rigid_of(mesh)
     };
-    let first_face = |table: &[[u32; 4]], own: &Own, frame: &SceneFrame| {
-        let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
+    let first_face = |table: &[[u32; 4]], caster: &TestCaster, frame: &SceneFrame| {
+        let (index, _) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
         Ok::<_, String>(SceneTable(table).caster(index).first_face)
     };
     add(&mut scene, &shape)?;
     let mut late = encoder(gpu);
     let frame = scene.encode(&mut late)?;
     let (before, results) = (scene.content.clone(), frame.results().map_err(text)?);
-    let own = scene.content.casters.pop().ok_or("no caster")?;
+    let caster = scene.content.casters.pop().ok_or("no caster")?;
     let (_, handle) = scene.content.meshes.pop().ok_or("no mesh")?;
-    scene.scene.remove(own.handle).map_err(text)?;
+    scene.scene.remove(caster.handle).map_err(text)?;
     scene.scene.remove_mesh(handle).map_err(text)?;
     scene.encode(&mut encoder(gpu))?;
     add(&mut scene, &turned)?;
     gpu.queue.submit([late.finish()]);
     let found = Found::of(gpu, &results)?;
     check_frame(&before, &frame, &found)?;
-    let expected = first_face(&found.table, &own, &frame)?;
+    let expected = first_face(&found.table, &caster, &frame)?;
     checked(gpu, &mut scene)?;
     add(&mut scene, &turned)?;
     let Checked { frame, found, .. } = checked(gpu, &mut scene)?;

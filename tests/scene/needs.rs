@@ -18,7 +18,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
 
 use crate::crowd::{Apart, Crowd, Figure, Stage, camera, lights, position, sees, walk};
-use crate::histories::{Volumes, buffers, volumes};
+use crate::histories::{VolumeBuffers, Volumes, volumes};
 use crate::random_scene::encoder;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -89,8 +89,8 @@ impl Play {
     fn record(&mut self, mut encoder: wgpu::CommandEncoder) -> Result<Recorded, String> {
         let inputs = views(&self.next.cameras);
         let frame = self.stage.scene.encode(&mut encoder, FrameInputs::new(&inputs)).map_err(text)?;
-        let (draws, statistics, batches) = (buffers(&frame)?, frame.statistics().clone(), frame.batches());
-        Ok(Recorded { encoder, draws, statistics, batches, moment: self.next.clone() })
+        let volumes = VolumeBuffers::new(&frame, self.next.cameras.len())?;
+        Ok(Recorded { encoder, volumes, statistics: frame.statistics().clone(), moment: self.next.clone() })
     }
 
     /// Submits a frame in the next pose.
@@ -101,7 +101,7 @@ impl Play {
     }
 
     fn volumes(&self, frame: &SceneFrame) -> Result<Volumes, String> {
-        volumes_of(&self.gpu, frame, self.next.cameras.len())
+        volumes(&self.gpu, frame, self.next.cameras.len())
     }
 
     /// A scene of the same whose caller deforms everything.
@@ -122,22 +122,23 @@ impl Play {
 
     /// Submits a recorded frame, and compares it with a new scene whose caller deforms everything.
     fn check(&self, recorded: Recorded) -> Result<Drawn, String> {
-        let Recorded { encoder, draws, statistics, batches, moment: Moment { figures, lights, cameras } } = recorded;
+        let Recorded { encoder, volumes: recorded, statistics, moment } = recorded;
+        let Moment { figures, lights, cameras } = moment;
         let gpu = &self.gpu;
         gpu.queue.submit([encoder.finish()]);
         let bits: Vec<u32> = (0..lights.len() as u32).collect();
-        let found = volumes(gpu, (&draws.0, &draws.1), (cameras.len(), batches), &bits)?;
+        let found = recorded.read(gpu, &bits)?;
         let statistics = gpu.read::<SceneStatistics>(&statistics, 1)?[0];
         let pose = self.crowd.pose(&figures)?;
         let mut other = Apart::new(gpu, &self.crowd, &pose, &lights, (options(), DeformerOptions::default()))?;
         let frame = gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &cameras))?;
-        same("instances", &found.instances, &volumes_of(gpu, &frame, cameras.len())?.instances)?;
-        let (own, all) = (self.stage.positions(gpu)?, other.positions(gpu)?);
-        let culled = points(&own, figures.len());
+        same("instances", &found.instances, &volumes(gpu, &frame, cameras.len())?.instances)?;
+        let (found_positions, all) = (self.stage.positions(gpu)?, other.positions(gpu)?);
+        let culled = points(&found_positions, figures.len());
         let vertices = all.len() / figures.len();
         for (number, _) in culled.iter().enumerate().filter(|(_, is_culled)| !**is_culled) {
             let range = number * vertices..(number + 1) * vertices;
-            same(&format!("figure {number}"), &own[range.clone()], &all[range])?;
+            same(&format!("figure {number}"), &found_positions[range.clone()], &all[range])?;
         }
         let count = count(&culled);
         same("culled figures", &[statistics.culled_casters], &[count])?;
@@ -152,10 +153,8 @@ impl Play {
 /// A recorded frame, and its moment.
 struct Recorded {
     encoder: wgpu::CommandEncoder,
-    /// The buffers of its draws.
-    draws: (Vec<wgpu::Buffer>, wgpu::Buffer),
+    volumes: VolumeBuffers,
     statistics: wgpu::Buffer,
-    batches: usize,
     moment: Moment,
 }
 
@@ -165,12 +164,6 @@ struct Drawn {
     culled: u32,
     cached_pairs: u32,
     instances: u32,
-}
-
-fn volumes_of(gpu: &Gpu, frame: &SceneFrame, views: usize) -> Result<Volumes, String> {
-    let (draws, statistics) = buffers(frame)?;
-    let bits: Vec<u32> = frame.lights().iter().map(|(light, _)| light.bit()).collect();
-    volumes(gpu, (&draws, &statistics), (views, frame.batches()), &bits)
 }
 
 /// For each figure whether all its vertices are at the origin, as those of a culled one.
@@ -545,7 +538,7 @@ fn come_and_go() -> Result<(), String> {
     play.stage.scene.remove_model(model).map_err(text)?;
     play.gpu.queue.submit([recorded.encoder.finish()]);
     let bits: Vec<u32> = (0..play.next.lights.len() as u32).collect();
-    let both = volumes(&play.gpu, (&recorded.draws.0, &recorded.draws.1), (1, recorded.batches), &bits)?;
+    let both = recorded.volumes.read(&play.gpu, &bits)?;
     let sum = |of: &Volumes| of.instances.iter().flatten().sum::<u32>();
     same("both", &[sum(&both)], &[sum(&first) + sum(&expected)])?;
     let Play { gpu, stage, next, .. } = &mut play;

@@ -24,7 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// A caster of the test.
 #[derive(Clone, Copy)]
-struct Own {
+struct Body {
     /// 0: a cube, 1: a sphere, 2: an open sheet.
     mesh: usize,
     rows: Matrix3x4,
@@ -72,7 +72,7 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(gpu: &Gpu, owns: &[Own], lights: &[Light], skip_occluded: bool) -> Result<Self, String> {
+    fn new(gpu: &Gpu, bodies: &[Body], lights: &[Light], skip_occluded: bool) -> Result<Self, String> {
         let mut options = SceneOptions { max_lights: 40, ..SceneOptions::default() };
         options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, !skip_occluded);
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
@@ -82,9 +82,9 @@ impl Stage {
         };
         let meshes: Vec<MeshHandle> = shapes().iter().map(add).collect::<Result<_, String>>()?;
         let mut casters = Vec::new();
-        for own in owns {
-            let caster = scene.insert(Caster::rigid(meshes[own.mesh], own.rows)).map_err(text)?;
-            let polygons = occluders(own.mesh);
+        for body in bodies {
+            let caster = scene.insert(Caster::rigid(meshes[body.mesh], body.rows)).map_err(text)?;
+            let polygons = occluders(body.mesh);
             let polygons: Vec<&[[f32; 3]]> = polygons.iter().map(|polygon| &polygon[..]).collect();
             scene.set_occluders(caster, &polygons).map_err(text)?;
             casters.push(caster);
@@ -142,8 +142,8 @@ fn is_back_facing(polygon: &[DVec3], light: Light, is_mirrored: bool) -> bool {
 }
 
 /// Whether one polygon of another caster is between the light and all corners of a caster's box.
-fn is_occluded(owns: &[Own], number: usize, light: Light) -> bool {
-    let shape = &shapes()[owns[number].mesh];
+fn is_occluded(bodies: &[Body], number: usize, light: Light) -> bool {
+    let shape = &shapes()[bodies[number].mesh];
     let end = |pick: fn(f32, f32) -> f32| {
         shape.positions.iter().copied().reduce(|a, b| std::array::from_fn(|axis| pick(a[axis], b[axis])))
     };
@@ -151,15 +151,15 @@ fn is_occluded(owns: &[Own], number: usize, light: Light) -> bool {
     let corners: Vec<DVec3> = (0..8)
         .map(|corner| {
             let position = std::array::from_fn(|axis| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
-            placed(&owns[number].rows, position)
+            placed(&bodies[number].rows, position)
         })
         .collect();
-    owns.iter().enumerate().filter(|(other, _)| *other != number).any(|(_, own)| {
-        let columns = [0, 1, 2].map(|column| DVec3::from(own.rows.map(|row| f64::from(row[column]))));
+    bodies.iter().enumerate().filter(|(other, _)| *other != number).any(|(_, body)| {
+        let columns = [0, 1, 2].map(|column| DVec3::from(body.rows.map(|row| f64::from(row[column]))));
         let is_mirrored = columns[0].dot(columns[1].cross(columns[2])) < 0.0;
-        occluders(own.mesh).iter().any(|polygon| {
-            let polygon: Vec<DVec3> = polygon.iter().map(|&corner| placed(&own.rows, corner)).collect();
-            (own.mesh == 2 || is_back_facing(&polygon, light, is_mirrored))
+        occluders(body.mesh).iter().any(|polygon| {
+            let polygon: Vec<DVec3> = polygon.iter().map(|&corner| placed(&body.rows, corner)).collect();
+            (body.mesh == 2 || is_back_facing(&polygon, light, is_mirrored))
                 && corners.iter().all(|&corner| is_between(&polygon, corner, light))
         })
     })
@@ -179,23 +179,23 @@ fn lights(random: &mut Random) -> Vec<Light> {
 }
 
 /// Large plates and boxes, small bodies among them.
-fn own(random: &mut Random) -> Own {
+fn random_body(random: &mut Random) -> Body {
     let at = [(); 3].map(|()| random.between(-5.0, 5.0));
     if random.below(3) > 0 {
         let size = random.between(0.02, 0.3);
-        return Own { mesh: random.below(3), rows: rows(random, [size; 3], at) };
+        return Body { mesh: random.below(3), rows: rows(random, [size; 3], at) };
     }
     let size = random.between(2.0, 5.0);
     let scales = [[size, 0.05, size], [size; 3], [size, size, 0.5]][random.below(3)];
-    Own { mesh: random.below(3), rows: rows(random, scales, at) }
+    Body { mesh: random.below(3), rows: rows(random, scales, at) }
 }
 
 /// Fails if a pair is culled that is not occluded, or has other bits than in a new scene. Returns how many pairs are culled, and how
 /// many are occluded.
-fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<[u32; 2], String> {
+fn check(gpu: &Gpu, stage: &mut Stage, bodies: &[Body], given: &[Light]) -> Result<[u32; 2], String> {
     let frame = stage.encode(gpu)?;
     let found = Found::read(gpu, &frame)?;
-    let mut plain = Stage::new(gpu, owns, given, false)?;
+    let mut plain = Stage::new(gpu, bodies, given, false)?;
     let plain_frame = plain.encode(gpu)?;
     let all = Found::read(gpu, &plain_frame)?;
     let (mut culled, mut occluded) = (0, 0);
@@ -203,12 +203,12 @@ fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<
         let (index, group) = frame.locate(caster).ok_or("no caster")?;
         let (plain_index, plain_group) = plain_frame.locate(other).ok_or("no caster")?;
         for batch in 0..frame.batches() {
-            let at = |index: u32| batch * owns.len() + index as usize;
+            let at = |index: u32| batch * bodies.len() + index as usize;
             let (relevant, plain_relevant) = (found.relevant[at(index)], all.relevant[at(plain_index)]);
             same("lights that are culled without occluders", &[relevant & !plain_relevant], &[0])?;
             for bit in (0..32).filter(|bit| plain_relevant >> bit & 1 != 0) {
                 let Some(&light) = given.get(32 * batch + bit) else { continue };
-                let [is_culled, is_occluded] = [relevant >> bit & 1 == 0, is_occluded(owns, number, light)];
+                let [is_culled, is_occluded] = [relevant >> bit & 1 == 0, is_occluded(bodies, number, light)];
                 if is_culled && !is_occluded {
                     return Err(format!("caster {number} is not occluded from light {bit}, {light:?}"));
                 }
@@ -234,12 +234,12 @@ fn random() -> Result<(), String> {
     for seed in 4601..if is_long() { 5601 } else { 4641 } {
         println!("seed {seed}");
         let mut random = Random::new(seed);
-        let mut owns: Vec<Own> = (0..2 + random.below(24)).map(|_| own(&mut random)).collect();
+        let mut bodies: Vec<Body> = (0..2 + random.below(24)).map(|_| random_body(&mut random)).collect();
         let mut given = lights(&mut random);
-        let mut stage = Stage::new(gpu, &owns, &given, true)?;
+        let mut stage = Stage::new(gpu, &bodies, &given, true)?;
         let mut last = 0;
         for _ in 0..5 {
-            let [culled, occluded] = check(gpu, &mut stage, &owns, &given)?;
+            let [culled, occluded] = check(gpu, &mut stage, &bodies, &given)?;
             shown += u32::from(culled < last);
             last = culled;
             sum = [sum[0] + culled, sum[1] + occluded];
@@ -250,10 +250,10 @@ fn random() -> Result<(), String> {
                     stage.scene.set_light(stage.lights[light], given[light]).map_err(text)?;
                 }
                 _ => {
-                    for (own_caster, &caster) in owns.iter_mut().zip(&stage.casters) {
+                    for (body, &caster) in bodies.iter_mut().zip(&stage.casters) {
                         if random.below(3) == 0 {
-                            own_caster.rows = own(&mut random).rows;
-                            stage.scene.set_transform(caster, own_caster.rows).map_err(text)?;
+                            body.rows = random_body(&mut random).rows;
+                            stage.scene.set_transform(caster, body.rows).map_err(text)?;
                         }
                     }
                 }
@@ -267,7 +267,7 @@ fn random() -> Result<(), String> {
 /// A small sphere below plates, and a light above.
 fn edges() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let body = |mesh, rows| Own { mesh, rows };
+    let body = |mesh, rows| Body { mesh, rows };
     let sheet = |x, half| body(2, [[half, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0, 0.0]]);
     let at = |mesh, x, y, size| body(mesh, [[size, 0.0, 0.0, x], [0.0, size, 0.0, y], [0.0, 0.0, size, 0.0]]);
     let (wide, ball) = (sheet(0.0, 2.0), at(1, 0.0, -1.0, 0.2));
@@ -276,7 +276,7 @@ fn edges() -> Result<(), String> {
     // A hundredth of a texel of 2,048 across a sheet.
     let crack = 2.0 / 2048.0 / 100.0;
     let apart = |by: f32| [sheet(-1.0 - by * crack, 1.0), sheet(1.0 + by * crack, 1.0)];
-    let cases: [(&str, Vec<Own>, Light, bool); 11] = [
+    let cases: [(&str, Vec<Body>, Light, bool); 11] = [
         ("below a sheet", vec![wide, ball], sun, true),
         ("below a sheet, near light", vec![wide, ball], lamp, true),
         ("above it", vec![wide, at(1, 0.0, 1.0, 0.2)], sun, false),
@@ -289,9 +289,9 @@ fn edges() -> Result<(), String> {
         ("nearly", vec![wide, at(0, 1.749, -1.0, 0.25)], sun, true),
         ("the light is in the plane", vec![wide, ball], level, false),
     ];
-    for (what, owns, light, expected) in cases {
-        let mut stage = Stage::new(gpu, &owns, &[light], true)?;
-        check(gpu, &mut stage, &owns, &[light]).map_err(|error| format!("{what}: {error}"))?;
+    for (what, bodies, light, expected) in cases {
+        let mut stage = Stage::new(gpu, &bodies, &[light], true)?;
+        check(gpu, &mut stage, &bodies, &[light]).map_err(|error| format!("{what}: {error}"))?;
         let frame = stage.encode(gpu)?;
         let found = Found::read(gpu, &frame)?;
         let (index, _) = frame.locate(*stage.casters.last().ok_or("no caster")?).ok_or("no caster")?;
@@ -299,9 +299,9 @@ fn edges() -> Result<(), String> {
         must_fail("the opposite", &same(what, &[found.relevant[index as usize] == 0], &[!expected]))?;
     }
     // Without the switch, and with excluded faces, nothing is culled.
-    let owns = [wide, ball];
+    let bodies = [wide, ball];
     for (switch, excludes, expected) in [(true, false, 1), (false, false, 0), (true, true, 0)] {
-        let mut stage = Stage::new(gpu, &owns, &[sun], switch)?;
+        let mut stage = Stage::new(gpu, &bodies, &[sun], switch)?;
         if excludes {
             stage.scene.set_excluded(stage.casters[0], stage.lights[0], &[1]).map_err(text)?;
         }
@@ -366,8 +366,8 @@ fn most_tried() -> Result<(), String> {
 
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let owns = [Own { mesh: 0, rows: rows(&mut Random::new(1), [1.0; 3], [0.0; 3]) }];
-    let mut stage = Stage::new(gpu, &owns, &[], true)?;
+    let bodies = [Body { mesh: 0, rows: rows(&mut Random::new(1), [1.0; 3], [0.0; 3]) }];
+    let mut stage = Stage::new(gpu, &bodies, &[], true)?;
     let caster = stage.casters[0];
     let mut error = |polygons: &[&[[f32; 3]]]| stage.scene.set_occluders(caster, polygons).err();
     let good: &[[f32; 3]] = &[[1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];

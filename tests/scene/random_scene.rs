@@ -20,7 +20,7 @@ use crate::cones::random_cone;
 
 /// A caster of the test.
 #[derive(Clone)]
-pub(crate) struct Own {
+pub(crate) struct TestCaster {
     pub(crate) handle: CasterHandle,
     pub(crate) mesh: usize,
     /// The transform of a rigid caster, or the positions in world space.
@@ -48,7 +48,7 @@ pub(crate) struct RandomScene {
 #[derive(Clone)]
 pub(crate) struct Content {
     pub(crate) meshes: Vec<(Arc<Case>, MeshHandle)>,
-    pub(crate) casters: Vec<Own>,
+    pub(crate) casters: Vec<TestCaster>,
     pub(crate) lights: Vec<(LightHandle, Light)>,
 }
 
@@ -206,8 +206,8 @@ impl RandomScene {
         // Half of the casters have a stated box that holds their positions.
         if bounds[0][0].is_finite() && self.content.casters.len().is_multiple_of(2) {
             self.scene.set_bounds(handle, Some(bounds)).map_err(text)?;
-            if let Some(own) = self.content.casters.last_mut() {
-                own.bounds = Some(bounds);
+            if let Some(caster) = self.content.casters.last_mut() {
+                caster.bounds = Some(bounds);
             }
         }
         Ok(())
@@ -248,7 +248,7 @@ impl RandomScene {
         let in_depth = self.random.below(2) == 0;
         let caster = Caster { mesh: self.content.meshes[mesh].1, positions, lights, in_depth };
         let handle = self.scene.insert(caster).map_err(text)?;
-        self.content.casters.push(Own { handle, mesh, placed, lights, in_depth, bounds: None });
+        self.content.casters.push(TestCaster { handle, mesh, placed, lights, in_depth, bounds: None });
         Ok(handle)
     }
 
@@ -264,8 +264,8 @@ impl RandomScene {
     }
 
     pub(crate) fn remove_caster(&mut self, index: usize) -> Result<(), String> {
-        let own = self.content.casters.swap_remove(index);
-        self.scene.remove(own.handle).map_err(text)
+        let caster = self.content.casters.swap_remove(index);
+        self.scene.remove(caster.handle).map_err(text)
     }
 
     /// Changes a few things, as a game would between frames.
@@ -316,9 +316,9 @@ impl RandomScene {
 
     /// All casters have all lights.
     pub(crate) fn set_all_lights(&mut self) -> Result<(), String> {
-        for own in &mut self.content.casters {
-            own.lights = LightMask::ALL;
-            self.scene.set_lights(own.handle, LightMask::ALL).map_err(text)?;
+        for caster in &mut self.content.casters {
+            caster.lights = LightMask::ALL;
+            self.scene.set_lights(caster.handle, LightMask::ALL).map_err(text)?;
         }
         Ok(())
     }
@@ -329,10 +329,10 @@ impl RandomScene {
         for index in 0..self.content.casters.len() {
             if matches!(self.content.casters[index].placed, Placed::Rigid(_)) && self.random.below(3) == 0 {
                 let transform = self.transform();
-                let own = &mut self.content.casters[index];
-                own.placed = Placed::Rigid(transform);
-                self.scene.set_transform(own.handle, transform).map_err(text)?;
-                moved.push(own.handle);
+                let caster = &mut self.content.casters[index];
+                caster.placed = Placed::Rigid(transform);
+                self.scene.set_transform(caster.handle, transform).map_err(text)?;
+                moved.push(caster.handle);
             }
         }
         Ok(moved)
@@ -345,10 +345,10 @@ impl RandomScene {
 
 impl Content {
     /// The light of a bit in the space of a caster, unless the mask or the space has none.
-    pub(crate) fn own_light(&self, own: &Own, bit: u32) -> Option<Light> {
+    pub(crate) fn moved_light(&self, caster: &TestCaster, bit: u32) -> Option<Light> {
         let (handle, light) = self.lights.iter().find(|(handle, _)| handle.bit() == bit)?;
-        own.lights.contains(*handle).then_some(())?;
-        match &own.placed {
+        caster.lights.contains(*handle).then_some(())?;
+        match &caster.placed {
             Placed::World(_) => Some(*light),
             Placed::Rigid(rows) => {
                 let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rows.map(|row| f64::from(row[column])));
@@ -358,19 +358,19 @@ impl Content {
     }
 
     /// A caster's mesh, and its positions in the space of its lights.
-    pub(crate) fn mesh_and_positions<'a>(&'a self, own: &'a Own) -> (&'a Mesh, &'a [[f32; 3]]) {
-        let (case, _) = &self.meshes[own.mesh];
+    pub(crate) fn mesh_and_positions<'a>(&'a self, caster: &'a TestCaster) -> (&'a Mesh, &'a [[f32; 3]]) {
+        let (case, _) = &self.meshes[caster.mesh];
         let (_, rest, mesh) = &**case;
-        (mesh, if let Placed::World(world) = &own.placed { world } else { rest })
+        (mesh, if let Placed::World(world) = &caster.placed { world } else { rest })
     }
 
     /// Results of a caster alone, for its relevant lights, a word for each batch.
-    pub(crate) fn alone(&self, own: &Own, relevant: &[u32]) -> Result<Expected, String> {
-        let (mesh, positions) = self.mesh_and_positions(own);
+    pub(crate) fn alone(&self, caster: &TestCaster, relevant: &[u32]) -> Result<Expected, String> {
+        let (mesh, positions) = self.mesh_and_positions(caster);
         let mut expected = Expected { facing: Vec::new(), lists: Vec::new(), excluded: Vec::new() };
         for (batch, relevant) in (0..).zip(relevant) {
             let bits: Vec<u32> = (0..32).filter(|bit| relevant >> bit & 1 != 0).collect();
-            let lights = bits.iter().map(|bit| self.own_light(own, 32 * batch + bit));
+            let lights = bits.iter().map(|bit| self.moved_light(caster, 32 * batch + bit));
             let lights: Vec<Light> = lights.collect::<Option<_>>().ok_or("a relevant light is not allowed")?;
             let found = extract(positions, mesh, &lights)?;
             let spread = |mask: u32| bits.iter().zip(0..).fold(0, |all, (bit, index)| all | (mask >> index & 1) << bit);

@@ -78,14 +78,14 @@ fn controls() -> Result<(), String> {
     found.relevant[caster] = relevant;
     for rule in [Culled::ByRange, Culled::ByCone] {
         let content = &scene.content;
-        let is_culled = |bit: u32, own| {
+        let is_culled = |bit: u32, caster| {
             let light = content.lights.iter().find(|(handle, _)| handle.bit() == bit).map(|(_, light)| *light);
-            content.own_light(own, bit).is_some()
-                && light.and_then(|light| certainly_culled(content, own, light)) == Some(rule)
+            content.moved_light(caster, bit).is_some()
+                && light.and_then(|light| certainly_culled(content, caster, light)) == Some(rule)
         };
-        let mut pairs = content.casters.iter().flat_map(|own| (0..20).map(move |bit| (own, bit)));
-        let (own, bit) = pairs.find(|&(own, bit)| is_culled(bit, own)).ok_or("no such pair")?;
-        let (index, _) = frame.locate(own.handle).ok_or("no caster")?;
+        let mut pairs = content.casters.iter().flat_map(|caster| (0..20).map(move |bit| (caster, bit)));
+        let (caster, bit) = pairs.find(|&(caster, bit)| is_culled(bit, caster)).ok_or("no such pair")?;
+        let (index, _) = frame.locate(caster.handle).ok_or("no caster")?;
         found.relevant[index as usize] ^= 1 << bit;
         must_fail(&format!("a light that is culled {rule:?}"), &check_frame(content, &frame, &found))?;
         found.relevant[index as usize] ^= 1 << bit;
@@ -134,13 +134,13 @@ fn growth() -> Result<(), String> {
         (0..5).try_for_each(|_| scene.insert(gpu))?;
         checked(gpu, &mut scene).map_err(|error| format!("step {step}: {error}"))?;
         let removed = scene.random.below(scene.content.meshes.len());
-        for own in scene.content.casters.extract_if(.., |own| own.mesh == removed) {
-            scene.scene.remove(own.handle).map_err(text)?;
+        for caster in scene.content.casters.extract_if(.., |caster| caster.mesh == removed) {
+            scene.scene.remove(caster.handle).map_err(text)?;
         }
         let (_, handle) = scene.content.meshes.swap_remove(removed);
         scene.scene.remove_mesh(handle).map_err(text)?;
         let last = scene.content.meshes.len();
-        scene.content.casters.iter_mut().filter(|own| own.mesh == last).for_each(|own| own.mesh = removed);
+        scene.content.casters.iter_mut().filter(|caster| caster.mesh == last).for_each(|caster| caster.mesh = removed);
         checked(gpu, &mut scene).map_err(|error| format!("step {step}, without a mesh: {error}"))?;
     }
     let frame = gpu.submit(|encoder| scene.encode(encoder))?;

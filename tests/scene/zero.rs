@@ -15,7 +15,7 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::{must_fail, same, shapes};
 
-use crate::histories::{Volumes, buffers, volumes};
+use crate::histories::volumes;
 use crate::random_scene::IDENTITY;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -49,13 +49,6 @@ impl Stage {
 
     fn encode(&mut self, gpu: &Gpu, cameras: &[ShadowCamera]) -> Result<SceneFrame, String> {
         gpu.submit(|encoder| self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))
-    }
-
-    /// Instances of the draws of a frame, and its statistics.
-    fn volumes(&self, gpu: &Gpu, frame: &SceneFrame, views: usize) -> Result<Volumes, String> {
-        let (draws, statistics) = buffers(frame)?;
-        let bits: Vec<u32> = self.lights.iter().map(|light| light.bit()).collect();
-        volumes(gpu, (&draws, &statistics), (views, frame.batches()), &bits)
     }
 }
 
@@ -108,11 +101,11 @@ fn without_edges() -> Result<(), String> {
                 if views == 0 {
                     continue;
                 }
-                let nothing = alone.volumes(gpu, &frames[0], views)?.instances;
+                let nothing = volumes(gpu, &frames[0], views)?.instances;
                 let sum: u32 = nothing.iter().flatten().sum();
                 same(&format!("{what}, {views} views, alone"), &[sum], &[0])?;
-                let truth = reference.volumes(gpu, &reference_frame, views)?.instances;
-                same(&format!("{what}, {views} views"), &beside.volumes(gpu, &frames[1], views)?.instances, &truth)?;
+                let truth = volumes(gpu, &reference_frame, views)?.instances;
+                same(&format!("{what}, {views} views"), &volumes(gpu, &frames[1], views)?.instances, &truth)?;
                 must_fail("a cube", &same("nothing", &truth, &nothing))?;
             }
         }
@@ -131,7 +124,7 @@ fn without_room() -> Result<(), String> {
             let options = SceneOptions { counting, stencil, capacities, clusters_from, ..SceneOptions::default() };
             let mut stage = Stage::new(gpu, options, true)?;
             let frame = stage.encode(gpu, &[eye()])?;
-            stage.volumes(gpu, &frame, 1)
+            volumes(gpu, &frame, 1)
         });
         let [none, one, all] = found;
         let one = one?;
@@ -163,7 +156,7 @@ fn without_lists() -> Result<(), String> {
     let model = stage.scene.insert_model(&model, &pose, DeformerOptions::default()).map_err(text)?;
     same("instances", &[stage.scene.casters(model).map(<[_]>::len)], &[Ok(0)])?;
     let truth = reference.encode(gpu, &[eye()])?;
-    let truth = reference.volumes(gpu, &truth, 1)?;
+    let truth = volumes(gpu, &truth, 1)?;
     for cameras in [&[][..], &[eye()]] {
         stage.scene.set_pose(model, &pose).map_err(text)?;
         let frame = gpu.submit(|encoder| {
@@ -171,7 +164,7 @@ fn without_lists() -> Result<(), String> {
             stage.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
         })?;
         if !cameras.is_empty() {
-            same("volumes", &stage.volumes(gpu, &frame, 1)?.instances, &truth.instances)?;
+            same("volumes", &volumes(gpu, &frame, 1)?.instances, &truth.instances)?;
         }
     }
     stage.scene.remove_model(model).map_err(text)?;
@@ -180,7 +173,7 @@ fn without_lists() -> Result<(), String> {
         stage.scene.set_lights(caster, LightMask::only([])).map_err(text)?;
     }
     let frame = stage.encode(gpu, &[eye()])?;
-    let sum: u32 = stage.volumes(gpu, &frame, 1)?.instances.iter().flatten().sum();
+    let sum: u32 = volumes(gpu, &frame, 1)?.instances.iter().flatten().sum();
     same("casters for no light", &[sum], &[0])?;
     for light in std::mem::take(&mut stage.lights) {
         stage.scene.remove_light(light).map_err(text)?;
