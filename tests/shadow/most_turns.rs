@@ -86,10 +86,10 @@ fn bounds() -> Result<(), String> {
     let (batches, views) = (32, places / 32);
     let caster = SceneCaster { faces: faces.len() as u32, position_stride: 3, ..bytemuck::Zeroable::zeroed() };
     let mut words: Vec<u32> = bytemuck::cast_slice(&[caster]).to_vec();
-    let face_chunks_at = words.len() as u32 / 4;
+    let face_chunks_offset = words.len() as u32 / 4;
     words.extend((0..chunks).map(|_| 0));
     let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
-    let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_at, ..shape(&mesh, 1) };
+    let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_offset, ..shape(&mesh, 1) };
     let mut choices = vec![0_u32; CHOICE_WORDS * places as usize];
     let mut lit = vec![0_u32; batches as usize];
     let stage = Dispatch::stage(gpu, &BOUNDS);
@@ -254,10 +254,10 @@ fn stencil_pencil() -> Result<(), String> {
     let row = row_of(0..casters);
     let all: Vec<SceneCaster> = (0..casters).map(of).collect();
     let mut words: Vec<u32> = bytemuck::cast_slice(&all).to_vec();
-    let choices_at = words.len() as u32 / 4;
+    let choices_offset = words.len() as u32 / 4;
     words.extend((0..casters).flat_map(|caster| [u32::from(does_cast(&caster)), 0, 0, 0, 0, 0, 0, 0]));
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
-    let own = ShadowShape { casters, choices_at, ..shape(&mesh, 1) };
+    let own = ShadowShape { casters, choices_offset, ..shape(&mesh, 1) };
     let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
     let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &[light])));
     let (table, boxes_buffer) = (gpu.storage(&words), gpu.storage(&[0_u32; 8]));
@@ -318,7 +318,7 @@ fn stencil_crossings() -> Result<(), String> {
     let mut words = table(&mesh, PLACES[0], &[light], &[false]);
     words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
     words.resize(words.len().next_multiple_of(4), 0);
-    let own = ShadowShape { edge_chunks_at: words.len() as u32 / 4, ..own };
+    let own = ShadowShape { edge_chunks_offset: words.len() as u32 / 4, ..own };
     words.resize(words.len() + edges.len().div_ceil(64).next_multiple_of(4), 0);
     // A caster that the axis does not meet.
     let boxes = box_words(&[[8.0, 0.0, 8.0], [12.0, 4.0, 12.0]], &[[0, 1, 1]]);

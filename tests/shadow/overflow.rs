@@ -152,7 +152,7 @@ fn ordinary() -> Result<(), String> {
         frame.lights = (0..8).map(|_| Light::point(random.direction().map(|c| c * 5.0))).collect();
         frame.lights.push(Light::directional(random.direction()));
         frame.size = 16;
-        let options = OneCasterOptions { skip_unseen: false, bound_counts: true, ..OneCasterOptions::default() };
+        let options = OneCasterOptions { cull_by_view: false, bound_counts: true, ..OneCasterOptions::default() };
         let counted = Renderer { options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
         let statistics = counted.statistics[0];
         println!("{name}: bound {}", statistics.count_bound);

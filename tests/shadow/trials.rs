@@ -265,7 +265,7 @@ fn overflow() -> Result<(), String> {
 /// The same picture with unseen shadows skipped and without.
 fn skipped() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let all = OneCasterOptions { skip_unseen: false, ..OneCasterOptions::default() };
+    let all = OneCasterOptions { cull_by_view: false, ..OneCasterOptions::default() };
     let mut skipped = 0;
     for class in CLASSES {
         for number in 20..20 + frames().div_ceil(3) {

@@ -14,10 +14,10 @@
 
 // A group of casters and a light.
 struct OutlinedGroup {
-  edge_chunks_at: u32, // The offset in the table, in vec4s, of the casters of all chunks of edges.
-  lit_at: u32, // The offset in `lit` of the first caster of the table, in the light's batch.
+  edge_chunks_offset: u32, // The offset in the table, in vec4s, of the casters of all chunks of edges.
+  relevant_lights_offset: u32, // The offset in `relevant_lights` of the first caster of the table, in the light's batch.
   capacity: u32, // Entries that the list of each light has room for.
-  twisted_at: u32, // The offset of the twisted masks, which lie behind the facing masks. 0: there are none.
+  twisted_offset: u32, // The offset of the twisted masks, which lie behind the facing masks. 0: there are none.
   bit: u32, // The light's bit in its batch.
   reserved_0: u32,
   reserved_1: u32,
@@ -26,7 +26,7 @@ struct OutlinedGroup {
 
 @group(0) @binding(0) var<uniform> outlined: OutlinedGroup;
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
-@group(0) @binding(2) var<storage, read> lit: array<u32>;
+@group(0) @binding(2) var<storage, read> relevant_lights: array<u32>;
 @group(0) @binding(3) var<storage, read> positions: array<u32>;
 @group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
@@ -50,9 +50,9 @@ fn outlined_bits(first: u32, slots: vec2<u32>) -> vec2<bool> {
 }
 
 fn outlined_record(slot: u32) -> RimlineSilhouette {
-  outlined_caster = caster_of_slot(outlined.edge_chunks_at, slot);
+  outlined_caster = caster_of_slot(outlined.edge_chunks_offset, slot);
   let range = edge_range(outlined_caster);
-  let is_lit = ((lit[outlined.lit_at + outlined_caster] >> outlined.bit) & 1u) != 0u;
+  let is_lit = ((relevant_lights[outlined.relevant_lights_offset + outlined_caster] >> outlined.bit) & 1u) != 0u;
   if (slot - range.x >= range.y || !is_lit) {
     return RimlineSilhouette(false, 0u, 0u, 0u, false, NO_EDGE);
   }
@@ -61,8 +61,8 @@ fn outlined_record(slot: u32) -> RimlineSilhouette {
   let is_boundary = faces.y == NO_FACE;
   let slots = vec2<u32>(face_range(outlined_caster).x) + vec2<u32>(faces.x & ~INCONSISTENT, select(faces.y, 0u, is_boundary));
   var twisted = vec2<bool>(false);
-  if (outlined.twisted_at != 0u) {
-    twisted = outlined_bits(outlined.twisted_at, slots);
+  if (outlined.twisted_offset != 0u) {
+    twisted = outlined_bits(outlined.twisted_offset, slots);
   }
   let side = side_of_edge(CAST_EVERY, faces, outlined_bits(0u, slots), twisted);
   let vertices = edge_vertices[edge];

@@ -15,7 +15,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: SeenLight; // The light and view of the draw.
+@group(0) @binding(2) var<storage, read> view_light: ViewLight; // The light and view of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> pieces: array<u32>;
 
@@ -40,8 +40,8 @@ fn load_piece(instance: u32) -> PieceInstance {
   let c = select(end, begin, is_mirrored);
   var result: PieceInstance;
   result.is_drawn = is_in_count_batch(caster, draw.count_batch);
-  result.view = view_for_caster(caster, seen.view);
-  result.light = with_stored_choices(caster, light_for_caster(caster, seen.light, draw.light), draw.light, draw.view);
+  result.view = view_for_caster(caster, view_light.view);
+  result.light = with_stored_choices(caster, light_for_caster(caster, view_light.light, draw.light), draw.light, draw.view);
   result.face = CapFace(bitcast<vec3<f32>>(middle), bitcast<vec3<f32>>(b), bitcast<vec3<f32>>(c), vec3<u32>(0u, 1u, 2u));
   return result;
 }

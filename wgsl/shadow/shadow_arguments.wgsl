@@ -106,7 +106,7 @@ struct PieceDraws {
   dark_cap: DrawArguments,
 }
 
-@group(0) @binding(6) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+@group(0) @binding(6) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(7) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(8) var<storage, read> pieces: array<u32>;
 @group(0) @binding(9) var<storage, read_write> piece_draws: array<PieceDraws>;
@@ -118,10 +118,10 @@ fn draw_arguments_if(is_drawn: bool, vertices: u32, instances: u32) -> DrawArgum
 fn write_piece_arguments(bit: u32) {
   let light_index = draw.first_light + bit;
   let entry = draw.view * shape.lights + light_index;
-  let light = with_stored_choices(shape.first_caster, seen[entry].light, light_index, draw.view);
+  let light = with_stored_choices(shape.first_caster, view_lights[entry].light, light_index, draw.view);
   var draws = PieceDraws();
   // Entries of unused views are zeros.
-  if (seen[entry].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
+  if (view_lights[entry].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
     let count = min(pieces[bit], shape.piece_capacity);
     if (pieces[bit] > count) {
       atomicAdd(&shadow_statistics.lost_pieces, pieces[bit] - count);

@@ -37,7 +37,7 @@ fn largest_weight(caster: u32, light_index: u32) -> u32 {
 // Adds the side of the edge in a slot. An entry of a list has the weight 1, since a side of weight 2 has two entries.
 // Casters that the axis of the pencil may meet are left out: `stencil_pencil` counts all their faces instead.
 fn add_slot(pencil: StencilPencil, light_index: u32, slot: u32, is_listed: bool) {
-  let caster = caster_of_slot(shape.edge_chunks_at, slot);
+  let caster = caster_of_slot(shape.edge_chunks_offset, slot);
   let range = edge_range(caster);
   let edge = slot - range.x;
   if (edge >= range.y) {

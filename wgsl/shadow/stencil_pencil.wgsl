@@ -15,7 +15,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+@group(0) @binding(2) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> boxes: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pencils: array<StencilPencil>;
@@ -112,7 +112,7 @@ fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
   let low = unordered(~vec3<u32>(atomicLoad(&box_keys[0]), atomicLoad(&box_keys[1]), atomicLoad(&box_keys[2])));
   let high = unordered(vec3<u32>(atomicLoad(&box_keys[3]), atomicLoad(&box_keys[4]), atomicLoad(&box_keys[5])));
   // If no caster casts, the box has no meaning, and no bin gets a weight.
-  var pencil = pencil_of_outer_light(seen[view * shape.lights + light_index].light.light, low, high);
+  var pencil = pencil_of_outer_light(view_lights[view * shape.lights + light_index].light.light, low, high);
   // Turns: PENCIL_CASTERS.
   for (var caster = thread; pencil.kind == PENCIL_AROUND && caster < shape.casters; caster += THREADS) {
     if (is_casting(caster, light_index, view)) {

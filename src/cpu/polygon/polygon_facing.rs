@@ -7,7 +7,7 @@ use super::turns_batch::{Decided, turns_batch};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::extract::facing::{FacingStatistics, largest_magnitude};
-use crate::layout::{LightBatch, live_bits};
+use crate::layout::{LightBatch, low_bits};
 use crate::light;
 use crate::mesh::Polygons;
 
@@ -65,7 +65,7 @@ fn decide(
     }
     let Some(outline) = Outline::new(outline, positions) else {
         statistics.non_finite_faces += 1;
-        masks.excluded = live_bits(lights.len());
+        masks.excluded = low_bits(lights.len());
         return;
     };
     let asked = lights.iter().enumerate().filter(|(bit, _)| undecided >> bit & 1 != 0);

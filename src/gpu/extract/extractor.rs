@@ -74,8 +74,9 @@ impl Extractor {
         let runs = Runs::new(&shape, [&faces, &edges], &mut chunks);
         let buffers = Buffers::new(device, mesh, &shape, &options, &split, &chunks)?;
 
-        let twisted_at = if shape.polygons.is_some() { shape.faces } else { 0 };
-        let (reading, others) = (shape.reading(device, &options, 0), from_facing(&options, twisted_at, facing.words));
+        let twisted_offset = if shape.polygons.is_some() { shape.faces } else { 0 };
+        let (reading, others) =
+            (shape.reading(device, &options, 0), from_facing(&options, twisted_offset, facing.words));
         pipelines.make_together(&programs(reading.iter().chain(&others), &options));
         let (reading, others) = (made(&pipelines, reading), made(&pipelines, others));
         let arguments = options.lists.map(|_| pipelines.get(&Program::of(&ARGUMENTS, &[])));

@@ -108,11 +108,11 @@ pub(super) fn from_positions(
 }
 
 /// The stages after facing, in their order. Masks are read in windows of so many words. Those of twisted polygons begin at
-/// `twisted_at`, if it is not 0.
-pub(super) fn from_facing(options: &ExtractorOptions, twisted_at: usize, words: u32) -> Vec<Planned> {
+/// `twisted_offset`, if it is not 0.
+pub(super) fn from_facing(options: &ExtractorOptions, twisted_offset: usize, words: u32) -> Vec<Planned> {
     let [masks, append] = emit_constants(options);
     let windows = ("FACING_WINDOW_WORDS", f64::from(words));
-    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_AT", twisted_at as f64)]);
+    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_AT", twisted_offset as f64)]);
     let has_edges = !options.method.is_per_edge() && (options.masks || options.lists.is_some());
     let compact = COMPACT.entry_points.iter().zip([Size::Items, Size::Lights, Size::Items]);
     let compact = compact

@@ -7,7 +7,7 @@ use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pass::Step;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::{Account, Wanted};
-use crate::layout::{PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
+use crate::layout::{PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics, ViewLight};
 
 /// The lists of a group for a batch of lights and a view.
 #[derive(Debug)]
@@ -28,8 +28,8 @@ pub(crate) struct BoundBuffers<B = wgpu::Buffer> {
 /// The buffers that stages and draws share.
 #[derive(Debug)]
 pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
-    /// A [`SeenLight`] for each view and light.
-    pub(crate) seen: B,
+    /// A [`ViewLight`] for each view and light.
+    pub(crate) view_lights: B,
     pub(crate) boxes: B,
     /// Choices, then measures.
     pub(crate) choices: B,
@@ -111,13 +111,13 @@ impl<B> VolumeBuffers<B> {
         [shapes, draw_lights]: &[UniformTable; 2],
         mut make: impl FnMut(Wanted<'_>) -> B,
     ) -> Self {
-        let seen = sizes.seen() as u64;
+        let view_lights = sizes.view_lights() as u64;
         let [_, choices] = sizes.choice_bytes();
         let [pencils, crossings] = sizes.bound_bytes();
-        let draws = Wanted::new("shadow draws", seen * size_of::<ShadowDraws>() as u64).indirect();
-        let piece_draws = Wanted::new("piece draws", seen * size_of::<PieceDraws>() as u64).indirect().free();
+        let draws = Wanted::new("shadow draws", view_lights * size_of::<ShadowDraws>() as u64).indirect();
+        let piece_draws = Wanted::new("piece draws", view_lights * size_of::<PieceDraws>() as u64).indirect().free();
         Self {
-            seen: make(Wanted::new("seen lights", seen * size_of::<SeenLight>() as u64)),
+            view_lights: make(Wanted::new("lights of views", view_lights * size_of::<ViewLight>() as u64)),
             boxes: make(Wanted::new("caster boxes", sizes.box_bytes())),
             choices: make(Wanted::new("choices", choices)),
             listed: make(Wanted::new("versions of lists", sizes.listed_bytes())),

@@ -10,7 +10,7 @@ pub(crate) struct LightDraws<'a> {
     /// Casters, camera and lights, with the offsets of the light in them.
     pub(crate) frame: &'a wgpu::BindGroup,
     pub(crate) uniform: u32,
-    pub(crate) seen: u32,
+    pub(crate) view_light: u32,
     /// Edges and the lists of sides.
     pub(crate) sides: &'a wgpu::BindGroup,
     /// Faces and their lists.
@@ -30,8 +30,9 @@ pub(crate) struct LightDraws<'a> {
 impl LightDraws<'_> {
     /// Draws the shadow volumes of the light. Which pieces there are is in the arguments.
     pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines) {
-        let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies, pieces, first_piece } = self;
-        pass.set_bind_group(0, frame, &[uniform, seen]);
+        let Self { frame, uniform, view_light, sides, caps, draws, first, may_end, has_proxies, pieces, first_piece } =
+            self;
+        pass.set_bind_group(0, frame, &[uniform, view_light]);
         let mut set = None;
         let parts =
             [(may_end, Part::Ends), (has_proxies, Part::Proxies), (true, Part::All), (pieces.is_some(), Part::Pieces)];

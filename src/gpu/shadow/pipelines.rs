@@ -245,12 +245,12 @@ impl VolumePipelines {
 pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
     let dynamic = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: true, min_binding_size: None };
     let uniform = dynamic(wgpu::BufferBindingType::Uniform);
-    let seen = dynamic(wgpu::BufferBindingType::Storage { read_only: true });
+    let view_light = dynamic(wgpu::BufferBindingType::Storage { read_only: true });
     let layout = |label, types: &[wgpu::BindingType]| {
         pipelines.layout(label, entries(wgpu::ShaderStages::VERTEX, (0..).zip(types.iter().copied())))
     };
     Layouts {
-        frame: layout("shadow frame", &[UNIFORM, uniform, seen, READ]),
+        frame: layout("shadow frame", &[UNIFORM, uniform, view_light, READ]),
         side_data: layout("shadow sides", &[READ; 6]),
         cap_data: layout("shadow caps", &[READ; 5]),
         piece_data: layout("shadow pieces", &[READ]),

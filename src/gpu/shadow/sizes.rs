@@ -48,9 +48,9 @@ pub(crate) struct GroupSize {
     /// Slots of the faces of casters that are not in the depth buffer.
     pub(crate) proxies: u32,
     /// Where their lights and the casters of their chunks begin in the table.
-    pub(crate) lights_at: u32,
-    pub(crate) face_chunks_at: u32,
-    pub(crate) edge_chunks_at: u32,
+    pub(crate) lights_offset: u32,
+    pub(crate) face_chunks_offset: u32,
+    pub(crate) edge_chunks_offset: u32,
 }
 
 /// Entries of the lists of each light of a group and a batch of lights.
@@ -59,7 +59,7 @@ pub(crate) struct Room {
     /// Lights of the batch.
     pub(crate) lights: u32,
     /// The word of what is kept of the extraction where the encodes are that made its lists.
-    pub(crate) lists_at: u32,
+    pub(crate) lists_offset: u32,
     /// Entries of the list of silhouettes.
     pub(crate) silhouettes: u32,
     /// Entries of both lists of sides together.
@@ -95,7 +95,7 @@ impl Room {
         };
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };
         let sides = silhouettes.min(fitting(SIDE_COUNTS));
-        let mut room = Self { lights, lists_at: 0, silhouettes, sides, near, far, pieces: 0 };
+        let mut room = Self { lights, lists_offset: 0, silhouettes, sides, near, far, pieces: 0 };
         if let Some(capacity) = options.capacities.caps {
             let asked = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };
             (room.near, room.far) = (asked(near), asked(far));
@@ -133,7 +133,7 @@ pub(crate) struct VolumeSizes {
     pub(crate) lights: usize,
     pub(crate) views: usize,
     /// Where choices begin in the table, in units of 16 bytes.
-    pub(crate) choices_at: usize,
+    pub(crate) choices_offset: usize,
     pub(crate) groups: Vec<GroupSize>,
     /// For each group one for each batch of lights.
     pub(crate) rooms: Vec<Room>,
@@ -169,13 +169,13 @@ impl VolumeSizes {
     }
 
     /// Pairs of view and light.
-    pub(crate) fn seen(&self) -> usize {
+    pub(crate) fn view_lights(&self) -> usize {
         self.views * self.lights
     }
 
     /// Pencils, and their rows for all batches of casters.
     pub(crate) fn bound_bytes(&self) -> [u64; 2] {
-        let pencils = self.seen() as u64;
+        let pencils = self.view_lights() as u64;
         [
             size_of::<StencilPencil>() as u64 * pencils,
             CROSSINGS * pencils * u64::from(self.options.stencil.count_batches),
@@ -233,21 +233,21 @@ impl VolumeSizes {
             far_capacity: room.far,
             averted: does(Measuring::EVERY_FACE),
             counting: counting.code(),
-            skip_unreached: does(Measuring::UNREACHED),
-            skip_unseen: does(Measuring::UNSEEN),
+            cull_by_range: does(Measuring::CULLED_BY_RANGE),
+            cull_by_view: does(Measuring::CULLED_BY_VIEW),
             end_at_range: u32::from(end_at_range),
-            choices_at: self.choices_at as u32,
-            measures_at: self.choices_at as u32 + (choices / 16) as u32,
-            lights_at: group.lights_at,
-            face_chunks_at: group.face_chunks_at,
-            edge_chunks_at: group.edge_chunks_at,
+            choices_offset: self.choices_offset as u32,
+            measures_offset: self.choices_offset as u32 + (choices / 16) as u32,
+            lights_offset: group.lights_offset,
+            face_chunks_offset: group.face_chunks_offset,
+            edge_chunks_offset: group.edge_chunks_offset,
             views: self.views as u32,
             count_batches,
             proxies: u32::from(group.proxies > 0),
             part: part as u32,
             first_caster: group.first_caster,
-            lists_at: room.lists_at,
-            keeps: does(Measuring::BITS) & does(Measuring::LISTS),
+            lists_offset: room.lists_offset,
+            uses_cache: does(Measuring::CACHED_BITS) & does(Measuring::CACHED_LISTS),
             needs_boxes: u32::from(bound_counts),
             used_lights: self.used_lights() as u32,
             has_receivers: u32::from(self.receivers > 0),

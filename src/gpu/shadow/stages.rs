@@ -15,7 +15,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::scene::options::SceneOptions;
-use crate::layout::{CHUNK, ExtractionStatistics, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
+use crate::layout::{CHUNK, ExtractionStatistics, LANES, PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ViewLight};
 use crate::stages::{
     BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
     STENCIL_CROSSINGS, STENCIL_PENCIL, ZP_PLUS_2005_CASES,
@@ -135,13 +135,13 @@ impl VolumeStages {
     ) -> impl Iterator<Item = LightDraws<'a>> {
         let SizedBuffers { sizes, of: buffers, .. } = buffers;
         let (batch, place) = (light / 32, view * sizes.lights + light);
-        let uniform = count_batch * sizes.seen() + place;
+        let uniform = count_batch * sizes.view_lights() + place;
         let groups = self.groups.iter().zip(&buffers.draws).zip(&sizes.groups).zip(&buffers.piece_draws);
         groups.filter_map(move |(((group, draws), size), piece_draws)| {
             Some(LightDraws {
                 frame: group.frames.get(batch)?,
                 uniform: (uniform * UniformTable::stride::<ShadowDraw>()) as u32,
-                seen: (place * size_of::<SeenLight>()) as u32,
+                view_light: (place * size_of::<ViewLight>()) as u32,
                 sides: group.sides.get(batch)?.get(view)?,
                 caps: group.caps.get(batch)?.get(view)?,
                 draws,
@@ -191,7 +191,7 @@ impl<'a> Binder<'a> {
         Some(match name {
             "shape" => uniform::<ShadowShape>(&buffers.shapes, shape),
             "draw" => uniform::<ShadowDraw>(&buffers.draw_lights, draw),
-            "seen" => whole(&buffers.seen),
+            "view_lights" => whole(&buffers.view_lights),
             "table" => whole(source.table),
             "boxes" => whole(&buffers.boxes),
             "twisted" => whole(&buffers.twisted),
@@ -301,7 +301,7 @@ impl<'a> Binder<'a> {
             }
             if pipeline.label == LIST_SIDES.name {
                 let [_, bytes] = self.sizes.choice_bytes();
-                let table = (self.source.table.clone(), 16 * self.sizes.choices_at as u64);
+                let table = (self.source.table.clone(), 16 * self.sizes.choices_offset as u64);
                 steps.push(Step::Copy([(self.buffers.choices.clone(), 0), table], bytes));
             }
             let dispatches = self.dispatches(*over);
@@ -321,11 +321,11 @@ impl<'a> Binder<'a> {
         };
         let frame = |at: Place| {
             let first = (self.part(at) * UniformTable::stride::<ShadowShape>()) as u64;
-            let VolumeBuffers { shapes, draw_lights, seen, .. } = self.buffers;
+            let VolumeBuffers { shapes, draw_lights, view_lights, .. } = self.buffers;
             let resources = [
                 part(shapes, first..first + size_of::<ShadowShape>() as u64),
                 uniform::<ShadowDraw>(draw_lights, 0),
-                part(seen, 0..size_of::<SeenLight>() as u64),
+                part(view_lights, 0..size_of::<ViewLight>() as u64),
                 whole(self.source.table),
             ];
             bind(frame, &resources)

@@ -65,7 +65,7 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// * `reach`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32 lights. A test
 ///   has a caster that the last of them hides.
 /// * `clusters`, `chunks`: by shares of 96 chunks, 1/5 of the limit.
-/// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `SeenLight`. Tests have
+/// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `ViewLight`. Tests have
 ///   both, and twice as many views.
 /// * `choose`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an axis: these would
 ///   take 537 million, and a table in one binding has no more than 84 million.
