@@ -7,8 +7,8 @@ use crate::layout::{ShadowLight, ShadowView};
 
 /// Value of [`ShadowLight::casting`]: no face casts.
 pub const CAST_NOTHING: u32 = 0;
-/// Value of [`ShadowLight::casting`]: the faces averted from the light cast.
-pub const CAST_AVERTED: u32 = 1;
+/// Value of [`ShadowLight::casting`]: back-facing faces cast.
+pub const CAST_BACK_FACING: u32 = 1;
 /// Value of [`ShadowLight::casting`]: every face casts.
 pub const CAST_EVERY: u32 = 2;
 /// Value of [`ShadowLight::counting`]: z-pass.

@@ -38,7 +38,7 @@ pub struct HiddenStatistics {
     pub hidden: usize,
     /// Hidden faces that are left out.
     pub left_out: usize,
-    /// Sides of all casters' volumes with all faces, where of closed meshes the averted ones cast: edges of silhouettes, each as
+    /// Sides of all casters' volumes with all faces, where of closed meshes the back-facing ones cast: edges of silhouettes, each as
     /// often as its side is drawn.
     pub sides: usize,
     /// The same without the faces left out. It is at most [`Self::sides`], but for [`HiddenOptions::leave_out_all`].

@@ -175,7 +175,7 @@ pub(crate) enum Casters {
 
 impl Casters {
     /// The largest count, of so many bits: the bits of the stencil that count.
-    pub(crate) fn most_count(self, count_bits: u32) -> u32 {
+    pub(crate) fn largest_count(self, count_bits: u32) -> u32 {
         low_bits(if self == Self::Batches { count_bits.saturating_sub(1) } else { count_bits })
     }
 

@@ -335,7 +335,7 @@ impl VolumePipelines {
             format: format.depth_stencil,
             writes_depth: false,
             compare: if count == Count::Always { CompareFunction::Always } else { format.nearer() },
-            stencil: stencil(count, turned, casters.most_count(format.count_bits)),
+            stencil: stencil(count, turned, casters.largest_count(format.count_bits)),
             samples: format.samples,
             colors: &format.colors,
         })

@@ -87,7 +87,7 @@ impl ShadowPipelines {
 }
 
 fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
-    let counts = Casters::Batches.most_count(format.count_bits);
+    let counts = Casters::Batches.largest_count(format.count_bits);
     let module = pipelines.module("resolve counts", WHOLE);
     // The reference has no bit of the count, so the comparison is with 0.
     let face = wgpu::StencilFaceState {

@@ -194,17 +194,17 @@ impl<'a> Binder<'a> {
             "view_lights" => whole(&buffers.view_lights),
             "table" => whole(source.table),
             "boxes" => whole(&buffers.boxes),
-            "twisted" => whole(&buffers.twisted),
+            "twisted_lights" => whole(&buffers.twisted_lights),
             "choices" => whole(&buffers.choices),
             "receivers" => whole(&buffers.receivers),
-            "listed" => whole(&buffers.listed),
+            "list_versions" => whole(&buffers.list_versions),
             "shadow_statistics" => whole(&buffers.statistics),
             "shadow_draws" => whole(buffers.draws.get(at.group)?),
             "sides" => whole(&lists()?.sides),
             "caps_listed" => whole(&lists()?.caps),
             "piece_draws" => whole(buffers.piece_draws.get(at.group)?.as_ref()?),
             "pencils" => whole(&buffers.bound.as_ref()?.pencils),
-            "crossings" => whole(&buffers.bound.as_ref()?.crossings),
+            "bin_rows" => whole(&buffers.bound.as_ref()?.bin_rows),
             _ => [batch, &group.named, &source.named].into_iter().find_map(|of| named(of, name))?,
         })
     }
@@ -287,7 +287,7 @@ impl<'a> Binder<'a> {
             let BindingResource::Buffer(statistics) = named(batch, "extraction_statistics")?.bound else { return None };
             let from = statistics.offset + std::mem::offset_of!(ExtractionStatistics, twisted_lights) as u64;
             let to = 4 * part as u64;
-            Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.twisted.clone(), to)], 4))
+            Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.twisted_lights.clone(), to)], 4))
         };
         parts.filter_map(copy).collect()
     }
