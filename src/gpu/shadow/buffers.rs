@@ -21,7 +21,7 @@ pub(crate) struct Lists<B = wgpu::Buffer> {
 pub(crate) struct BoundBuffers<B = wgpu::Buffer> {
     /// A [`StencilPencil`](crate::layout::StencilPencil) for each view and light.
     pub(crate) pencils: B,
-    /// The sides that cross its half planes, for each batch of casters.
+    /// Its bins of half planes and the sides that cross them, for each batch of casters.
     pub(crate) bin_rows: B,
 }
 
@@ -33,9 +33,9 @@ pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
     pub(crate) boxes: B,
     /// Choices, then measures.
     pub(crate) choices: B,
-    /// The inputs of the lists for views.
+    /// The versions that the lists for views were made from.
     pub(crate) list_versions: B,
-    /// For each view what its shadows may fall on.
+    /// The receivers of each view.
     pub(crate) receivers: B,
     /// Uniforms: a [`ShadowShape`] for each group and batch.
     pub(crate) shapes: B,
@@ -120,7 +120,7 @@ impl<B> VolumeBuffers<B> {
             view_lights: make(Wanted::new("lights of views", view_lights * size_of::<ViewLight>() as u64)),
             boxes: make(Wanted::new("caster boxes", sizes.box_bytes())),
             choices: make(Wanted::new("choices", choices)),
-            list_versions: make(Wanted::new("versions of lists", sizes.listed_bytes())),
+            list_versions: make(Wanted::new("versions of lists", sizes.list_version_bytes())),
             receivers: make(Wanted::new("receivers", sizes.receiver_bytes())),
             shapes: make(Wanted::uniforms("shadow shapes", shapes)),
             draw_lights: make(Wanted::uniforms("shadow draw lights", draw_lights)),
