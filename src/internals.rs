@@ -18,7 +18,7 @@ pub mod turns {
 pub mod shadow {
     use crate::layout::{ShadowLight, ShadowView};
     pub use crate::shadow::{
-        CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
+        CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
         COUNT_ZP_PLUS_2005,
     };
     use crate::{CameraError, Light, ShadowCamera};

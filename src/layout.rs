@@ -516,7 +516,7 @@ shared_structs! {
         side_capacity: u32,
         near_capacity: u32,
         far_capacity: u32,
-        averted: u32,
+        allow_back_facing: u32,
         counting: u32,
         cull_by_range: u32,
         cull_by_view: u32,
@@ -529,14 +529,14 @@ shared_structs! {
         views: u32,
         count_batches: u32,
         proxies: u32,
-        part: u32,
+        group_and_batch: u32,
         first_caster: u32,
         lists_offset: u32,
         uses_cache: u32,
         needs_boxes: u32,
         used_lights: u32,
         has_receivers: u32,
-        most_count: u32,
+        largest_count: u32,
         piece_capacity: u32,
     }
 
@@ -572,12 +572,12 @@ shared_structs! {
 
     /// A pencil of half planes that bounds the stencil counts of a light.
     struct StencilPencil {
-        place: [f32; 3],
+        light_position: [f32; 3],
         kind: u32,
         forward: [f32; 3],
-        first: f32,
+        first_key: f32,
         aside: [f32; 3],
-        scale: f32,
+        bins_per_key: f32,
     }
 
     /// Statistics of an encode of shadow volumes. `count_bound` apart, they count lights, or pairs of caster and light.
@@ -587,7 +587,7 @@ shared_structs! {
         /// Lights for which every face casts.
         every_face: u32,
         /// Lights with a near cap.
-        capped: u32,
+        near_capped: u32,
         /// Lights with a list of cap faces that overflowed. Their draws go over all faces.
         overflowed_caps: u32,
         /// Lights with a list of sides that overflowed. Their draws go over all edges.
@@ -605,10 +605,10 @@ shared_structs! {
         cached_lists: u32,
         /// Skipped pairs whose volume no receiver can be in. Pairs that were skipped in an earlier encode, and are cached,
         /// are not among them.
-        hidden: u32,
+        culled_by_receivers: u32,
         /// Skipped pairs whose box the light does not reach, likewise. Scenes cull most of these pairs earlier:
         /// [`SceneStatistics::pairs_culled_by_range`].
-        unreached: u32,
+        culled_by_range: u32,
         /// Pieces of L-twisted polygons that there was no room for. If there are any, shadows are wrong where they would be, and
         /// [`Capacities::pieces`](crate::gpu::Capacities::pieces) must be larger.
         lost_pieces: u32,

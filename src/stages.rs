@@ -186,9 +186,10 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/caster",
     "shadow/choices",
     "shadow/choose",
+    "shadow/culling",
+    "shadow/draw_lists",
+    "shadow/half_plane_bins",
     "shadow/list_sides",
-    "shadow/lists",
-    "shadow/pencil",
     "shadow/pieces",
     "shadow/receiver_pyramid",
     "shadow/receivers",
@@ -200,7 +201,6 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/stencil_crossings",
     "shadow/stencil_pencil",
     "shadow/vertices",
-    "shadow/visibility",
     "shadow/zp_plus_2005_cases",
 ];
 

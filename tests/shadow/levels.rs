@@ -75,13 +75,13 @@ const COUNTERS: [&str; 6] = ["unreached", "unseen", "kept pairs", "kept lists", 
 fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
     let scene = counted.scene.ok_or("no scene")?;
     let shadows = counted.statistics[0];
-    let unseen = shadows.skipped - shadows.hidden - shadows.unreached;
+    let unseen = shadows.skipped - shadows.culled_by_receivers - shadows.culled_by_range;
     Ok([
-        scene.pairs_culled_by_range + shadows.unreached,
+        scene.pairs_culled_by_range + shadows.culled_by_range,
         unseen,
         scene.cached_pairs,
         shadows.cached_lists,
-        shadows.hidden,
+        shadows.culled_by_receivers,
         scene.untested_faces,
     ])
 }

@@ -298,7 +298,7 @@ fn chosen(
     let draws: Vec<u32> = gpu.read(&results.shadow_draws[0], usize::MAX)?;
     let statistics = frame.shadow_statistics().ok_or("no view")?;
     let statistics = gpu.read::<rimline::gpu::ShadowStatistics>(statistics, 1)?[0];
-    Ok((words, draws, [statistics.cached_lists, statistics.hidden, statistics.ended]))
+    Ok((words, draws, [statistics.cached_lists, statistics.culled_by_receivers, statistics.ended]))
 }
 
 /// Lists stay cached while camera and version stay the same. Choices always equal those of a new scene.

@@ -132,7 +132,7 @@ impl Tally {
         for &counting in methods {
             match traced.check(renderer, counting, counts) {
                 Ok((wrong, counted)) => {
-                    self.capped += counted.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+                    self.capped += counted.statistics.iter().filter(|statistics| statistics.near_capped > 0).count();
                     self.hairlines += wrong.hairlines.len();
                     self.slivers += wrong.slivers.len();
                 }
@@ -235,7 +235,7 @@ fn trimmed() -> Result<(), String> {
 }
 
 /// A depth pass that rounds differently: z-pass and ZP+ compare with surfaces only where volumes cut them, and z-fail
-/// from averted faces leaves lit surfaces alone. Where every face casts, z-fail needs equal bits.
+/// from back-facing faces leaves lit surfaces alone. Where every face casts, z-fail needs equal bits.
 fn reordered() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer { depth_pass: DepthPass::Reordered, ..Renderer::new(&gpu) };

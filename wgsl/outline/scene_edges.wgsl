@@ -1,6 +1,6 @@
 // Edges of a group of a scene's casters (casters that are drawn together) for the stage `outline_edges` in the variant SCENE: the
 // functions of interface/outlined.wgsl. A slot is the index of a face or edge in the group's masks. The facing masks of its faces
-// decide whether an edge is a silhouette, as for sides (shadow/lists.wgsl), so lists and draws over all slots agree. Only casters
+// decide whether an edge is a silhouette, as for sides (shadow/draw_lists.wgsl), so lists and draws over all slots agree. Only casters
 // that the light may reach have outlines: masks of other casters have no meaning.
 //
 // Expects: `outline`, `NO_EDGE`.
@@ -9,7 +9,7 @@
 #import common/extraction
 #import extract/results
 #import shadow/caster
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 
 // A group of casters and a light.
