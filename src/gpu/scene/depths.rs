@@ -46,13 +46,13 @@ pub(crate) struct DepthCaster {
     /// The matrix that places its positions in world space. `None`: they are there.
     pub(crate) rows: Option<Matrix3x4>,
     /// The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
-    pub(crate) place: [u32; 4],
+    pub(crate) layout: [u32; 4],
     /// The box of its positions, before they are placed, if it is known.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
 }
 
 impl DepthCaster {
-    /// `None`: it has no place.
+    /// `None`: its transform is singular.
     fn new(caster: &CasterEntry, mesh: &MeshEntry) -> Option<Self> {
         let [faces, _, vertices, _] = &mesh.run.ranges;
         let of_page = |offset, stride| [offset, stride, faces.start, mesh.faces];
@@ -65,7 +65,7 @@ impl DepthCaster {
             }
             Placement::World { offset, stride } => (None, [offset, stride], caster.bounds),
         };
-        Some(Self { rows, place: of_page(offset, stride), bounds })
+        Some(Self { rows, layout: of_page(offset, stride), bounds })
     }
 }
 
