@@ -381,7 +381,7 @@ shared_structs! {
         threshold: u32,
         is_reversed: u32,
         faces: u32,
-        objects: u32,
+        has_objects: u32,
         spread: u32,
         unused: u32,
     }
@@ -393,13 +393,13 @@ shared_structs! {
         words: u32,
         capacity: u32,
         threshold: i32,
-        sure: i32,
+        certain_threshold: i32,
         sideways: i32,
         tolerance: i32,
         shift: u32,
         slope_bias: i32,
-        share: i32,
-        constant: i32,
+        noise_share: i32,
+        noise_constant: i32,
     }
 
     /// The rule that marks edges of a depth map. Where a field has two values, the second applies next to the end of a marked
@@ -407,8 +407,8 @@ shared_structs! {
     struct DepthEdgeRule {
         words: [u32; 2],
         blocks: u32,
-        high: u32,
-        low: [u32; 2],
+        high_threshold: u32,
+        low_thresholds: [u32; 2],
         slopes: [u32; 2],
         noise: u32,
         noise_exponents: u32,
@@ -428,12 +428,12 @@ shared_structs! {
         across: [f32; 4],
         down: [f32; 4],
         middle: [f32; 4],
-        head: f32,
-        rest: f32,
+        far: f32,
+        far_remainder: f32,
         has_far: f32,
         scale: f32,
-        least: f32,
-        most: f32,
+        min_distance: f32,
+        max_distance: f32,
         metric: u32,
         is_parallel: u32,
     }
@@ -464,7 +464,10 @@ shared_structs! {
         row_0: [f32; 4],
         row_1: [f32; 4],
         row_2: [f32; 4],
-        place: [u32; 4],
+        position_offset: u32,
+        position_stride: u32,
+        first_face: u32,
+        face_count: u32,
     }
 
     /// Camera and style of outlines.

@@ -129,7 +129,7 @@ fn probed(
     let contour = uniform(gpu, &traced.shape);
     let mut bound = given.bound().to_vec();
     bound.extend([
-        (5, Bound::Storage(&traced.places)),
+        (5, Bound::Storage(&traced.crossings)),
         (6, Bound::Uniform(&contour)),
         (7, Bound::Storage(&traced.counts)),
         (9, Bound::Storage(&traced.marks)),

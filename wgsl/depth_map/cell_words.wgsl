@@ -12,7 +12,7 @@
 
 // Three parts. A word for each block: its count of listed cells or, after `depth_cells_places`, the count in all blocks
 // before it. Then the count of each strip. Then four words for each strip, which are written only where its count is not 0.
-@group(0) @binding(2) var<storage, read_write> places: array<u32>;
+@group(0) @binding(2) var<storage, read_write> cell_words: array<u32>;
 
 // Cells of a word.
 const WORD_CELLS: u32 = 8u;
@@ -65,7 +65,7 @@ fn listed_cells(word: u32) -> u32 {
 // The count of a block. Zero at the start, and after each `write_block_count`.
 var<workgroup> block_count: atomic<u32>;
 
-// Offsets in `places` of the count of a strip (x) and of its first word (y).
+// Offsets in `cell_words` of the count of a strip (x) and of its first word (y).
 fn strip_offsets(strip: u32) -> vec2<u32> {
   return vec2<u32>(depth_map.blocks + strip, depth_map.blocks * (1u + BLOCK_STRIPS) + strip * STRIP);
 }
@@ -76,10 +76,10 @@ fn write_strip(strip: u32, words: vec4<u32>) -> u32 {
   let counts = countOneBits(vec4<u32>(
     listed_cells(words.x), listed_cells(words.y), listed_cells(words.z), listed_cells(words.w)));
   let count = counts.x + counts.y + counts.z + counts.w;
-  places[offsets.x] = count;
+  cell_words[offsets.x] = count;
   if (count > 0u) {
     for (var row = 0u; row < STRIP; row++) {
-      places[offsets.y + row] = words[row];
+      cell_words[offsets.y + row] = words[row];
     }
   }
   return count;
@@ -90,7 +90,7 @@ fn write_block_count(block: u32, lane: u32, count: u32) {
   atomicAdd(&block_count, count);
   workgroupBarrier();
   if (lane == 0u) {
-    places[block] = atomicExchange(&block_count, 0u);
+    cell_words[block] = atomicExchange(&block_count, 0u);
   }
   workgroupBarrier();
 }

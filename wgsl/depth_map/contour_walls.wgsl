@@ -3,8 +3,8 @@
 // too: they join the top of a wall to samples of the nearer surface. After `contour_places`, in three passes.
 // `contour_walls_take` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
 // that `contour_tiles` wrote. `contour_walls_places`, one workgroup, scans the counts. `contour_walls_take` with LISTS
-// lists. Reads depths, `marks`, tiles, `places`. Writes `walls` and `draws`, and for the near cap `counts` and moved
-// `places`.
+// lists. Reads depths, `marks`, tiles, `crossings`. Writes `walls` and `draws`, and for the near cap `counts` and moved
+// `crossings`.
 // Walls are in order of tiles, invocations, cells and edges, the same on every device. Each marked edge is crossed by one
 // wall, no other edge by any. Ends of segments do not depend on the direction of a walk, so walls close where they meet
 // (docs/numerics/contours.md, "Closed walls").
@@ -15,7 +15,7 @@
 
 // Crossings, from `contour_places`. The listing pass moves those between the ends of a segment onto it, after its walk has
 // read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
-@group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> crossings: array<atomic<u32>>;
 // Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, then the index of its first
 // wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
@@ -200,7 +200,7 @@ fn add_node(count: u32, kind: u32, exit: CellExit) {
     return;
   }
   let lattice_width = i32(depth_map.size.x) + 2;
-  let crossing = (atomicLoad(&places[u32(first.y * lattice_width + first.x)]) >> (16u * axis + 8u)) & 255u;
+  let crossing = (atomicLoad(&crossings[u32(first.y * lattice_width + first.x)]) >> (16u * axis + 8u)) & 255u;
   let left = exit.cell + corner_offset(exit.edge);
   let right = exit.cell + corner_offset(exit.edge + 1u);
   let left_to_right = right - left;
@@ -361,8 +361,8 @@ fn move_crossings(last: u32) {
     let lattice_width = i32(depth_map.size.x) + 2;
     let word = u32(first.y * lattice_width + first.x);
     // No other invocation changes these bits.
-    atomicAnd(&places[word], ~(0xffffu << (16u * axis)));
-    atomicOr(&places[word], u32(crossing) << (16u * axis));
+    atomicAnd(&crossings[word], ~(0xffffu << (16u * axis)));
+    atomicOr(&crossings[word], u32(crossing) << (16u * axis));
   }
 }
 

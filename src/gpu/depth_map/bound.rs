@@ -14,7 +14,7 @@ pub(super) struct Bound<'a> {
 
 impl Bound<'_> {
     pub(super) fn has_objects(&self) -> bool {
-        self.shape.objects == 1
+        self.shape.has_objects == 1
     }
 
     pub(super) fn get(&self, name: &str) -> Option<Resource<'_>> {

@@ -25,18 +25,18 @@ const HEAD_WORDS: u64 = 4;
 const WALL_WORDS: u64 = 12;
 /// The range of device depths, in the units of distances.
 const RANGE: f64 = (1_u32 << 29) as f64;
-/// A jump of as many thresholds is one, whatever is behind it.
-const SURE: f64 = 16.0;
+/// A difference above this many thresholds is a jump, even beside large slopes.
+const CERTAIN_THRESHOLDS: f64 = 16.0;
 /// Units that a tolerance has at least, if it has as many: it and distances are moved down by what it has more.
 const TOLERANCE_BITS: u32 = 3;
-/// The largest share that the stages calculate with.
-const MOST_SHARE: f64 = 4095.0;
+/// The largest `noise_share` of the stages.
+const MAX_NOISE_SHARE: f64 = 4095.0;
 
 /// Stages and buffers for the contours of a map.
 #[derive(Debug)]
 pub(super) struct Contours {
     mark: ObjectStage,
-    /// Find tiles, list them, places, count, scan, list.
+    /// In order: find tiles, list them, find crossings, count walls, scan the counts, list walls.
     stages: [Pipeline; 6],
     pub(super) shape: ContourShape,
     pub(super) buffers: ContourBuffers,
@@ -46,11 +46,11 @@ pub(super) struct Contours {
 #[derive(Debug)]
 pub(super) struct ContourBuffers<B = wgpu::Buffer> {
     marks: B,
-    places: B,
+    crossings: B,
     counts: B,
     pub(super) walls: B,
     pub(super) draws: B,
-    /// Workgroups of the stages that go over places, and of those that walk.
+    /// Workgroups of the stage that finds crossings, and of those that walk along contours.
     workgroups: B,
 }
 
@@ -62,7 +62,7 @@ impl<B> ContourBuffers<B> {
         let walls = HEAD_WORDS + WALL_WORDS * u64::from(shape.capacity);
         Self {
             marks: make(Wanted::new("marks of contours", 4 * u64::from(shape.words) * down)),
-            places: make(Wanted::new("places of contours", 4 * across * down)),
+            crossings: make(Wanted::new("crossings of contours", 4 * across * down)),
             counts: make(Wanted::new("counts of walls", 4 * (tiles * (2 + WALKERS) + 1))),
             walls: make(Wanted::new("walls", 4 * walls)),
             draws: make(Wanted::new("draws of walls", 32).indirect()),
@@ -105,13 +105,13 @@ pub(super) fn contour_shape(
         words,
         capacity,
         threshold: distance(threshold),
-        sure: distance(threshold * SURE),
+        certain_threshold: distance(threshold * CERTAIN_THRESHOLDS),
         sideways: (f64::from(sideways) * 256.0).round() as i32,
         tolerance: tolerance >> shift,
         shift,
         slope_bias: 0,
-        share: 0,
-        constant: 0,
+        noise_share: 0,
+        noise_constant: 0,
     }))
 }
 
@@ -139,9 +139,9 @@ impl Contours {
         Ok(Self { mark: ObjectStage::new(shared, &CONTOUR_MARKS, "contour_marks", &[]), stages, shape, buffers })
     }
 
-    /// Marks, places and counts.
+    /// Marks, crossings and counts.
     pub(super) fn tested(&self) -> [&wgpu::Buffer; 3] {
-        [&self.buffers.marks, &self.buffers.places, &self.buffers.counts]
+        [&self.buffers.marks, &self.buffers.crossings, &self.buffers.counts]
     }
 
     /// The stages, bound.
@@ -169,10 +169,10 @@ impl Contours {
     }
 
     fn get(&self, name: &str) -> Option<Resource<'_>> {
-        let ContourBuffers { marks, places, counts, walls, draws, workgroups } = &self.buffers;
+        let ContourBuffers { marks, crossings, counts, walls, draws, workgroups } = &self.buffers;
         Some(whole(match name {
             "marks" => marks,
-            "places" => places,
+            "crossings" => crossings,
             "counts" => counts,
             "walls" => walls,
             "draws" => draws,
@@ -186,16 +186,16 @@ impl Contours {
         let [slope_bias, share, constant, _] = view.bias.map(f64::from);
         let shape = ContourShape {
             slope_bias: (slope_bias * 256.0).round() as i32,
-            share: (share * RANGE).round().min(MOST_SHARE) as i32,
-            constant: (constant * RANGE).ceil().min(RANGE) as i32,
+            noise_share: (share * RANGE).round().min(MAX_NOISE_SHARE) as i32,
+            noise_constant: (constant * RANGE).ceil().min(RANGE) as i32,
             ..self.shape
         };
         filled(device, "contours", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM)
     }
 
-    /// Bound to draws besides what all draws have: places, the uniform, counts and marks.
+    /// Further bindings of draws: crossings, the uniform, counts and marks.
     pub(super) fn of_draws<'a>(&'a self, contour: &'a wgpu::Buffer) -> [(u32, Resource<'a>); 4] {
-        let ContourBuffers { marks, places, counts, .. } = &self.buffers;
-        [(5, whole(places)), (6, whole(contour)), (7, whole(counts)), (9, whole(marks))]
+        let ContourBuffers { marks, crossings, counts, .. } = &self.buffers;
+        [(5, whole(crossings)), (6, whole(contour)), (7, whole(counts)), (9, whole(marks))]
     }
 }

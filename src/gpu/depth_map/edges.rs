@@ -68,8 +68,8 @@ impl Detector {
         let rule = DepthEdgeRule {
             words,
             blocks: (u64::from(words[0]) * u64::from(words[1])).div_ceil(u64::from(WORKGROUP)) as u32,
-            high: threshold_bits(high),
-            low: [low, low * share].map(threshold_bits),
+            high_threshold: threshold_bits(high),
+            low_thresholds: [low, low * share].map(threshold_bits),
             slopes: [slopes, slopes * share].map(threshold_bits),
             noise: 0,
             noise_exponents: 0,

@@ -116,10 +116,10 @@ impl MeshDepth {
         }
         let base = DispatchLimits::new(&device.limits()).align_down(positions.offset);
         let word = |bytes: u64| u32::try_from(bytes / 4).unwrap_or(u32::MAX);
-        let place = [word(positions.offset - base), word(positions.stride), 0, self.count / 3];
+        let layout = [word(positions.offset - base), word(positions.stride), 0, self.count / 3];
         let group = any_error(device, || {
             let view = storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }));
-            let caster = storage(device, bytemuck::bytes_of(&placed(mesh_to_world, light, place)));
+            let caster = storage(device, bytemuck::bytes_of(&placed(mesh_to_world, light, layout)));
             let resources = [whole(&view), part(positions.buffer, base..end), whole(&caster)];
             group(device, "mesh depth", &depth_layout(&self.shared, BINDINGS), &resources)
         });
@@ -137,13 +137,14 @@ pub(super) fn storage(device: &wgpu::Device, contents: &[u8]) -> wgpu::Buffer {
     filled(device, "mesh depth", contents, wgpu::BufferUsages::STORAGE)
 }
 
-/// A caster as a light sees it.
-pub(super) fn placed(rows: Matrix3x4, light: &ShadowCamera, place: [u32; 4]) -> MeshDepthCaster {
+/// A caster as a light sees it. `layout`: the last four fields of the result.
+pub(super) fn placed(rows: Matrix3x4, light: &ShadowCamera, layout: [u32; 4]) -> MeshDepthCaster {
     let less = |axis: usize| {
         let [x, y, z, shift] = rows[axis];
         [x, y, z, shift - light.origin[axis]]
     };
-    MeshDepthCaster { row_0: less(0), row_1: less(1), row_2: less(2), place }
+    let [position_offset, position_stride, first_face, face_count] = layout;
+    MeshDepthCaster { row_0: less(0), row_1: less(1), row_2: less(2), position_offset, position_stride, first_face, face_count }
 }
 
 /// The layout of the first bindings of the stage.

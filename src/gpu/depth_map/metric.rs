@@ -132,18 +132,18 @@ pub(crate) fn metric_view(
     let [across, down, middle] = planes.rays.unwrap_or([DVec3::ZERO; 3]);
     let f32s = |ray: DVec3, tilt: f64| ray.extend(tilt).as_vec4().to_array();
     let [far, scale] = planes.far.unwrap_or([planes.product, 1.0]);
-    let head = far as f32;
-    let rest = if planes.far.is_some() { (far - f64::from(head)) as f32 } else { 0.0 };
+    let rounded_far = far as f32;
+    let far_remainder = if planes.far.is_some() { (far - f64::from(rounded_far)) as f32 } else { 0.0 };
     Ok(DepthMetricView {
         across: f32s(across / width, planes.tilt[0] / width),
         down: f32s(-down / height, -planes.tilt[1] / height),
         middle: f32s(middle, 0.0),
-        head,
-        rest,
+        far: rounded_far,
+        far_remainder,
         has_far: f32::from(u8::from(planes.far.is_some())),
         scale: scale as f32,
-        least: (planes.near / 2.0) as f32,
-        most: (if planes.far.is_some() { 2.0 * far } else { NOTHING }) as f32,
+        min_distance: (planes.near / 2.0) as f32,
+        max_distance: (if planes.far.is_some() { 2.0 * far } else { NOTHING }) as f32,
         metric: match (metric, planes.rays) {
             (DepthMetric::AlongRay, Some(_)) => 2,
             _ => 1,

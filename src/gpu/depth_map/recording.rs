@@ -88,7 +88,7 @@ impl DepthMapVolumes {
         let depth = inputs.lights.first().map_or(DepthDirection::Reversed, |light| light.depth);
         let objects = inputs.objects.filter(|_| self.takes_objects);
         let is_reversed = u32::from(depth == DepthDirection::Reversed);
-        let shape = DepthMapShape { is_reversed, objects: u32::from(objects.is_some()), ..self.shape };
+        let shape = DepthMapShape { is_reversed, has_objects: u32::from(objects.is_some()), ..self.shape };
         let bind = || {
             let uniform = |label, bytes: &[u8]| filled(device, label, bytes, wgpu::BufferUsages::UNIFORM);
             let contour = self.contours.as_ref().zip(views.first().and_then(|views| views.first()));
@@ -173,7 +173,7 @@ impl DepthMapVolumes {
         // Workgroups cost a CPU more than turns, so few take the blocks in turn. Several bits take many turns each.
         let few = loops(device, blocks.saturating_mul(WORKGROUP));
         let get = |name: &str| match name {
-            "places" => Some(whole(&self.buffers.places)),
+            "cell_words" => Some(whole(&self.buffers.words)),
             "cells" => Some(whole(&self.buffers.cells)),
             "draws" => Some(whole(&self.buffers.draws)),
             _ => bound.get(name),

@@ -130,10 +130,10 @@ impl SceneDepth {
     ) -> Result<(wgpu::BindGroup, u32), DepthMapError> {
         let device = self.shared.device();
         let casters: Vec<MeshDepthCaster> =
-            drawn.iter().map(|caster| placed(caster.rows.unwrap_or(UNMOVED), light, caster.place)).collect();
+            drawn.iter().map(|caster| placed(caster.rows.unwrap_or(UNMOVED), light, caster.layout)).collect();
         let chunks: Vec<[u32; 2]> = (0..)
             .zip(drawn)
-            .flat_map(|(number, caster)| (0..caster.place[3]).step_by(CHUNK as usize).map(move |face| [number, face]))
+            .flat_map(|(number, caster)| (0..caster.layout[3]).step_by(CHUNK as usize).map(move |face| [number, face]))
             .collect();
         let limits = DispatchLimits::new(&device.limits());
         let allocations = [

@@ -99,7 +99,7 @@ pub struct DepthMapVolumes {
 /// The buffers of cells. Contours have others, so theirs are empty.
 #[derive(Debug)]
 pub(super) struct CellBuffers<B = wgpu::Buffer> {
-    pub(super) places: B,
+    pub(super) words: B,
     pub(super) cells: B,
     pub(super) draws: B,
 }
@@ -119,10 +119,10 @@ impl<B> Buffers<B> {
         make: &mut impl FnMut(Wanted<'static>) -> B,
     ) -> Self {
         let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, shape.blocks) };
-        let places = (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1);
+        let words = (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1);
         Self {
             cells: CellBuffers {
-                places: make(Wanted::new("places of depth cells", 4 * places)),
+                words: make(Wanted::new("words of depth cells", 4 * words)),
                 cells: make(Wanted::new("depth cells", 4 + 4 * u64::from(listed))),
                 draws: make(Wanted::new("draws of depth cells", 16).indirect()),
             },
@@ -184,7 +184,7 @@ impl DepthMapVolumes {
             threshold: threshold_bits(threshold.unwrap_or(0.0)),
             is_reversed: 0,
             faces,
-            objects: 0,
+            has_objects: 0,
             spread: u32::from(bits > 1),
             unused: 0,
         };
@@ -250,7 +250,7 @@ impl DepthMapVolumes {
         self.contours.as_ref().map_or(&self.buffers.cells, |own| &own.buffers.walls)
     }
 
-    /// Marks of edges that contours cross, the places where they do, and counts of walls: the buffers that draws of walls read.
+    /// Marks of edges that contours cross, the crossings, and counts of walls: the buffers that draws of walls read.
     #[doc(hidden)]
     pub fn contour_buffers(&self) -> Option<[&wgpu::Buffer; 3]> {
         self.contours.as_ref().map(Contours::tested)
