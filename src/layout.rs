@@ -89,7 +89,7 @@ shared_structs! {
         lights: [[f32; 4]; 32],
         light_bits: [[u32; 4]; 32],
         inexact_w: [[f32; 4]; 8],
-        reach: [f32; 2],
+        magnitudes: [f32; 2],
         count: u32,
         live: u32,
         position_offset: u32,
@@ -222,7 +222,7 @@ shared_structs! {
         lights: u32,
         position_offset: u32,
         position_stride: u32,
-        twisted_at: u32,
+        twisted_offset: u32,
         vertices_per_edge: u32,
     }
 
@@ -488,13 +488,13 @@ shared_structs! {
     /// A group of a scene's casters and a light, whose outlines are drawn.
     struct OutlinedGroup {
         /// The offset in the table, in units of 16 bytes, of the casters of all chunks of edges.
-        edge_chunks_at: u32,
-        /// The offset in the lights of casters of the first caster, in the light's batch, in words.
-        lit_at: u32,
+        edge_chunks_offset: u32,
+        /// The offset in the relevant lights of casters of the light's batch, for the first caster, in words.
+        relevant_offset: u32,
         /// Entries that the list of each light has room for.
         capacity: u32,
         /// The offset of the twisted masks, which lie behind the facing masks, in words. 0: there are none.
-        twisted_at: u32,
+        twisted_offset: u32,
         /// The light's bit in its batch.
         bit: u32,
         /// 0.

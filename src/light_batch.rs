@@ -34,7 +34,7 @@ impl LightBatch {
             batch.lights[slot] = scaled.light;
             batch.light_bits[slot] = given.map(f32::to_bits);
             batch.inexact_w[slot / 4][slot % 4] = scaled.inexact_w;
-            batch.reach = [batch.reach[0].max(x).max(y).max(z), batch.reach[1].max(w)];
+            batch.magnitudes = [batch.magnitudes[0].max(x).max(y).max(z), batch.magnitudes[1].max(w)];
         }
         Self { position_offset, position_stride, ..batch }
     }

@@ -151,7 +151,7 @@ impl Run<'_> {
     fn fill_exactly_for_one_light(&self, masks: &mut [u32]) -> FacingStatistics {
         let mut statistics = FacingStatistics::default();
         let light = self.light_batch.lights[0];
-        let (relative, least) = filter::face_bound(self.largest, self.light_batch.reach);
+        let (relative, least) = filter::face_bound(self.largest, self.light_batch.magnitudes);
         // |v|₁ is at most six times the largest coordinate, and |u|₁ at most its largest value in a batch. So loose a
         // bound leaves a few faces in a thousand to be decided again, and saves most of the bound's cost for the
         // others.

@@ -26,10 +26,10 @@ impl<'a> Outlined<'a> {
     pub(crate) fn uniform(self) -> OutlinedGroup {
         let Self { part: GroupBatch { dispatch, sizes, .. }, bit, .. } = self;
         OutlinedGroup {
-            edge_chunks_at: dispatch.edge_chunks_at,
-            lit_at: dispatch.batch * dispatch.casters,
+            edge_chunks_offset: dispatch.edge_chunks_at,
+            relevant_offset: dispatch.batch * dispatch.casters,
             capacity: sizes.capacity,
-            twisted_at: if sizes.polygons.is_some() { self.group.face_slots() } else { 0 },
+            twisted_offset: if sizes.polygons.is_some() { self.group.face_slots() } else { 0 },
             bit,
             reserved_0: 0,
             reserved_1: 0,
