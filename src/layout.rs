@@ -492,7 +492,7 @@ shared_structs! {
     struct OutlinedGroup {
         /// The offset in the table, in units of 16 bytes, of the casters of all chunks of edges.
         edge_chunks_offset: u32,
-        /// The offset in the lights of casters of the first caster, in the light's batch, in words.
+        /// The offset in the relevant lights of casters of the light's batch, for the first caster, in words.
         relevant_lights_offset: u32,
         /// Entries that the list of each light has room for.
         capacity: u32,

@@ -48,7 +48,7 @@ impl Extractor {
     /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh does not
     /// fit the device's limits, the `memory_limit` or the device's memory. Polygons of
     /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) are taken with exact facing masks only, and with
-    /// outlines of at most [`MAX_OUTLINE_EDGES`](crate::gpu::MAX_OUTLINE_EDGES) edges.
+    /// boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,

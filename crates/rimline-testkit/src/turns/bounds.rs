@@ -45,8 +45,8 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
         // once, and both ends of 16 walks that the lanes begin together.
         ("TILE_NODES", 2 * (256 + 32)),
         ("TILE_WALLS", 2048),
-        ("OUTLINE_EDGES", 1024),
-        // An invocation takes all edges and triangles of a small outline, 32 of each, and 64 of them share those of a large one: of
+        ("BOUNDARY_EDGES", 1024),
+        // An invocation takes all edges and triangles of a small boundary, 32 of each, and 64 of them share those of a large one: of
         // 1,024 edges with 2,048 triangles 16 and 32. An edge has four turns and a triangle seven.
         ("CUT_ITEMS", 32 + 32),
         ("CUT_TESTS", 4 * 32 + 7 * 32),
@@ -93,7 +93,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("exact_facing", "exact_facing", 59_406),
     ("polygon_facing", "polygon_facing", 2_058),
     ("polygon_turns", "polygon_turns", 43_625),
-    ("outline", "outline", 32_876),
+    ("polygon_pairs", "polygon_pairs", 32_876),
     ("polygon_masks", "polygon_masks", 34_898),
     ("edges", "edges", 66),
     ("cut_edges", "cut_edges", 58_408),
