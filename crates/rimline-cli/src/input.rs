@@ -344,7 +344,7 @@ fn of_gltf(file: &Path, error: GltfError) -> InputError {
             let is_whole = Path::new(&what) == file;
             InputError::TooLarge { what: if is_whole { "the file".into() } else { what }, needed, limit }
         }
-        GltfError::Outside { place, uri, path } => InputError::Outside { place, uri, path },
+        GltfError::Outside { json_path, uri, path } => InputError::Outside { place: json_path, uri, path },
         error => error.into(),
     }
 }
