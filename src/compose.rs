@@ -44,21 +44,21 @@ pub(crate) fn compose(
 ) -> Result<Composed, String> {
     let mut items = Vec::new();
     take(file, flags, read, &mut Vec::new(), &mut items)?;
-    let mut places: HashMap<&str, usize> = HashMap::new();
-    for (place, item) in items.iter().enumerate() {
-        if let Some(other) = places.insert(item.name, place).and_then(|other| items.get(other)) {
+    let mut indices: HashMap<&str, usize> = HashMap::new();
+    for (index, item) in items.iter().enumerate() {
+        if let Some(other) = indices.insert(item.name, index).and_then(|other| items.get(other)) {
             return Err(format!("wgsl/{}.wgsl: {} is declared in {} too", item.file, item.name, other.file));
         }
     }
-    let mut left: Vec<usize> = words(further).iter().filter_map(|word| places.get(word.text).copied()).collect();
+    let mut remaining: Vec<usize> = words(further).iter().filter_map(|word| indices.get(word.text).copied()).collect();
     let is_own = |entry: &str, item: &Item| entry != "compute" || entry_points.contains(&item.name);
     let is_entry = |item: &Item| item.file == file && item.entry.is_some_and(|entry| is_own(entry, item));
-    left.extend((0..).zip(&items).filter(|(_, item)| item.is_override || is_entry(item)).map(|(place, _)| place));
+    remaining.extend((0..).zip(&items).filter(|(_, item)| item.is_override || is_entry(item)).map(|(index, _)| index));
     let mut is_reached = vec![false; items.len()];
-    while let Some(place) = left.pop() {
-        let (Some(reached), Some(item)) = (is_reached.get_mut(place), items.get(place)) else { continue };
+    while let Some(index) = remaining.pop() {
+        let (Some(reached), Some(item)) = (is_reached.get_mut(index), items.get(index)) else { continue };
         if !std::mem::replace(reached, true) {
-            left.extend(item.uses.iter().filter_map(|name| places.get(name).copied()));
+            remaining.extend(item.uses.iter().filter_map(|name| indices.get(name).copied()));
         }
     }
     let mut composed = Composed::default();
@@ -187,8 +187,8 @@ impl Composed {
     /// A message of a compiler about a line, counted from 1, as one about the file that the line comes from.
     pub fn located(&self, line: usize, message: &str) -> String {
         let mut text = String::new();
-        let place = line.checked_sub(1).and_then(|line| self.origins.get(line));
-        match place {
+        let origin = line.checked_sub(1).and_then(|line| self.origins.get(line));
+        match origin {
             Some((file, line)) => _ = write!(text, "wgsl/{file}.wgsl:{line}: {message}"),
             None => text.push_str(message),
         }

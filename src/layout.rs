@@ -35,7 +35,7 @@ pub const LANES: u32 = 8;
 /// A caster whose mesh has no clusters.
 pub const NO_CLUSTERS: u32 = u32::MAX;
 /// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
-/// faces face, and the index mask of the lights that are tested.
+/// faces face, and a bit for each light that is tested.
 pub const FACE_ENTRY: u32 = 4;
 
 /// Flags of a [`SceneCaster`].

@@ -84,7 +84,7 @@ impl Light {
         [x, y, z, self.w]
     }
 
-    /// Moves this light from world space into the space of a mesh. `mesh_to_world` places the mesh: four columns of
+    /// Moves this light from world space into the space of a mesh. `mesh_to_world` transforms the mesh to world space: four columns of
     /// three rows, and the last column is the translation.
     ///
     /// With it a rigid instance can keep its positions in mesh space. The facing bits are then those of world space,
@@ -97,7 +97,7 @@ impl Light {
     }
 }
 
-/// The space of a mesh that a transform places.
+/// The mesh space of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MeshSpace {
     pub(crate) inverse: DMat3,

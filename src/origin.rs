@@ -232,18 +232,18 @@ mod tests {
     fn everything_moves_by_the_same() {
         let origin = Origin::near(boxed(UTM, 10.0), || 0.2);
         let [ox, oy, oz] = origin.to_array();
-        let place = [ox + 1.25, oy - 0.1, oz + 3.0];
-        assert_eq!(origin.position(place), [1.25, -0.1, 3.0].map(|c: f64| c as f32));
-        let [x, y, z] = place;
-        assert_eq!(origin.light([x, y, z, 1.0]).xyz, origin.position(place));
+        let position = [ox + 1.25, oy - 0.1, oz + 3.0];
+        assert_eq!(origin.position(position), [1.25, -0.1, 3.0].map(|c: f64| c as f32));
+        let [x, y, z] = position;
+        assert_eq!(origin.light([x, y, z, 1.0]).xyz, origin.position(position));
         assert_eq!(
             origin.light([2.0 * x, 2.0 * y, 2.0 * z, 2.0]).to_array()[..3],
             [2.5, -0.2, 6.0].map(|c: f64| c as f32)
         );
         // A direction stays, bit for bit.
         assert_eq!(origin.light([0.1, 7.0, -3.0, 0.0]).to_array(), [0.1, 7.0, -3.0, 0.0].map(|c: f64| c as f32));
-        let moved = origin.transform([[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], place]);
-        assert_eq!(moved.columns()[3], origin.position(place));
+        let moved = origin.transform([[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], position]);
+        assert_eq!(moved.columns()[3], origin.position(position));
         assert_eq!(moved.columns()[1], [0.0, 2.0, 0.0]);
         assert_eq!(origin.to_world([1.25, 0.0, 3.0]), [ox + 1.25, oy, oz + 3.0]);
     }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use crate::model::Matrix3x4;
 
-/// A transform of positions, from mesh space to world space. Functions that place a mesh take whatever it is made of:
+/// A transform of positions, from mesh space to world space. Functions with a mesh transform accept all of these:
 ///
 /// * four columns of three, the last one the translation, as `to_cols_array_2d` of any glam's `Affine3A` gives them,
 /// * `Affine3A` of glam 0.34 itself, or `DAffine3`, which is rounded,

@@ -218,7 +218,7 @@ impl<'a> Header<'a> {
         let (json, zeros) = container::unpadded(json);
         if zeros > 0 {
             let problem = format!(" has {zeros} zero bytes at its end, where only spaces may be; they are ignored");
-            warnings.push(GltfWarning::Changed { place: "the JSON".to_owned(), problem })?;
+            warnings.push(GltfWarning::Changed { json_path: "the JSON".to_owned(), problem })?;
         }
         budget.charge_json(json)?;
         let value: Value = serde_json::from_slice(json).map_err(|error| GltfError::Json(Arc::new(error)))?;

@@ -64,7 +64,7 @@ const MORPH_WEIGHT: u64 = 32;
 pub(super) const RIGID_INSTANCE: u64 = INSTANCE + MATRIX;
 /// Bytes for a joint in the set of those in use.
 const USED_JOINT: u64 = 24;
-/// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
+/// Bytes for a node besides its JSON: the struct, its entry in the forest, its matrices in a pose.
 pub(super) const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
 
 /// More bytes for a vertex that is welded by distance: its cell, boxes of its cell, and its group without and with its data.

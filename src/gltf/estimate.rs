@@ -38,7 +38,7 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
         kept = kept.saturating_add(budget::geometry(vertices, targets, faces));
     }
     let mut placed: u64 = 0;
-    let mut place = |mesh: usize, count: u64| {
+    let mut add = |mesh: usize, count: u64| {
         if let Some(&Size { vertices, faces, .. }) = sizes.get(mesh).filter(|size| size.faces > 0) {
             placed = placed.saturating_add(budget::placed(vertices, faces).saturating_mul(count));
             kept = kept.saturating_add(budget::RIGID_INSTANCE.saturating_mul(count));
@@ -47,12 +47,12 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
     };
     for node in graph.scene.iter().filter_map(|&n| document.nodes.get(n)) {
         if let Some(mesh) = node.mesh {
-            place(mesh, instances(document, node));
+            add(mesh, instances(document, node));
         }
     }
     if document.scenes.is_empty() {
         let used: HashSet<usize> = document.nodes.iter().filter_map(|node| node.mesh).collect();
-        (0..sizes.len()).filter(|mesh| !used.contains(mesh)).for_each(|mesh| place(mesh, 1));
+        (0..sizes.len()).filter(|mesh| !used.contains(mesh)).for_each(|mesh| add(mesh, 1));
     }
     let (needed, what) = most;
     budget.refuse(needed, &|| what.clone())

@@ -74,7 +74,7 @@ pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<Stri
         if !is_supported(name) {
             return Err(GltfError::Extension {
                 name: shorten(name),
-                place: "the file (extensionsRequired)".to_owned(),
+                json_path: "the file (extensionsRequired)".to_owned(),
                 advice: if name == DRACO { DRACO_ADVICE } else { "export the file without it" },
             });
         }

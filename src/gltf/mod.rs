@@ -13,7 +13,7 @@
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
 //!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
 //! * **Large coordinates.** Transforms of nodes are composed in `f64`. [`Asset::set_origin`] subtracts a point near the
-//!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the places of all nodes.
+//!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the translations of all nodes.
 //! * **Shared children.** A child of two nodes is placed below the first of them, with a warning.
 //! * **Corners.** One or two corners that are left over in a list of triangles are ignored, with a warning. An index must
 //!   not be the largest of its type. One that is gets a warning: in a list of triangles it names a vertex, if there is

@@ -33,11 +33,11 @@ impl Asset {
         for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
             let (posed, mixed) = self.instance(placement, instance.geometry(), &state);
             let Ok(posed) = posed else {
-                let place = match placement.node {
+                let json_path = match placement.node {
                     Some(node) => format!("nodes[{node}]"),
                     None => format!("meshes[{}]", placement.mesh),
                 };
-                return Err(GltfError::NotFinite { place, time_s });
+                return Err(GltfError::NotFinite { json_path, time_s });
             };
             mixed_determinants += usize::from(mixed);
             instances.push(posed);
@@ -46,7 +46,7 @@ impl Asset {
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its
-    /// nodes. Their places are relative to [`Asset::origin`]. Lights of hidden nodes are none.
+    /// nodes. Their positions are relative to [`Asset::origin`]. Lights of hidden nodes are none.
     ///
     /// # Errors
     /// [`GltfError`] as for [`Asset::pose`], and for a light that is damaged. [`Asset::each_light`] gives the others.
@@ -96,8 +96,8 @@ impl Asset {
         };
         let [x, y, z] = xyz.as_vec3().to_array();
         if ![x, y, z].iter().all(|c| c.is_finite()) {
-            let place = format!("nodes[{n}]");
-            return Err(GltfError::NotFinite { place, time_s });
+            let json_path = format!("nodes[{n}]");
+            return Err(GltfError::NotFinite { json_path, time_s });
         }
         let direction = (-world.matrix3.z_axis.normalize()).as_vec3();
         let spot = |[inner_angle, outer_angle]: [f32; 2]| {

@@ -20,7 +20,7 @@ pub enum GltfWarning {
         /// The fault, and where it is.
         fault: Box<GltfError>,
     },
-    /// The file uses an extension that is not read, and that may place, shape or move what is drawn.
+    /// The file uses an extension that is not read, and that may transform, shape or move what is drawn.
     #[error("the extension {name} is not read; where it places, shapes or moves something, the result is another")]
     Extension {
         /// The extension.
@@ -35,13 +35,13 @@ pub enum GltfWarning {
     /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no shadow
     /// and are not drawn, whatever the weights.
     #[error(
-        "{place}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
+        "{json_path}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
         if *.is_target { "offsets" } else { "positions" },
         if *.is_target { "; the faces of these vertices are not drawn" } else { "" }
     )]
     NonFinite {
         /// JSON path of the attribute.
-        place: String,
+        json_path: String,
         /// The number of such vectors.
         vertices: usize,
         /// The first vertex.
@@ -52,25 +52,25 @@ pub enum GltfWarning {
     /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners, indices
     /// that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that move nothing,
     /// zero bytes after the JSON.
-    #[error("{place}{problem}")]
+    #[error("{json_path}{problem}")]
     Changed {
         /// JSON path of the part.
-        place: String,
-        /// The fault, and how it was read: the words that follow the place in the message.
+        json_path: String,
+        /// The fault, and how it was read: the words after the path in the message.
         problem: String,
     },
 }
 
 impl GltfWarning {
     /// A rotation has length 0.
-    pub(super) fn no_rotation(place: String) -> Self {
+    pub(super) fn no_rotation(json_path: String) -> Self {
         let problem = " is a quaternion without a direction; it is read as no rotation, (0, 0, 0, 1)".to_owned();
-        Self::Changed { place, problem }
+        Self::Changed { json_path, problem }
     }
 
     /// A channel of an animation moves nothing.
-    pub(super) fn channel(place: &str, problem: &str) -> Self {
-        Self::Changed { place: place.to_owned(), problem: format!(": {problem}, so the channel moves nothing") }
+    pub(super) fn channel(json_path: &str, problem: &str) -> Self {
+        Self::Changed { json_path: json_path.to_owned(), problem: format!(": {problem}, so the channel moves nothing") }
     }
 }
 

@@ -83,7 +83,7 @@ pub struct OutlineStyle {
     /// The colour of the edges of [`OutlineInputs::marked`], if they are nothing else that is drawn.
     pub marked: Option<[f32; 4]>,
     /// How far a line may lie behind the depth that was drawn and still be seen, in units of depth. Slopes of surfaces are allowed
-    /// for in any case. It covers the rounding of depth: a few units of its last place, so 4e-5 for `Depth16Unorm`.
+    /// for in any case. It covers the rounding of depth: a few units in its last place, so 4e-5 for `Depth16Unorm`.
     pub depth_bias: f32,
 }
 

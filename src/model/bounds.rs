@@ -253,7 +253,7 @@ impl GeometryBounds {
     }
 }
 
-/// The sum of absolute values of a row times a place whose coordinates are at most `size`, and 1.
+/// The sum of absolute values of a row times a position whose coordinates are at most `size`, and 1.
 fn terms(row: &[f32; 4], size: [f64; 3]) -> f64 {
     let [x, y, z, shift] = row.map(|c| f64::from(c.abs()));
     x * size[0] + y * size[1] + z * size[2] + shift

@@ -221,12 +221,12 @@ impl Geometry {
         let by_position = || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
         // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be searched
         // one by one, in quadratic time.
-        let (NearGroups { groups, wide }, places) = match weld {
+        let (NearGroups { groups, wide }, position_count) = match weld {
             Weld::Distance(distance) => self.near_groups(distance, &keys),
             Weld::Position => {
                 let groups = by_position();
-                let places = weld::count(&groups);
-                (NearGroups { groups, wide: 0 }, places)
+                let position_count = weld::count(&groups);
+                (NearGroups { groups, wide: 0 }, position_count)
             }
             _ => {
                 let same = |a, b| self.same_position(a, b) && self.same_data(a, b);
@@ -252,7 +252,8 @@ impl Geometry {
             source_vertices: kept.iter().map(|&v| self.source_vertices[v]).collect(),
         };
         let collapsed = weld::collapsed(&self.faces, &welded.faces);
-        let counts = WeldCounts { before: count, after: kept.len(), apart: kept.len() - places, collapsed, wide };
+        let counts =
+            WeldCounts { before: count, after: kept.len(), apart: kept.len() - position_count, collapsed, wide };
         (welded, counts)
     }
 
@@ -262,12 +263,12 @@ impl Geometry {
         let has_data = self.influences.is_some() || !self.morph_targets.is_empty();
         if distance.is_across_data() || !has_data {
             let found = by_position();
-            let places = weld::count(&found.groups);
-            return (found, places);
+            let position_count = weld::count(&found.groups);
+            return (found, position_count);
         }
         let classes = groups(self.positions.len(), |v| keys.hash(self.data(v)), |a, b| self.same_data(a, b));
-        let places = weld::count(&by_position().groups);
-        (near_groups(&self.positions, distance, |v| classes[v]), places)
+        let position_count = weld::count(&by_position().groups);
+        (near_groups(&self.positions, distance, |v| classes[v]), position_count)
     }
 
     /// An upper bound of the number of words of a vertex.

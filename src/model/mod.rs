@@ -38,7 +38,7 @@ impl Instance {
     }
 }
 
-/// Geometries and the instances that place them. All instances together make one [`Mesh`]: vertices and faces are
+/// Geometries and their instances. All instances together make one [`Mesh`]: vertices and faces are
 /// concatenated in the order of the instances. Vertices are welded within an instance, never across instances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {

@@ -1,4 +1,4 @@
-//! Poses: the place and shape of each instance of a model at one time.
+//! Poses: the transform and shape of each instance of a model at one time.
 
 use glam::DAffine3;
 
@@ -125,7 +125,7 @@ impl Pose {
         Self { mixed_determinants, ..self }
     }
 
-    /// This pose at another place: all instances are moved by `at`, for example a figure of a file into a level. Matrices are
+    /// This pose moved: all instances are transformed by `at`, for example a figure of a file into a level. Matrices are
     /// multiplied in `f64` and rounded once.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::memory::any_error;
 
-/// A value, or the place for it. The thread that makes the value holds its lock, so other threads wait for it instead
+/// A value, or an empty cell for it. The thread that makes the value holds its lock, so other threads wait for it instead
 /// of making it again. Other values can be made meanwhile.
 type Room<V> = Arc<Mutex<Option<V>>>;
 

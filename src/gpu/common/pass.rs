@@ -41,7 +41,7 @@ pub(crate) enum Step {
     Pass(&'static str, Vec<Dispatch>),
     /// Sets a part of a buffer to zeros.
     Clear(wgpu::Buffer, Range<u64>),
-    /// Copies so many bytes from a place in a buffer to one in another.
+    /// Copies bytes from an offset in a buffer to an offset in another.
     Copy([(wgpu::Buffer, u64); 2], u64),
 }
 

@@ -133,7 +133,7 @@ fn check_flag(
 
 /// A fragment shader that runs for each sample, which only draws with several samples a pixel need.
 pub(crate) const SAMPLE_SHADING: &str =
-    "@fragment fn of_sample(@location(0) @interpolate(linear, sample) place: vec2<f32>) {}";
+    "@fragment fn of_sample(@location(0) @interpolate(linear, sample) pixel: vec2<f32>) {}";
 
 /// Compares a device with what draws with several samples a pixel need.
 pub(crate) fn check_sample_shading(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {

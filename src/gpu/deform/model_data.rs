@@ -152,11 +152,11 @@ impl ModelData {
             model.geometries().iter().zip(&self.geometries).flat_map(|(g, chunks)| chunks.iter().map(move |c| (g, c)))
         };
         let make = |array: usize,
-                    place: fn(&GeometryChunk) -> &Range<u64>,
+                    range: fn(&GeometryChunk) -> &Range<u64>,
                     words: fn(&Geometry, &Range<usize>) -> Vec<u32>| {
             let mut contents: Vec<u32> = Vec::with_capacity(self.bytes[array] as usize / 4);
             for (geometry, chunk) in chunks() {
-                contents.resize(place(chunk).start as usize / 4, 0);
+                contents.resize(range(chunk).start as usize / 4, 0);
                 contents.append(&mut words(geometry, &chunk.vertices));
             }
             contents.resize(self.bytes[array] as usize / 4, 0);
@@ -228,7 +228,7 @@ impl ModelData {
     }
 }
 
-/// The smallest range with both. An empty range has no place.
+/// The smallest range with both. An empty range counts nowhere.
 fn union(a: &Range<u64>, b: &Range<u64>) -> Range<u64> {
     if a.is_empty() { b.clone() } else { a.start.min(b.start)..a.end.max(b.end) }
 }
@@ -261,7 +261,7 @@ impl Plan {
     }
 }
 
-/// Cuts a geometry so that the arrays of each chunk fit a binding, and places them behind `ends`.
+/// Cuts a geometry so that the arrays of each chunk fit a binding, and appends them at `ends`.
 fn chunk_geometry(
     geometry: &Geometry,
     split: &DispatchLimits,
@@ -272,17 +272,17 @@ fn chunk_geometry(
     let most_influences = geometry.influences().map_or(0, |influences| influences.most_per_vertex() as u64);
     let bytes_per_vertex = 13.max(morph_bytes).max(8 + 8 * most_influences);
     let runs = split.chunks("vertices of a deforming mesh", geometry.positions().len(), bytes_per_vertex)?;
-    let mut place = |array: usize, bytes: u64| {
+    let mut append = |array: usize, bytes: u64| {
         let begin = split.align_up(ends[array]);
         // The range is never empty, because an array without elements is still bound.
         ends[array] = begin + bytes.max(4);
         begin..ends[array]
     };
     let chunks = runs.into_iter().map(|vertices| GeometryChunk {
-        rest: place(0, 12 * vertices.len() as u64),
-        morph: place(1, morph_bytes * vertices.len() as u64),
-        skin: place(2, 4 * skin_word_count(geometry, &vertices)),
-        sources: place(3, 4 * vertices.len() as u64),
+        rest: append(0, 12 * vertices.len() as u64),
+        morph: append(1, morph_bytes * vertices.len() as u64),
+        skin: append(2, 4 * skin_word_count(geometry, &vertices)),
+        sources: append(3, 4 * vertices.len() as u64),
         vertices,
     });
     Ok(chunks.collect())

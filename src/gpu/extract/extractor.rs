@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
-use super::extraction::{Extraction, Place, Shared};
+use super::extraction::{Extraction, PositionSlice, Shared};
 use super::options::ExtractorOptions;
 use super::results::ExtractionResults;
 use super::stages::{Binder, Made, Runs, from_facing, from_positions, made, programs};
@@ -33,7 +33,7 @@ pub struct Extractor {
     /// The stages that read positions, for windows of so many words.
     reading: (u32, Vec<Made>),
     /// Their steps for each batch of lights, and the positions that they are bound to.
-    from_positions: Option<(Place, Vec<Vec<Step>>)>,
+    from_positions: Option<(PositionSlice, Vec<Vec<Step>>)>,
     /// The steps before all stages, for each batch those after facing, and the last.
     before: [Step; 2],
     from_facing: Vec<Vec<Step>>,
@@ -137,8 +137,8 @@ impl Extractor {
         check_lights(lights, self.options.max_lights)?;
         check_timer(timer.as_deref(), self.shared.device())?;
         let bound = positions.bind(self.shared.shape.vertices, &self.shared.limits)?;
-        let place = Place::of(positions);
-        self.bind_positions(&place, &bound)?;
+        let slice = PositionSlice::of(positions);
+        self.bind_positions(&slice, &bound)?;
 
         let mut batches = UniformTable::default();
         for lights in lights.chunks(32) {
@@ -152,18 +152,18 @@ impl Extractor {
         let of_batches = of_batches.flat_map(|(first, then)| first.iter().chain(then));
         record(self.before.iter().chain(of_batches).chain(&self.at_last), encoder, 0..1, timer);
         let encode = self.shared.begin_encode();
-        Ok(Extraction::new(Arc::clone(&self.shared), place, lights, encode))
+        Ok(Extraction::new(Arc::clone(&self.shared), slice, lights, encode))
     }
 
-    /// Makes the bind groups that read positions, unless they exist for this place.
-    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), DeviceError> {
-        if self.from_positions.as_ref().is_some_and(|(made, _)| made == place) {
+    /// Makes the bind groups that read positions, unless they exist for this slice.
+    fn bind_positions(&mut self, slice: &PositionSlice, bound: &BoundPositions) -> Result<(), DeviceError> {
+        if self.from_positions.as_ref().is_some_and(|(made, _)| made == slice) {
             return Ok(());
         }
         self.from_positions = None;
         let Self { shared, options, runs, reading, .. } = self;
         let Shared { pipelines, shape, buffers, facing, .. } = &**shared;
-        let (device, positions) = (pipelines.device(), Some((&place.buffer, bound)));
+        let (device, positions) = (pipelines.device(), Some((&slice.buffer, bound)));
         let binder = Binder { device, shape, buffers, runs, facing, positions, given: None };
         let steps = positions::bound(device, || {
             let words = bound.windows.words;
@@ -172,7 +172,7 @@ impl Extractor {
             }
             (0..shape.batches()).map(|batch| binder.read_positions(&reading.1, batch)).collect()
         })?;
-        self.from_positions = Some((place.clone(), steps));
+        self.from_positions = Some((slice.clone(), steps));
         Ok(())
     }
 

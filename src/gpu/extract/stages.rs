@@ -87,7 +87,7 @@ pub(super) fn from_positions(
             (&CUT_EDGES, 1, Size::Written(ROW_WORKGROUPS)),
             (&CUT_EDGES, 2, Size::Written(ROW_WORKGROUPS)),
             (&CUT_EDGES, 3, Size::Written(ROW_WORKGROUPS)),
-            // Quadrilaterals of which no sign is in doubt. Their pieces are behind the others, in places that have no cuts.
+            // Quadrilaterals whose signs are all certain. Their pieces follow the others, where the list has no cuts.
             (&CUT_QUADS, 0, Size::Written(RECORD_WORKGROUPS)),
         ];
         return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();

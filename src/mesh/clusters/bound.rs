@@ -19,7 +19,7 @@ mod cluster_kinds {
     pub(super) const BOUNDED: u32 = 1;
     /// No face faces a light. Some faces name a vertex twice.
     pub(super) const AT_MOST_AVERTED: u32 = 2;
-    /// Every light is averted: all faces name a vertex twice.
+    /// All faces name a vertex twice, so they are back-facing for every light.
     pub(super) const AVERTED: u32 = 3;
 }
 

@@ -183,7 +183,7 @@ impl Polygons {
 
 /// The edges of all boundaries are the half-edges of a mesh of polygons.
 impl HalfEdges for Polygons {
-    fn places(&self) -> usize {
+    fn number_limit(&self) -> usize {
         self.boundaries.len()
     }
 
