@@ -8,13 +8,13 @@ use serde_json::{Value, json};
 
 /// Boundary edges that lie so near others that they are meant to be one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Seams {
+pub(crate) struct Seams {
     pub(super) edges: usize,
     /// The farthest that ends of two such edges are apart.
     pub(super) gap: f64,
     /// A distance that joins them, and what it does.
     pub(super) distance: f32,
-    pub(super) closes: usize,
+    pub(crate) closes: usize,
     pub(super) collapses: usize,
     /// Whether only `--weld position` joins them, too.
     pub(super) across_data: bool,
@@ -22,7 +22,7 @@ pub(super) struct Seams {
 
 impl Seams {
     /// The seams of a mesh in its own space, where vertices are welded.
-    pub(super) fn of(geometry: &Geometry, mesh: &Mesh) -> Option<Self> {
+    pub(crate) fn of(geometry: &Geometry, mesh: &Mesh) -> Option<Self> {
         let edges: Vec<[u32; 2]> = boundary(mesh).map(|edge| edge.vertices).collect();
         let first = tolerance(geometry.positions())?;
         let found = [1.0, 10.0, 100.0].map(|times| {
@@ -46,7 +46,7 @@ impl Seams {
         Some(Self { edges, gap, distance, closes, collapses, across_data })
     }
 
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let Self { edges, gap, distance, closes, collapses, across_data } = self;
         let position = if *across_data { "--weld position " } else { "" };
         let them = if closes >= edges { "them".to_owned() } else { format!("{closes} of them") };
