@@ -1,6 +1,6 @@
 // Stage `contour_marks`: marks the edges that a contour crosses, which are those between two samples of different surfaces.
 // First dispatch of an encode with contours: an invocation for each word of marks, which is 16 samples of a row.
-// Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_places`, `contour_walls` and the near cap of
+// Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_crossings`, `contour_walls` and the near cap of
 // `depth_walls`.
 // A slope is no jump, however steep it is: walls within a surface would put specks of its own shadow on it.
 // Integers decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and crossings".

@@ -1,5 +1,5 @@
 // Rims of smooth surfaces beyond their last sample, surfaces between their last sample and a contour, and marked edges.
-// Imported by `contour_tiles` (for marks), `contour_places`, `contour_walls` and `depth_walls` (for its near cap), after
+// Imported by `contour_tiles` (for marks), `contour_crossings`, `contour_walls` and `depth_walls` (for its near cap), after
 // `contour_marks`. Importers bind what contour.wgsl has, and `marks`.
 // A contour is where a surface ends before another as the light sees it. It crosses the marked edges between samples.
 // Offsets from a sample are in 1/256 texel, in the direction of a step.

@@ -13,7 +13,7 @@ use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::wanted::Wanted;
 use crate::layout::{ContourShape, DepthMapView};
-use crate::stages::{CONTOUR_MARKS, CONTOUR_PLACES, CONTOUR_TILES, CONTOUR_WALLS};
+use crate::stages::{CONTOUR_CROSSINGS, CONTOUR_MARKS, CONTOUR_TILES, CONTOUR_WALLS};
 
 /// Cells along the side of a tile, and invocations that walk in it.
 const TILE: u32 = 16;
@@ -131,10 +131,10 @@ impl Contours {
         let stages = [
             shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),
             shared.compute(&CONTOUR_TILES, "contour_tiles_list", &most),
-            shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
-            shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(false)),
-            shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
-            shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
+            shared.compute(&CONTOUR_CROSSINGS, "contour_crossings", &[]),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_trace", &lists(false)),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_scan", &[]),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_trace", &lists(true)),
         ];
         Ok(Self { mark: ObjectStage::new(shared, &CONTOUR_MARKS, "contour_marks", &[]), stages, shape, buffers })
     }

@@ -144,7 +144,15 @@ pub(super) fn placed(rows: Matrix3x4, light: &ShadowCamera, layout: [u32; 4]) ->
         [x, y, z, shift - light.origin[axis]]
     };
     let [position_offset, position_stride, first_face, face_count] = layout;
-    MeshDepthCaster { row_0: less(0), row_1: less(1), row_2: less(2), position_offset, position_stride, first_face, face_count }
+    MeshDepthCaster {
+        row_0: less(0),
+        row_1: less(1),
+        row_2: less(2),
+        position_offset,
+        position_stride,
+        first_face,
+        face_count,
+    }
 }
 
 /// The layout of the first bindings of the stage.

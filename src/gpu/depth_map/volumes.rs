@@ -209,7 +209,7 @@ impl DepthMapVolumes {
         let nothing = texture(device, "no objects", [1, 1], numbers, further);
         let spreads = [("SPREADS", shape.spread)];
         let is_counted = edges.is_none() && contours.is_none();
-        let of_cells = ["depth_cells_places", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
+        let of_cells = ["depth_cells_scan", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
         Ok(Self {
             count: is_counted.then(|| ObjectStage::new(shared, &DEPTH_CELLS, "depth_cells_count", &spreads)),
             edges,

@@ -1,4 +1,4 @@
-// Stage `contour_places`: computes where contours cross marked edges. At the rim of a smooth surface depths say where.
+// Stage `contour_crossings`: computes where contours cross marked edges. At the rim of a smooth surface depths say where.
 // Elsewhere a line or parabola is fitted to the edges that the contour crosses before and after.
 // After `contour_tiles`, which writes its indirect dispatch: an invocation for each row of 16 samples of a listed tile.
 // Reads depths, `marks` and `counts`. Writes `crossings`. `contour_walls` reads them and moves them onto its segments; then the
@@ -136,7 +136,7 @@ fn crossing_on_edge(sample: vec2<i32>, axis: u32) -> i32 {
 
 // An invocation takes a row of a tile, whose marks are one word.
 @compute @workgroup_size(BLOCK)
-fn contour_places(
+fn contour_crossings(
   @builtin(workgroup_id) workgroup: vec3<u32>,
   @builtin(num_workgroups) dispatch_size: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
