@@ -1,4 +1,4 @@
-//! Two depth maps of one light in one.
+//! Merges two depth maps of one light.
 
 use super::error::DepthMapError;
 use super::written::WrittenMap;
@@ -8,7 +8,7 @@ use crate::gpu::common::timer::StageTimer;
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_MERGE;
 
-/// Merges two depth maps of one light by the nearer depth, for example one of what never moves and one of what does. Both maps
+/// Merges two depth maps of one light by the nearer depth, for example one of static casters and one of moving ones. Both maps
 /// are made with the same camera. They may have different formats.
 ///
 /// The result is a map of `R32Float`, to be given to [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Where a map has a coarser
@@ -32,7 +32,7 @@ impl DepthMapMerge {
     }
 
     /// Records the stage. `depth` is the direction of both maps. A texel of the result has the nearer of the two depths. NaN and
-    /// what lies beyond the far end count as far. Draws of volumes read the result, too, so record them before the next merge.
+    /// depths beyond the far end count as far. Draws of volumes read the result, too, so record them before the next merge.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture is refused. Nothing is recorded then.
@@ -56,8 +56,8 @@ impl DepthMapMerge {
         depth: DepthDirection,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), DepthMapError> {
-        for (number, map) in maps.into_iter().enumerate() {
-            self.merged.check(map, &format!("map {number} of the merge"))?;
+        for (index, map) in maps.into_iter().enumerate() {
+            self.merged.check(map, &format!("map {index} of the merge"))?;
         }
         let [first, second] = maps;
         let maps = [("depth_texture", first), ("second_texture", second)];

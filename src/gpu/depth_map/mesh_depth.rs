@@ -17,15 +17,13 @@ use crate::{Matrix3x4, Mesh, ShadowCamera, Transform};
 /// Bindings of a draw: view, positions, caster.
 const BINDINGS: u32 = 3;
 
-/// The transform that leaves positions where they are.
-pub(super) const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+/// The unit matrix.
+pub(super) const UNIT: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Draws the depth of a mesh into a depth map, for [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Front and back faces
-/// are drawn alike. Many meshes can be drawn in one pass, and anything else that writes depth beside them. For the casters of a
-/// scene there is [`SceneDepth`](crate::gpu::depth_map::SceneDepth).
+/// Draws the depth of a mesh into a depth map, for [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Both front and back
+/// faces are drawn. One pass may draw many meshes, and anything else that writes depth. For the casters of a scene use [`SceneDepth`](crate::gpu::depth_map::SceneDepth).
 ///
-/// A mesh with an object-precision volume does not need this. It is for casters that share a map with others, and for
-/// comparing.
+/// It is for meshes that share a map with other casters, and for comparisons. A mesh with a shadow volume does not need it.
 #[derive(Debug)]
 pub struct MeshDepth {
     shared: Pipelines,
@@ -37,8 +35,8 @@ pub struct MeshDepth {
 }
 
 impl MeshDepth {
-    /// Makes what draws `mesh` into attachments of `format`, without color and with one sample. `depth` tells which depth
-    /// is near, as [`ShadowCamera::depth`] of the light does.
+    /// Makes the pipeline that draws `mesh` into attachments of `format`, without color and with one sample. `depth` is the
+    /// [`ShadowCamera::depth`] of the light.
     ///
     /// # Errors
     /// [`DepthMapError`] if `format` has no depth, or the device lacks something or refuses it.
@@ -84,14 +82,13 @@ impl MeshDepth {
         positions: PositionBuffer<'_>,
         light: &ShadowCamera,
     ) -> Result<(), DepthMapError> {
-        self.draw_rigid(pass, positions, UNMOVED, light)
+        self.draw_rigid(pass, positions, UNIT, light)
     }
 
     /// Like [`Self::draw`], with `positions` in mesh space. `mesh_to_world` places them in world space.
-    /// It may mirror. With a singular matrix, or one that is not finite, nothing is drawn, as such a caster of a scene casts
-    /// nothing.
+    /// It may mirror. With a singular matrix, or one that is not finite, nothing is drawn.
     ///
-    /// A vertex less the light's origin is at `row.xyz · position + (row.w − origin)` for each axis, by [`Transform::rows`], as for
+    /// A vertex relative to the light's origin is at `row.xyz · position + (row.w − origin)` for each axis, by [`Transform::rows`], as for
     /// [`CasterPositions::Rigid`](crate::gpu::CasterPositions::Rigid).
     ///
     /// # Errors
@@ -119,7 +116,7 @@ impl MeshDepth {
         let layout = [word(positions.offset - base), word(positions.stride), 0, self.count / 3];
         let group = any_error(device, || {
             let view = storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }));
-            let caster = storage(device, bytemuck::bytes_of(&placed(mesh_to_world, light, layout)));
+            let caster = storage(device, bytemuck::bytes_of(&caster_of(mesh_to_world, light, layout)));
             let resources = [whole(&view), part(positions.buffer, base..end), whole(&caster)];
             group(device, "mesh depth", &depth_layout(&self.shared, BINDINGS), &resources)
         });
@@ -137,17 +134,17 @@ pub(super) fn storage(device: &wgpu::Device, contents: &[u8]) -> wgpu::Buffer {
     filled(device, "mesh depth", contents, wgpu::BufferUsages::STORAGE)
 }
 
-/// A caster as a light sees it. `layout`: the last four fields of the result.
-pub(super) fn placed(rows: Matrix3x4, light: &ShadowCamera, layout: [u32; 4]) -> MeshDepthCaster {
-    let less = |axis: usize| {
+/// The parameters of a caster for a light. `layout`: the last four fields of the result.
+pub(super) fn caster_of(rows: Matrix3x4, light: &ShadowCamera, layout: [u32; 4]) -> MeshDepthCaster {
+    let relative_row = |axis: usize| {
         let [x, y, z, shift] = rows[axis];
         [x, y, z, shift - light.origin[axis]]
     };
     let [position_offset, position_stride, first_face, face_count] = layout;
     MeshDepthCaster {
-        row_0: less(0),
-        row_1: less(1),
-        row_2: less(2),
+        row_0: relative_row(0),
+        row_1: relative_row(1),
+        row_2: relative_row(2),
         position_offset,
         position_stride,
         first_face,
