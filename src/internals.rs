@@ -18,7 +18,7 @@ pub mod turns {
 pub mod shadow {
     use crate::layout::{ShadowLight, ShadowView};
     pub use crate::shadow::{
-        CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
+        CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
         COUNT_ZP_PLUS_2005,
     };
     use crate::{CameraError, Light, ShadowCamera};
@@ -199,13 +199,13 @@ pub mod cpu {
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
+    pub use crate::cpu::polygon::boundary::Boundary;
     pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
-    pub use crate::cpu::polygon::outline::Outline;
+    pub use crate::cpu::polygon::orientation::Orientation;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
-    pub use crate::cpu::polygon::seen::Seen;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::*;
 }

@@ -27,14 +27,14 @@ impl LightBatch {
         for slot in 0..32 {
             let own = if slot < count as usize { light(slot) } else { None };
             let Some(given) = own.or(last) else { break };
-            batch.live |= u32::from(own.is_some()) << slot;
+            batch.active_bits |= u32::from(own.is_some()) << slot;
             let scaled = ScaledLight::new(given);
             let [x, y, z, w] = scaled.light.map(f32::abs);
             let w = w.max(scaled.inexact_w);
             batch.lights[slot] = scaled.light;
             batch.light_bits[slot] = given.map(f32::to_bits);
             batch.inexact_w[slot / 4][slot % 4] = scaled.inexact_w;
-            batch.reach = [batch.reach[0].max(x).max(y).max(z), batch.reach[1].max(w)];
+            batch.magnitudes = [batch.magnitudes[0].max(x).max(y).max(z), batch.magnitudes[1].max(w)];
         }
         Self { position_offset, position_stride, ..batch }
     }

@@ -57,7 +57,7 @@ stages! {
     EXACT_FACING = extract / exact_facing;
     POLYGON_FACING = polygon / polygon_facing;
     POLYGON_TURNS = polygon / polygon_turns in polygon_facing;
-    OUTLINE = polygon / outline;
+    POLYGON_PAIRS = polygon / polygon_pairs;
     POLYGON_MASKS = polygon / polygon_masks in polygon_facing;
     EDGES = extract / edges;
     CUT_EDGES = polygon / cut_edges: cut_edges, cut_edges_rank, cut_edges_before, cut_edges_list;
@@ -161,13 +161,13 @@ pub const FILES: &[(&str, &str)] = files![
     "outline/mesh_edges",
     "outline/outline_edges",
     "outline/scene_edges",
+    "polygon/boundaries",
+    "polygon/corner_turn",
     "polygon/cut_edges",
     "polygon/cuts",
     "polygon/list_pieces",
-    "polygon/outline",
-    "polygon/outlines",
     "polygon/polygon_facing",
-    "polygon/turn",
+    "polygon/polygon_pairs",
     "query/exact_shadow_depth",
     "query/records",
     "query/shadow_boxes",
@@ -186,9 +186,10 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/caster",
     "shadow/choices",
     "shadow/choose",
+    "shadow/culling",
+    "shadow/draw_lists",
+    "shadow/half_plane_bins",
     "shadow/list_sides",
-    "shadow/lists",
-    "shadow/pencil",
     "shadow/pieces",
     "shadow/receiver_pyramid",
     "shadow/receivers",
@@ -200,7 +201,6 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/stencil_crossings",
     "shadow/stencil_pencil",
     "shadow/vertices",
-    "shadow/visibility",
     "shadow/zp_plus_2005_cases",
 ];
 

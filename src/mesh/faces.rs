@@ -96,11 +96,11 @@ impl Mesh {
     }
 
     /// Welds vertices and builds the edge records between polygons, planar or not. A polygon is one face, as in Bergeron's
-    /// paper of 1986: its outline decides whether it faces a light, and its inner diagonals are no edges. An edge that a
+    /// paper of 1986: its boundary decides whether it faces a light, and its inner diagonals are no edges. An edge that a
     /// polygon walks both ways is none either: the bridge to a hole. Polygons that are all triangles make the same mesh as
     /// [`Self::new`].
     ///
-    /// A light may see the outline of a polygon that is not planar otherwise than its triangles, [`Self::faces`]. Where
+    /// A light may see the boundary of a polygon that is not planar otherwise than its triangles, [`Self::faces`]. Where
     /// these are drawn, silhouettes and shadows then differ from the picture. [`Self::from_polygons`] is for what is drawn.
     ///
     /// `positions` decide the triangles that are the surface of each polygon. These stay as they are when vertices
@@ -187,7 +187,7 @@ impl Mesh {
     /// edges both ways. They face no light.
     pub fn degenerate_faces(&self) -> usize {
         if let Some(polygons) = &self.polygons {
-            return (0..polygons.len()).filter(|&polygon| polygons.outline(polygon).is_empty()).count();
+            return (0..polygons.len()).filter(|&polygon| polygons.boundary(polygon).is_empty()).count();
         }
         self.faces.iter().filter(|face| is_degenerate(**face)).count()
     }

@@ -214,11 +214,11 @@ fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
 /// `casting` and `counting` of shared structs hold the same constants in Rust and WGSL.
 fn constants() -> Outcome {
     use rimline::internals::layout::{CHUNK, LANES};
-    use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
+    use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING};
     use rimline::internals::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
     let listed = [
         ("CAST_NOTHING", CAST_NOTHING),
-        ("CAST_AVERTED", CAST_AVERTED),
+        ("CAST_BACK_FACING", CAST_BACK_FACING),
         ("CAST_EVERY", CAST_EVERY),
         ("COUNT_Z_PASS", COUNT_Z_PASS),
         ("COUNT_ZP_PLUS", COUNT_ZP_PLUS),

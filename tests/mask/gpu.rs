@@ -5,8 +5,8 @@
 mod copied;
 mod drawn;
 mod frames;
+mod partial;
 mod rays;
-mod reach;
 mod refusals;
 mod same;
 mod world;
@@ -14,6 +14,6 @@ mod world;
 use rimline_testkit::harness::{self, Test};
 
 fn main() {
-    let tests: [&[Test]; 6] = [same::TESTS, rays::TESTS, copied::TESTS, frames::TESTS, reach::TESTS, refusals::TESTS];
+    let tests: [&[Test]; 6] = [same::TESTS, rays::TESTS, copied::TESTS, frames::TESTS, partial::TESTS, refusals::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -1,16 +1,16 @@
-//! The pieces that `cut_edges` and `cut_quads` list for twisted outlines. They close, bit for bit. There are as many as edges and
+//! The pieces that `cut_edges` and `cut_quads` list for twisted boundaries. They close, bit for bit. There are as many as edges and
 //! their crossings, which are counted in integers. They wind around what is dark: the parity of the triangles between.
 
 use std::collections::BTreeMap;
 
 use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
-use rimline::internals::cpu::{Outline, Seen};
+use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_set};
+use rimline_testkit::polygons::{PolygonSet, boundary_in_planes, edge_on_polygon, folded_polygon, random_set};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, polygon_oracle, same, shadow_oracle};
 
@@ -18,8 +18,8 @@ use crate::stages::random_lights;
 
 pub(crate) const TESTS: &[Test] = &[
     ("pieces_wind_once_around_what_is_dark", wind),
-    ("pieces_of_outlines_seen_edge_on_but_for_rounding", edge_on),
-    ("pieces_of_outlines_in_planes_with_the_light", in_planes),
+    ("pieces_of_boundaries_seen_edge_on_but_for_rounding", edge_on),
+    ("pieces_of_boundaries_in_planes_with_the_light", in_planes),
     ("a_bow_tie_has_two_lobes", bow_tie),
 ];
 
@@ -118,7 +118,7 @@ pub(crate) fn check_closed(pieces: &[Listed]) -> Result<(), String> {
 pub(crate) struct Twisted {
     name: String,
     light: Light,
-    /// The edges of the outline, and the triangles.
+    /// The edges of the boundary, and the triangles.
     pub(crate) edges: Vec<[[f32; 3]; 2]>,
     triangles: Vec<[f32; 3]>,
     pub(crate) pieces: Vec<Listed>,
@@ -135,9 +135,11 @@ pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]
             pieces.entry(bits(piece[2])).or_default().push(piece);
         }
         let mut by_middle = BTreeMap::<_, Vec<usize>>::new();
-        for polygon in (0..polygons.len()).filter(|&polygon| !polygons.outline(polygon).is_empty()) {
-            let edges = polygons.outline(polygon);
-            if Outline::new(edges, &set.positions).ok_or("not finite")?.seen(light.to_array()).0 == Seen::Twisted {
+        for polygon in (0..polygons.len()).filter(|&polygon| !polygons.boundary(polygon).is_empty()) {
+            let edges = polygons.boundary(polygon);
+            if Boundary::new(edges, &set.positions).ok_or("not finite")?.orientation(light.to_array()).0
+                == Orientation::Twisted
+            {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|quarter| place(edges[quarter * edges.len() / 4][0]));
                 let middle = [0, 1, 2].map(|axis| ((a[axis] + b[axis]) + (c[axis] + d[axis])) * 0.25);
                 by_middle.entry(bits(middle)).or_default().push(polygon);
@@ -150,7 +152,7 @@ pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]
             all.push(Twisted {
                 name: format!("polygon {}, {light:?}", own[0]),
                 light,
-                edges: polygons.outline(own[0]).iter().map(|edge| edge.map(place)).collect(),
+                edges: polygons.boundary(own[0]).iter().map(|edge| edge.map(place)).collect(),
                 triangles: mesh.faces()[polygons.triangles(own[0])].iter().flatten().map(|&v| place(v)).collect(),
                 pieces: pieces.remove(&middle).unwrap_or_default(),
             });
@@ -167,7 +169,7 @@ impl Twisted {
     }
 
     /// Directions from a point light, or points of a plane across a light at infinity, one unit before it.
-    fn seen(&self, point: [f32; 3]) -> Vector {
+    fn project(&self, point: [f32; 3]) -> Vector {
         let [x, y, z, w] = self.light.to_array().map(f64::from);
         let point = point.map(f64::from);
         if w != 0.0 {
@@ -201,13 +203,13 @@ impl Twisted {
 
     /// The winding number of the pieces at `p` less that at `q`. `None` where rounding may decide.
     fn winding_from(&self, q: [f32; 3], p: [f32; 3]) -> Option<i32> {
-        let [q, p] = [q, p].map(|point| self.seen(point));
+        let [q, p] = [q, p].map(|point| self.project(point));
         if dot(p, q) < -0.9 || dot(p, q) > 0.999_999 {
             return None;
         }
         let mut sum = 0;
         for &[from, to, _] in &self.pieces {
-            let [a, b] = [from, to].map(|end| self.seen(end));
+            let [a, b] = [from, to].map(|end| self.project(end));
             // 0 where rounding may decide.
             let side = |value: f64| i32::from(value > 1e-6) - i32::from(value < -1e-6);
             let [of_a, of_b] = [a, b].map(|end| side(dot(cross(q, p), end)));
@@ -353,7 +355,7 @@ fn in_planes() -> Result<(), String> {
         let (mut pairs, mut open) = (0, [0; 2]);
         for seed in first..first + seeds {
             let mut random = Random::new(seed);
-            let (points, light) = outline_in_planes(&mut random, planes, others);
+            let (points, light) = boundary_in_planes(&mut random, planes, others);
             // Fixed point holds whole numbers. Other edges in line are cut in their middles, which a light among them may see on its
             // other side.
             let is_whole = points.iter().flatten().all(|c| c.fract() == 0.0);
@@ -384,7 +386,7 @@ fn in_planes() -> Result<(), String> {
             pairs += 1;
         }
         println!("{planes} planes, {others} others: {pairs} twisted, {open:?} open");
-        // Outlines that touch themselves in space, and have many edges through one point besides, need not close.
+        // Boundaries that touch themselves in space, and have many edges through one point besides, need not close.
         if 4 * pairs < 3 * seeds || open[0] > 0 || planes == 1 && open[1] > 0 || 100 * open[1] > pairs {
             return Err(format!("{open:?} of {pairs} are open, of {planes} planes and {others} others"));
         }

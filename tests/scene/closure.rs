@@ -87,7 +87,7 @@ fn boundary() -> Result<(), String> {
             let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;
             let casters = scene.content.casters.len();
             for (number, own) in scene.content.casters.iter().enumerate() {
-                let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+                let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
                 for batch in 0..frame.batches() {
                     let of_group = results.groups.iter().find(|of| (of.group, of.batch) == (group, batch));
                     let of_group = of_group.ok_or("no group")?;

@@ -245,7 +245,7 @@ fn lights_of(
     }
     let frame = gpu.submit(|encoder| scene.encode(encoder))?;
     let pairs = scene.content.casters.len() * frame.batches();
-    let lit = gpu.read(frame.results().map_err(text)?.lit, pairs)?;
+    let lit = gpu.read(frame.results().map_err(text)?.relevant_lights, pairs)?;
     Ok((lit, frame))
 }
 
@@ -269,7 +269,7 @@ fn check_cones(content: &Content, frame: &SceneFrame, lit: &[u32], uncut: &[u32]
         return Err(format!("pair {at}: {:b}, without cones {:b}", lit[at], uncut[at]));
     }
     for own in &content.casters {
-        let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
         for (handle, light) in &content.lights {
             let (batch, bit) = (handle.bit() / 32, handle.bit() % 32);
             let at = batch as usize * content.casters.len() + index as usize;

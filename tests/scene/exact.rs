@@ -48,7 +48,7 @@ fn fast() -> Result<(), String> {
         let options = SceneOptions { measuring: Measuring::FAST, ..roomy(8) };
         let (scene, frame, found) = sample(gpu, seed, options)?;
         for own in &scene.content.casters {
-            let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+            let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
             let lit = found.lit[index as usize];
             let bits: Vec<u32> = (0..32).filter(|bit| lit >> bit & 1 != 0).collect();
             let lights = bits.iter().map(|&bit| scene.content.own_light(own, bit));

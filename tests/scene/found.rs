@@ -56,8 +56,8 @@ impl Found {
     pub(crate) fn of(gpu: &Gpu, results: &SceneResults<'_>) -> Result<Self, String> {
         let mut found = Self {
             table: gpu.read(results.table, usize::MAX)?,
-            lit: gpu.read(results.lit, usize::MAX)?,
-            taken: gpu.read(results.taken, usize::MAX)?,
+            lit: gpu.read(results.relevant_lights, usize::MAX)?,
+            taken: gpu.read(results.active_lights, usize::MAX)?,
             statistics: gpu.read(results.statistics, 1)?.remove(0),
             groups: Vec::new(),
         };
@@ -84,7 +84,7 @@ impl Found {
 
     /// The first face of a caster that a light of the first batch reaches.
     pub(crate) fn lit_face(&self, content: &Content, frame: &SceneFrame) -> Option<LitFace> {
-        let places = content.casters.iter().filter_map(|own| frame.place(own.handle));
+        let places = content.casters.iter().filter_map(|own| frame.locate(own.handle));
         let (index, group) = places.into_iter().find(|(index, _)| self.lit[*index as usize] != 0)?;
         Some(LitFace {
             caster: index as usize,
@@ -278,7 +278,7 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
     let batches = frame.batches();
     let mut non_finite = 0;
     for own in &content.casters {
-        let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
         let lit = if batches == 0 { Vec::new() } else { lit_of(content, own, found, index, batches, &mut tally)? };
         let expected = content.alone(own, &lit)?;
         let (mesh, positions) = content.mesh_and_positions(own);
@@ -302,9 +302,9 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
     let counted: u32 = found.groups.iter().map(|group| group.statistics.non_finite_faces).sum();
     same("faces that are not finite", &[counted], &[non_finite as u32])?;
     if batches > 0 && !content.casters.is_empty() {
-        let SceneStatistics { pairs, kept_pairs, unreached_pairs, .. } = found.statistics;
+        let SceneStatistics { pairs, cached_pairs, pairs_culled_by_range, .. } = found.statistics;
         let expected = [tally.lit, tally.kept, tally.out_of_range];
-        same("pairs, those kept, and those out of range", &[pairs, kept_pairs, unreached_pairs], &expected)?;
+        same("pairs, those kept, and those out of range", &[pairs, cached_pairs, pairs_culled_by_range], &expected)?;
     }
     for group in &found.groups {
         let draws: Vec<u32> = group.draws.iter().map(|draw| draw.instance_count).collect();

@@ -143,7 +143,7 @@ fn removed_mesh() -> Result<(), String> {
     let (before, results) = (scene.content.clone(), frame.results().map_err(text)?);
     let first_face = |own: &Own, frame: &SceneFrame| {
         let table: Vec<[u32; 4]> = gpu.read(frame.results().map_err(text)?.table, usize::MAX)?;
-        let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
         Ok::<_, String>(SceneTable(&table).caster(index).first_face)
     };
     let own = scene.content.casters.pop().ok_or("no caster")?;
@@ -155,7 +155,7 @@ fn removed_mesh() -> Result<(), String> {
     add(&mut scene, second, &turned)?;
     gpu.queue.submit([late.finish()]);
     check_frame(&before, &frame, &Found::of(gpu, &results)?)?;
-    let place = SceneTable(&Found::of(gpu, &results)?.table).caster(frame.place(own.handle).map_or(0, |(at, _)| at));
+    let place = SceneTable(&Found::of(gpu, &results)?.table).caster(frame.locate(own.handle).map_or(0, |(at, _)| at));
 
     let frame = gpu.submit(|encoder| scene.encode(encoder))?;
     check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;

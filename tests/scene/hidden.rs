@@ -42,7 +42,7 @@ struct Placed {
 
 fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)], skips: bool) -> Result<Placed, String> {
     let mut options = roomy(40);
-    options.measuring.set(Measuring::HIDDEN_FACES, !skips);
+    options.measuring.set(Measuring::OCCLUDED_FACES, !skips);
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let lights = [scene.add_light(LIGHT).map_err(text)?, scene.add_light(Light::point([9.0; 3])).map_err(text)?];
     let mut casters = Vec::new();

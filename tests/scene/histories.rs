@@ -39,7 +39,7 @@ pub(crate) struct Volumes {
     pub(crate) instances: Vec<[u32; 6]>,
     statistics: Vec<u32>,
     /// Cached lists, which are not compared.
-    kept_lists: u32,
+    cached_lists: u32,
 }
 
 fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
@@ -75,8 +75,8 @@ pub(crate) fn volumes(
         }
     }
     let mut statistics: Vec<ShadowStatistics> = gpu.read(statistics, 1)?;
-    let kept_lists = statistics.iter_mut().map(|statistics| std::mem::take(&mut statistics.kept_lists)).sum();
-    Ok(Volumes { instances, statistics: bytemuck::cast_slice(&statistics).to_vec(), kept_lists })
+    let cached_lists = statistics.iter_mut().map(|statistics| std::mem::take(&mut statistics.cached_lists)).sum();
+    Ok(Volumes { instances, statistics: bytemuck::cast_slice(&statistics).to_vec(), cached_lists })
 }
 
 fn bits(content: &Content) -> Vec<u32> {
@@ -103,9 +103,9 @@ impl Recorded {
         let sizes = (self.views, self.batches);
         let mut found = volumes(gpu, (&self.draws, &self.statistics), sizes, &bits(&self.content))?;
         let fresh = fresh(gpu, options, &self.content, &self.cameras, &self.excluded)?;
-        let kept_lists = std::mem::replace(&mut found.kept_lists, fresh.kept_lists);
+        let cached_lists = std::mem::replace(&mut found.cached_lists, fresh.cached_lists);
         same("volumes", &[&found], &[&fresh])?;
-        Ok([found.instances.iter().flatten().sum(), kept_lists])
+        Ok([found.instances.iter().flatten().sum(), cached_lists])
     }
 }
 
@@ -169,7 +169,7 @@ fn exclude(scene: &mut RandomScene, excluded: &mut Excluded) -> Result<(), Strin
 
 fn histories() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut instances, mut kept_lists, mut late, mut noticed) = (0_u64, 0, 0, 0);
+    let (mut instances, mut cached_lists, mut late, mut noticed) = (0_u64, 0, 0, 0);
     for seed in 3001..if is_long() { 3301 } else { 3021 } {
         println!("seed {seed}");
         let mut random = Random::new(seed);
@@ -180,7 +180,7 @@ fn histories() -> Result<(), String> {
             end_at_range: random.below(2) == 0,
             ..SceneOptions::default()
         };
-        options.measuring.set(Measuring::UNSEEN, random.below(2) == 0);
+        options.measuring.set(Measuring::CULLED_BY_VIEW, random.below(2) == 0);
         let mut scene = RandomScene::new(gpu, seed, options)?;
         let mut excluded = Excluded::new();
         for _ in 0..[3, 36][random.below(2)] {
@@ -210,7 +210,7 @@ fn histories() -> Result<(), String> {
                 _ => {
                     let [drawn, lists] = recorded.check(gpu, options).map_err(what)?;
                     instances += u64::from(drawn);
-                    kept_lists += lists;
+                    cached_lists += lists;
                 }
             }
             if random.below(3) == 0 && !kept.is_empty() {
@@ -243,8 +243,8 @@ fn histories() -> Result<(), String> {
         recorded.cameras = vec![camera(&mut random)];
         noticed += u32::from(recorded.check(gpu, options).is_err());
     }
-    println!("{instances} instances, {kept_lists} lists kept, {late} late frames, {noticed} other cameras noticed");
-    if kept_lists < 100 {
+    println!("{instances} instances, {cached_lists} lists kept, {late} late frames, {noticed} other cameras noticed");
+    if cached_lists < 100 {
         return Err("too few lists were kept".to_owned());
     }
     if instances < 100_000 || late < 10 || noticed < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }

@@ -55,7 +55,7 @@ fn check(
     let mut after = now.clone();
     let batches = frame.batches();
     for own in &content.casters {
-        let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
         let at = |batch: usize| batch * content.casters.len() + index as usize;
         let lit: Vec<u32> = (0..batches).map(|batch| found.lit[at(batch)]).collect();
         let is_same = before.casters.get(&own.handle) == now.casters.get(&own.handle) && is_rigid(&own.placed);
@@ -153,9 +153,9 @@ fn random_frames() -> Result<(), String> {
             let last = memory.clone();
             memory = check(&scene.content, &frame, &found, &memory, &now).map_err(what)?;
             pairs += found.statistics.pairs;
-            kept += found.statistics.kept_pairs;
+            kept += found.statistics.cached_pairs;
             // Negative control: nothing was there before.
-            let has_kept = found.statistics.kept_pairs > 0;
+            let has_kept = found.statistics.cached_pairs > 0;
             let other = check(&scene.content, &frame, &found, &Memory::default(), &now);
             if has_kept && !last.lit.is_empty() {
                 must_fail("pairs that are taken without need", &other.map(drop))?;
@@ -170,18 +170,18 @@ fn random_frames() -> Result<(), String> {
 
 fn taken() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut kept_pairs = 0;
+    let mut cached_pairs = 0;
     for seed in 2601..2621 {
         let mut scene = filled(gpu, seed, roomy(40))?;
         let mut kept = Vec::new();
         for _ in 0..5 {
             let frame = gpu.submit(|encoder| scene.encode(encoder))?;
             listed(gpu, &frame, &mut kept)?;
-            kept_pairs += Found::read(gpu, &frame)?.statistics.kept_pairs;
+            cached_pairs += Found::read(gpu, &frame)?.statistics.cached_pairs;
             change(&mut scene, &mut Memory::default(), 0)?;
         }
     }
-    if kept_pairs == 0 { Err("nothing was kept".to_owned()) } else { Ok(()) }
+    if cached_pairs == 0 { Err("nothing was kept".to_owned()) } else { Ok(()) }
 }
 
 /// A second frame of the same computes nothing, unless bits are not kept; then it is the first again.
@@ -190,7 +190,7 @@ fn still() -> Result<(), String> {
     for seed in 2701..2711 {
         for keep_bits in [true, false] {
             let mut options = roomy(40);
-            options.measuring.set(Measuring::BITS, !keep_bits);
+            options.measuring.set(Measuring::CACHED_BITS, !keep_bits);
             let mut scene = RandomScene::new(gpu, seed, options)?;
             for _ in 0..6 {
                 scene.add_light()?;
@@ -206,9 +206,15 @@ fn still() -> Result<(), String> {
                 frames.push(found.statistics);
             }
             let all = frames[0];
-            let none =
-                SceneStatistics { kept_pairs: all.pairs, faces: 0, edges: 0, spared_faces: 0, spared_edges: 0, ..all };
-            same("the first frame", &[all.kept_pairs, u32::from(all.faces > 0)], &[0, 1])?;
+            let none = SceneStatistics {
+                cached_pairs: all.pairs,
+                faces: 0,
+                edges: 0,
+                untested_faces: 0,
+                untested_edges: 0,
+                ..all
+            };
+            same("the first frame", &[all.cached_pairs, u32::from(all.faces > 0)], &[0, 1])?;
             let expected = if keep_bits { none } else { all };
             same(&format!("later frames, kept {keep_bits}"), &frames[1..], &[expected; 2])?;
             must_fail(
@@ -240,7 +246,7 @@ impl Listed {
             made_from: gpu.read(results.listed.ok_or("no view")?, usize::MAX)?,
             choices: gpu.read(results.choices.ok_or("no view")?, usize::MAX)?,
             sides: sides.collect::<Result<_, _>>()?,
-            kept: statistics[0].kept_lists,
+            kept: statistics[0].cached_lists,
         })
     }
 }
@@ -264,7 +270,7 @@ fn lists() -> Result<(), String> {
             let frame =
                 gpu.submit(|encoder| scene.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))?;
             let results = frame.results().map_err(text)?;
-            let kept: Vec<u32> = gpu.read(results.kept, usize::MAX)?;
+            let kept: Vec<u32> = gpu.read(results.cache, usize::MAX)?;
             let listed = Listed::read(gpu, &frame)?;
             // The inputs of each list, and the lists that are recomputed, from the words of the frame.
             let (views, mut fresh) = (cameras.len(), 0);
@@ -273,7 +279,7 @@ fn lists() -> Result<(), String> {
                     let at = 32 * (part * views + view);
                     let made_from = &listed.made_from[at..at + 32];
                     let encodes: Vec<u32> = made_from.iter().map(|pair| pair[0]).collect();
-                    same("encodes of lists", &encodes, &kept[group.dispatch.lists_at as usize..][..32])?;
+                    same("encodes of lists", &encodes, &kept[group.dispatch.lists_offset as usize..][..32])?;
                     let before: &[[u32; 2]] = last.get(at..at + 32).unwrap_or_default();
                     let is_fresh = |bit: &usize| made_from.get(*bit) != before.get(*bit);
                     let expected = (0..32).filter(is_fresh).fold(0_u32, |mask, bit| mask | 1 << bit);
@@ -347,7 +353,7 @@ fn versions() -> Result<(), String> {
     let frame = |scene: &mut RandomScene| {
         let frame = gpu.submit(|encoder| scene.encode(encoder))?;
         let found = Found::read(gpu, &frame)?;
-        check_frame(&scene.content, &frame, &found).map(|_| found.statistics.kept_pairs == found.statistics.pairs)
+        check_frame(&scene.content, &frame, &found).map(|_| found.statistics.cached_pairs == found.statistics.pairs)
     };
     let write = |scene: &mut RandomScene, world: &[[f32; 3]]| {
         gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(world));
@@ -435,7 +441,7 @@ fn excluded() -> Result<(), String> {
     scene.scene.set_excluded(caster, light, &[0]).map_err(text)?;
     let first = frame(&mut scene)?;
     let second = frame(&mut scene)?;
-    same("pairs kept", &[second.statistics.kept_pairs], &[0])?;
+    same("pairs kept", &[second.statistics.cached_pairs], &[0])?;
     let masks = |found: &Found| found.groups.iter().flat_map(|group| group.excluded.clone()).collect::<Vec<_>>();
     same("masks", &masks(&second), &masks(&first))?;
     scene.scene.set_excluded(caster, light, &[]).map_err(text)?;
@@ -444,7 +450,7 @@ fn excluded() -> Result<(), String> {
     let frame = gpu.submit(|encoder| scene.encode(encoder))?;
     let found = Found::read(gpu, &frame)?;
     check_frame(&scene.content, &frame, &found)?;
-    same("pairs kept again", &[found.statistics.kept_pairs], &[found.statistics.pairs])
+    same("pairs kept again", &[found.statistics.cached_pairs], &[found.statistics.pairs])
 }
 
 /// The counts of lists tell that a light was in the plane of a face, until nothing is left of that.

@@ -29,8 +29,8 @@ impl Listed {
 
 /// Flags of a caster.
 const RIGID: u32 = 4;
-const CHANGING: u32 = 32;
-const GIVEN: u32 = 64;
+const UNCACHED: u32 = 32;
+const GROUP_EXCLUDES: u32 = 64;
 const NO_CLUSTERS: u32 = u32::MAX;
 const CLUSTER_CHUNKS: u32 = 2;
 const BOUND_WORDS: u32 = 12;
@@ -56,9 +56,9 @@ pub(crate) fn listed(gpu: &Gpu, frame: &SceneFrame, kept: &mut Vec<u32>) -> Resu
     };
     let words = Words {
         table: gpu.read(results.table, usize::MAX)?,
-        lit: gpu.read(results.lit, usize::MAX)?,
-        taken: gpu.read(results.taken, usize::MAX)?,
-        kept: gpu.read(results.kept, usize::MAX)?,
+        lit: gpu.read(results.relevant_lights, usize::MAX)?,
+        taken: gpu.read(results.active_lights, usize::MAX)?,
+        kept: gpu.read(results.cache, usize::MAX)?,
         work: gpu.read(results.work, usize::MAX)?,
         statistics: gpu.read(results.statistics, 1)?[0],
         groups: results.groups.iter().map(group).collect::<Result<_, String>>()?,
@@ -70,7 +70,7 @@ pub(crate) fn listed(gpu: &Gpu, frame: &SceneFrame, kept: &mut Vec<u32>) -> Resu
 }
 
 fn has_clusters(caster: &SceneCaster) -> bool {
-    caster.clusters_or_figure != NO_CLUSTERS && caster.flags & RIGID != 0
+    caster.clusters_or_deforming_index != NO_CLUSTERS && caster.flags & RIGID != 0
 }
 
 /// The bits of the lights in `bits`, by their numbers among those that are allowed.
@@ -96,9 +96,9 @@ impl Words {
             let [faces, edges] = [0, 1].map(|kind| self.work[dispatch.work_count as usize + kind] as usize);
             listed.add(Listed { faces, edges, unlisted: dispatch.face_chunks as usize - faces, spared: [0; 2] });
         }
-        let SceneStatistics { pairs, kept_pairs, faces, edges, spared_faces, spared_edges, .. } = self.statistics;
-        same("counts", &[pairs, kept_pairs, faces, spared_faces, edges, spared_edges], &sums)?;
-        listed.spared = [spared_faces, spared_edges];
+        let SceneStatistics { pairs, cached_pairs, faces, edges, untested_faces, untested_edges, .. } = self.statistics;
+        same("counts", &[pairs, cached_pairs, faces, untested_faces, edges, untested_edges], &sums)?;
+        listed.spared = [untested_faces, untested_edges];
         Ok(listed)
     }
 
@@ -111,11 +111,11 @@ impl Words {
         sums: &mut [u32; 6],
     ) -> Result<u32, String> {
         let (table, batch, batches) = (self.table(), dispatch.batch, dispatch.batches);
-        let lights_at = (4 + 32 * batch) as usize;
-        let versions = (0..32).map(|light| table.word(dispatch.ranges_at + 8 * (batches + batch), light));
+        let lights_offset = (4 + 32 * batch) as usize;
+        let versions = (0..32).map(|light| table.word(dispatch.ranges_offset + 8 * (batches + batch), light));
         let versions: Vec<u32> = versions.collect();
-        same("versions of lights", &self.kept[lights_at..][..32], &versions)?;
-        let is_same = |light: &u32| before.get(lights_at + *light as usize) == Some(&versions[*light as usize]);
+        same("versions of lights", &self.kept[lights_offset..][..32], &versions)?;
+        let is_same = |light: &u32| before.get(lights_offset + *light as usize) == Some(&versions[*light as usize]);
         let same_lights = (0..32).filter(is_same).fold(0, |bits, light| bits | 1 << light);
         let (mut anew, mut keeps) = (0, 0);
         for caster in (0..dispatch.casters).filter(|&caster| table.caster(caster).group == group) {
@@ -123,13 +123,13 @@ impl Words {
             let pair = batch * dispatch.casters + caster;
             let at = (4 + 32 * batches + 2 * pair) as usize;
             let lit = self.lit[pair as usize];
-            if lit & !table.part(dispatch.lights_at + pair)[0] != 0 {
+            if lit & !table.part(dispatch.lights_offset + pair)[0] != 0 {
                 return Err(format!("caster {caster} has lights that it does not allow: {lit:b}"));
             }
             let mut kept = 0;
-            if dispatch.keeps != 0 && !before.is_empty() {
+            if dispatch.uses_cache != 0 && !before.is_empty() {
                 let [version, was_lit] = [before[at], before[at + 1]];
-                if version == own.version && own.flags & (CHANGING | GIVEN) == 0 {
+                if version == own.version && own.flags & (UNCACHED | GROUP_EXCLUDES) == 0 {
                     kept = lit & was_lit & same_lights;
                 }
                 anew |= lit & !kept | was_lit & !lit;
@@ -143,9 +143,9 @@ impl Words {
             sums[1] += kept.count_ones();
         }
         same("lists made anew, lights kept", &self.work[dispatch.work_count as usize + 2..][..2], &[anew, keeps])?;
-        let encode = table.part(dispatch.ranges_at + 16 * batches)[0];
+        let encode = table.part(dispatch.ranges_offset + 16 * batches)[0];
         for light in 0..32 {
-            let at = (dispatch.lists_at + light) as usize;
+            let at = (dispatch.lists_offset + light) as usize;
             let expected = if anew >> light & 1 != 0 { encode } else { before[at] };
             same(&format!("the encode of the list of light {light}"), &[self.kept[at]], &[expected])?;
         }
@@ -163,17 +163,17 @@ impl Words {
         let table = self.table();
         let mut expected = Vec::new();
         for chunk in (0..dispatch.face_chunks).filter(|_| anew != 0) {
-            let caster = table.word(dispatch.face_chunks_at, chunk);
+            let caster = table.word(dispatch.face_chunks_offset, chunk);
             let own = table.caster(caster);
             let pair = dispatch.batch * dispatch.casters + caster;
-            let (matter, allowed) = (self.taken[pair as usize], table.part(dispatch.lights_at + pair)[0]);
+            let (matter, allowed) = (self.taken[pair as usize], table.part(dispatch.lights_offset + pair)[0]);
             let faces_in = |chunk: u32| CHUNK.min(own.first_face_slot + own.faces - CHUNK * chunk);
             let (mut chunks, mut known, mut was_known) = (chunk..chunk + 1, [0; 2], [0; 2]);
             if has_clusters(&own) {
                 if !(chunk - own.first_face_slot / CHUNK).is_multiple_of(CLUSTER_CHUNKS) {
                     continue;
                 }
-                let at = (dispatch.clusters_at + 2 * chunk) as usize;
+                let at = (dispatch.clusters_offset + 2 * chunk) as usize;
                 known = [self.kept[at], self.kept[at + 1]];
                 was_known = if before.is_empty() { [0; 2] } else { [before[at], before[at + 1]] };
                 let others = [known, was_known].map(|words| words.map(|word| word & !matter));
@@ -210,21 +210,21 @@ impl Words {
         let table = self.table();
         let mut expected = Vec::new();
         for chunk in 0..dispatch.edge_chunks {
-            let caster = table.word(dispatch.edge_chunks_at, chunk);
+            let caster = table.word(dispatch.edge_chunks_offset, chunk);
             let own = table.caster(caster);
             let wanted = self.lit[(dispatch.batch * dispatch.casters + caster) as usize] & anew;
             if wanted == 0 {
                 continue;
             }
             let is_spared = has_clusters(&own) && {
-                let bounds_at = own.clusters_or_figure;
+                let bounds_at = own.clusters_or_deforming_index;
                 let at = bounds_at + BOUND_WORDS * own.faces.div_ceil(128) + chunk - own.first_edge_slot / CHUNK;
                 let [begin, end] = [0, 1].map(|next| clusters[at as usize + next]);
                 let names = (begin & 0x3fff_ffff)..(end & 0x3fff_ffff);
                 let known = names.map(|name| {
                     let cluster = clusters[(bounds_at + name) as usize];
                     let chunk = own.first_face_slot / CHUNK + CLUSTER_CHUNKS * cluster;
-                    [0, 1].map(|word| self.kept[(dispatch.clusters_at + 2 * chunk + word) as usize])
+                    [0, 1].map(|word| self.kept[(dispatch.clusters_offset + 2 * chunk + word) as usize])
                 });
                 let known: Vec<[u32; 2]> = known.collect();
                 let are_decided = known.iter().all(|[decided, _]| wanted & !decided == 0);

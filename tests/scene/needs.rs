@@ -155,7 +155,7 @@ fn hide_nothing() -> Result<(), String> {
             let found = points(&stage.positions(gpu)?, figures.len());
             let statistics = gpu.read::<SceneStatistics>(frame.statistics(), 1)?[0];
             let count = found.iter().filter(|is_unneeded| **is_unneeded).count();
-            same("counted", &[statistics.unneeded], &[count as u32])?;
+            same("counted", &[statistics.culled_casters], &[count as u32])?;
             for ((own, mask), word) in boxes.iter().zip(&masks).zip(&found) {
                 let is_hidden = own.map(|own| check_unneeded(own, *mask, &lights, &cameras, &mut random));
                 match (word, is_hidden) {
@@ -239,8 +239,8 @@ impl Recorded {
         let unneeded = points(&own, self.figures.len());
         check_positions(&own, &all, &unneeded)?;
         let count = unneeded.iter().filter(|is_unneeded| **is_unneeded).count() as u32;
-        same("figures that were not needed", &[statistics.unneeded], &[count])?;
-        Ok([count, statistics.kept_pairs, found.instances.iter().flatten().sum()])
+        same("figures that were not needed", &[statistics.culled_casters], &[count])?;
+        Ok([count, statistics.cached_pairs, found.instances.iter().flatten().sum()])
     }
 }
 
@@ -409,7 +409,7 @@ fn off() -> Result<(), String> {
         (true, vec![away], Some(f32::INFINITY), 0),
     ] {
         let mut options = options();
-        options.measuring.set(Measuring::UNNEEDED, !skips);
+        options.measuring.set(Measuring::CULLED_CASTERS, !skips);
         let mut stage = Stage::new(gpu, &crowd, &pose, &[], options)?;
         if let Some(displaced_by) = displaced_by {
             stage.scene.remove_model(stage.model).map_err(text)?;
@@ -504,7 +504,7 @@ fn displaced() -> Result<(), String> {
         gpu.submit(|encoder| other.encode(encoder, (&pose, time_s), &[]))?;
         same(&format!("time {time_s}"), &stage.positions(gpu)?, &other.positions(gpu)?)?;
         let statistics = gpu.read::<SceneStatistics>(frame.statistics(), 1)?[0];
-        kept.push(statistics.kept_pairs == statistics.pairs);
+        kept.push(statistics.cached_pairs == statistics.pairs);
     }
     same("all kept", &kept, &[false, false, true, false])
 }

@@ -74,7 +74,7 @@ struct Stage {
 impl Stage {
     fn new(gpu: &Gpu, owns: &[Own], lights: &[Light], skip_occluded: bool) -> Result<Self, String> {
         let mut options = SceneOptions { max_lights: 40, ..SceneOptions::default() };
-        options.measuring.set(Measuring::OCCLUDED, !skip_occluded);
+        options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, !skip_occluded);
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
         let add = |shape: &Shape| {
             let mesh: Mesh = shape.mesh().map_err(text)?;
@@ -199,8 +199,8 @@ fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<
     let all = Found::read(gpu, &plain_frame)?;
     let (mut hidden, mut could) = (0, 0);
     for (number, (&caster, &other)) in stage.casters.iter().zip(&plain.casters).enumerate() {
-        let (index, group) = frame.place(caster).ok_or("no caster")?;
-        let (plain_index, plain_group) = plain_frame.place(other).ok_or("no caster")?;
+        let (index, group) = frame.locate(caster).ok_or("no caster")?;
+        let (plain_index, plain_group) = plain_frame.locate(other).ok_or("no caster")?;
         for batch in 0..frame.batches() {
             let at = |index: u32| batch * owns.len() + index as usize;
             let (lit, reaching) = (found.lit[at(index)], all.lit[at(plain_index)]);
@@ -229,7 +229,7 @@ fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<
             )?;
         }
     }
-    same("counter", &[found.statistics.occluded_pairs], &[hidden])?;
+    same("counter", &[found.statistics.pairs_culled_by_occluders], &[hidden])?;
     Ok([hidden, could])
 }
 
@@ -315,7 +315,7 @@ fn edges() -> Result<(), String> {
         check(gpu, &mut stage, &owns, &[light]).map_err(|error| format!("{what}: {error}"))?;
         let frame = stage.encode(gpu)?;
         let found = Found::read(gpu, &frame)?;
-        let (index, _) = frame.place(*stage.casters.last().ok_or("no caster")?).ok_or("no caster")?;
+        let (index, _) = frame.locate(*stage.casters.last().ok_or("no caster")?).ok_or("no caster")?;
         same(what, &[found.lit[index as usize] == 0], &[expected])?;
         must_fail("the opposite", &same(what, &[found.lit[index as usize] == 0], &[!expected]))?;
     }
@@ -327,7 +327,7 @@ fn edges() -> Result<(), String> {
             stage.scene.set_excluded(stage.casters[0], stage.lights[0], &[1]).map_err(text)?;
         }
         let frame = stage.encode(gpu)?;
-        same("hidden", &[Found::read(gpu, &frame)?.statistics.occluded_pairs], &[expected])?;
+        same("hidden", &[Found::read(gpu, &frame)?.statistics.pairs_culled_by_occluders], &[expected])?;
     }
     Ok(())
 }
@@ -373,14 +373,14 @@ fn most_tried() -> Result<(), String> {
         }
         let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
         let found = Found::read(gpu, &frame)?;
-        let place = |caster: CasterHandle| frame.place(caster).map(|(index, _)| index).ok_or("no caster");
+        let place = |caster: CasterHandle| frame.locate(caster).map(|(index, _)| index).ok_or("no caster");
         let places = casters.iter().map(|&caster| place(caster)).collect::<Result<Vec<_>, _>>()?;
         if !places.is_sorted() {
             return Err("the occluder that hides is not the last".to_owned());
         }
         let lit = found.lit[place(hidden)? as usize];
         let what = format!("{near_misses} near misses");
-        same(&what, &[found.statistics.occluded_pairs, (!lit).count_ones()], &[expected; 2])?;
+        same(&what, &[found.statistics.pairs_culled_by_occluders, (!lit).count_ones()], &[expected; 2])?;
     }
     Ok(())
 }

@@ -108,7 +108,7 @@ fn casters() -> Result<(), String> {
             let frame = gpu.submit(|encoder| scene.encode(encoder))?;
             let table: Vec<[u32; 4]> = gpu.read(frame.results().map_err(text)?.table, usize::MAX)?;
             for own in &scene.content.casters {
-                let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+                let (index, _) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
                 let found = SceneTable(&table).caster(index);
                 check_caster(&scene.content, own, &found, &mut random)?;
                 if matches!(own.placed, Placed::Rigid(_)) {

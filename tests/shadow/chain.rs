@@ -78,7 +78,7 @@ fn chain() -> Result<(), String> {
                 every_face: number == 3,
                 in_depth: !matches!(number, 1 | 5),
                 cap_capacity: [None, Some(9)][number / 2 % 2],
-                skip_unseen: number != 4,
+                cull_by_view: number != 4,
                 end_at_range: number % 3 == 2,
                 bound_counts: number % 2 == 1 || number == 0,
                 ..OneCasterOptions::default()

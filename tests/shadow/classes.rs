@@ -103,7 +103,7 @@ fn outside(random: &mut Random) -> Frame {
     frame(tori(), eye(from, towards, 0.05), point(light))
 }
 
-/// A point of the casters' surface, or of an edge between a lit and an averted face.
+/// A point of the casters' surface, or of an edge between a lit and an back-facing face.
 fn surface(random: &mut Random, bodies: &[Body], light: DVec3, on_edge: bool) -> DVec3 {
     let shape = &bodies[random.below(2)].shape;
     let corners = |face: usize| shape.faces[face].map(|v| DVec3::from(shape.positions[v as usize].map(f64::from)));

@@ -45,7 +45,7 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     let at = other.len() / 2;
     other[at] ^= 1;
     must_fail("one count", &same(&what, &other, &expected_seen))?;
-    same("hidden without receivers", &[expected.statistics[0].hidden], &[0])?;
+    same("hidden without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
     // Each pair of caster and light is as without receivers, or casts nothing, and then it is counted.
     let casting = |counted: &Counted| counted.chosen.concat().iter().map(|light| light.casting).collect::<Vec<_>>();
     let (found_casting, expected_casting) = (casting(&found), casting(&expected));
@@ -54,8 +54,8 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
         return Err(format!("{what}: a caster casts by {found}, without receivers by {expected}"));
     }
     let hidden = pairs().filter(|(found, expected)| found != expected).count();
-    same(&format!("{what}: hidden"), &[found.statistics[0].hidden as usize], &[hidden])?;
-    Ok(found.statistics[0].hidden)
+    same(&format!("{what}: hidden"), &[found.statistics[0].culled_by_receivers as usize], &[hidden])?;
+    Ok(found.statistics[0].culled_by_receivers)
 }
 
 fn classes() -> Result<(), String> {

@@ -7,7 +7,7 @@ use rimline::gpu::{
 };
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::{ShadowLight, ShadowStatistics};
-use rimline::internals::shadow::CAST_AVERTED;
+use rimline::internals::shadow::CAST_BACK_FACING;
 use rimline::mesh::Weld;
 use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
@@ -162,9 +162,9 @@ fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting)
         ..SceneOptions::default()
     };
     options.measuring.set(Measuring::EVERY_FACE, renderer.options.every_face);
-    options.measuring.set(Measuring::UNSEEN, !renderer.options.skip_unseen);
+    options.measuring.set(Measuring::CULLED_BY_VIEW, !renderer.options.cull_by_view);
     // Counts of all casters, unless a test asks for dark and lit alone.
-    options.measuring.set(Measuring::OCCLUDED, true);
+    options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, true);
     (renderer.levels)(&mut options);
     options
 }
@@ -288,7 +288,7 @@ impl InScene {
         let words: Vec<u32> = gpu.read(choices, usize::MAX)?;
         let first = 8 * self.view * self.frame.batches() * self.casters.len();
         for &caster in &self.casters {
-            let (index, _) = self.frame.place(caster).ok_or("the caster is not in the frame")?;
+            let (index, _) = self.frame.locate(caster).ok_or("the caster is not in the frame")?;
             let chosen = |light: &LightHandle| {
                 let batch = light.bit() as usize / 32;
                 let at = first + 8 * (batch * self.casters.len() + index as usize);
@@ -341,7 +341,7 @@ fn alike() -> Result<(), String> {
                 let mut together = renderer(Placing::Scene).count(&frame, counting)?;
                 compare(&what, &alone, &together)?;
                 shadowed += alone.stencils.iter().flatten().filter(|&&count| count != 0).count();
-                capped += together.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+                capped += together.statistics.iter().filter(|statistics| statistics.near_capped > 0).count();
                 together.stencils[1][7] ^= 1;
                 must_fail("another count", &compare(&what, &alone, &together))?;
             }
@@ -474,11 +474,11 @@ fn batches() -> Result<(), String> {
     if resolved < 1000 || bounded < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where averted
-/// faces cast, as the averted faces without these, each of which casts.
+/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where back_facing
+/// faces cast, as the back-facing faces without these, each of which casts.
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut changed, mut averted_casters) = (0, 0);
+    let (mut changed, mut back_facing_casters) = (0, 0);
     for (index, class) in CLASSES.iter().enumerate() {
         let seed = seed(class, 230);
         let mut random = Random::new(seed);
@@ -505,8 +505,8 @@ fn excluded() -> Result<(), String> {
                 let mut reduced = frame.clone();
                 let casters = reduced.bodies.iter_mut().filter(|body| body.casts);
                 for (body, chosen) in casters.zip(&found.chosen) {
-                    let averted_only = chosen[0].casting == CAST_AVERTED;
-                    averted_casters += usize::from(averted_only);
+                    let back_facing_only = chosen[0].casting == CAST_BACK_FACING;
+                    back_facing_casters += usize::from(back_facing_only);
                     let facing = cpu::facing(
                         &body.shape.positions,
                         &body.shape.faces,
@@ -516,7 +516,7 @@ fn excluded() -> Result<(), String> {
                     );
                     let left_out = std::mem::take(&mut body.left_out);
                     let is_left = |face: &(u32, u32)| left_out.binary_search(&face.0).is_err();
-                    let casts = |face: &(u32, u32)| is_left(face) && !(averted_only && face.1 & 1 != 0);
+                    let casts = |face: &(u32, u32)| is_left(face) && !(back_facing_only && face.1 & 1 != 0);
                     let left = (0..).zip(facing).filter(casts).map(|(face, _)| body.shape.faces[face as usize]);
                     body.instead = Some(left.collect());
                 }
@@ -531,8 +531,10 @@ fn excluded() -> Result<(), String> {
             }
         }
     }
-    println!("{changed} pictures that excluded faces change, {averted_casters} casters of which averted faces cast");
-    if changed.min(averted_casters) < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+    println!(
+        "{changed} pictures that excluded faces change, {back_facing_casters} casters of which back-facing faces cast"
+    );
+    if changed.min(back_facing_casters) < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
 /// Rigid casters with matrices of scales from a thousandth to a thousand, mirrored ones among them, a million away.

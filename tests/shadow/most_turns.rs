@@ -86,10 +86,10 @@ fn bounds() -> Result<(), String> {
     let (batches, views) = (32, places / 32);
     let caster = SceneCaster { faces: faces.len() as u32, position_stride: 3, ..bytemuck::Zeroable::zeroed() };
     let mut words: Vec<u32> = bytemuck::cast_slice(&[caster]).to_vec();
-    let face_chunks_at = words.len() as u32 / 4;
+    let face_chunks_offset = words.len() as u32 / 4;
     words.extend((0..chunks).map(|_| 0));
     let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
-    let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_at, ..shape(&mesh, 1) };
+    let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_offset, ..shape(&mesh, 1) };
     let mut choices = vec![0_u32; CHOICE_WORDS * places as usize];
     let mut lit = vec![0_u32; batches as usize];
     let stage = Dispatch::stage(gpu, &BOUNDS);
@@ -239,8 +239,13 @@ fn stencil_pencil() -> Result<(), String> {
     let camera = camera();
     let view = shadow::view(&camera).map_err(text)?;
     let light = shadow::light(&camera, &view, Light::point([0.0; 3]));
-    let axis =
-        StencilPencil { kind: 2, forward: [1.0, 0.0, 0.0], aside: [0.0, 1.0, 0.0], scale: 256.0, ..Zeroable::zeroed() };
+    let axis = StencilPencil {
+        kind: 2,
+        forward: [1.0, 0.0, 0.0],
+        aside: [0.0, 1.0, 0.0],
+        bins_per_key: 256.0,
+        ..Zeroable::zeroed()
+    };
     // Faces of casters whose box has a part of the third axis, and of all.
     let row_of = |casters: std::ops::Range<u32>| {
         let mut row = vec![0; 1028];
@@ -254,18 +259,18 @@ fn stencil_pencil() -> Result<(), String> {
     let row = row_of(0..casters);
     let all: Vec<SceneCaster> = (0..casters).map(of).collect();
     let mut words: Vec<u32> = bytemuck::cast_slice(&all).to_vec();
-    let choices_at = words.len() as u32 / 4;
+    let choices_offset = words.len() as u32 / 4;
     words.extend((0..casters).flat_map(|caster| [u32::from(does_cast(&caster)), 0, 0, 0, 0, 0, 0, 0]));
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
-    let own = ShadowShape { casters, choices_at, ..shape(&mesh, 1) };
+    let own = ShadowShape { casters, choices_offset, ..shape(&mesh, 1) };
     let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
     let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &[light])));
     let (table, boxes_buffer) = (gpu.storage(&words), gpu.storage(&[0_u32; 8]));
-    let (pencils, crossings) = (gpu.storage(&[[0_u32; size_of::<StencilPencil>() / 4]]), gpu.storage(&[0_u32; 1028]));
-    let buffers = [&shape, &draw, &seen, &table, &boxes_buffer, &pencils, &crossings];
+    let (pencils, bin_rows) = (gpu.storage(&[[0_u32; size_of::<StencilPencil>() / 4]]), gpu.storage(&[0_u32; 1028]));
+    let buffers = [&shape, &draw, &seen, &table, &boxes_buffer, &pencils, &bin_rows];
     Dispatch::stage(gpu, &STENCIL_PENCIL).run(gpu, &buffers, 1)?;
     same("pencil", &gpu.read::<StencilPencil>(&pencils, 1)?, &[axis])?;
-    same("row", &gpu.read::<u32>(&crossings, row.len())?, &row)?;
+    same("row", &gpu.read::<u32>(&bin_rows, row.len())?, &row)?;
     must_fail("without the last casters", &same("row", &row, &row_of(0..casters - 512)))
 }
 
@@ -274,8 +279,13 @@ fn stencil_pencil() -> Result<(), String> {
 fn stencil_crossings() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let most = 64 * stated("LISTED_ITEMS");
-    let pencil =
-        StencilPencil { kind: 2, forward: [0.0, 0.0, 1.0], aside: [1.0, 0.0, 0.0], scale: 256.0, ..Zeroable::zeroed() };
+    let pencil = StencilPencil {
+        kind: 2,
+        forward: [0.0, 0.0, 1.0],
+        aside: [1.0, 0.0, 0.0],
+        bins_per_key: 256.0,
+        ..Zeroable::zeroed()
+    };
     // |u| + |v| is 512 and u is odd, so that places are whole numbers of bins and a half.
     let place = |number: u32| {
         let u = 2 * (number % 512) as i32 - 511;
@@ -318,7 +328,7 @@ fn stencil_crossings() -> Result<(), String> {
     let mut words = table(&mesh, PLACES[0], &[light], &[false]);
     words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
     words.resize(words.len().next_multiple_of(4), 0);
-    let own = ShadowShape { edge_chunks_at: words.len() as u32 / 4, ..own };
+    let own = ShadowShape { edge_chunks_offset: words.len() as u32 / 4, ..own };
     words.resize(words.len() + edges.len().div_ceil(64).next_multiple_of(4), 0);
     // A caster that the axis does not meet.
     let boxes = box_words(&[[8.0, 0.0, 8.0], [12.0, 4.0, 12.0]], &[[0, 1, 1]]);
@@ -326,10 +336,10 @@ fn stencil_crossings() -> Result<(), String> {
     let (shape, draw, table) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
     let (boxes, positions) = (gpu.storage(&boxes), placed(gpu, &positions, PLACES[0]));
     let (edges, sides, pencils) = (gpu.storage(&edges), gpu.storage(&sides), gpu.storage(&[pencil]));
-    let crossings = gpu.storage(&[0_u32; 1028]);
-    let buffers = [&shape, &draw, &table, &boxes, &positions, &edges, &sides, &pencils, &crossings];
+    let bin_rows = gpu.storage(&[0_u32; 1028]);
+    let buffers = [&shape, &draw, &table, &boxes, &positions, &edges, &sides, &pencils, &bin_rows];
     Dispatch::stage(gpu, &STENCIL_CROSSINGS).run(gpu, &buffers, 1)?;
-    same("bins", &gpu.read::<u32>(&crossings, 1025)?, &bins)?;
+    same("bins", &gpu.read::<u32>(&bin_rows, 1025)?, &bins)?;
     let crossed = bins[..1024].iter().filter(|&&change| change != 0).count();
     if crossed > 500 { Ok(()) } else { Err(format!("{crossed} bins")) }
 }
@@ -354,8 +364,8 @@ fn stencil_bound() -> Result<(), String> {
     let own = ShadowShape { count_batches: rows as u32, ..shape(&mesh, 1) };
     let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
     let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
-    let (shape, draw, crossings) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
-    Dispatch::stage(gpu, &STENCIL_BOUND).run(gpu, &[&shape, &draw, &crossings, &statistics], 1)?;
+    let (shape, draw, bin_rows) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
+    Dispatch::stage(gpu, &STENCIL_BOUND).run(gpu, &[&shape, &draw, &bin_rows, &statistics], 1)?;
     let bounds: Vec<u32> = (0..rows).map(|row| weight(row).div_ceil(2)).collect();
     let most = |bounds: &[u32]| bounds.iter().copied().max().unwrap_or(0);
     let expected = |count_bound| ShadowStatistics { count_bound, may_wrap: 1, ..bytemuck::Zeroable::zeroed() };

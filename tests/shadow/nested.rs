@@ -98,7 +98,7 @@ fn at_the_box() -> Result<(), String> {
                         .check(&Renderer::new(&gpu), counting, true)
                         .map_err(|error| format!("{windings:?}, light {at:?}: {error}"))?;
                     if step < 1 && counted.chosen[0][0].casting == 1 {
-                        return Err(format!("{windings:?}, light {at:?}: averted faces alone cast"));
+                        return Err(format!("{windings:?}, light {at:?}: back-facing faces alone cast"));
                     }
                 }
             }

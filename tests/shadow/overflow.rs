@@ -97,11 +97,11 @@ fn holds(bounds: &[u32], truths: &[Vec<Truth>], counted: &Counted) -> Result<(),
     for truth in truths {
         let Truth::Surface(between) = truth[0] else { continue };
         for (caster, (&bound, lights)) in bounds.iter().zip(&counted.chosen).enumerate() {
-            let [averted, facing] = between.0[caster];
+            let [back_facing, facing] = between.0[caster];
             let count = match lights[0].casting {
                 0 => 0,
-                1 => averted,
-                _ => averted + facing,
+                1 => back_facing,
+                _ => back_facing + facing,
             };
             if u32::from(count) > bound {
                 return Err(format!("caster {caster}: a count of {count}, the bound is {bound}"));
@@ -152,7 +152,7 @@ fn ordinary() -> Result<(), String> {
         frame.lights = (0..8).map(|_| Light::point(random.direction().map(|c| c * 5.0))).collect();
         frame.lights.push(Light::directional(random.direction()));
         frame.size = 16;
-        let options = OneCasterOptions { skip_unseen: false, bound_counts: true, ..OneCasterOptions::default() };
+        let options = OneCasterOptions { cull_by_view: false, bound_counts: true, ..OneCasterOptions::default() };
         let counted = Renderer { options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
         let statistics = counted.statistics[0];
         println!("{name}: bound {}", statistics.count_bound);

@@ -290,7 +290,7 @@ pub(crate) fn compare(
         let counted = renderer.count(frame, counting)?;
         let wrong = rig.wrong(truths, &counted.stencils[0], |count, value| (count == 0) == (value == 0));
         if !wrong.is_empty() {
-            failures.push(format!("{counting:?}, averted: {} wrong {wrong:?}", wrong.len()));
+            failures.push(format!("{counting:?}, back-facing: {} wrong {wrong:?}", wrong.len()));
         }
     }
     Ok(failures)

@@ -153,7 +153,7 @@ fn skipped() -> Result<(), String> {
             for w in [1.0, 0.3] {
                 let [x, y, z] = light;
                 frame.lights = vec![Light::homogeneous([x * w, y * w, z * w, w])];
-                let options = OneCasterOptions { skip_unseen: false, ..OneCasterOptions::default() };
+                let options = OneCasterOptions { cull_by_view: false, ..OneCasterOptions::default() };
                 let counted = Renderer { options, range, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
                 let got = (counted.chosen[0][0].casting != 0, counted.statistics[0].skipped == 0);
                 if got != (casts, casts) {

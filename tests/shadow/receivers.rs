@@ -231,7 +231,7 @@ fn pyramid() -> Result<(), String> {
             near_max: seen.near_max,
             sky_receives: u32::from(sky_receives),
             pixels,
-            at: 0,
+            offset: 0,
             reserved: 0,
         };
         let (keys, [across, down]) = levels(&view, &depths, samples);
@@ -298,7 +298,7 @@ fn chosen(
     let draws: Vec<u32> = gpu.read(&results.shadow_draws[0], usize::MAX)?;
     let statistics = frame.shadow_statistics().ok_or("no view")?;
     let statistics = gpu.read::<rimline::gpu::ShadowStatistics>(statistics, 1)?[0];
-    Ok((words, draws, [statistics.kept_lists, statistics.hidden, statistics.ended]))
+    Ok((words, draws, [statistics.cached_lists, statistics.culled_by_receivers, statistics.ended]))
 }
 
 /// Lists stay cached while camera and version stay the same. Choices always equal those of a new scene.

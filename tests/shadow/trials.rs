@@ -132,7 +132,7 @@ impl Tally {
         for &counting in methods {
             match traced.check(renderer, counting, counts) {
                 Ok((wrong, counted)) => {
-                    self.capped += counted.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+                    self.capped += counted.statistics.iter().filter(|statistics| statistics.near_capped > 0).count();
                     self.hairlines += wrong.hairlines.len();
                     self.slivers += wrong.slivers.len();
                 }
@@ -235,7 +235,7 @@ fn trimmed() -> Result<(), String> {
 }
 
 /// A depth pass that rounds differently: z-pass and ZP+ compare with surfaces only where volumes cut them, and z-fail
-/// from averted faces leaves lit surfaces alone. Where every face casts, z-fail needs equal bits.
+/// from back-facing faces leaves lit surfaces alone. Where every face casts, z-fail needs equal bits.
 fn reordered() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer { depth_pass: DepthPass::Reordered, ..Renderer::new(&gpu) };
@@ -265,7 +265,7 @@ fn overflow() -> Result<(), String> {
 /// The same picture with unseen shadows skipped and without.
 fn skipped() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let all = OneCasterOptions { skip_unseen: false, ..OneCasterOptions::default() };
+    let all = OneCasterOptions { cull_by_view: false, ..OneCasterOptions::default() };
     let mut skipped = 0;
     for class in CLASSES {
         for number in 20..20 + frames().div_ceil(3) {

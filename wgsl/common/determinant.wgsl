@@ -54,7 +54,7 @@ fn underflow_bound(largest: f32) -> f32 {
 }
 
 // One bound for all lights of a batch. `size`: `sum_of_sizes` of b - a times that of c - a. `largest`: the largest absolute
-// coordinate of the face. `light_magnitudes`: LightBatch.reach, the largest |x|, |y| or |z|, and the largest |w| or
+// coordinate of the face. `light_magnitudes`: LightBatch.magnitudes, the largest |x|, |y| or |z|, and the largest |w| or
 // inexact_w.
 fn face_bound(size: f32, largest: f32, light_magnitudes: vec2<f32>) -> f32 {
   let to_light = light_magnitudes.x + largest * light_magnitudes.y;

@@ -24,9 +24,9 @@ struct LightBatch {
   // since products are then exact; at least 2^-36 if scaling and flushing may lose w.
   inexact_w: array<vec4<f32>, 8>,
   // x: the largest of |x|, |y|, |z| of all scaled lights. y: the largest of all their |w| and `inexact_w`.
-  reach: vec2<f32>,
+  magnitudes: vec2<f32>,
   count: u32,
-  live: u32, // The lowest `count` bits.
+  active_bits: u32, // The lowest `count` bits.
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,

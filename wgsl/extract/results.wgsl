@@ -17,7 +17,7 @@ struct RimlineInfo {
   position_stride: u32,
   // The offset of the twisted masks behind the facing masks: for each face the lights for which its polygon's boundary
   // crosses itself. 0: there are none.
-  twisted_at: u32,
+  twisted_offset: u32,
   // Vertices of the draw for each edge, by `ListOptions::topology`.
   vertices_per_edge: u32,
 }
@@ -74,8 +74,8 @@ fn rimline_faces_light(face: u32, light: u32) -> bool {
 
 // Whether a face is L-twisted for a light. Such a face counts as absent: its neighbours' edges to it are boundaries.
 fn rimline_is_twisted(face: u32, light: u32) -> bool {
-  return rimline_info.twisted_at != 0u && rimline_has_light(light)
-    && (rimline_facing[rimline_info.twisted_at + face] & rimline_light_bit(light)) != 0u;
+  return rimline_info.twisted_offset != 0u && rimline_has_light(light)
+    && (rimline_facing[rimline_info.twisted_offset + face] & rimline_light_bit(light)) != 0u;
 }
 
 // The number of silhouette edges of a light, including those that its list has no room for.

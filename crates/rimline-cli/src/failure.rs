@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use rimline::{CameraError, LightError, MeshError};
+use rimline_files::npz::NpzError;
+use rimline_files::size::size;
+use rimline_files::{FileError, FormatError};
 
-use crate::input_args::size;
-use crate::npz::NpzError;
-use crate::obj::ObjError;
 use crate::shadow::given_map_error::GivenMapError;
-use crate::source::FormatError;
 use crate::spec::SpecError;
 
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
@@ -64,10 +63,8 @@ pub(crate) enum Failure {
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    #[error(
-        "cannot read {what}: use .glb, .gltf, .obj or .npz; Blender and `assimp export IN OUT.glb` convert most others"
-    )]
-    Format { what: String },
+    #[error(transparent)]
+    File(#[from] FileError),
     #[error(transparent)]
     Foreign(#[from] FormatError),
     #[error(transparent)]
@@ -77,17 +74,10 @@ pub(crate) enum InputError {
          a larger --memory-limit", size(*.needed), size(*.limit)
     )]
     TooLarge { what: String, needed: u64, limit: u64 },
-    #[error(
-        "{place}: {uri:?} leads to {}, outside the file's folder, and is not read; if you trust the file, give \
-         --allow-outside", .path.display()
-    )]
-    Outside { place: String, uri: String, path: PathBuf },
     #[error(transparent)]
     Model(#[from] rimline::ModelError),
     #[error(transparent)]
     Npz(#[from] NpzError),
-    #[error(transparent)]
-    Obj(#[from] ObjError),
     #[error(transparent)]
     DepthMap(#[from] GivenMapError),
     #[cfg(feature = "bench")]

@@ -7,7 +7,7 @@ use rimline::internals::layout::ShadowStatistics;
 
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::On as _;
-use crate::input::{Input, Source};
+use crate::input::Input;
 use crate::origin;
 use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
@@ -108,7 +108,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 /// How many pictures are asked for, or make up the longest animation.
 fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
     let duration = |(input, animations): (&Input, &Vec<usize>)| {
-        let Source::Gltf(asset) = &input.source else { return None };
+        let asset = input.asset()?;
         let lasts = animations.iter().filter_map(|&index| Some(asset.animations().get(index)?.duration_s));
         lasts.reduce(f32::max)
     };

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use rimline::Origin;
-use rimline::gltf::LoadOptions;
 use rimline::mesh::{Weld, WeldDistance};
+use rimline_files::size::bytes;
+use rimline_files::{Polygons, ReadOptions};
 
 use crate::coordinates::{Coordinate, relative};
 use crate::spec;
@@ -42,8 +43,8 @@ pub(crate) struct PolygonArgs {
 }
 
 impl PolygonArgs {
-    pub(crate) fn taken(self) -> TakenPolygons {
-        if self.whole { TakenPolygons::Whole } else { TakenPolygons::Triangles }
+    pub(crate) fn taken(self) -> Polygons {
+        if self.whole { Polygons::Whole } else { Polygons::Triangles }
     }
 }
 
@@ -175,7 +176,7 @@ enum WeldArg {
 }
 
 impl ModelArgs {
-    pub(crate) fn options(&self) -> LoadOptions {
+    pub(crate) fn options(&self) -> ReadOptions {
         self.load.options(self.weld.weld())
     }
 }
@@ -194,95 +195,12 @@ pub(crate) struct LoadArgs {
 }
 
 impl LoadArgs {
-    pub(crate) fn options(self, weld: Weld) -> LoadOptions {
-        LoadOptions { weld, memory_limit: self.memory_limit, allow_outside: self.allow_outside }
-    }
-}
-
-/// How polygons of an .obj are taken. Polygons of an .npz are always taken whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TakenPolygons {
-    /// Triangles, which are drawn.
-    Triangles,
-    /// Triangles, and polygons to describe.
-    Described,
-    /// Each is one face.
-    Whole,
-}
-
-/// Units of sizes, and how many bits to shift by.
-const UNITS: [(&str, u32); 4] = [("KiB", 10), ("MiB", 20), ("GiB", 30), ("TiB", 40)];
-
-/// A number of bytes, or of one of [`UNITS`].
-fn bytes(text: &str) -> Result<u64, String> {
-    let digits = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-    let (number, unit) = text.split_at(digits);
-    let shift = match unit.trim_start() {
-        "" => Some(0),
-        unit => UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).map(|(_, shift)| *shift),
-    };
-    let size = shift.zip(number.parse::<u64>().ok()).and_then(|(shift, number)| number.checked_mul(1 << shift));
-    let size = size.filter(|&size| size > 0);
-    size.ok_or_else(|| {
-        "a size is a whole number of bytes, KiB, MiB, GiB or TiB, such as 512MiB, from 1 byte to less than 16777216TiB"
-            .to_owned()
-    })
-}
-
-/// A number of bytes for people: in the largest unit of which there is one, rounded up to a tenth.
-pub(crate) fn size(bytes: u64) -> String {
-    match UNITS.iter().rev().find(|(_, shift)| bytes >> shift > 0) {
-        Some((name, shift)) => {
-            let tenths = (u128::from(bytes) * 10).div_ceil(1 << shift);
-            match tenths % 10 {
-                0 => format!("{} {name}", tenths / 10),
-                tenth => format!("{}.{tenth} {name}", tenths / 10),
-            }
+    pub(crate) fn options(self, weld: Weld) -> ReadOptions {
+        ReadOptions {
+            weld,
+            memory_limit: self.memory_limit,
+            allow_outside: self.allow_outside,
+            ..ReadOptions::default()
         }
-        None => format!("{bytes} bytes"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_read() {
-        for (text, expected) in [
-            ("1", 1),
-            ("1000", 1000),
-            ("1KiB", 1024),
-            ("4GiB", 4 << 30),
-            ("4 gib", 4 << 30),
-            ("3TiB", 3 << 40),
-            ("18446744073709551615", u64::MAX),
-        ] {
-            assert_eq!(bytes(text), Ok(expected), "{text}");
-        }
-        for text in ["", "0", "0GiB", "GiB", "-1", "1.5GiB", "4GB", "4g", "1 2", "18446744073709551616", "16777216TiB"]
-        {
-            assert!(bytes(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn sizes_are_written() {
-        for (bytes, expected) in [
-            (0, "0 bytes"),
-            (1023, "1023 bytes"),
-            (1024, "1 KiB"),
-            (1025, "1.1 KiB"),
-            (4 << 30, "4 GiB"),
-            ((9 << 30) + (1 << 29), "9.5 GiB"),
-            (u64::MAX, "16777216 TiB"),
-        ] {
-            assert_eq!(size(bytes), expected);
-        }
-    }
-
-    #[test]
-    fn the_default_is_the_library_s() {
-        assert_eq!(bytes("4GiB"), Ok(LoadOptions::DEFAULT_MEMORY_LIMIT));
     }
 }

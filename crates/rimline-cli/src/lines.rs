@@ -47,7 +47,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     for (input, playing) in inputs.iter().zip(&chosen) {
         objects.extend(objects_of(input, playing, args.pose.time, inputs.len() > 1)?);
     }
-    let origin = inputs[0].origin;
+    let origin = inputs[0].origin();
     let eye = Eye::new(args, origin, &objects).map_err(|error| error.on(&args.files[0]))?;
     progress.step("finding lines");
     let options = LineOptions {

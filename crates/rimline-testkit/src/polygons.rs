@@ -183,10 +183,10 @@ fn staircase(random: &mut Random, corners: usize) -> Vec<[f32; 3]> {
         top.push([step as f32 + 1.0, y]);
     }
     // From the right end of the bottom back along the top.
-    let mut outline = vec![[0.0, 0.0], [steps as f32, 0.0]];
-    outline.extend(top.into_iter().rev());
-    outline.dedup();
-    outline.into_iter().map(|[x, y]| [x, y, height(x, y)]).collect()
+    let mut boundary = vec![[0.0, 0.0], [steps as f32, 0.0]];
+    boundary.extend(top.into_iter().rev());
+    boundary.dedup();
+    boundary.into_iter().map(|[x, y]| [x, y, height(x, y)]).collect()
 }
 
 /// A ring with a hole, as one loop that walks an edge from the one to the other both ways.
@@ -267,9 +267,9 @@ pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
     (points, on_circle(4.0, random.between(0.0, 6.0)))
 }
 
-/// An outline whose corners are in `planes` planes through the light but for `others` of them, and that light. All is exact: whole
+/// A boundary whose corners are in `planes` planes through the light but for `others` of them, and that light. All is exact: whole
 /// numbers, or planes of two axes.
-pub fn outline_in_planes(random: &mut Random, planes: usize, others: usize) -> (Vec<[f32; 3]>, Light) {
+pub fn boundary_in_planes(random: &mut Random, planes: usize, others: usize) -> (Vec<[f32; 3]>, Light) {
     let is_whole = planes > 1 || random.below(2) == 0;
     let is_far = random.below(2) == 0;
     let reach = [3, 20, 300][random.below(3)];

@@ -58,7 +58,7 @@ impl Batch {
     #[inline]
     pub(crate) fn certain(&self, largest: f32, light_batch: &LightBatch) -> [bool; LANES] {
         let is_possible = largest < filter::LARGE;
-        let (relative, least) = filter::face_bound(largest, light_batch.reach);
+        let (relative, least) = filter::face_bound(largest, light_batch.magnitudes);
         std::array::from_fn(|lane| is_possible && self.smallest[lane] > relative * self.sizes[lane] + least)
     }
 

@@ -48,7 +48,7 @@ impl Extractor {
     /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh does not
     /// fit the device's limits, the `memory_limit` or the device's memory. Polygons of
     /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) are taken with exact facing masks only, and with
-    /// outlines of at most [`MAX_OUTLINE_EDGES`](crate::gpu::MAX_OUTLINE_EDGES) edges.
+    /// boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,
@@ -74,8 +74,9 @@ impl Extractor {
         let runs = Runs::new(&shape, [&faces, &edges], &mut chunks);
         let buffers = Buffers::new(device, mesh, &shape, &options, &split, &chunks)?;
 
-        let twisted_at = if shape.polygons.is_some() { shape.faces } else { 0 };
-        let (reading, others) = (shape.reading(device, &options, 0), from_facing(&options, twisted_at, facing.words));
+        let twisted_offset = if shape.polygons.is_some() { shape.faces } else { 0 };
+        let (reading, others) =
+            (shape.reading(device, &options, 0), from_facing(&options, twisted_offset, facing.words));
         pipelines.make_together(&programs(reading.iter().chain(&others), &options));
         let (reading, others) = (made(&pipelines, reading), made(&pipelines, others));
         let arguments = options.lists.map(|_| pipelines.get(&Program::of(&ARGUMENTS, &[])));

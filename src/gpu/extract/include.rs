@@ -47,7 +47,7 @@ use crate::stages::source;
 /// | `edges: u32`, `capacity: u32` | Edge records, and entries that the list of each light has room for |
 /// | `first_light: u32`, `lights: u32` | The lights of the batch |
 /// | `position_offset: u32`, `position_stride: u32` | The word of vertex 0 in `rimline_positions`, and the words from one vertex to the next |
-/// | `twisted_at: u32` | Where twisted masks lie behind the facing masks, or 0 |
+/// | `twisted_offset: u32` | Where twisted masks lie behind the facing masks, or 0 |
 /// | `vertices_per_edge: u32` | Vertices that the draw has for each edge, by [`EdgeTopology`](crate::gpu::EdgeTopology) |
 ///
 /// ```
@@ -102,7 +102,7 @@ impl Shared {
             lights: shape.batch_lights(batch) as u32,
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
-            twisted_at: if shape.polygons.is_some() { shape.faces as u32 } else { 0 },
+            twisted_offset: if shape.polygons.is_some() { shape.faces as u32 } else { 0 },
             vertices_per_edge: self.vertices_per_edge,
         });
         let info = table.into_buffer(device, "rimline info");

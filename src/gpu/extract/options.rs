@@ -2,8 +2,8 @@
 
 use crate::method::{Method, Predicate};
 
-/// The largest number of edges of a polygon's outline that extractors take. The work grows with its square.
-pub const MAX_OUTLINE_EDGES: usize = 1024;
+/// The largest number of edges of a polygon's boundary that extractors take. The work grows with its square.
+pub const MAX_BOUNDARY_EDGES: usize = 1024;
 
 /// The size of an [`Extractor`](crate::gpu::Extractor), and the results that it finds and keeps.
 #[derive(Clone, Copy, Debug)]

@@ -17,8 +17,8 @@ use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{Chunk, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
 use crate::stages::{
-    ARGUMENTS, COMPACT, CUT_EDGES, CUT_QUADS, EDGES, EXACT_FACING, FACING, OUTLINE, PER_EDGE, POLYGON_FACING,
-    POLYGON_MASKS, POLYGON_TURNS, Stage,
+    ARGUMENTS, COMPACT, CUT_EDGES, CUT_QUADS, EDGES, EXACT_FACING, FACING, PER_EDGE, POLYGON_FACING, POLYGON_MASKS,
+    POLYGON_PAIRS, POLYGON_TURNS, Stage,
 };
 use crate::turns::EXACT_ITEMS;
 
@@ -79,7 +79,7 @@ pub(super) fn from_positions(
         let stages = [
             (&POLYGON_FACING, 0, Size::Items),
             (&POLYGON_TURNS, 0, Size::Written(RECORD_WORKGROUPS)),
-            (&OUTLINE, 0, Size::Written(WORKGROUPS)),
+            (&POLYGON_PAIRS, 0, Size::Written(WORKGROUPS)),
             (&POLYGON_MASKS, 0, Size::Written(RECORD_WORKGROUPS)),
         ];
         let cut = [
@@ -108,11 +108,11 @@ pub(super) fn from_positions(
 }
 
 /// The stages after facing, in their order. Masks are read in windows of so many words. Those of twisted polygons begin at
-/// `twisted_at`, if it is not 0.
-pub(super) fn from_facing(options: &ExtractorOptions, twisted_at: usize, words: u32) -> Vec<Planned> {
+/// `twisted_offset`, if it is not 0.
+pub(super) fn from_facing(options: &ExtractorOptions, twisted_offset: usize, words: u32) -> Vec<Planned> {
     let [masks, append] = emit_constants(options);
     let windows = ("FACING_WINDOW_WORDS", f64::from(words));
-    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_AT", twisted_at as f64)]);
+    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_OFFSET", twisted_offset as f64)]);
     let has_edges = !options.method.is_per_edge() && (options.masks || options.lists.is_some());
     let compact = COMPACT.entry_points.iter().zip([Size::Items, Size::Lights, Size::Items]);
     let compact = compact
@@ -243,12 +243,12 @@ impl<'a> Binder<'a> {
                 or_unused(masks.map(|masks| part(masks, at.bytes(size_of::<EdgeMasks>() as u64))))
             }
             "counts" => part(&buffers.counts, 0..4 * max_lights as u64),
-            "places" => whole(&buffers.places),
+            "block_offsets" => whole(&buffers.block_offsets),
             "list" => or_unused(of_batch(&buffers.lists).map(|list| part(list, lists_head..list.size()))),
             "shape" => uniform::<DrawShape>(&buffers.draw_shape, 0),
             "draw_arguments" => whole(&buffers.draw_arguments),
             "statistics" => part(&buffers.record, 0..size_of::<ExtractionStatistics>() as u64),
-            "outlines" => whole(&polygons?.outlines),
+            "boundaries" => whole(&polygons?.boundaries),
             "undecided" => whole(&polygons?.undecided),
             "pieces" => or_unused(of_batch(&polygons?.pieces).map(whole)),
             _ => match self.facing.named("facing_", name) {
@@ -281,7 +281,7 @@ impl<'a> Binder<'a> {
     /// The stages that read positions, for a batch of lights.
     pub(super) fn read_positions(&self, stages: &[Made], batch: usize) -> Vec<Step> {
         if let Some(polygons) = &self.buffers.polygons {
-            return self.read_outlines(polygons, stages, batch);
+            return self.read_boundaries(polygons, stages, batch);
         }
         let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
         let over = stages.first().map_or(Over::Faces, |(planned, _)| planned.over);
@@ -297,7 +297,7 @@ impl<'a> Binder<'a> {
 
     /// The stages of polygons. The workgroups of most are in the head of a buffer that they write, which a dispatch cannot take
     /// them from. So they are copied as soon as they are there.
-    fn read_outlines(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
+    fn read_boundaries(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
         let PolygonBuffers { undecided, head, arguments, pieces, .. } = polygons;
         let bytes = 4 * self.shape.faces as u64;
         let excluded = self.buffers.excluded.get(batch).map(|excluded| match self.given {

@@ -1,9 +1,9 @@
-//! One fixed triangulation of each polygon, whose boundary is the polygon's outline.
+//! One fixed triangulation of each polygon, with the polygon's boundary.
 //!
 //! `earcut` finds the triangles in the plane along whose normal the polygon looks largest. It leaves out corners that
-//! lie straight between their neighbours, and it cuts off what crosses itself. So the boundary of its triangles may
-//! differ from the outline. The difference is a set of closed loops, and a fan fills each of them. Where the outline is
-//! simple, these fans are seen as lines.
+//! lie straight between their neighbours, and cuts off parts that cross themselves. So its triangles may have another
+//! boundary. The difference is a set of closed loops, and a fan fills each of them. Where the boundary is simple, these
+//! fans look like lines.
 
 use earcut::Earcut;
 
@@ -21,28 +21,28 @@ pub(super) struct Triangulator {
 }
 
 impl Triangulator {
-    /// Appends triangles whose boundary is `outline`, the outline of the polygon with these loops. None of them names a
+    /// Appends triangles with the boundary `boundary`, that of the polygon with these loops. None of them names a
     /// vertex twice.
     pub(super) fn append_triangles<'a>(
         &mut self,
         triangles: &mut Vec<[u32; 3]>,
         positions: &[[f32; 3]],
         loops: impl ExactSizeIterator<Item = &'a [u32]> + Clone,
-        outline: &[[u32; 2]],
+        boundary: &[[u32; 2]],
     ) {
-        if let [[a, b], [c, d], [e, f]] = *outline
+        if let [[a, b], [c, d], [e, f]] = *boundary
             && (b, d, f) == (c, e, a)
         {
             triangles.push([a, b, d]);
             return;
         }
-        if outline.is_empty() {
+        if boundary.is_empty() {
             return;
         }
         let first = triangles.len();
         self.cut_ears(triangles, positions, loops);
         self.open.clear();
-        for &edge in outline {
+        for &edge in boundary {
             self.open.add(edge);
         }
         for &[a, b, c] in &triangles[first..] {

@@ -167,7 +167,7 @@ impl RoundingModels {
     }
 
     fn face_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
-        let [to_light, w] = LightBatch::new(&[light], 0, 3).reach;
+        let [to_light, w] = LightBatch::new(&[light], 0, 3).magnitudes;
         let sizes = [b, c].map(|corner| {
             let side: [f32; 3] = std::array::from_fn(|i| self.add(corner[i], -a[i]).abs());
             let sum = self.add(side[0], side[1]);

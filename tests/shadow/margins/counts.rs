@@ -7,7 +7,7 @@ use glam::DVec3;
 use rimline::gpu::{Capacities, Caster, FrameInputs, Measuring, Scene, SceneOptions, ShadowStatistics, StencilCounts};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::scene::CHOICE_WORDS;
-use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY};
+use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY};
 use rimline::mesh::EdgeKind;
 use rimline::{DepthDirection, Light, Mesh, Predicate};
 use rimline_testkit::device::Gpu;
@@ -202,7 +202,7 @@ impl Case {
 
 /// The bound for casters with one light, in a scene that skips nothing, seen from far away. Which faces cast is chosen there.
 fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String> {
-    let mut measuring = Measuring::UNSEEN;
+    let mut measuring = Measuring::CULLED_BY_VIEW;
     measuring.set(Measuring::EVERY_FACE, every_face);
     let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
     let capacities = Capacities { lists: Some(1 << 14), ..Capacities::default() };
@@ -221,12 +221,12 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
     let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&[eye.camera().into()])).map_err(text))?;
     let words: Vec<u32> = gpu.read(frame.results().map_err(text)?.choices.ok_or("no view")?, usize::MAX)?;
     for (case, caster) in cases.iter_mut().zip(casters) {
-        let (index, _) = frame.place(caster).ok_or("the caster is not in the frame")?;
+        let (index, _) = frame.locate(caster).ok_or("the caster is not in the frame")?;
         let [casts, every] = [0, 1].map(|kind| words[CHOICE_WORDS * index as usize + kind] & 1);
         if casts == 0 {
             return Err("a caster is skipped".to_owned());
         }
-        case.casting = if every == 1 { CAST_EVERY } else { CAST_AVERTED };
+        case.casting = if every == 1 { CAST_EVERY } else { CAST_BACK_FACING };
     }
     let statistics: Vec<ShadowStatistics> = gpu.read(frame.shadow_statistics().ok_or("no view")?, 1)?;
     Ok(statistics[0].count_bound)
@@ -237,7 +237,7 @@ fn stacks() -> Result<(), String> {
     let seed = 231;
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let (mut deepest, mut averted) = (0, 0);
+    let (mut deepest, mut back_facing) = (0, 0);
     let rounds = if is_long() { 6000 } else { 300 };
     for number in 0..rounds {
         let down = DVec3::new(f64::from(random.between(-0.3, 0.3)), -1.0, f64::from(random.between(-0.2, 0.2)));
@@ -252,15 +252,15 @@ fn stacks() -> Result<(), String> {
         let mut case = [Case::new(shape, light)];
         let bound = bound(gpu, &mut case, every_face)?;
         let [case] = case;
-        averted += usize::from(case.casting == CAST_AVERTED);
+        back_facing += usize::from(case.casting == CAST_BACK_FACING);
         let what = |error: String| format!("number {number}, w {w}, casting {}: {error}", case.casting);
         let found = case.check(bound, &mut random).map_err(what)?;
         deepest = deepest.max(found);
         must_fail("a bound of less", &case.check(found.saturating_sub(1), &mut random))?;
         must_fail("a bound of too much", &case.check(2 * bound + 2, &mut random))?;
     }
-    println!("{rounds} stacks, {averted} of averted faces, counts up to {deepest}");
-    if deepest > 20 && averted > rounds / 5 { Ok(()) } else { Err("no stack is deep".to_owned()) }
+    println!("{rounds} stacks, {back_facing} of back-facing faces, counts up to {deepest}");
+    if deepest > 20 && back_facing > rounds / 5 { Ok(()) } else { Err("no stack is deep".to_owned()) }
 }
 
 /// Worked by hand: blocks in a row below the light, which stands near the end of a long box and off its middle. Some are

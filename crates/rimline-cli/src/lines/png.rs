@@ -6,7 +6,7 @@ use tiny_skia::{Color, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stro
 
 use super::Picture;
 use super::sheet::{Layer, Polyline};
-use crate::input_args::size as memory;
+use rimline_files::size::size as memory;
 
 /// More pixels each way are refused.
 const MOST_PIXELS: u32 = 32_768;

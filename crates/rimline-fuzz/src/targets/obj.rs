@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use rimline::mesh::Weld;
-use rimline_cli::obj;
+use rimline_files::obj;
 use rimline_testkit::random::Random;
 
 use super::npz::check_polygons;

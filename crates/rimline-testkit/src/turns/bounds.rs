@@ -45,8 +45,8 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
         // once, and both ends of 16 walks that the lanes begin together.
         ("TILE_NODES", 2 * (256 + 32)),
         ("TILE_WALLS", 2048),
-        ("OUTLINE_EDGES", 1024),
-        // An invocation takes all edges and triangles of a small outline, 32 of each, and 64 of them share those of a large one: of
+        ("BOUNDARY_EDGES", 1024),
+        // An invocation takes all edges and triangles of a small boundary, 32 of each, and 64 of them share those of a large one: of
         // 1,024 edges with 2,048 triangles 16 and 32. An edge has four turns and a triangle seven.
         ("CUT_ITEMS", 32 + 32),
         ("CUT_TESTS", 4 * 32 + 7 * 32),
@@ -65,7 +65,7 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// * `reach`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32 lights. A test
 ///   has a caster that the last of them hides.
 /// * `clusters`, `chunks`: by shares of 96 chunks, 1/5 of the limit.
-/// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `SeenLight`. Tests have
+/// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `ViewLight`. Tests have
 ///   both, and twice as many views.
 /// * `choose`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an axis: these would
 ///   take 537 million, and a table in one binding has no more than 84 million.
@@ -93,7 +93,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("exact_facing", "exact_facing", 59_406),
     ("polygon_facing", "polygon_facing", 2_058),
     ("polygon_turns", "polygon_turns", 43_625),
-    ("outline", "outline", 32_876),
+    ("polygon_pairs", "polygon_pairs", 32_876),
     ("polygon_masks", "polygon_masks", 34_898),
     ("edges", "edges", 66),
     ("cut_edges", "cut_edges", 58_408),

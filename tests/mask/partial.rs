@@ -1,4 +1,4 @@
-//! Lights that reach a part of the picture: masks are right wherever the light reaches, and 0 beyond a rectangle around it.
+//! Lights that affect a part of the image: masks are right there, and 0 outside a rectangle around it.
 
 use glam::{DVec2, DVec3};
 use rimline::gpu::{SceneOptions, ShadowMasks};

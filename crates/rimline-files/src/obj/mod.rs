@@ -7,7 +7,8 @@ use std::io::{self, BufRead};
 
 use rimline::mesh::MAX_POLYGON_CORNERS;
 
-use crate::npz::{Arrays, PolygonArrays, charge};
+use crate::charge;
+use crate::npz::{Arrays, PolygonArrays};
 use coordinates::{number, placed};
 use line::{Lines, Next, Statement};
 

@@ -1,6 +1,6 @@
-//! Outlines: the edges of a polygon that remain when those that it walks both ways have cancelled.
+//! Boundaries: the edges of a polygon that remain when those that it walks both ways have cancelled.
 
-/// Finds outlines, and keeps its memory from one polygon to the next.
+/// Finds boundaries, and keeps its memory from one polygon to the next.
 #[derive(Default)]
 pub(super) struct Walker {
     /// Edges with their lower vertex first, whether they were turned for that, and their place.
@@ -9,15 +9,15 @@ pub(super) struct Walker {
 }
 
 impl Walker {
-    /// Appends the outline of a polygon with these loops, in the order of its corners. Edges from a vertex to itself are left
+    /// Appends the boundary of a polygon with these loops, in the order of its corners. Edges from a vertex to itself are left
     /// out. Edges of opposite directions between two vertices cancel, the earliest first.
-    pub(super) fn append_outline<'a>(&mut self, outline: &mut Vec<[u32; 2]>, loops: impl Iterator<Item = &'a [u32]>) {
-        let first = outline.len();
+    pub(super) fn append_boundary<'a>(&mut self, boundary: &mut Vec<[u32; 2]>, loops: impl Iterator<Item = &'a [u32]>) {
+        let first = boundary.len();
         for corners in loops {
             let ends = corners.iter().skip(1).chain(corners.first());
-            outline.extend(corners.iter().zip(ends).map(|(&a, &b)| [a, b]).filter(|[a, b]| a != b));
+            boundary.extend(corners.iter().zip(ends).map(|(&a, &b)| [a, b]).filter(|[a, b]| a != b));
         }
-        let edges = (0..).zip(&outline[first..]);
+        let edges = (0..).zip(&boundary[first..]);
         self.sorted.clear();
         self.sorted.extend(edges.map(|(place, &[a, b])| ([a.min(b), a.max(b)], a > b, place)));
         self.sorted.sort_unstable();
@@ -37,10 +37,10 @@ impl Walker {
         let mut end = first;
         for (place, &is_cancelled) in (first..).zip(&self.is_cancelled) {
             if !is_cancelled {
-                outline[end] = outline[place];
+                boundary[end] = boundary[place];
                 end += 1;
             }
         }
-        outline.truncate(end);
+        boundary.truncate(end);
     }
 }
