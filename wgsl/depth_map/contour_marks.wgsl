@@ -30,8 +30,8 @@ fn jump_state(sample: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
 }
 
 // Whether a difference above the threshold is a jump, not only a slope. A jump is larger than the slopes on both sides by
-// more than the threshold. It is above `contour.certain_threshold`, or at least twice as large as the differences beside it. Three
-// samples of a plane, and a round surface before its rim, have no jump.
+// more than the threshold. It is above `contour.certain_threshold`, or at least twice as large as the differences beside it.
+// Three samples of a plane, and a round surface before its rim, have no jump.
 fn is_jump(sample: vec2<i32>, step: vec2<i32>) -> bool {
   let a = load_distance(sample);
   let b = load_distance(sample + step);

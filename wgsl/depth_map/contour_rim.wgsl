@@ -88,7 +88,7 @@ fn surface_distance(sample: vec2<i32>, step: vec2<i32>, offset: i32, min_texels:
 }
 
 // From `contour_marks`: two bits for each sample, 16 samples in a word, `contour.words` words in a row.
-@group(0) @binding(9) var<storage, read> marks: array<u32>;
+@group(0) @binding(8) var<storage, read> marks: array<u32>;
 
 // Whether edges of a sample are marked. Bit 0: the edge to the right. Bit 1: the edge down. The sample must be on the
 // lattice.

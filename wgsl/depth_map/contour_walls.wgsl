@@ -23,7 +23,7 @@
 // and a distance.
 @group(0) @binding(7) var<storage, read_write> walls: array<u32>;
 // The indirect draw of the walls, then that of all cells.
-@group(0) @binding(8) var<storage, read_write> draws: array<u32>;
+@group(0) @binding(9) var<storage, read_write> draws: array<u32>;
 
 // Whether walls are listed, not only counted.
 override LISTS: bool = false;

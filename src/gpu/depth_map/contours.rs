@@ -76,7 +76,8 @@ fn distance(depth: f64) -> i32 {
     (depth * RANGE).round().clamp(0.0, RANGE) as i32
 }
 
-/// The parameters of contours for maps of `size` texels. `None`: the method has no contours. Refuses pipelines of several bits.
+/// The parameters of contours for maps of `size` texels. `None`: the method has no contours. Refuses pipelines of several
+/// bits.
 pub(super) fn contour_shape(
     pipelines: &DepthMapPipelines,
     size: [u32; 2],
@@ -193,8 +194,8 @@ impl Contours {
     }
 
     /// Further bindings of draws: crossings, the uniform, counts and marks.
-    pub(super) fn draw_bindings<'a>(&'a self, contour: &'a wgpu::Buffer) -> [(u32, Resource<'a>); 4] {
+    pub(super) fn draw_bindings<'a>(&'a self, contour: &'a wgpu::Buffer) -> [Resource<'a>; 4] {
         let ContourBuffers { marks, crossings, counts, .. } = &self.buffers;
-        [(5, whole(crossings)), (6, whole(contour)), (7, whole(counts)), (9, whole(marks))]
+        [crossings, contour, counts, marks].map(whole)
     }
 }

@@ -12,9 +12,10 @@ use crate::stages::DEPTH_METRIC;
 /// Makes a depth map from a map of distances, as ray-marched distance fields and range images have them.
 ///
 /// The result is a map of `R32Float` with the device depths of the map's camera, to be given to
-/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes) with the same camera, to [`DepthMapMerge`](crate::gpu::depth_map::DepthMapMerge), or
-/// as a map of a cube. Set [`DepthMapOptions::metric`](crate::gpu::depth_map::DepthMapOptions::metric) to the same metric, so that the
-/// boundary moves by the error of the conversion.
+/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes) with the same camera, to
+/// [`DepthMapMerge`](crate::gpu::depth_map::DepthMapMerge), or as a map of a cube. Set
+/// [`DepthMapOptions::metric`](crate::gpu::depth_map::DepthMapOptions::metric) to the same metric, so that the boundary
+/// moves by the error of the conversion.
 ///
 /// ```no_run
 /// use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DepthMetric};
@@ -54,8 +55,8 @@ impl DepthMapConversion {
     }
 
     /// Records the stage. `map` has distances of `metric` in a texture of `R32Float`, and the camera that they were measured
-    /// for; its objects are ignored. With [`DepthMetric::Device`] it may have any format of a map, and the result has its depths,
-    /// clamped. Draws of volumes read the result, too, so record them before the next conversion.
+    /// for; its objects are ignored. With [`DepthMetric::Device`] it may have any format of a map, and the result has its
+    /// depths, clamped. Draws of volumes read the result, too, so record them before the next conversion.
     ///
     /// # Errors
     /// [`DepthMapError`] if the texture or the camera is refused. Nothing is recorded then.

@@ -29,8 +29,8 @@ use crate::stages::DEPTH_CUBE;
 /// rays. Where their depths differ, all get the nearest one. A map has a field of view slightly above 90°, as the cameras of
 /// [`Self::cameras`] have.
 ///
-/// Each map is an upright picture of its camera, with row 0 at the top. The faces of cube textures of graphics APIs are mirrored or
-/// rotated against it, so draw each map with its camera of [`Self::cameras`].
+/// Each map is an upright picture of its camera, with row 0 at the top. The faces of cube textures of graphics APIs are
+/// mirrored or rotated against it, so draw each map with its camera of [`Self::cameras`].
 ///
 /// A missing map casts nothing, and shadows of the others end at its edges, as at the border of a single map.
 #[derive(Debug)]
@@ -52,8 +52,8 @@ pub struct DepthMapCube {
 }
 
 impl DepthMapCube {
-    /// Cameras at `position` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the map along
-    /// +y, and −z for the one along −y.
+    /// Cameras at `position` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the
+    /// map along +y, and −z for the one along −y.
     ///
     /// # Errors
     /// [`DepthMapError`] if `side` is below 3, the position or a distance is not finite, `near` is not above 0, or `far` not
@@ -121,8 +121,8 @@ impl DepthMapCube {
         Ok(Self { stage, volumes, shape, view, nothing, no_objects, unwritten_objects, objects: None, memory, shared })
     }
 
-    /// Records the stages that merge the six maps and find their edges. `camera` is the eye's. Frames of earlier encodes can no
-    /// longer be drawn. The first encode with objects makes a texture and a pipeline for them.
+    /// Records the stages that merge the six maps and find their edges. `camera` is the eye's. Frames of earlier encodes can
+    /// no longer be drawn. The first encode with objects makes a texture and a pipeline for them.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture or a camera is refused, the maps of the cameras do not meet, or the first objects do not fit.
@@ -224,8 +224,8 @@ impl DepthMapCube {
         Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 
-    /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the
-    /// map before.
+    /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of
+    /// the map before.
     pub fn cells(&self) -> &wgpu::Buffer {
         self.volumes.cells()
     }

@@ -1,5 +1,5 @@
-//! Detectors that read more than the two samples of an edge, or continue edges. They mark all edges, and cells are decided from
-//! the marks.
+//! Detectors that read more than the two samples of an edge, or continue edges. They mark all edges, and cells are decided
+//! from the marks.
 
 use super::options::{DanglingEdges, DepthMapMethod};
 use super::stage::ObjectStage;
@@ -75,7 +75,8 @@ impl Detector {
             noise: 0,
             noise_exponents: 0,
         };
-        // Triangles on slopes are omitted, and the boundary is off by half a texel there. Jitter of several bits adds as much.
+        // Triangles on slopes are omitted, and the boundary is off by half a texel there. Jitter of several bits adds as
+        // much.
         let rings = u32::from(second > 0) + u32::from(bits > 1);
         Some(Self { rule, second, dangling, rings })
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::memory::any_error;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::{CameraError, DepthDirection};
 
@@ -12,8 +13,8 @@ use crate::shadow::{CameraError, DepthDirection};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapError {
-    /// The device lacks something, is lost, or is another one. Or buffers or textures do not fit it, or the positions of a mesh
-    /// cannot be read.
+    /// The device lacks something, is lost, or is another one. Or buffers or textures do not fit it, or the positions of a
+    /// mesh cannot be read.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The device cannot draw into the attachments, or a handle is of another scene or was removed.
@@ -249,6 +250,11 @@ pub enum DepthMapError {
     /// One draw cannot have so many vertices.
     #[error("the mesh has {0} faces, and one draw has at most 1,431,655,765; divide the mesh")]
     Faces(usize),
+}
+
+/// Calls `make`. An error of the device within it is [`DepthMapError::Refused`].
+pub(super) fn guard<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, DepthMapError> {
+    any_error(device, make).map_err(|message| DepthMapError::Refused { message })
 }
 
 impl From<ShadowError> for DepthMapError {

@@ -8,14 +8,14 @@ use super::pipelines::DepthMapPipelines;
 use crate::gpu::common::requirements::check_same;
 use crate::shadow::DepthDirection;
 
-/// Whether the near cap is drawn, which inverts the stencil bit where the eye's near rectangle is in shadow. It covers the whole
-/// picture, so it is skipped where the whole near rectangle is lit.
+/// Whether the near cap is drawn, which inverts the stencil bit where the eye's near rectangle is in shadow. It covers the
+/// whole picture, so it is skipped where the whole near rectangle is lit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DepthMapNearCap {
     /// The whole near rectangle is lit for any depths of the map. Nothing is drawn.
     Skipped,
-    /// Arguments of its draw, which the GPU writes: 3 vertices if samples around the near rectangle show that it may be in shadow,
-    /// else 0. Then 1, 0 and 0.
+    /// Arguments of its draw, which the GPU writes: 3 vertices if samples around the near rectangle show that it may be in
+    /// shadow, else 0. Then 1, 0 and 0.
     Indirect(wgpu::Buffer),
     /// It is drawn.
     Drawn,
@@ -58,9 +58,9 @@ pub struct DepthMapFrame {
 }
 
 impl DepthMapFrame {
-    /// Draws into a pass with the attachments of `pipelines`. It inverts their stencil bit wherever the visible surface is in
-    /// shadow; with several bits, each bit for the boundary moved by its part of a texel. The depth attachment holds the visible
-    /// surfaces, and may be read-only; the stencil may not. The pipeline and bind group 0 of the pass change.
+    /// Draws into a pass with the attachments of `pipelines`. It inverts their stencil bit wherever the visible surface is
+    /// in shadow; with several bits, each bit for the boundary moved by its part of a texel. The depth attachment holds the
+    /// visible surfaces, and may be read-only; the stencil may not. The pipeline and bind group 0 of the pass change.
     ///
     /// # Errors
     /// [`DepthMapError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
@@ -85,10 +85,10 @@ impl DepthMapFrame {
         Ok(())
     }
 
-    /// The arguments of its indirect draws, which the GPU writes: vertices, instances, first vertex, first instance. There are
-    /// six vertices for each listed cell, or for each cell of the map if the list overflowed. With
-    /// [`DepthMapMethod::Contours`](crate::gpu::depth_map::DepthMapMethod::Contours) there are two draws: of walls, with 0 vertices
-    /// if their list overflowed, then of all cells, with 0 vertices if it did not. The buffer has usage `COPY_SRC`.
+    /// The arguments of its indirect draws, which the GPU writes: vertices, instances, first vertex, first instance. There
+    /// are six vertices for each listed cell, or for each cell of the map if the list overflowed. With
+    /// [`DepthMapMethod::Contours`](crate::gpu::depth_map::DepthMapMethod::Contours) there are two draws: of walls, with 0
+    /// vertices if their list overflowed, then of all cells, with 0 vertices if it did not. The buffer has usage `COPY_SRC`.
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.draws
     }

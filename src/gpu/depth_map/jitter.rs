@@ -1,5 +1,5 @@
-//! Jitter: the offset of the boundary for each bit of the stencil. Offsets are the squares of rooks that do not attack each other
-//! (section 8.3 of the paper), so an edge along either axis has as many levels as there are bits.
+//! Jitter: the offset of the boundary for each bit of the stencil. Offsets are the squares of rooks that do not attack each
+//! other (section 8.3 of the paper), so an edge along either axis has as many levels as there are bits.
 
 /// The row of the rook in each column, for 1 to 8 bits.
 const ROOKS: [&[u32]; 8] = [

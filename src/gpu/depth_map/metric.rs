@@ -13,25 +13,25 @@ use crate::shadow::DepthDirection;
 /// The quantity in the texels of an `R32Float` map.
 ///
 /// Distances are in the units of positions. A distance casts nothing if it is infinite, NaN, at the far plane or beyond it;
-/// without a far plane, if it is 2¹²⁰ units or more along the axis. It also casts nothing if its device depth rounds to that of
-/// the far end, which cannot happen with reversed depth. A negative distance, or one before the near plane, counts as one at the
-/// near plane.
+/// without a far plane, if it is 2¹²⁰ units or more along the axis. It also casts nothing if its device depth rounds to that
+/// of the far end, which cannot happen with reversed depth. A negative distance, or one before the near plane, counts as one
+/// at the near plane.
 ///
-/// Distances must be right to one unit in their last place. Add other errors that may make them too short, such as the tolerance
-/// at which a marched ray stops before a surface. A boundary that is nearer to the light than the surface shows as specks of
-/// shadow on it.
+/// Distances must be right to one unit in their last place. Add other errors that may make them too short, such as the
+/// tolerance at which a marched ray stops before a surface. A boundary that is nearer to the light than the surface shows as
+/// specks of shadow on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DepthMetric {
     /// Device depths, as a depth attachment has them: clip z over clip w.
     #[default]
     Device,
-    /// Distances along the axis of view. A perspective camera has them from the plane through the light at right angles to the
-    /// axis: clip w over the length by which it grows for each unit. An orthographic matrix has no position, so
-    /// there they are from the near plane, at right angles to it.
+    /// Distances along the axis of view. A perspective camera has them from the plane through the light at right angles to
+    /// the axis: clip w over the length by which it grows for each unit. An orthographic matrix has no position, so there
+    /// they are from the near plane, at right angles to it.
     AlongAxis,
-    /// Distances along the ray through the middle of the texel. A perspective camera has them from the light, where all rays meet.
-    /// An orthographic one has them from the near plane, along the direction of its rays.
+    /// Distances along the ray through the middle of the texel. A perspective camera has them from the light, where all rays
+    /// meet. An orthographic one has them from the near plane, along the direction of its rays.
     AlongRay,
 }
 
@@ -53,7 +53,8 @@ struct Planes {
     /// The change of nearness at infinity with x and y.
     tilt: [f64; 2],
     near: f64,
-    /// The far distance, and a scale: nearness is the scale times the way to the far plane, divided by the distance if rays meet.
+    /// The far distance, and a scale: nearness is the scale times the way to the far plane, divided by the distance if rays
+    /// meet.
     far: Option<[f64; 2]>,
     /// Nearness times distance, without a far plane.
     product: f64,

@@ -1,5 +1,5 @@
-//! Whether the near rectangle of an eye may be in shadow. The CPU finds, in `f64`, the samples of the map that decide this, and
-//! a stage reads them. docs/numerics/depth-maps.md, "Near caps".
+//! Whether the near rectangle of an eye may be in shadow. The CPU finds, in `f64`, the samples of the map that decide this,
+//! and a stage reads them. docs/numerics/depth-maps.md, "Near caps".
 
 use glam::DVec4;
 
@@ -14,7 +14,8 @@ const WIDENING: f64 = 1e-4;
 const ROUNDING: f64 = 1e-5;
 /// If distances from the light may be off by a larger share, the result is unknown.
 const MAX_ROUNDING: f64 = 1e-3;
-/// A surface is behind the rectangle if it is farther by this share of the depth; with standard depth, by this constant as well.
+/// A surface is behind the rectangle if it is farther by this share of the depth; with standard depth, by this constant as
+/// well.
 const BEHIND: f64 = 1e-5;
 /// Samples around the rectangle: a cell on each side, and one for jitter.
 const MARGIN: f64 = 2.0;
@@ -38,8 +39,8 @@ pub(crate) enum NearShadow {
     Unknown,
 }
 
-/// Finds the samples that decide. `lights`: the cameras of one map or of six, of `size` texels each. `format`: that of the eye's
-/// depth. `has_walls`: the method has contours, so walls and flaps of whole tiles count.
+/// Finds the samples that decide. `lights`: the cameras of one map or of six, of `size` texels each. `format`: that of the
+/// eye's depth. `has_walls`: the method has contours, so walls and flaps of whole tiles count.
 pub(crate) fn near_shadow(
     lights: &[ShadowCamera],
     size: [u32; 2],

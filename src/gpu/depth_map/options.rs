@@ -11,13 +11,13 @@ use crate::ShadowCamera;
 /// lie on it.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthMap<'a> {
-    /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel, usage
-    /// `TEXTURE_BINDING`, and one of these formats: `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`, `Depth32Float`,
-    /// `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold;
+    /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel,
+    /// usage `TEXTURE_BINDING`, and one of these formats: `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`,
+    /// `Depth32Float`, `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold;
     /// [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) makes such a map from distances.
     ///
-    /// Row 0 is at the top, where y is 1 in clip space. NaN and depths at the far end or beyond cast nothing; the far end is 0
-    /// with reversed depth, else 1. Depths before the near end count as depths at the near end.
+    /// Row 0 is at the top, where y is 1 in clip space. NaN and depths at the far end or beyond cast nothing; the far end is
+    /// 0 with reversed depth, else 1. Depths before the near end count as depths at the near end.
     pub texture: &'a wgpu::TextureView,
     /// The camera that the map was made with, at the light. It is orthographic for a light at infinity.
     pub light: ShadowCamera,
@@ -25,11 +25,13 @@ pub struct DepthMap<'a> {
     /// view of one layer of an `R32Uint` texture of the map's size, with one mip level and usage `TEXTURE_BINDING`. Default:
     /// `None`. Set it to find contacts, such as a foot on the ground, without a threshold.
     ///
-    /// Indices of texels that cast nothing are ignored, and [`DepthMapMethod::EveryCell`] ignores all, because it has every edge.
+    /// Indices of texels that cast nothing are ignored, and [`DepthMapMethod::EveryCell`] ignores all, because it has every
+    /// edge.
     ///
     /// To detect edges by objects alone, take [`DepthMapMethod::Differences`] with a `threshold` of 1 and a
-    /// [`slope_bias`](DepthMapOptions::slope_bias) of 0. With a larger bias, the boundary leaves steep sides of objects, and rays
-    /// pass through the gap. An object then casts no shadow onto itself, which swaps light and shadow along rays through the gap.
+    /// [`slope_bias`](DepthMapOptions::slope_bias) of 0. With a larger bias, the boundary leaves steep sides of objects, and
+    /// rays pass through the gap. An object then casts no shadow onto itself, which swaps light and shadow along rays
+    /// through the gap.
     pub objects: Option<&'a wgpu::TextureView>,
 }
 
@@ -45,22 +47,22 @@ impl<'a> DepthMap<'a> {
 pub struct DepthCubeMaps<'a> {
     /// Views like [`DepthMap::texture`]. A missing map casts nothing.
     pub textures: [Option<&'a wgpu::TextureView>; 6],
-    /// The cameras that the maps were made with: those of [`DepthMapCube::cameras`](crate::gpu::depth_map::DepthMapCube::cameras),
-    /// or all of them rotated together.
+    /// The cameras that the maps were made with: those of
+    /// [`DepthMapCube::cameras`](crate::gpu::depth_map::DepthMapCube::cameras), or all of them rotated together.
     pub lights: [ShadowCamera; 6],
-    /// Views like [`DepthMap::objects`]: none, or one for each map that is not missing. A sample that several maps share has the
-    /// object of the map with the nearest depth.
+    /// Views like [`DepthMap::objects`]: none, or one for each map that is not missing. A sample that several maps share has
+    /// the object of the map with the nearest depth.
     pub objects: [Option<&'a wgpu::TextureView>; 6],
 }
 
-/// How shadows are found in a map: which edges between neighbouring samples are edges of shadows, and how the boundary is rebuilt
-/// there. A missed edge can swap light and shadow along all rays through the gap, in streaks.
+/// How shadows are found in a map: which edges between neighbouring samples are edges of shadows, and how the boundary is
+/// rebuilt there. A missed edge can swap light and shadow along all rays through the gap, in streaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DepthMapMethod {
-    /// Every edge. It misses nothing and needs no threshold, but draws two triangles for each cell that is not far. Take it for
-    /// casters that are not in the eye's depth buffer, for bodies thinner than a texel, and for cloth and leaves. Take it also
-    /// where the eye's near plane cuts into bodies, or the light is within one.
+    /// Every edge. It misses nothing and needs no threshold, but draws two triangles for each cell that is not far. Take it
+    /// for casters that are not in the eye's depth buffer, for bodies thinner than a texel, and for cloth and leaves. Take
+    /// it also where the eye's near plane cuts into bodies, or the light is within one.
     EveryCell,
     /// Edges between a depth and nothing, and edges whose depth difference exceeds four steps of the map's format and twice
     /// either difference beside it in the same row or column. It needs no threshold, and a surface that goes on at its slope
@@ -73,15 +75,15 @@ pub enum DepthMapMethod {
     /// Edges between a depth and nothing, and edges whose depth difference exceeds `threshold`. It misses edges of shadows
     /// between surfaces that are nearer to each other than that, as seen from the light, and edges on steep surfaces.
     Differences {
-        /// In device depth, from 0 to 1, compared exactly. In a perspective map, a step in device depth is larger in the world
-        /// the farther away it is. Take it small: 0.0005 suits scenes some ten metres across.
+        /// In device depth, from 0 to 1, compared exactly. In a perspective map, a step in device depth is larger in the
+        /// world the farther away it is. Take it small: 0.0005 suits scenes some ten metres across.
         threshold: f32,
         /// See [`Self::Automatic`].
         dangling: Option<DanglingEdges>,
     },
-    /// Edges between a depth and nothing, and edges whose depth difference exceeds `high`, or exceeds `low` and both differences
-    /// beside it in the same row or column (section 3.3 of the paper). Slopes have no edges. It misses steps below `low`, and
-    /// the smaller of two neighbouring steps in one direction that are both below `high`.
+    /// Edges between a depth and nothing, and edges whose depth difference exceeds `high`, or exceeds `low` and both
+    /// differences beside it in the same row or column (section 3.3 of the paper). Slopes have no edges. It misses steps
+    /// below `low`, and the smaller of two neighbouring steps in one direction that are both below `high`.
     SecondDifferences {
         /// In device depth, from 0 to `high`. Take 0.0005 for scenes some ten metres across.
         low: f32,
@@ -100,16 +102,16 @@ pub enum DepthMapMethod {
     /// Shadows may be wrong at rims whose last facets are narrower than a texel, at rims close to the eye, and where the near
     /// rectangle is within two texels of a rim (docs/measured.md).
     ///
-    /// Cubes and pipelines of more than one bit are refused. Maps may have as many texels as a storage binding has words: up to
-    /// 5,790² with default limits.
+    /// Cubes and pipelines of more than one bit are refused. Maps may have as many texels as a storage binding has words: up
+    /// to 5,790² with default limits.
     Contours {
         /// In device depth, from 0 to 1.
         threshold: f32,
-        /// How far a segment may be from the crossings that it is fitted to, in texels, from 0 to 0.5. Samples stay on their side
-        /// of the segment with any value. Take 0.1.
+        /// How far a segment may be from the crossings that it is fitted to, in texels, from 0 to 0.5. Samples stay on their
+        /// side of the segment with any value. Take 0.1.
         sideways: f32,
-        /// How far the ends of a wall may be from the surfaces that it joins, in device depth, from 0 to 1. Take a multiple of
-        /// the threshold. A larger value makes fewer walls, but rays may pass where surfaces bend along a contour.
+        /// How far the ends of a wall may be from the surfaces that it joins, in device depth, from 0 to 1. Take a multiple
+        /// of the threshold. A larger value makes fewer walls, but rays may pass where surfaces bend along a contour.
         depth: f32,
     },
 }
@@ -121,13 +123,14 @@ impl Default for DepthMapMethod {
     }
 }
 
-/// How dangling edges are continued: lower thresholds hold at their ends, cell by cell (section 3.2 of the paper). An edge dangles
-/// where it ends in a cell that has no other edge, such as at a contact of two surfaces, or where a fold ends. It costs two words
-/// for 16 texels, and a short pass for each cell. In a cube, no edge is continued from one map into the next.
+/// How dangling edges are continued: lower thresholds hold at their ends, cell by cell (section 3.2 of the paper). An edge
+/// dangles where it ends in a cell that has no other edge, such as at a contact of two surfaces, or where a fold ends. It
+/// costs two words for 16 texels, and a short pass for each cell. In a cube, no edge is continued from one map into the
+/// next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DanglingEdges {
-    /// Factor of the thresholds at the end of an edge, from 0 to 1. Thresholds are `threshold`, `low`, or differences beside an
-    /// edge, by the method. Default: 0.5. A lower one continues more edges.
+    /// Factor of the thresholds at the end of an edge, from 0 to 1. Thresholds are `threshold`, `low`, or differences beside
+    /// an edge, by the method. Default: 0.5. A lower one continues more edges.
     pub share: f32,
     /// Cells by which an edge is continued at most, from 1 to 64. Default: 8. Each costs a pass.
     pub cells: u32,
@@ -145,25 +148,26 @@ impl Default for DanglingEdges {
 pub struct DepthMapOptions {
     /// How shadows are found. Default: [`DepthMapMethod::Automatic`].
     pub method: DepthMapMethod,
-    /// Cells that the list has room for; with contours, walls and flaps. Default: `None`, which is every cell or as many as fit
-    /// one binding; with contours, a fourth of the cells and at least 1,024. If the list overflows, every cell is drawn: the
-    /// result is the same, but slower. Lower it to save memory, by what
+    /// Cells that the list has room for; with contours, walls and flaps. Default: `None`, which is every cell or as many as
+    /// fit one binding; with contours, a fourth of the cells and at least 1,024. If the list overflows, every cell is drawn:
+    /// the result is the same, but slower. Lower it to save memory, by what
     /// [`DepthMapFrame::statistics`](crate::gpu::depth_map::DepthMapFrame::statistics) counts.
     pub capacity: Option<u32>,
-    /// How far the boundary moves away from the light on slopes, in multiples of the depth difference over half a texel in each
-    /// direction; with contours at most 255. Default: 1, which covers surfaces that are nowhere steeper than between their
-    /// samples. A lower value may leave specks of shadow on steep surfaces. A higher value detaches shadows from what they touch.
+    /// How far the boundary moves away from the light on slopes, in multiples of the depth difference over half a texel in
+    /// each direction; with contours at most 255. Default: 1, which covers surfaces that are nowhere steeper than between
+    /// their samples. A lower value may leave specks of shadow on steep surfaces. A higher value detaches shadows from what
+    /// they touch.
     pub slope_bias: f32,
-    /// A coarser format that depths were rounded to before they came into the map. Default: `None`, the map's own format. The
-    /// boundary moves by four of its steps. Set it for a map of `R32Float` that was copied or merged from `Depth16Unorm`, which
-    /// has specks of shadow otherwise.
+    /// A coarser format that depths were rounded to before they came into the map. Default: `None`, the map's own format.
+    /// The boundary moves by four of its steps. Set it for a map of `R32Float` that was copied or merged from
+    /// `Depth16Unorm`, which has specks of shadow otherwise.
     pub rounded_to: Option<wgpu::TextureFormat>,
     /// The quantity that [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) converted the map from. Default:
-    /// [`DepthMetric::Device`], not converted. The boundary moves by the error of the conversion. Set it for a map converted from
-    /// distances, which may have specks of shadow otherwise, with reversed depth above all near the far plane.
+    /// [`DepthMetric::Device`], not converted. The boundary moves by the error of the conversion. Set it for a map converted
+    /// from distances, which may have specks of shadow otherwise, with reversed depth above all near the far plane.
     pub metric: DepthMetric,
-    /// Whether near caps are skipped where the whole near rectangle is lit. Default: true. The image does not change. Unset it to
-    /// measure.
+    /// Whether near caps are skipped where the whole near rectangle is lit. Default: true. The image does not change. Unset
+    /// it to measure.
     pub skip_near_caps: bool,
     /// Bytes that all buffers and textures together may have. Default: `None`, no limit. Making more is a [`DepthMapError`].
     pub memory_limit: Option<u64>,

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::error::DepthMapError;
-use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, Resource, UINT_TEXTURE, UNIFORM, entries};
+use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, UINT_TEXTURE, UNIFORM, entries};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
@@ -55,12 +55,12 @@ impl BitPipelines {
 }
 
 impl DepthMapPipelines {
-    /// Makes pipelines that count by parity in bit `bit` of the stencil, and do not change the other bits. A draw inverts the bit
-    /// at each pixel that is in shadow.
+    /// Makes pipelines that count by parity in bit `bit` of the stencil, and do not change the other bits. A draw inverts
+    /// the bit at each pixel that is in shadow.
     ///
-    /// It is for maps alone. **Where volumes of meshes count in the same stencil, use [`Self::beside_meshes`].** If `format` has
-    /// 8 [`ShadowFormat::count_bits`], the default, nothing else may count in the stencil, and any bit is allowed. With fewer, bits
-    /// of counts are refused.
+    /// It is for maps alone. **Where volumes of meshes count in the same stencil, use [`Self::beside_meshes`].** If `format`
+    /// has 8 [`ShadowFormat::count_bits`], the default, nothing else may count in the stencil, and any bit is allowed. With
+    /// fewer, bits of counts are refused.
     ///
     /// `format.front_face` and `format.has_far_plane` are ignored. With several samples a pixel, the adapter must have
     /// [`wgpu::DownlevelFlags::MULTISAMPLED_SHADING`], because the near cap reads the map at each sample.
@@ -72,9 +72,9 @@ impl DepthMapPipelines {
         Self::antialiased(pipelines, format, bit..bit.saturating_add(1))
     }
 
-    /// Makes pipelines like [`Self::antialiased`], for a stencil in which volumes of meshes count, too. `format` is that of the
-    /// volumes of meshes, whose counts have the bits below `bits`: for example `count_bits` of 7, and bits from 7 to 8. A pixel is
-    /// in shadow if any bit of the stencil is set.
+    /// Makes pipelines like [`Self::antialiased`], for a stencil in which volumes of meshes count, too. `format` is that of
+    /// the volumes of meshes, whose counts have the bits below `bits`: for example `count_bits` of 7, and bits from 7 to 8.
+    /// A pixel is in shadow if any bit of the stencil is set.
     ///
     /// # Errors
     /// [`DepthMapError`], as for [`Self::antialiased`], or if counts have one of the bits. They have all 8 by default.
@@ -124,7 +124,7 @@ impl DepthMapPipelines {
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Self {
-        let layout = layout(&shared);
+        let layout = surface_layout(&shared);
         let pipelines_of_bit = |bit| BitPipelines::new(&shared, format, bit, &layout, BEHIND_TRIANGLES);
         let draws = bits.clone().map(pipelines_of_bit).collect();
         Self { shared, format: format.clone(), bits, draws, walls: OnceLock::new() }
@@ -155,8 +155,8 @@ impl DepthMapPipelines {
     }
 
     /// The share of light at a pixel, from 0 to 1, by its stencil value: the share of bits that are 0. A stencil test cannot
-    /// tell shares, so add light in a later pass that reads the stencil as a texture. In WGSL, with a texture of the stencil aspect
-    /// and `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
+    /// tell shares, so add light in a later pass that reads the stencil as a texture. In WGSL, with a texture of the stencil
+    /// aspect and `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
     /// f32(countOneBits(mask))`.
     pub fn lit_share(&self, stencil: u8) -> f32 {
         let dark = self.bits().filter(|bit| stencil >> bit & 1 == 1).count();
@@ -183,7 +183,7 @@ const BEHIND_CONTOURS: EntryPoint = (&DEPTH_WALLS, "depth_walls_near_cap_fragmen
 const SURFACE_BINDINGS: [(u32, wgpu::BindingType); 5] =
     [(0, UNIFORM), (1, FLOAT_TEXTURE), (2, READ), (3, READ), (4, UINT_TEXTURE)];
 /// Crossings, contours, counts, marks.
-const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, READ), (6, UNIFORM), (7, READ), (9, READ)];
+const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, READ), (6, UNIFORM), (7, READ), (8, READ)];
 
 /// A stencil state that inverts a bit.
 fn inverted(bit: u32) -> wgpu::StencilState {
@@ -192,7 +192,7 @@ fn inverted(bit: u32) -> wgpu::StencilState {
 }
 
 /// The layout of the bind group of the draws.
-pub(super) fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
+pub(super) fn surface_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
     pipelines.layout("depth surface", entries(wgpu::ShaderStages::VERTEX_FRAGMENT, SURFACE_BINDINGS))
 }
 
@@ -200,17 +200,6 @@ pub(super) fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
 pub(super) fn wall_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
     let all = SURFACE_BINDINGS.into_iter().chain(WALL_BINDINGS);
     pipelines.layout("depth walls", entries(wgpu::ShaderStages::VERTEX_FRAGMENT, all))
-}
-
-/// The bind group of the draws of walls.
-pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, Resource<'_>)>) -> wgpu::BindGroup {
-    let bound = resources.into_iter().map(|(binding, resource)| (binding, resource.bound));
-    let entries: Vec<_> = bound.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    pipelines.device().create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("depth walls"),
-        layout: &wall_layout(pipelines),
-        entries: &entries,
-    })
 }
 
 /// The text of a stage for draws with `samples` a pixel. With one sample it does not name samples, because an adapter without

@@ -4,20 +4,20 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::bound::Bound;
-use super::error::DepthMapError;
+use super::error::{DepthMapError, guard};
 use super::frame::{DepthMapFrame, DepthMapNearCap};
 use super::jitter::{jitters, max_jitter};
 use super::metric::metric_steps;
 use super::near::{NearShadow, near_shadow};
 use super::options::DepthMap;
-use super::pipelines::{layout, wall_group};
+use super::pipelines::{surface_layout, wall_layout};
 use super::texture::{check_objects, check_texture};
 use super::view::{Placing, depth_map_view};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
-use crate::gpu::common::memory::{any_error, filled};
+use crate::gpu::common::memory::filled;
 use crate::gpu::common::pass::{Step, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, group};
 use crate::gpu::common::requirements::{check_alive, check_timer};
@@ -37,8 +37,8 @@ pub(super) struct Inputs<'a> {
 }
 
 impl DepthMapVolumes {
-    /// Records the stages that find the edges of `map`. `camera` is the eye's. Frames of earlier encodes can no longer be drawn.
-    /// The first encode with objects compiles a pipeline for them.
+    /// Records the stages that find the edges of `map`. `camera` is the eye's. Frames of earlier encodes can no longer be
+    /// drawn. The first encode with objects compiles a pipeline for them.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture or a camera is refused. Nothing is recorded then.
@@ -105,8 +105,7 @@ impl DepthMapVolumes {
             steps.extend(near);
             (steps, draws, near_cap)
         };
-        let (steps, groups, near_cap) =
-            any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
+        let (steps, groups, near_cap) = guard(device, bind)?;
         record(&steps, encoder, 0..1, timer);
         Ok(DepthMapFrame {
             device: device.clone(),
@@ -123,8 +122,8 @@ impl DepthMapVolumes {
         })
     }
 
-    /// The views of the maps for each bit, moved by the bit's jitter. All maps of a cube have the bias of the coarsest format,
-    /// because they share samples on their borders.
+    /// The views of the maps for each bit, moved by the bit's jitter. All maps of a cube have the bias of the coarsest
+    /// format, because they share samples on their borders.
     fn views(&self, inputs: &Inputs<'_>) -> Result<Vec<Vec<DepthMapView>>, DepthMapError> {
         if inputs.eye.depth != self.eye.1 {
             return Err(DepthMapError::Depth { what: "the eye", given: inputs.eye.depth, made: self.eye.1 });
@@ -170,8 +169,8 @@ impl DepthMapVolumes {
             return contours.steps(&self.shared, bound);
         }
         let blocks = bound.shape.blocks;
-        // On a CPU a workgroup costs more than an iteration of a loop, so few workgroups loop over blocks. With several bits a block
-        // has many iterations.
+        // On a CPU a workgroup costs more than an iteration of a loop, so few workgroups loop over blocks. With several bits
+        // a block has many iterations.
         let few = loops(device, blocks.saturating_mul(WORKGROUP));
         let get = |name: &str| match name {
             "cell_words" => Some(whole(&self.buffers.words)),
@@ -200,12 +199,12 @@ impl DepthMapVolumes {
         let device = self.shared.device();
         let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
         let [map, objects] = bound.textures;
-        let resources = [whole(&bound.map), texture(map), whole(self.cells()), whole(&view), texture(objects)];
-        match (&self.contours, &bound.contour) {
-            (Some(contours), Some(contour)) => {
-                wall_group(&self.shared, (0..).zip(resources).chain(contours.draw_bindings(contour)).collect())
-            }
-            _ => group(device, "depth surface", &layout(&self.shared), &resources),
+        let mut resources = vec![whole(&bound.map), texture(map), whole(self.cells()), whole(&view), texture(objects)];
+        let mut layout = surface_layout(&self.shared);
+        if let (Some(contours), Some(contour)) = (&self.contours, &bound.contour) {
+            resources.extend(contours.draw_bindings(contour));
+            layout = wall_layout(&self.shared);
         }
+        group(device, "draw of a depth map", &layout, &resources)
     }
 }

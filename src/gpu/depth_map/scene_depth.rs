@@ -2,31 +2,30 @@
 
 use glam::{DMat4, DVec3};
 
-use super::error::DepthMapError;
-use super::mesh_depth::{UNIT, caster_of, depth_layout, depth_pipeline, storage};
+use super::error::{DepthMapError, guard};
+use super::mesh_depth::{DepthPipeline, UNIT, caster_of, check_depth_format, light_view, storage};
 use super::view::{matrix, origin};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, any_error, check};
+use crate::gpu::common::memory::{Allocation, check};
 use crate::gpu::common::pipelines::{Pipelines, group};
-use crate::gpu::common::requirements::{Subject, check_alive};
+use crate::gpu::common::requirements::Subject;
 use crate::gpu::scene::depths::{DepthCaster, DepthGroup, SceneDepthCasters};
 use crate::gpu::scene::scene::Scene;
-use crate::layout::{CHUNK, MeshDepthCaster, MeshDepthView};
+use crate::layout::{CHUNK, MeshDepthCaster};
 use crate::shadow::DepthDirection;
 
-/// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes).
-/// Both front and back faces are drawn, and faces that are excluded or occluded for a light are drawn, too. The same pass may hold
-/// several draws, and anything else that writes depth.
+/// Draws the depth of casters of a [`Scene`] into a depth map, for
+/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Both front and back faces are drawn, and faces that are
+/// excluded or occluded for a light are drawn, too. The same pass may hold several draws, and anything else that writes
+/// depth.
 ///
-/// For each page of topology there is one draw for rigid casters, and one for each buffer of positions. Casters whose box is outside
-/// of the light's view are culled.
+/// For each page of topology there is one draw for rigid casters, and one for each buffer of positions. Casters whose box is
+/// outside of the light's view are culled.
 #[derive(Debug)]
 pub struct SceneDepth {
-    shared: Pipelines,
-    pipeline: wgpu::RenderPipeline,
-    depth: DepthDirection,
+    pipeline: DepthPipeline,
 }
 
 /// Counts of a call of [`SceneDepth::draw`].
@@ -59,25 +58,21 @@ impl SceneDepth {
         format: wgpu::TextureFormat,
         depth: DepthDirection,
     ) -> Result<Self, DepthMapError> {
-        if !format.has_depth_aspect() {
-            return Err(DepthMapError::NoDepth(format));
-        }
+        check_depth_format(format)?;
         let shared = pipelines.into();
         shared.clone().construct(Subject::DepthMap, || {
-            let layout = depth_layout(&shared, BINDINGS);
-            let make = || depth_pipeline(&shared, "scene_depth", &layout, format, depth);
-            let pipeline = any_error(shared.device(), make);
-            Ok(Self { pipeline: pipeline.map_err(|message| DepthMapError::Refused { message })?, depth, shared })
+            Ok(Self { pipeline: DepthPipeline::new(shared, ("scene_depth", BINDINGS), format, depth)? })
         })
     }
 
     /// Draws the current casters of `scene` as `light` sees them. Rigid ones have the positions of their mesh and their
-    /// transform; others have the positions that are in their buffers when the pass runs. The scene need not be encoded. Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
+    /// transform; others have the positions that are in their buffers when the pass runs. The scene need not be encoded.
+    /// Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
     ///
     /// The draw reads the scene's pages, so [`Scene::remove_mesh`] treats it like an encode.
     ///
-    /// Casters with the unit matrix as their transform, and casters with positions in a buffer, have the same depths bit for bit as
-    /// with [`MeshDepth::draw`](crate::gpu::depth_map::MeshDepth::draw).
+    /// Casters with the unit matrix as their transform, and casters with positions in a buffer, have the same depths bit for
+    /// bit as with [`MeshDepth::draw`](crate::gpu::depth_map::MeshDepth::draw).
     ///
     /// # Errors
     /// [`DepthMapError`] if a handle or the light is refused, or the device refuses a buffer. Nothing is drawn then.
@@ -88,22 +83,15 @@ impl SceneDepth {
         casters: SceneDepthCasters<'_>,
         light: &ShadowCamera,
     ) -> Result<SceneDepthCounts, DepthMapError> {
-        light.check_any_hand()?;
-        if light.depth != self.depth {
-            return Err(DepthMapError::Depth { what: "the light", given: light.depth, made: self.depth });
-        }
-        let device = self.shared.device();
-        check_alive(device)?;
-        let light_view = LightView { matrix: matrix(light), origin: origin(light) };
+        self.pipeline.check(light)?;
+        let view_volume = LightView { matrix: matrix(light), origin: origin(light) };
         let mut counts = SceneDepthCounts::default();
         let mut bound = Vec::new();
-        let view = any_error(device, || {
-            storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }))
-        });
-        let view = view.map_err(|message| DepthMapError::Refused { message })?;
+        let device = self.pipeline.shared.device();
+        let view = guard(device, || light_view(device, light))?;
         for group in scene.depth_groups(casters)? {
             let (drawn, outside): (Vec<_>, Vec<_>) =
-                group.casters.iter().partition(|caster| !light_view.is_outside(caster));
+                group.casters.iter().partition(|caster| !view_volume.is_outside(caster));
             counts.drawn += drawn.len();
             counts.outside += outside.len();
             if !drawn.is_empty() {
@@ -111,7 +99,7 @@ impl SceneDepth {
             }
         }
         counts.draws = bound.len();
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.pipeline.pipeline);
         for (group, chunks) in bound {
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3 * CHUNK, 0..chunks);
@@ -127,7 +115,7 @@ impl SceneDepth {
         drawn: &[DepthCaster],
         light: &ShadowCamera,
     ) -> Result<(wgpu::BindGroup, u32), DepthMapError> {
-        let device = self.shared.device();
+        let device = self.pipeline.shared.device();
         let casters: Vec<MeshDepthCaster> =
             drawn.iter().map(|caster| caster_of(caster.rows.unwrap_or(UNIT), light, caster.layout)).collect();
         let chunks: Vec<[u32; 2]> = (0..)
@@ -140,14 +128,13 @@ impl SceneDepth {
             Allocation { label: "chunks of a depth map", bytes: size_of_val(&chunks[..]) as u64 },
         ];
         check(&allocations, limits.binding, None)?;
-        let group = any_error(device, || {
+        let group = guard(device, || {
             let [casters, chunks] = [bytemuck::cast_slice(&casters), bytemuck::cast_slice(&chunks)];
             let [casters, chunks] = [casters, chunks].map(|contents| storage(device, contents));
             let positions = part(depth_group.positions, depth_group.range.clone());
             let resources = [whole(view), positions, whole(&casters), whole(depth_group.faces), whole(&chunks)];
-            group(device, "scene depth", &depth_layout(&self.shared, BINDINGS), &resources)
-        });
-        let group = group.map_err(|message| DepthMapError::Refused { message })?;
+            group(device, "scene depth", &self.pipeline.layout, &resources)
+        })?;
         Ok((group, u32::try_from(chunks.len()).unwrap_or(u32::MAX)))
     }
 }

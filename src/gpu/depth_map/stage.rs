@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::stages::Stage;
 
-/// A stage with and without edges between objects. The pipeline without them is smaller; the other is made for the first objects.
+/// A stage with and without edges between objects. The pipeline without them is smaller; the other is made for the first
+/// objects.
 #[derive(Debug)]
 pub(super) struct ObjectStage {
     stage: &'static Stage,

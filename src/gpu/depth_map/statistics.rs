@@ -4,7 +4,8 @@ use super::error::DepthMapError;
 use super::frame::{DepthMapFrame, DepthMapNearCap};
 use crate::gpu::common::memory::filled;
 
-/// Counts of an encode of volumes on the GPU. [`DepthMapFrame::statistics`] copies them into a buffer, which [`read_back_vec`](crate::gpu::read_back_vec) reads.
+/// Counts of an encode of volumes on the GPU. [`DepthMapFrame::statistics`] copies them into a buffer, which
+/// [`read_back_vec`](crate::gpu::read_back_vec) reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct DepthMapStatistics {

@@ -38,8 +38,8 @@ fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
     rows.transpose()
 }
 
-/// The depth at infinity of a perspective map: factors of x and y in device coordinates, and a constant. `None` for a light at
-/// infinity.
+/// The depth at infinity of a perspective map: factors of x and y in device coordinates, and a constant. `None` for a light
+/// at infinity.
 pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapError> {
     if matrix(light).row(3).truncate() == DVec3::ZERO {
         return Ok(None);
@@ -81,7 +81,8 @@ fn moved_matrix(light: &ShadowCamera, size: [u32; 2], placing: &Placing) -> DMat
     DMat4::from_translation(-jitter) * matrix(light)
 }
 
-/// Columns from x and y on the near rectangle of an eye, from -1 to 1, to the lattice of a map and the depth in it: homogeneous.
+/// Columns from x and y on the near rectangle of an eye, from -1 to 1, to the lattice of a map and the depth in it:
+/// homogeneous.
 pub(super) fn near_columns(
     (light, size): (&ShadowCamera, [u32; 2]),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
@@ -101,8 +102,8 @@ pub(super) fn near_columns(
     [near.x_axis, near.y_axis, near_z * near.z_axis + near.w_axis]
 }
 
-/// The view of a map of `size` texels, for an eye whose depth buffer has the format `format`. Depths of the map were rounded to
-/// `formats`, and have the further error `off`.
+/// The view of a map of `size` texels, for an eye whose depth buffer has the format `format`. Depths of the map were rounded
+/// to `formats`, and have the further error `off`.
 pub(crate) fn depth_map_view(
     (light, size): (&ShadowCamera, [u32; 2]),
     (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),

@@ -28,8 +28,8 @@ const STRIP: [u64; 2] = [8, 4];
 /// Strips of a block.
 const BLOCK: u64 = 64;
 
-/// Shadow volumes of casters without a mesh, from the depth map of a light. It finds the edges of the map, and draws the boundary
-/// between light and shadow into one bit of the caller's stencil. It reads nothing back.
+/// Shadow volumes of casters without a mesh, from the depth map of a light. It finds the edges of the map, and draws the
+/// boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
 ///
 /// docs/numerics/depth-maps.md has the method and its source.
 ///
@@ -132,8 +132,8 @@ impl<B> Buffers<B> {
 }
 
 impl DepthMapVolumes {
-    /// Makes buffers for maps of `size` texels, on the device of `pipelines`. Frames can be drawn by `pipelines`, or by others of
-    /// the same format and number of bits.
+    /// Makes buffers for maps of `size` texels, on the device of `pipelines`. Frames can be drawn by `pipelines`, or by
+    /// others of the same format and number of bits.
     ///
     /// # Errors
     /// [`DepthMapError`] if the size or an option is refused, or the buffers do not fit the device.
@@ -232,19 +232,20 @@ impl DepthMapVolumes {
         })
     }
 
-    /// Cells, or walls and flaps, that the list has room for. If [`Self::cells`] begins with a larger count, every cell is drawn.
+    /// Cells, or walls and flaps, that the list has room for. If [`Self::cells`] begins with a larger count, every cell is
+    /// drawn.
     pub fn capacity(&self) -> u32 {
         self.contours.as_ref().map_or(self.shape.capacity, |contours| contours.shape.capacity)
     }
 
-    /// The listed cells, on the GPU: their count, then an entry for each. They are in order of strips of eight cells across and
-    /// four down, then of rows, then of columns. The lower 29 bits of an entry are the index of the cell. Bit 29 is set if the
-    /// cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 if its first and its second triangle are drawn. If the
-    /// count exceeds [`Self::capacity`], the list is incomplete, and every cell is drawn.
+    /// The listed cells, on the GPU: their count, then an entry for each. They are in order of strips of eight cells across
+    /// and four down, then of rows, then of columns. The lower 29 bits of an entry are the index of the cell. Bit 29 is set
+    /// if the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 if its first and its second triangle are
+    /// drawn. If the count exceeds [`Self::capacity`], the list is incomplete, and every cell is drawn.
     ///
-    /// With [`DepthMapMethod::Contours`] it lists walls and flaps: their count, three words of 0, then twelve words for each. These
-    /// are four vertices of three words: x and y on the lattice, in 1/256 texel, and the distance from the near plane. Sample
-    /// (1, 1) of the lattice is texel (0, 0). Distances are in 2⁻²⁹ of the range of depths; 2³¹ − 1 is far.
+    /// With [`DepthMapMethod::Contours`] it lists walls and flaps: their count, three words of 0, then twelve words for
+    /// each. These are four vertices of three words: x and y on the lattice, in 1/256 texel, and the distance from the near
+    /// plane. Sample (1, 1) of the lattice is texel (0, 0). Distances are in 2⁻²⁹ of the range of depths; 2³¹ − 1 is far.
     pub fn cells(&self) -> &wgpu::Buffer {
         self.contours.as_ref().map_or(&self.buffers.cells, |contours| &contours.buffers.walls)
     }

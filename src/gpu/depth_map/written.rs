@@ -2,10 +2,10 @@
 
 use bytemuck::Zeroable;
 
-use super::error::DepthMapError;
+use super::error::{DepthMapError, guard};
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
-use crate::gpu::common::memory::{any_error, filled, guarded};
+use crate::gpu::common::memory::{filled, guarded};
 use crate::gpu::common::pass::{Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{check_alive, check_timer};
@@ -66,8 +66,8 @@ impl WrittenMap {
         if *map.texture() == self.texture { Err(DepthMapError::OwnResult) } else { Ok(format) }
     }
 
-    /// Records the stage. `maps`: the textures that it reads, by name. `written`: the name of the map. `uniform`: name and bytes of
-    /// another uniform.
+    /// Records the stage. `maps`: the textures that it reads, by name. `written`: the name of the map. `uniform`: name and
+    /// bytes of another uniform.
     pub(super) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -95,7 +95,7 @@ impl WrittenMap {
                 }
             })
         };
-        let dispatch = any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
+        let dispatch = guard(device, bind)?;
         record([&self.stage.pass([dispatch])], encoder, 0..1, timer);
         Ok(())
     }
