@@ -52,7 +52,7 @@ pub mod depth_map {
     use crate::gpu::depth_map::DepthMetric;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     use crate::gpu::depth_map::metric;
-    use crate::gpu::depth_map::near::{NearReach, near_reach};
+    use crate::gpu::depth_map::near::{NearShadow, near_shadow};
     pub use crate::gpu::depth_map::view::Placing;
     use crate::gpu::depth_map::view::depth_map_view;
     use crate::layout::{DepthMapView, DepthMetricView, DepthNearBox};
@@ -98,9 +98,9 @@ pub mod depth_map {
         eye: (&ShadowCamera, wgpu::TextureFormat),
         has_walls: bool,
     ) -> Option<DepthNearBox> {
-        match near_reach(lights, size, eye, has_walls) {
-            NearReach::Samples(near) => Some(near),
-            NearReach::Lit | NearReach::Unknown => None,
+        match near_shadow(lights, size, eye, has_walls) {
+            NearShadow::Samples(near) => Some(near),
+            NearShadow::Lit | NearShadow::Unknown => None,
         }
     }
 }

@@ -150,7 +150,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("depth_cells", "tests/depth_map/stages.rs"),
     ("contour_marks", "tests/depth_map/contours.rs"),
     ("contour_tiles", "tests/depth_map/contours.rs"),
-    ("contour_places", "tests/depth_map/places.rs"),
+    ("contour_crossings", "tests/depth_map/crossings.rs"),
     ("contour_walls", "tests/depth_map/contours.rs"),
     ("depth_surface", "tests/depth_map/vertices.rs"),
     ("depth_walls", "tests/depth_map/wall_vertices.rs"),

@@ -111,8 +111,8 @@ fn central_slope(sample: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(abs(minmod(distance - before, after - distance)), 0, max(distance, max(before, after)) == FAR);
 }
 
-// The error that depths of the map and of the eye may have together: `noise_share` of the depth, and `noise_constant`. It is a term of
-// the bias, and `fit_conic` needs differences NOISE_FACTOR times as large.
+// The error that depths of the map and of the eye may have together: `noise_share` of the depth, and `noise_constant`. It is
+// a term of the bias, and `fit_conic` needs differences NOISE_FACTOR times as large.
 fn depth_noise(distance: i32) -> i32 {
   let depth = select(distance, RANGE - distance, depth_map.is_reversed != 0u);
   return (((depth >> 10u) * contour.noise_share) >> 19u) + contour.noise_constant;

@@ -1,6 +1,6 @@
 // Stage `contour_marks`: marks the edges that a contour crosses, which are those between two samples of different surfaces.
 // First dispatch of an encode with contours: an invocation for each word of marks, which is 16 samples of a row.
-// Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_places`, `contour_walls` and the near cap of
+// Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_crossings`, `contour_walls` and the near cap of
 // `depth_walls`.
 // A slope is no jump, however steep it is: walls within a surface would put specks of its own shadow on it.
 // Integers decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and crossings".
@@ -30,8 +30,8 @@ fn jump_state(sample: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
 }
 
 // Whether a difference above the threshold is a jump, not only a slope. A jump is larger than the slopes on both sides by
-// more than the threshold. It is above `contour.certain_threshold`, or at least twice as large as the differences beside it. Three
-// samples of a plane, and a round surface before its rim, have no jump.
+// more than the threshold. It is above `contour.certain_threshold`, or at least twice as large as the differences beside it.
+// Three samples of a plane, and a round surface before its rim, have no jump.
 fn is_jump(sample: vec2<i32>, step: vec2<i32>) -> bool {
   let a = load_distance(sample);
   let b = load_distance(sample + step);

@@ -1,8 +1,8 @@
 // Stage `contour_walls`: walks along the contours of each tile, fits segments to their crossings, and lists a wall over each
 // segment. A wall is a quadrilateral along rays of the light, from the nearer surface to the farther one. It lists flaps,
-// too: they join the top of a wall to samples of the nearer surface. After `contour_places`, in three passes.
-// `contour_walls_take` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
-// that `contour_tiles` wrote. `contour_walls_places`, one workgroup, scans the counts. `contour_walls_take` with LISTS
+// too: they join the top of a wall to samples of the nearer surface. After `contour_crossings`, in three passes.
+// `contour_walls_trace` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
+// that `contour_tiles` wrote. `contour_walls_scan`, one workgroup, scans the counts. `contour_walls_trace` with LISTS
 // lists. Reads depths, `marks`, tiles, `crossings`. Writes `walls` and `draws`, and for the near cap `counts` and moved
 // `crossings`.
 // Walls are in order of tiles, invocations, cells and edges, the same on every device. Each marked edge is crossed by one
@@ -13,7 +13,7 @@
 #import depth_map/contour_rim
 #import depth_map/samples
 
-// Crossings, from `contour_places`. The listing pass moves those between the ends of a segment onto it, after its walk has
+// Crossings, from `contour_crossings`. The listing pass moves those between the ends of a segment onto it, after its walk has
 // read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> crossings: array<atomic<u32>>;
 // Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, then the index of its first
@@ -23,7 +23,7 @@
 // and a distance.
 @group(0) @binding(7) var<storage, read_write> walls: array<u32>;
 // The indirect draw of the walls, then that of all cells.
-@group(0) @binding(8) var<storage, read_write> draws: array<u32>;
+@group(0) @binding(9) var<storage, read_write> draws: array<u32>;
 
 // Whether walls are listed, not only counted.
 override LISTS: bool = false;
@@ -465,7 +465,7 @@ fn take_walk(cell: vec2<i32>, edge: u32) {
 }
 
 @compute @workgroup_size(WALKERS)
-fn contour_walls_take(
+fn contour_walls_trace(
   @builtin(workgroup_id) workgroup: vec3<u32>,
   @builtin(num_workgroups) dispatch_size: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
@@ -515,7 +515,7 @@ var<workgroup> prefix_sums: array<u32, SCANNERS>;
 // One workgroup. Each invocation takes a range of tiles: it adds up their counts, the sums are scanned, and it writes prefix
 // sums.
 @compute @workgroup_size(SCANNERS)
-fn contour_walls_places(@builtin(local_invocation_index) lane: u32) {
+fn contour_walls_scan(@builtin(local_invocation_index) lane: u32) {
   let tiles = contour.tiles.y;
   let count = counts[tiles * (2u + WALKERS)];
   let range_length = (count + SCANNERS - 1u) / SCANNERS;

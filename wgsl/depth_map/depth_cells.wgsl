@@ -1,7 +1,7 @@
 // Stage `depth_cells`: lists the cells of a depth map (squares between four samples) that have a triangle to draw. After
 // `depth_cube` and `depth_edges`, if these are dispatched; not with contours. In three passes:
 // `depth_cells_count`, an invocation for a strip of 8 × 4 cells, reads depths and objects, decides, and writes `cell_words`
-// (cell_words.wgsl). `depth_edges_count` may replace it. `depth_cells_places`, one workgroup, scans the counts of blocks and
+// (cell_words.wgsl). `depth_edges_count` may replace it. `depth_cells_scan`, one workgroup, scans the counts of blocks and
 // writes `draws`. `depth_cells_list`, workgroups that loop over blocks, writes `cells`: their number, then their entries
 // (edge_code.wgsl). `depth_surface` reads `cells` and is drawn by `draws`.
 // The list is exact and in the same order on every device: integers decide where floats might be wrong. If it overflows, its
@@ -135,7 +135,7 @@ var<workgroup> prefix_sums: array<u32, BLOCK>;
 // One workgroup. Each invocation takes a range of blocks: it adds up their counts, the sums are scanned, and it writes
 // prefix sums.
 @compute @workgroup_size(BLOCK)
-fn depth_cells_places(@builtin(local_invocation_index) lane: u32) {
+fn depth_cells_scan(@builtin(local_invocation_index) lane: u32) {
   let range_length = (depth_map.blocks + BLOCK - 1u) / BLOCK;
   let begin = min(lane * range_length, depth_map.blocks);
   let end = min(begin + range_length, depth_map.blocks);

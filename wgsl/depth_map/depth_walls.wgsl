@@ -198,7 +198,7 @@ fn flaps_change(cell: vec2<i32>, fraction: vec2<f32>, depth: f32, is_behind: boo
 
 // The surface that a point in a marked cell belongs to.
 
-// From `contour_walls`: crossings of marked edges on its segments (contour_places.wgsl), in 1/65,536 texel. Positions in
+// From `contour_walls`: crossings of marked edges on its segments (contour_crossings.wgsl), in 1/65,536 texel. Positions in
 // `cells` are in 1/256 texel.
 @group(0) @binding(5) var<storage, read> crossings: array<u32>;
 

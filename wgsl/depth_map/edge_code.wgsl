@@ -5,7 +5,7 @@
 // `object_texture`.
 // A mark depends only on the two samples of the edge, so both cells at an edge agree. A triangle with a marked edge is
 // always drawn: one that is missing would leave a gap in the boundary, one too many changes nothing. Integers decide
-// wherever float rounding might matter. docs/numerics/depth-maps.md, "Triangles left out" and "Exact decisions".
+// wherever float rounding might matter. docs/numerics/depth-maps.md, "Omitted triangles" and "Exact decisions".
 
 #import depth_map/samples
 

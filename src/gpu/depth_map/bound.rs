@@ -1,9 +1,9 @@
-//! A map as stages and draws bind it.
+//! Bindings of a map.
 
 use crate::gpu::common::bindings::{Resource, texture, uniform};
 use crate::layout::{ContourShape, DepthMapShape};
 
-/// The bindings of the map for stages and draws.
+/// The resources of a map that stages and draws bind.
 pub(super) struct Bound<'a> {
     /// The map, and its objects.
     pub(super) textures: [&'a wgpu::TextureView; 2],

@@ -1,11 +1,10 @@
-// Stage `contour_places`: computes where contours cross marked edges. At the rim of a smooth surface depths say where.
-// Elsewhere a line or parabola is fitted to the edges that the contour crosses before and after.
-// After `contour_tiles`, which writes its indirect dispatch: an invocation for each row of 16 samples of a listed tile.
-// Reads depths, `marks` and `counts`. Writes `crossings`. `contour_walls` reads them and moves them onto its segments; then the
-// near cap of `depth_walls` reads them.
-// An invocation writes only the words of its samples. All is integer arithmetic, so crossings are the same on every device.
-// A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and crossings": nothing
-// overflows.
+// Stage `contour_crossings`: computes where contours cross marked edges. At the rim of a smooth surface depths say where.
+// Elsewhere a line or parabola is fitted to the edges that the contour crosses before and after. After `contour_tiles`,
+// which writes its indirect dispatch: an invocation for each row of 16 samples of a listed tile. Reads depths, `marks` and
+// `counts`. Writes `crossings`. `contour_walls` reads them and moves them onto its segments; then the near cap of
+// `depth_walls` reads them. An invocation writes only the words of its samples. All is integer arithmetic, so crossings are
+// the same on every device. A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and
+// crossings": nothing overflows.
 
 #import depth_map/contour
 #import depth_map/contour_rim
@@ -136,7 +135,7 @@ fn crossing_on_edge(sample: vec2<i32>, axis: u32) -> i32 {
 
 // An invocation takes a row of a tile, whose marks are one word.
 @compute @workgroup_size(BLOCK)
-fn contour_places(
+fn contour_crossings(
   @builtin(workgroup_id) workgroup: vec3<u32>,
   @builtin(num_workgroups) dispatch_size: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,

@@ -1,4 +1,4 @@
-//! Places of contours by `contour_places` against rims that are known exactly.
+//! Places of contours by `contour_crossings` against rims that are known exactly.
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
