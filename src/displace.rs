@@ -116,7 +116,7 @@ pub enum DisplaceError {
     },
 }
 
-/// The number of characters of naga's message that are kept.
+/// The most characters of naga's message in an error.
 const LONGEST_MESSAGE: usize = 500;
 
 const SIGNATURE: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>";

@@ -53,7 +53,7 @@ pub struct Asset {
     pub(super) named_files: Vec<PathBuf>,
     /// The origin of poses and lights.
     pub(super) origin: Origin,
-    /// The box of each geometry in its own space, once it was asked for.
+    /// The box of each geometry in its mesh space. It is computed on first use.
     pub(super) boxes: OnceLock<Vec<Option<[[f64; 3]; 2]>>>,
     pub(super) warnings: Vec<GltfWarning>,
 }

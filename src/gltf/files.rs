@@ -125,10 +125,10 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of a buffer. One without data is `None`; it matters only where something uses it.
+/// The bytes of a buffer. One without data is `None`, which is an error only if something uses it.
 pub(super) type Bytes<'a> = Option<Cow<'a, [u8]>>;
 
-/// Loads all buffers. One that cannot be read matters only where something uses it, too.
+/// Loads all buffers. One that cannot be read is an error only if something uses it, too.
 pub(super) fn buffers<'a>(
     buffers: &[Part<Buffer>],
     binary: Option<&'a [u8]>,

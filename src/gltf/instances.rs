@@ -202,7 +202,7 @@ impl Draft<'_> {
         budget.charge_welding(&geometry, weld, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
         drop(geometry);
-        budget.settle(mark, budget::kept(&welded));
+        budget.settle(mark, budget::remaining_bytes(&welded));
         self.geometries.push(welded);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);

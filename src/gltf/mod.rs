@@ -18,11 +18,11 @@
 //! * **Corners.** One or two corners that are left over in a list of triangles are ignored, with a warning. An index must
 //!   not be the largest of its type. One that is gets a warning: in a list of triangles it names a vertex, if there is
 //!   one. Elsewhere it begins a new triangle, strip or fan.
-//! * **Positions** may be infinite or NaN, with a warning. Their faces are kept; they face no light.
+//! * **Positions** may be infinite or NaN, with a warning. Their faces stay; they face no light.
 //! * **Joints.** A vertex follows the joints whose weight is not zero. Weights are scaled to the sum 1. If all are
 //!   zero, the vertex follows the first joint listed. A joint of weight zero may have any index. A mesh that is used
 //!   both with and without a skin gives two geometries.
-//! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then taken as that. Rotations
+//! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then read as that. Rotations
 //!   are scaled to length 1; one of length 0 is no rotation, with a warning.
 //! * **Animations.** Several play together unless two move the same property of a node. If several channels of one
 //!   animation do, the last one applies. Keys of the same time are a step. Channels are ignored with a warning if they

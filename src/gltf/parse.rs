@@ -28,7 +28,7 @@ pub(super) struct Parser<'w> {
 }
 
 /// Reads a document and checks its version, its required extensions, and every index that is used. A fault of a part that the
-/// scene may not need is kept with the part.
+/// scene may not need is stored with the part.
 pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) -> Result<Document, GltfError> {
     let root = Json::root(value)?;
     version(&root)?;

@@ -6,7 +6,7 @@ use super::reader::{self, Reader};
 use super::warning::GltfWarning;
 
 /// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners of the specification. A
-/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept. An index that restarts
+/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice stay. An index that restarts
 /// strips begins a new one. `json_path` is the primitive's JSON path.
 pub(super) fn read(
     reader: &Reader<'_>,

@@ -33,7 +33,7 @@ pub enum GltfWarning {
     )]
     Skipped(SkippedPrimitives),
     /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no shadow
-    /// and are not drawn, whatever the weights.
+    /// and are not drawn, for any weights.
     #[error(
         "{json_path}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
         if *.is_target { "offsets" } else { "positions" },
@@ -82,9 +82,9 @@ pub(super) struct Warnings<'a> {
     said: RefCell<HashSet<String>>,
 }
 
-/// Bytes of a warning in a list that doubles, and of an error that is kept for whoever asks for its part.
+/// Bytes of a warning in a list that doubles, and of an error that is stored until its part is used.
 const WARNING: u64 = 3 * size_of::<GltfWarning>() as u64 + 4 * size_of::<GltfError>() as u64 + 512;
-/// Bytes for each byte of its text: in the warning, in the kept error and its copies, and as what was said.
+/// Bytes for each byte of its text: in the warning, in the stored error and its copies, and in the list of messages.
 const TEXT: u64 = 8;
 
 impl<'a> Warnings<'a> {
@@ -102,7 +102,7 @@ impl<'a> Warnings<'a> {
         Ok(())
     }
 
-    /// The part, or its fault, to be kept until somebody asks for the part. The memory limit is the whole file's matter, so
+    /// The part, or its fault, which is stored until the part is used. The memory limit is about the whole file, so
     /// [`GltfError::TooLarge`] is no part's fault.
     pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Part<T>, GltfError> {
         match result {
@@ -120,7 +120,7 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Warns of faults that were kept and that nobody asked for.
+    /// Warns of stored faults of parts that nothing used.
     pub(super) fn damaged<'f>(&self, faults: impl Iterator<Item = &'f Box<GltfError>>) -> Result<(), GltfError> {
         faults.cloned().try_for_each(|fault| self.push(GltfWarning::Damaged { fault }))
     }

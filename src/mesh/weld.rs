@@ -47,16 +47,16 @@ pub struct WeldCounts {
 
 impl WeldCounts {
     /// The counts of a mesh whose vertices are not welded.
-    pub(crate) fn kept(vertices: usize) -> Self {
+    pub(crate) fn unchanged(vertices: usize) -> Self {
         Self { before: vertices, after: vertices, ..Self::default() }
     }
 }
 
 /// The vertex that each vertex's group goes by, by position only, and the counts but that of collapsed faces. There are no
-/// groups if vertices are kept.
+/// groups with [`Weld::Keep`].
 pub(super) fn weld_positions(positions: &[[f32; 3]], weld: Weld) -> (Vec<u32>, WeldCounts) {
     let NearGroups { groups, wide } = match weld {
-        Weld::Keep => return (Vec::new(), WeldCounts::kept(positions.len())),
+        Weld::Keep => return (Vec::new(), WeldCounts::unchanged(positions.len())),
         Weld::Distance(distance) => near_groups(positions, distance, |_| 0),
         Weld::Data | Weld::Position => {
             let keys = Keys::new(3);
@@ -91,7 +91,7 @@ pub(crate) fn count(groups: &[u32]) -> usize {
 }
 
 /// Random keys for hashing words. They are drawn anew each time, so that nobody can choose vertices that collide.
-/// Results do not depend on them, because a group has the index of its lowest member whatever the hashes are.
+/// Results do not depend on them, because a group has the index of its lowest member for any hashes.
 pub(crate) struct Keys(Vec<u64>);
 
 impl Keys {

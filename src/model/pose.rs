@@ -36,7 +36,7 @@ impl InstancePose {
         Self::with(palette, morph_weights, mirroring > keeping)
     }
 
-    /// The same pose with faces turned or not, whatever the matrices are. Use it for skins with joints that no vertex
+    /// The same pose with faces reversed or not, for any matrices. Use it for skins with joints that no vertex
     /// follows, and for meshes that are wound inwards.
     #[must_use]
     pub fn with_faces_turned(self, faces_turned: bool) -> Self {

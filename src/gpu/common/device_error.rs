@@ -193,7 +193,7 @@ pub enum DeviceError {
         /// Passes that were timed.
         passes: usize,
     },
-    /// Timestamps of compute passes are taken too late, as Mesa's llvmpipe does once it has drawn anything.
+    /// Timestamps of compute passes are written too late, as Mesa's llvmpipe does once it has drawn anything.
     #[error(
         "a load of at least {least_ms} ms took {ms} ms by the device's timestamps: they do not belong to their passes; measure by a \
          clock, or on a device that draws nothing"

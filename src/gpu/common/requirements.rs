@@ -5,7 +5,7 @@ use super::device_error::DeviceError;
 use super::memory::{any_error, buffer, mapped, scoped, write_mapped};
 use super::timer::StageTimer;
 
-/// A group of stages with its own needs.
+/// A group of stages with equal requirements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     Extract,
@@ -164,8 +164,11 @@ pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> 
 }
 
 /// Refuses objects of two devices.
-pub(crate) fn check_same([what, with]: [&'static str; 2], [given, own]: [&wgpu::Device; 2]) -> Result<(), DeviceError> {
-    if given == own { Ok(()) } else { Err(DeviceError::OtherDevice { what, with }) }
+pub(crate) fn check_same(
+    [what, with]: [&'static str; 2],
+    [given, expected]: [&wgpu::Device; 2],
+) -> Result<(), DeviceError> {
+    if given == expected { Ok(()) } else { Err(DeviceError::OtherDevice { what, with }) }
 }
 
 #[cfg(test)]

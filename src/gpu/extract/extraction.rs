@@ -163,7 +163,7 @@ impl Extraction {
 
     /// The bind group with which a shader reads the results of lights `32 · batch` to `32 · batch + 31`, through
     /// [`include_wgsl`](crate::gpu::include_wgsl). It includes the positions of the extraction. `layout` is that of
-    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). Bind groups are kept, so the same call
+    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). Bind groups are cached, so the same call
     /// gives the same group.
     ///
     /// # Errors

@@ -237,7 +237,7 @@ impl<'a> Binder<'a> {
             "record" => part(&buffers.record, 0..self.shape.record_bytes()),
             "edge_faces" => part(&buffers.edge_faces, at.bytes(8)),
             "edge_corners" => part(buffers.edge_corners.as_ref()?, at.bytes(16)),
-            // The batch has its own, or all share one.
+            // Each batch has one, or all share one.
             "masks" => {
                 let masks = of_batch(&buffers.masks).or(buffers.masks.first());
                 or_unused(masks.map(|masks| part(masks, at.bytes(size_of::<EdgeMasks>() as u64))))

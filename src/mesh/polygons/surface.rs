@@ -55,7 +55,7 @@ impl Polygons {
 
     fn are_alike(&self, one: usize, other: usize) -> bool {
         let of_one = self.sorted_boundary(one, false);
-        // A triangle is its own surface, wherever it begins.
+        // A triangle is its own surface, from any corner.
         of_one.len() > 3
             && of_one.len() == self.boundary(other).len()
             && [false, true].into_iter().any(|is_turned| of_one == self.sorted_boundary(other, is_turned))
