@@ -34,7 +34,7 @@ const SHARE: f64 = 1e-3;
 ///
 /// A [`Model`](crate::Model) takes it in its poses: [`Self::transform`] makes the matrices of an
 /// [`InstancePose`](crate::InstancePose). A [`Scene`](crate::gpu::Scene) takes it in the positions or matrices of its
-/// casters, its lights and its cameras. A glTF file does it by itself: `gltf::Asset::set_origin`.
+/// casters, its lights and its cameras. glTF files have a function for it: `gltf::Asset::set_origin`.
 ///
 /// An origin is zero for models whose coordinates `f32` holds well. Then nothing changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -195,7 +195,7 @@ mod tests {
         ] {
             assert_eq!(Origin::near(bounds, || edge), Origin::ZERO, "{bounds:?}, {edge}");
         }
-        // It is not asked for in vain.
+        // It is called only if needed.
         Origin::near(boxed([-1.0; 3], 2.0), || panic!("no edge has an effect around zero"));
     }
 

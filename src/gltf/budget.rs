@@ -101,13 +101,13 @@ impl Budget {
         Ok(())
     }
 
-    /// Whether there is room for so many bytes more, and for so many more when the mesh of all instances is made. Charges
+    /// Whether there is room for more bytes, now and during the making of the mesh of all instances. Charges
     /// nothing.
     fn require(&self, bytes: u64, placed: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         self.refuse(self.needed(bytes, placed), what)
     }
 
-    /// The most that is in use with so many bytes more, and so many more when the mesh of all instances is made.
+    /// The most bytes in use with more bytes, now and during the making of the mesh of all instances.
     pub(super) fn needed(&self, bytes: u64, placed: u64) -> u64 {
         let loading = self.used.get().saturating_add(bytes);
         let placing = loading.saturating_sub(self.files.get()).saturating_add(self.placed.get()).saturating_add(placed);
@@ -191,7 +191,7 @@ fn vertex(targets: usize) -> u64 {
     (OFFSET * targets as u64).saturating_add(VERTEX)
 }
 
-/// A mesh of so many vertices, morph targets and faces, once it is read.
+/// Bytes of a mesh with this number of vertices, morph targets and faces, after reading.
 pub(super) fn geometry(vertices: u64, targets: usize, faces: u64) -> u64 {
     vertices.saturating_mul(vertex(targets)).saturating_add(faces.saturating_mul(FACE))
 }

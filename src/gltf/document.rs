@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use super::error::GltfError;
 use super::info::SceneLightKind;
 
-/// A part of the file, or its fault, for whoever asks for the part.
+/// A part of the file, or its fault, which is an error of a user of the part.
 pub(super) type Part<T> = Result<T, Box<GltfError>>;
 
 /// A document. Every index in it is in range of the list it points into.

@@ -58,7 +58,7 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
     budget.refuse(needed, &|| what.clone())
 }
 
-/// The elements of an accessor, if its view can hold them. Else reading it says what is wrong. Zeros without a view take no
+/// The elements of an accessor, if its view can hold them. Else reading it gives the error. Zeros without a view take no
 /// time to read, and are charged then.
 fn count(document: &Document, accessor: usize) -> u64 {
     let Ok(accessor) = &document.accessors[accessor] else { return 0 };

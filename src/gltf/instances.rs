@@ -87,7 +87,7 @@ pub(super) fn build(
     Ok(Built { model, placements, meshes, weld_counts })
 }
 
-/// Charges the lights of the chosen scene, as they are when they are asked for, with their names.
+/// Charges the lights of the chosen scene, as callers get them, with their names.
 pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
     for &n in &graph.scene {

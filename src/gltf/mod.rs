@@ -7,7 +7,7 @@
 //!   `KHR_node_visibility` hides, and those below them, have no instances and no lights. Animations do not show or hide
 //!   nodes.
 //! * **Damage.** Every mesh, skin and animation of the file is read and checked, and so is every part that the scene needs. A
-//!   fault is an error where the scene needs the part, or where somebody asks for it: an animation by [`Asset::pose`], a
+//!   fault is an error where the scene needs the part, or where a caller requests it: an animation by [`Asset::pose`], a
 //!   light by [`Asset::lights`]. It is a warning everywhere else, see [`Asset::warnings`]. Cameras and materials are not
 //!   read.
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and

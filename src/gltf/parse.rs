@@ -85,7 +85,7 @@ fn version(root: &Json<'_>) -> Result<(), GltfError> {
     }
 }
 
-/// Checks texture indices. Textures are not read, but an impossible index tells that the file is damaged.
+/// Checks texture indices. Textures are not read, but an impossible index shows that the file is damaged.
 fn texture_indices(root: &Value) -> Result<(), GltfError> {
     root.get("materials").map_or(Ok(()), |materials| walk(materials, &mut "materials".to_owned(), false))
 }

@@ -35,7 +35,7 @@ pub(super) fn read(
         Component::U16 => u32::from(u16::MAX),
         _ => u32::MAX,
     };
-    // Only strips and fans restart on every device. A list restarts where nothing else can be meant.
+    // Only strips and fans restart on every device. A list restarts only at an index that can mean nothing else.
     let is_vertex = mode == Mode::Triangles && (restart as usize) < vertices;
     let restarts = |index: u32| index == restart && !is_vertex;
     let bad = |&index: &u32| index as usize >= vertices && !restarts(index);
@@ -61,7 +61,7 @@ pub(super) fn read(
     Ok(all)
 }
 
-/// The number of whole faces of so many corners.
+/// The number of whole faces of this number of corners.
 pub(super) fn face_count(mode: Mode, corners: u64) -> u64 {
     match mode {
         Mode::Triangles => corners / 3,

@@ -8,12 +8,12 @@ use super::document::Part;
 use super::error::GltfError;
 use super::info::SkippedPrimitives;
 
-/// Something in a file that was left out, or read in another way than it is written. The file was loaded all the same:
+/// A part of a file that was left out, or read in another way than it is written. The file was loaded:
 /// see [`Asset::warnings`](super::Asset::warnings).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GltfWarning {
-    /// A part of the file is damaged. The scene can be shown without it, so it was left out. Whoever asks for the part
+    /// A part of the file is damaged. The scene can be shown without it, so it was left out. A caller that requests the part
     /// gets this fault as an error.
     #[error("{fault}; the scene can be shown without it, so it is left out")]
     Damaged {

@@ -90,7 +90,7 @@ pub(crate) fn count(groups: &[u32]) -> usize {
     groups.iter().enumerate().filter(|&(v, &group)| v == group as usize).count()
 }
 
-/// Random keys for hashing words. They are drawn anew each time, so that nobody can choose vertices that collide.
+/// Random keys for hashing words. They are new each time, so that no input can choose vertices that collide.
 /// Results do not depend on them, because a group has the index of its lowest member for any hashes.
 pub(crate) struct Keys(Vec<u64>);
 
@@ -110,7 +110,7 @@ impl Keys {
 }
 
 /// For each of `count` elements, the lowest index of an equal element. The expected time is linear for any elements, if
-/// the upper bits of `hash` are universal. It uses chaining, since open addressing asks more of a hash.
+/// the upper bits of `hash` are universal. It uses chaining, since open addressing needs a better hash.
 pub(crate) fn groups(count: usize, hash: impl Fn(usize) -> u64, equal: impl Fn(usize, usize) -> bool) -> Vec<u32> {
     const END: u32 = u32::MAX;
     let bits = (count.max(1) * 2).next_power_of_two().ilog2();

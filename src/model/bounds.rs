@@ -132,7 +132,7 @@ impl ModelBounds {
     /// corner. The work is that of some joints and morph targets, for any number of vertices.
     ///
     /// `displaced_by` is the most by which the caller's displacement moves any coordinate of a vertex, with its own
-    /// rounding. It is 0 without a displacement. Infinity says that nothing is known.
+    /// rounding. It is 0 without a displacement. Infinity: no bound is known.
     ///
     /// An instance has no box if it has no vertices, a number that its pose uses is not finite, or numbers are so
     /// large that something may overflow.

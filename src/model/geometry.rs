@@ -16,7 +16,7 @@ pub struct Influences {
 impl Influences {
     /// Makes influences from three lists.
     ///
-    /// * `offsets` says where the entries of each vertex begin in `joints` and `weights`. It has one element more than
+    /// * `offsets`: where the entries of each vertex begin in `joints` and `weights`. It has one element more than
     ///   there are vertices, begins with 0 and ends with the number of entries.
     /// * `joints` are indices into the instance's palette ([`InstancePose::palette`](super::InstancePose::palette)).
     /// * `weights` are used as given. The weights of a vertex should sum to 1.

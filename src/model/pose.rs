@@ -81,7 +81,7 @@ impl InstancePose {
         Self::with(palette, self.morph_weights.clone(), self.faces_turned != mirrors)
     }
 
-    /// Checks that this pose fits instance number `instance`, which is of `geometry`.
+    /// Checks that this pose fits the instance `instance` of `geometry`.
     pub(super) fn check(&self, instance: usize, geometry: &Geometry) -> Result<(), ModelError> {
         self.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
     }

@@ -150,7 +150,7 @@ fn vertex_storage_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("vertex storage"), entries })
 }
 
-/// Refuses a device that was lost or destroyed. wgpu tells only the caller's callback, but no buffer of a lost device
+/// Refuses a device that was lost or destroyed. wgpu calls only the caller's callback, but no buffer of a lost device
 /// can be mapped. In a browser it can be mapped, so a lost device is not noticed there.
 pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
     let make = || mapped(device, "alive", 4, wgpu::BufferUsages::COPY_SRC);

@@ -102,7 +102,7 @@ pub enum DeformError {
 /// Deforms a model every frame into a position buffer of its own. The buffer holds all instances in the vertex order of
 /// [`Model::mesh`]: three tightly packed `f32` for each vertex, in world space.
 ///
-/// A [`Scene`](crate::gpu::Scene) deforms the models that it is given by itself, as far as a frame needs them.
+/// A [`Scene`](crate::gpu::Scene) deforms its models itself, those that a frame needs.
 #[derive(Debug)]
 pub struct Deformer {
     device: wgpu::Device,
@@ -142,7 +142,7 @@ impl Deformer {
         Self::beside(&pipelines.into(), model, options, (0, None))
     }
 
-    /// The same for a scene that takes so many bytes besides, and may take so many in all.
+    /// The same for a scene: the bytes of its other buffers, and its limit for all bytes.
     pub(crate) fn beside(
         pipelines: &Pipelines,
         model: &Model,

@@ -22,7 +22,7 @@ pub(crate) struct Shared {
     /// The windows of facing masks.
     pub(super) facing: Windows,
     pub(crate) mesh: MeshId,
-    /// Whether the masks were asked for.
+    /// Whether the masks were requested.
     pub(crate) has_masks: bool,
     /// Vertices of the draw of each edge; 0 without lists.
     pub(crate) vertices_per_edge: u32,

@@ -196,7 +196,7 @@ impl Cells {
     }
 }
 
-/// Moves the first of equal points to the front and says how many there are.
+/// Moves the first of equal points to the front, and returns their number.
 fn deduplicated(points: &mut [[f32; 3]]) -> usize {
     let mut unique = 0;
     for at in 0..points.len() {

@@ -211,7 +211,7 @@ fn only_draws_with_several_samples_need_sample_shading() {
         let is_valid = [1, 4].map(|samples| is_valid_without_sample_shading(&drawn_wgsl(stage, samples)));
         assert_eq!(is_valid, [true, false], "{}", stage.name);
     }
-    // The check by itself: this module needs sample shading and nothing else.
+    // This module needs sample shading and nothing else.
     assert!(!is_valid_without_sample_shading(SAMPLE_SHADING));
     assert!(is_valid_without_sample_shading(&SAMPLE_SHADING.replace(", sample", "")));
 }
