@@ -1,7 +1,7 @@
 //! Composes WGSL modules from files. A file names at its top what it takes (`#import common/positions`), and may have
 //! variants (`#if SCENE`, `#else`, `#endif`). A module holds what the entry points of one stage reach, and the constants that a
 //! pipeline may set, so that a device still refuses the name of a constant that is in none of the files. Items are in the order of
-//! the imports, and each file is taken once.
+//! the imports, and each file once.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -72,28 +72,28 @@ pub(crate) fn compose(
     Ok(composed)
 }
 
-/// Appends the items of what a file imports, then its own.
+/// Appends the items of the imports of a file, then those of the file.
 fn take(
     file: &'static str,
     flags: &[&str],
     read: &Read<'_>,
-    taken: &mut Vec<&'static str>,
+    appended: &mut Vec<&'static str>,
     items: &mut Vec<Item>,
 ) -> Result<(), String> {
-    if taken.contains(&file) {
+    if appended.contains(&file) {
         return Ok(());
     }
-    taken.push(file);
+    appended.push(file);
     let text = read(file).ok_or_else(|| format!("wgsl/{file}.wgsl: there is no such file"))?;
-    let (imports, own) = parse(file, text, flags)?;
+    let (imports, file_items) = parse(file, text, flags)?;
     for import in imports {
-        take(import, flags, read, taken, items)?;
+        take(import, flags, read, appended, items)?;
     }
-    items.extend(own);
+    items.extend(file_items);
     Ok(())
 }
 
-/// The imports of a file, and its own items.
+/// The imports and the items of a file.
 fn parse(file: &'static str, text: &'static str, flags: &[&str]) -> Result<(Vec<&'static str>, Vec<Item>), String> {
     let (mut imports, mut items) = (Vec::new(), Vec::new());
     // Whether the lines between each `#if` and its end count.

@@ -88,7 +88,7 @@ pub enum DisplaceError {
         /// The bound.
         limit: u64,
     },
-    /// An `enable` directive asks for an extension of WGSL. A device has it only if it was opened with it.
+    /// An `enable` directive requests an extension of WGSL. A device has it only if it was opened with it.
     #[error(
         "displacement, line {line}: `enable {names}` asks for an extension of WGSL, which the deform stage does not have; \
          remove the line, and use WGSL without extensions"
@@ -116,7 +116,7 @@ pub enum DisplaceError {
     },
 }
 
-/// The number of characters of naga's message that are kept.
+/// The most characters of naga's message in an error.
 const LONGEST_MESSAGE: usize = 500;
 
 const SIGNATURE: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>";

@@ -90,7 +90,7 @@ pub mod depth_map {
         depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
     }
 
-    /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
+    /// The samples that affect the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
     /// cameras of one map of `size` texels, or of six. `has_walls`: the map's contours have walls.
     pub fn near_box(
         lights: &[ShadowCamera],

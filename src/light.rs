@@ -125,7 +125,7 @@ impl MeshSpace {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
-    /// The room asked for is 0 lights.
+    /// The requested room is 0 lights.
     #[error("`max_lights` is 0; make room for at least one light")]
     NoRoom,
     /// There are more lights than [`MAX_LIGHTS`], or more than the extractor has room for.
@@ -225,7 +225,7 @@ pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightEr
     }
 }
 
-/// Checks the number of lights that room is asked for: 1 to [`MAX_LIGHTS`].
+/// Checks the number of lights that room is requested for: 1 to [`MAX_LIGHTS`].
 ///
 /// # Errors
 /// [`LightError::NoRoom`] or [`LightError::TooMany`].

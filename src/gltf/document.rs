@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use super::error::GltfError;
 use super::info::SceneLightKind;
 
-/// A part of the file, or its fault, for whoever asks for the part.
+/// A part of the file, or its fault, which is an error of a user of the part.
 pub(super) type Part<T> = Result<T, Box<GltfError>>;
 
 /// A document. Every index in it is in range of the list it points into.
@@ -27,7 +27,7 @@ pub(super) struct Document {
     pub(super) lights: Vec<Named<PunctualLight>>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
-    /// The center of `CESIUM_RTC`, or zero: where the scene's own zero is in the world.
+    /// The center of `CESIUM_RTC`, or zero: the scene's zero in the world.
     pub(super) center: DVec3,
 }
 
@@ -223,7 +223,7 @@ pub(super) struct PunctualLight {
 pub(super) enum Frame {
     /// The node's world matrix times this matrix.
     Node(DAffine3),
-    /// The joints of a skin. The node's own matrix does not matter.
+    /// The joints of a skin. The node's matrix has no effect.
     Skin(usize),
 }
 

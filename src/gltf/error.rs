@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::model::ModelError;
 
 /// Why a glTF file, or a part of it, is refused. Places are JSON paths into the file, such as
-/// `meshes[0].primitives[2].attributes`. Two errors are equal if they say the same.
+/// `meshes[0].primitives[2].attributes`. Two errors are equal if their messages are.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GltfError {
@@ -74,7 +74,7 @@ pub enum GltfError {
     /// There is no such animation.
     #[error("animation {index} was asked for, but the file has {count}")]
     NoAnimation {
-        /// The index that was asked for.
+        /// The requested index.
         index: usize,
         /// Animations in the file.
         count: usize,
@@ -82,7 +82,7 @@ pub enum GltfError {
     /// The animation is damaged. The rest of the file can be used.
     #[error("animation {index} cannot be played: {source}")]
     DamagedAnimation {
-        /// The index that was asked for.
+        /// The requested index.
         index: usize,
         /// The fault, and where it is.
         source: Box<GltfError>,
@@ -92,7 +92,7 @@ pub enum GltfError {
     SameProperty {
         /// Index of an animation.
         first: usize,
-        /// Index of another animation, asked for later.
+        /// Index of another requested animation.
         second: usize,
         /// Index of the node.
         node: usize,
@@ -115,7 +115,7 @@ pub enum GltfError {
     NotFinite {
         /// JSON path of the node of the instance or light.
         json_path: String,
-        /// The time that was asked for.
+        /// The requested time.
         time_s: f32,
     },
 }

@@ -82,8 +82,8 @@ fn leaves(path: &Path) -> bool {
     false
 }
 
-/// The JSON of a GLB file, and the file's length. `None` for any other file, and for a GLB that is damaged there: whoever
-/// reads the whole file says what is wrong with it.
+/// The JSON of a GLB file, and the file's length. `None` for any other file, and for a GLB that is damaged there: reading
+/// the whole file gives the error.
 pub(super) fn glb_json(path: &Path, budget: &Budget) -> Result<Option<(Vec<u8>, u64)>, GltfError> {
     let mut start = [0; container::START_BYTES];
     let opened = open(path).and_then(|(mut file, length)| file.read_exact(&mut start).map(|()| (file, length)));
@@ -125,10 +125,10 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of a buffer. One without data is `None`; it matters only where something uses it.
+/// The bytes of a buffer. One without data is `None`, which is an error only if something uses it.
 pub(super) type Bytes<'a> = Option<Cow<'a, [u8]>>;
 
-/// Loads all buffers. One that cannot be read matters only where something uses it, too.
+/// Loads all buffers. One that cannot be read is an error only if something uses it, too.
 pub(super) fn buffers<'a>(
     buffers: &[Part<Buffer>],
     binary: Option<&'a [u8]>,

@@ -87,7 +87,7 @@ pub(super) fn build(
     Ok(Built { model, placements, meshes, weld_counts })
 }
 
-/// Charges the lights of the chosen scene, as they are when they are asked for, with their names.
+/// Charges the lights of the chosen scene, as callers get them, with their names.
 pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
     for &n in &graph.scene {
@@ -202,7 +202,7 @@ impl Draft<'_> {
         budget.charge_welding(&geometry, weld, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
         drop(geometry);
-        budget.settle(mark, budget::kept(&welded));
+        budget.settle(mark, budget::remaining_bytes(&welded));
         self.geometries.push(welded);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);

@@ -125,7 +125,7 @@ impl<'a> Json<'a> {
         Ok(List { name, length: self.values(name)?.len() })
     }
 
-    /// The objects of an array, or none if it is missing. Each that is no object is a fault of its own.
+    /// The objects of an array, or none if it is missing. Each element that is no object is a separate fault.
     pub(super) fn elements(
         &self,
         key: &str,

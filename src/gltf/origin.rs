@@ -34,7 +34,7 @@ impl Asset {
     }
 
     /// Makes poses and lights relative to this origin. Transforms of nodes are composed in `f64`, the origin is subtracted
-    /// there, and the result is rounded to `f32` once. The model itself does not change: its geometries are in their own
+    /// there, and the result is rounded to `f32` once. The model does not change: its geometries are in their
     /// spaces.
     ///
     /// Everything that is seen together needs one origin: other models, lights and cameras, too.
@@ -113,8 +113,8 @@ impl Asset {
         };
         let instances = self.built.placements.iter().zip(model.instances()).zip(model.placed_geometries());
         for ((placement, instance), geometry) in instances {
-            let Some(own) = boxes.get(instance.geometry()).copied().flatten() else { continue };
-            let [from, to] = own.map(DVec3::from);
+            let Some(geometry_box) = boxes.get(instance.geometry()).copied().flatten() else { continue };
+            let [from, to] = geometry_box.map(DVec3::from);
             let sizes = DVec3::from(from.abs().max(to.abs()).to_array().map(half_step));
             let rounding = |matrix: &DAffine3| {
                 let [x, y, z] = columns(matrix).map(DVec3::length);

@@ -28,7 +28,7 @@ pub(super) struct Parser<'w> {
 }
 
 /// Reads a document and checks its version, its required extensions, and every index that is used. A fault of a part that the
-/// scene may not need is kept with the part.
+/// scene may not need is stored with the part.
 pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) -> Result<Document, GltfError> {
     let root = Json::root(value)?;
     version(&root)?;
@@ -85,7 +85,7 @@ fn version(root: &Json<'_>) -> Result<(), GltfError> {
     }
 }
 
-/// Checks texture indices. Textures are not read, but an impossible index tells that the file is damaged.
+/// Checks texture indices. Textures are not read, but an impossible index shows that the file is damaged.
 fn texture_indices(root: &Value) -> Result<(), GltfError> {
     root.get("materials").map_or(Ok(()), |materials| walk(materials, &mut "materials".to_owned(), false))
 }

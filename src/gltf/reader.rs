@@ -108,7 +108,7 @@ impl<'a> Reader<'a> {
         Ok(usize::try_from(self.accessor(accessor)?.count).unwrap_or(usize::MAX))
     }
 
-    /// Checks that an accessor has so many elements.
+    /// Checks the number of elements of an accessor.
     pub(super) fn check_count(&self, accessor: usize, expected: usize, json_path: &str) -> Result<(), GltfError> {
         let count = self.count(accessor)?;
         if count == expected { Ok(()) } else { Err(GltfError::count(json_path, count, expected)) }

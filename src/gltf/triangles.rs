@@ -6,7 +6,7 @@ use super::reader::{self, Reader};
 use super::warning::GltfWarning;
 
 /// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners of the specification. A
-/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept. An index that restarts
+/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice stay. An index that restarts
 /// strips begins a new one. `json_path` is the primitive's JSON path.
 pub(super) fn read(
     reader: &Reader<'_>,
@@ -35,7 +35,7 @@ pub(super) fn read(
         Component::U16 => u32::from(u16::MAX),
         _ => u32::MAX,
     };
-    // Only strips and fans restart on every device. A list restarts where nothing else can be meant.
+    // Only strips and fans restart on every device. A list restarts only at an index that can mean nothing else.
     let is_vertex = mode == Mode::Triangles && (restart as usize) < vertices;
     let restarts = |index: u32| index == restart && !is_vertex;
     let bad = |&index: &u32| index as usize >= vertices && !restarts(index);
@@ -61,7 +61,7 @@ pub(super) fn read(
     Ok(all)
 }
 
-/// The number of whole faces of so many corners.
+/// The number of whole faces of this number of corners.
 pub(super) fn face_count(mode: Mode, corners: u64) -> u64 {
     match mode {
         Mode::Triangles => corners / 3,

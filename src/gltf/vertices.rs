@@ -52,7 +52,7 @@ pub(super) fn read(
     };
     let targets = primitive.targets.iter().enumerate().map(target).collect::<Result<_, GltfError>>()?;
     let bindings = checked(&primitive.influences).and_then(|sets| bindings(reader, sets, positions.len(), json_path));
-    // Without a skin nobody asks for joints.
+    // Without a skin nothing uses joints.
     let bindings = if skinned { bindings? } else { reader.warnings.leave_out(bindings)?.unwrap_or_default() };
     Ok(Vertices { positions, targets, bindings })
 }

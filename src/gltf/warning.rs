@@ -8,12 +8,12 @@ use super::document::Part;
 use super::error::GltfError;
 use super::info::SkippedPrimitives;
 
-/// Something in a file that was left out, or read in another way than it is written. The file was loaded all the same:
+/// A part of a file that was left out, or read in another way than it is written. The file was loaded:
 /// see [`Asset::warnings`](super::Asset::warnings).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GltfWarning {
-    /// A part of the file is damaged. The scene can be shown without it, so it was left out. Whoever asks for the part
+    /// A part of the file is damaged. The scene can be shown without it, so it was left out. A caller that requests the part
     /// gets this fault as an error.
     #[error("{fault}; the scene can be shown without it, so it is left out")]
     Damaged {
@@ -33,7 +33,7 @@ pub enum GltfWarning {
     )]
     Skipped(SkippedPrimitives),
     /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no shadow
-    /// and are not drawn, whatever the weights.
+    /// and are not drawn, for any weights.
     #[error(
         "{json_path}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
         if *.is_target { "offsets" } else { "positions" },
@@ -82,9 +82,9 @@ pub(super) struct Warnings<'a> {
     said: RefCell<HashSet<String>>,
 }
 
-/// Bytes of a warning in a list that doubles, and of an error that is kept for whoever asks for its part.
+/// Bytes of a warning in a list that doubles, and of an error that is stored until its part is used.
 const WARNING: u64 = 3 * size_of::<GltfWarning>() as u64 + 4 * size_of::<GltfError>() as u64 + 512;
-/// Bytes for each byte of its text: in the warning, in the kept error and its copies, and as what was said.
+/// Bytes for each byte of its text: in the warning, in the stored error and its copies, and in the list of messages.
 const TEXT: u64 = 8;
 
 impl<'a> Warnings<'a> {
@@ -102,7 +102,7 @@ impl<'a> Warnings<'a> {
         Ok(())
     }
 
-    /// The part, or its fault, to be kept until somebody asks for the part. The memory limit is the whole file's matter, so
+    /// The part, or its fault, which is stored until the part is used. The memory limit is about the whole file, so
     /// [`GltfError::TooLarge`] is no part's fault.
     pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Part<T>, GltfError> {
         match result {
@@ -120,7 +120,7 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Warns of faults that were kept and that nobody asked for.
+    /// Warns of stored faults of parts that nothing used.
     pub(super) fn damaged<'f>(&self, faults: impl Iterator<Item = &'f Box<GltfError>>) -> Result<(), GltfError> {
         faults.cloned().try_for_each(|fault| self.push(GltfWarning::Damaged { fault }))
     }

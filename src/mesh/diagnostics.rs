@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn parts_met_in_any_order_join() {
-        // The triangles are separate at first, and the last ones join them: roots change after they were taken.
+        // The triangles are separate at first, and the last ones join them: roots change after they were read.
         let faces = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
         assert_eq!(diagnose(11, &faces).components, 1);
         assert_eq!(diagnose(11, &faces[..4]).components, 2);

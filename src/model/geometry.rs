@@ -16,7 +16,7 @@ pub struct Influences {
 impl Influences {
     /// Makes influences from three lists.
     ///
-    /// * `offsets` says where the entries of each vertex begin in `joints` and `weights`. It has one element more than
+    /// * `offsets`: where the entries of each vertex begin in `joints` and `weights`. It has one element more than
     ///   there are vertices, begins with 0 and ends with the number of entries.
     /// * `joints` are indices into the instance's palette ([`InstancePose::palette`](super::InstancePose::palette)).
     /// * `weights` are used as given. The weights of a vertex should sum to 1.
@@ -95,7 +95,7 @@ fn joints_needed(joints: &[u32]) -> usize {
     joints.iter().max().map_or(0, |&joint| (joint as usize).saturating_add(1))
 }
 
-/// The parts of a [`Geometry`] besides positions and faces.
+/// The parts of a [`Geometry`] beside positions and faces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeometryOptions {
     /// The name.
@@ -215,7 +215,7 @@ impl Geometry {
     pub fn welded(&self, weld: Weld) -> (Self, WeldCounts) {
         let count = self.positions.len();
         if weld == Weld::Keep {
-            return (self.clone(), WeldCounts::kept(count));
+            return (self.clone(), WeldCounts::unchanged(count));
         }
         let keys = Keys::new(self.most_words());
         let by_position = || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
@@ -237,23 +237,28 @@ impl Geometry {
                 )
             }
         };
-        let mut kept: Vec<usize> = Vec::with_capacity(weld::count(&groups));
-        kept.extend((0..count).filter(|&v| groups[v] as usize == v));
+        let mut remaining: Vec<usize> = Vec::with_capacity(weld::count(&groups));
+        remaining.extend((0..count).filter(|&v| groups[v] as usize == v));
         let mut renumbered = vec![0_u32; count];
-        for (new, &old) in kept.iter().enumerate() {
+        for (new, &old) in remaining.iter().enumerate() {
             renumbered[old] = new as u32;
         }
         let welded = Self {
             name: self.name.clone(),
-            positions: kept.iter().map(|&v| self.positions[v]).collect(),
+            positions: remaining.iter().map(|&v| self.positions[v]).collect(),
             faces: self.faces.iter().map(|f| f.map(|v| renumbered[groups[v as usize] as usize])).collect(),
-            morph_targets: self.morph_targets.iter().map(|t| kept.iter().map(|&v| t[v]).collect()).collect(),
-            influences: self.influences.as_ref().map(|influences| influences.select(&kept)),
-            source_vertices: kept.iter().map(|&v| self.source_vertices[v]).collect(),
+            morph_targets: self.morph_targets.iter().map(|t| remaining.iter().map(|&v| t[v]).collect()).collect(),
+            influences: self.influences.as_ref().map(|influences| influences.select(&remaining)),
+            source_vertices: remaining.iter().map(|&v| self.source_vertices[v]).collect(),
         };
         let collapsed = weld::collapsed(&self.faces, &welded.faces);
-        let counts =
-            WeldCounts { before: count, after: kept.len(), apart: kept.len() - position_count, collapsed, wide };
+        let counts = WeldCounts {
+            before: count,
+            after: remaining.len(),
+            apart: remaining.len() - position_count,
+            collapsed,
+            wide,
+        };
         (welded, counts)
     }
 

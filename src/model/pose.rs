@@ -36,7 +36,7 @@ impl InstancePose {
         Self::with(palette, morph_weights, mirroring > keeping)
     }
 
-    /// The same pose with faces turned or not, whatever the matrices are. Use it for skins with joints that no vertex
+    /// The same pose with faces reversed or not, for any matrices. Use it for skins with joints that no vertex
     /// follows, and for meshes that are wound inwards.
     #[must_use]
     pub fn with_faces_turned(self, faces_turned: bool) -> Self {
@@ -81,7 +81,7 @@ impl InstancePose {
         Self::with(palette, self.morph_weights.clone(), self.faces_turned != mirrors)
     }
 
-    /// Checks that this pose fits instance number `instance`, which is of `geometry`.
+    /// Checks that this pose fits the instance `instance` of `geometry`.
     pub(super) fn check(&self, instance: usize, geometry: &Geometry) -> Result<(), ModelError> {
         self.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
     }

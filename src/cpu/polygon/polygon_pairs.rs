@@ -48,7 +48,7 @@ impl Boundary {
     }
 
     /// The same by pairs of edges that are close to each other, as for boundaries of many edges. `None` where this way does not
-    /// tell.
+    /// decide.
     pub fn orientation_by_close_pairs(&self, light: [f32; 4]) -> Option<Orientation> {
         many_edges(&self.edges, light)
     }

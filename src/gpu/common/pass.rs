@@ -52,7 +52,7 @@ impl Step {
     }
 }
 
-/// Records steps, with the dispatches of the given batches. Each pass has a compute pass of its own if there is a timer. If
+/// Records steps, with the dispatches of the given batches. With a timer, each pass has a separate compute pass. If
 /// not, passes that follow each other share one, which costs less.
 pub(crate) fn record<'s>(
     steps: impl IntoIterator<Item = &'s Step>,

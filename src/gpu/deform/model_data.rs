@@ -135,7 +135,7 @@ impl ModelData {
     pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, DeviceError> {
         // There is never more than one dispatch for each chunk.
         let uniforms = self.chunks * UniformTable::stride::<DeformDispatch>() as u64;
-        let own = [
+        let of_model = [
             ("positions", self.vertices * 12),
             ("pose", 4 * (self.pose_words + self.workgroups)),
             ("deform dispatches", uniforms),
@@ -143,7 +143,7 @@ impl ModelData {
         ];
         let arrays = LABELS.into_iter().zip(self.bytes);
         let allocation = |(label, bytes)| Allocation { label, bytes: padded(bytes) };
-        check(&arrays.chain(own).map(allocation).collect::<Vec<_>>(), split.buffer, memory_limit)
+        check(&arrays.chain(of_model).map(allocation).collect::<Vec<_>>(), split.buffer, memory_limit)
     }
 
     /// Rest positions, morph targets, influences and source vertices as buffers.
@@ -179,23 +179,23 @@ impl ModelData {
     /// The dispatches over all instances, in order.
     pub(super) fn plan(&self, model: &Model, split: &DispatchLimits) -> Plan {
         let mut plan = Plan::default();
-        let mut taken: Vec<InstanceChunk> = Vec::new();
+        let mut chunks_of_dispatch: Vec<InstanceChunk> = Vec::new();
         let mut arrays: [Range<u64>; ARRAYS] = Default::default();
         let mut workgroups = 0;
         for chunk in self.instance_chunks(model, split) {
-            let own = u64::from(chunk.record.count.div_ceil(WORKGROUP));
+            let added = u64::from(chunk.record.count.div_ceil(WORKGROUP));
             let whole: [Range<u64>; ARRAYS] = std::array::from_fn(|array| union(&arrays[array], &chunk.arrays[array]));
             let fits = whole.iter().all(|range| range.end - range.start <= split.binding);
-            if !taken.is_empty() && (!fits || workgroups + own > split.workgroups) {
-                plan.dispatch(std::mem::take(&mut taken), &arrays, self.pose_words);
-                (arrays, workgroups) = (chunk.arrays.clone(), own);
+            if !chunks_of_dispatch.is_empty() && (!fits || workgroups + added > split.workgroups) {
+                plan.dispatch(std::mem::take(&mut chunks_of_dispatch), &arrays, self.pose_words);
+                (arrays, workgroups) = (chunk.arrays.clone(), added);
             } else {
-                (arrays, workgroups) = (whole, workgroups + own);
+                (arrays, workgroups) = (whole, workgroups + added);
             }
-            taken.push(chunk);
+            chunks_of_dispatch.push(chunk);
         }
-        if !taken.is_empty() {
-            plan.dispatch(taken, &arrays, self.pose_words);
+        if !chunks_of_dispatch.is_empty() {
+            plan.dispatch(chunks_of_dispatch, &arrays, self.pose_words);
         }
         plan
     }
@@ -237,10 +237,10 @@ impl Plan {
     /// Adds a dispatch for chunks that lie in these parts of the arrays. The workgroups' chunks follow `pose_words` words.
     fn dispatch(&mut self, chunks: Vec<InstanceChunk>, arrays: &[Range<u64>; ARRAYS], pose_words: u64) {
         let first = self.workgroups.len();
-        for InstanceChunk { instance, record, arrays: own } in chunks {
+        for InstanceChunk { instance, record, arrays: of_chunk } in chunks {
             let word = (CHUNK_WORDS * self.chunks.len() as u64) as u32;
             let [rest, morph, skin, sources, positions] =
-                [0, 1, 2, 3, 4].map(|array: usize| ((own[array].start - arrays[array].start) / 4) as u32);
+                [0, 1, 2, 3, 4].map(|array: usize| ((of_chunk[array].start - arrays[array].start) / 4) as u32);
             let record = DeformChunk {
                 first_workgroup: (self.workgroups.len() - first) as u32,
                 rest,
@@ -267,7 +267,7 @@ fn chunk_geometry(
     split: &DispatchLimits,
     ends: &mut [u64; 4],
 ) -> Result<Vec<GeometryChunk>, DeviceError> {
-    // A dispatch also binds positions before its own, up to one alignment.
+    // A dispatch also binds positions before its first, up to one alignment.
     let morph_bytes = 12 * geometry.morph_targets().len() as u64;
     let most_influences = geometry.influences().map_or(0, |influences| influences.most_per_vertex() as u64);
     let bytes_per_vertex = 13.max(morph_bytes).max(8 + 8 * most_influences);

@@ -22,7 +22,7 @@ pub(crate) struct Shared {
     /// The windows of facing masks.
     pub(super) facing: Windows,
     pub(crate) mesh: MeshId,
-    /// Whether the masks were asked for.
+    /// Whether the masks were requested.
     pub(crate) has_masks: bool,
     /// Vertices of the draw of each edge; 0 without lists.
     pub(crate) vertices_per_edge: u32,
@@ -163,7 +163,7 @@ impl Extraction {
 
     /// The bind group with which a shader reads the results of lights `32 · batch` to `32 · batch + 31`, through
     /// [`include_wgsl`](crate::gpu::include_wgsl). It includes the positions of the extraction. `layout` is that of
-    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). Bind groups are kept, so the same call
+    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). Bind groups are cached, so the same call
     /// gives the same group.
     ///
     /// # Errors

@@ -30,7 +30,7 @@ pub struct Extractor {
     shared: Arc<Shared>,
     options: ExtractorOptions,
     runs: Runs,
-    /// The stages that read positions, for windows of so many words.
+    /// The stages that read positions, for windows of this number of words.
     reading: (u32, Vec<Made>),
     /// Their steps for each batch of lights, and the positions that they are bound to.
     from_positions: Option<(PositionSlice, Vec<Vec<Step>>)>,
@@ -47,7 +47,7 @@ impl Extractor {
     /// # Errors
     /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh does not
     /// fit the device's limits, the `memory_limit` or the device's memory. Polygons of
-    /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) are taken with exact facing masks only, and with
+    /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) need exact facing masks, and
     /// boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn new(
         pipelines: impl Into<Pipelines>,
@@ -145,7 +145,7 @@ impl Extractor {
             batches.push(&LightBatch::new(lights, bound.offset_words, bound.stride_words));
         }
         upload(self.shared.device(), encoder, &[(&self.shared.buffers.light_batches, batches.bytes())])?;
-        // Compaction counts in one buffer that all batches share, and so do the masks if nobody asked for them. Each
+        // Compaction counts in one buffer that all batches share, and so do the masks if they are not requested. Each
         // batch of lights then goes through all stages alone.
         let from_positions = self.from_positions.iter().flat_map(|(_, batches)| batches);
         let of_batches = from_positions.zip(&self.from_facing).take(light::batches(lights.len()));
@@ -207,7 +207,7 @@ impl Extractor {
 }
 
 impl Shape {
-    /// The stages that read positions, in windows of so many words.
+    /// The stages that read positions, in windows of this number of words.
     fn reading(&self, device: &wgpu::Device, options: &ExtractorOptions, words: u32) -> Vec<super::stages::Planned> {
         from_positions(device, options, self.polygons.map(|polygons| polygons.pieces > 0), words)
     }

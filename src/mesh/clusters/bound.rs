@@ -33,7 +33,7 @@ mod cluster_kinds {
 pub struct ClusterBound {
     /// About the centre of the faces.
     pub centre: [f32; 3],
-    /// 0: nothing is decided; 1: by the bound; 2: by the bound, but never as facing; 3: always averted.
+    /// 0: nothing is decided; 1: by the bound; 2: by the bound, but never as front-facing; 3: always back-facing.
     pub kind: u32,
     /// The middle of the planes `(m, e)`.
     pub middle: [f32; 4],

@@ -1,4 +1,4 @@
-//! Clusters: runs of faces that lie together, each with a bound that tells whether all of them face a light, or none
+//! Clusters: ranges of faces that lie together, each with a bound that decides whether all of them face a light, or none
 //! does (docs/numerics/clusters.md).
 //!
 //! The order in space is internal. A face or edge **slot** is an index in it. The mesh keeps its own order, and each slot

@@ -55,7 +55,7 @@ impl OpenEdges {
     }
 
     /// Walks along edges from a vertex of `next` until none leads on. Where the walk meets a vertex of its path again, it
-    /// has gone around a loop.
+    /// has closed a loop.
     fn walk(&mut self, first: usize, triangles: &mut Vec<[u32; 3]>) {
         let mut current = first;
         self.path.push(self.next[current].0);

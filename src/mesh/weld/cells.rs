@@ -139,8 +139,8 @@ impl Cells {
         for entries in entries.chunk_by(|a, b| a.key() == b.key()) {
             let start = points.len();
             points.extend(entries.iter().map(|entry| positions[entry.vertex as usize]));
-            let unique = deduplicated(&mut points[start..]);
-            points.truncate(start + unique);
+            let count = deduplicated(&mut points[start..]);
+            points.truncate(start + count);
             let end = first + entries.len();
             let (class, cell) = entries[0].key();
             cells.push(Cell { class, cell, entries: first..end, points: start..points.len() });
@@ -196,16 +196,16 @@ impl Cells {
     }
 }
 
-/// Moves the first of equal points to the front and says how many there are.
+/// Moves the first of equal points to the front, and returns their number.
 fn deduplicated(points: &mut [[f32; 3]]) -> usize {
-    let mut kept = 0;
+    let mut unique = 0;
     for at in 0..points.len() {
-        if kept == 0 || points[kept - 1] != points[at] {
-            points[kept] = points[at];
-            kept += 1;
+        if unique == 0 || points[unique - 1] != points[at] {
+            points[unique] = points[at];
+            unique += 1;
         }
     }
-    kept
+    unique
 }
 
 /// The root of a tree of cells; ways to it are halved.
@@ -218,7 +218,7 @@ fn root(parents: &mut [u32], mut cell: u32) -> u32 {
     cell
 }
 
-/// A group while its vertices are gone through.
+/// A group of the vertices so far.
 #[derive(Clone, Copy)]
 struct Group {
     first: u32,
