@@ -174,9 +174,7 @@ impl Own {
         };
         // Both planes meet along the line from the corner to where the other face's third edge pierces this plane. This face lies
         // there between its two edges, or elsewhere.
-        let away = |to: [f32; 3]| {
-            [0, 1, 2].map(|axis| f64::from(to[axis]) - f64::from(at[axis]))
-        };
+        let away = |to: [f32; 3]| [0, 1, 2].map(|axis| f64::from(to[axis]) - f64::from(at[axis]));
         let [p, q] = [away(p), away(q)];
         let (from_p, from_q) = (from_p.number().abs(), from_q.number().abs());
         let along = [0, 1, 2].map(|axis| from_q * p[axis] + from_p * q[axis]);
