@@ -1,7 +1,7 @@
 //! Typed errors for input that a scene refuses.
 
 use rimline::gpu::{
-    Caster, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_OUTLINE_EDGES, Scene,
+    Caster, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_BOUNDARY_EDGES, Scene,
     SceneOptions, ShadowError,
 };
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
@@ -76,10 +76,10 @@ fn meshes() -> Result<(), String> {
     let light = scene.add_light(Light::directional([0.0, 1.0, 0.0])).map_err(text)?;
     refused([refusal("faces of polygons", scene.set_excluded(quads, light, &[1]), is(ShadowError::Polygons))])?;
     let mut gap = PolygonSet::default();
-    gap.push_points(&[(0..=MAX_OUTLINE_EDGES as u32).map(|n| [n as f32, (n * n) as f32, 0.0]).collect()]);
-    let too_large = ExtractorError::OutlineTooLarge { polygon: 0, edges: MAX_OUTLINE_EDGES + 1 };
+    gap.push_points(&[(0..=MAX_BOUNDARY_EDGES as u32).map(|n| [n as f32, (n * n) as f32, 0.0]).collect()]);
+    let too_large = ExtractorError::BoundaryTooLarge { polygon: 0, edges: MAX_BOUNDARY_EDGES + 1 };
     let added = scene.add_mesh(&gap.mesh(Weld::Position).map_err(text)?, &gap.positions);
-    refused([refusal("an outline", added, is(ShadowError::Extraction(too_large)))])?;
+    refused([refusal("a boundary", added, is(ShadowError::Extraction(too_large)))])?;
     let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
     let casters = [(); 2].map(|()| scene.insert(Caster::rigid(cube, IDENTITY)));
     let used = ShadowError::MeshInUse { casters: 2 };

@@ -75,13 +75,13 @@ const COUNTERS: [&str; 6] = ["unreached", "unseen", "kept pairs", "kept lists", 
 fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
     let scene = counted.scene.ok_or("no scene")?;
     let shadows = counted.statistics[0];
-    let unseen = shadows.skipped - shadows.hidden - shadows.unreached;
+    let unseen = shadows.skipped - shadows.culled_by_receivers - shadows.culled_by_range;
     Ok([
-        scene.pairs_culled_by_range + shadows.unreached,
+        scene.pairs_culled_by_range + shadows.culled_by_range,
         unseen,
         scene.cached_pairs,
         shadows.cached_lists,
-        shadows.hidden,
+        shadows.culled_by_receivers,
         scene.untested_faces,
     ])
 }
@@ -141,7 +141,7 @@ fn levels() -> Result<(), String> {
                 counts[choice] = std::array::from_fn(|counter| counts[choice][counter] + of_choice[counter]);
                 pictures += 1;
             }
-            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            shadowed += traced.shadowed();
         }
     }
     println!("{pictures} pictures, {shadowed} pixels in shadow; {COUNTERS:?}:");

@@ -6,8 +6,8 @@
 // into a point, and `reach` culls them. Claim: docs/numerics/scene.md, "Deforming casters that a frame needs".
 
 #import common/casters
+#import shadow/culling
 #import shadow/shadow
-#import shadow/visibility
 
 struct NeedsDispatch {
   casters: u32, // Deforming casters.

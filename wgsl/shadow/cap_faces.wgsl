@@ -11,7 +11,7 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 #import shadow/vertices
 
@@ -24,7 +24,7 @@
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(4) var<storage, read> caps_listed: array<u32>;
-override CAP_KIND: u32 = 0u; // The kind of the list that is drawn (shadow/lists.wgsl).
+override CAP_KIND: u32 = 0u; // The kind of the list that is drawn (shadow/draw_lists.wgsl).
 
 // The face of an instance, and view and light for its caster.
 struct CapInstance {

@@ -11,9 +11,9 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/culling
+#import shadow/draw_lists
 #import shadow/shadow
-#import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;

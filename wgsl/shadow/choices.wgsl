@@ -51,7 +51,7 @@ fn with_choices(light: ShadowLight, bit: u32, words: vec4<u32>, excludes: u32, n
   if (((words[CHOICE_CASTS] >> bit) & 1u) == 0u) {
     return result;
   }
-  result.casting = select(CAST_AVERTED, CAST_EVERY, ((words[CHOICE_EVERY_FACE] >> bit) & 1u) != 0u);
+  result.casting = select(CAST_BACK_FACING, CAST_EVERY, ((words[CHOICE_EVERY_FACE] >> bit) & 1u) != 0u);
   result.excludes = (excludes >> bit) & 1u;
   let has_near_cap = ((near_caps >> bit) & 1u) != 0u;
   if (shape.counting == COUNT_ZP_PLUS_2005) {

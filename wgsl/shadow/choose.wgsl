@@ -12,8 +12,8 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
+#import shadow/culling
 #import shadow/shadow
-#import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
@@ -21,7 +21,7 @@
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // For each group and batch the lights for which a polygon of its only caster is L-twisted: its boundary crosses itself as
 // seen from light L. 0 for casters of triangles.
-@group(0) @binding(4) var<storage, read> twisted: array<u32>;
+@group(0) @binding(4) var<storage, read> twisted_lights: array<u32>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then their measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
 @group(0) @binding(7) var<storage, read> relevant_lights: array<u32>; // Of each batch and caster.
@@ -89,7 +89,7 @@ fn frustum_near_end(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<
 
 // Whether a polygon of the caster is L-twisted for a light. Such a polygon is excluded, so the caster is not closed.
 fn has_twisted_polygon(caster: u32, light_index: u32) -> bool {
-  return ((twisted[caster_part(caster, 7u).y * shape.batches + light_index / 32u] >> (light_index % 32u)) & 1u) != 0u;
+  return ((twisted_lights[caster_part(caster, 7u).y * shape.batches + light_index / 32u] >> (light_index % 32u)) & 1u) != 0u;
 }
 
 // The light with the choices that the caster's box allows, `low` to `high`, in the space of its positions. `scale` is at
@@ -111,7 +111,7 @@ fn choose_by_box(
   light.end = 0.0;
   light.excludes = 0u;
   if (shape.cull_by_range != 0u && is_out_of_range(light, scale, low, high)) {
-    atomicAdd(&shadow_statistics.unreached, 1u);
+    atomicAdd(&shadow_statistics.culled_by_range, 1u);
     return light;
   }
   if (shape.cull_by_view != 0u && is_volume_outside_view(view, light, low, high)) {
@@ -122,9 +122,9 @@ fn choose_by_box(
   light.excludes = select(0u, 1u, has_holes || has_twisted || is_light_inside || (flags & EXCLUDES) != 0u);
   // Back-facing faces suffice for a closed caster if light and eye are outside it. A caster with holes is not closed.
   // docs/numerics/casting-faces.md, "Which faces cast".
-  let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
+  let is_closed = shape.allow_back_facing != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
   let is_outside = !can_meet_near_rectangle(view, low, high) && !is_light_inside;
-  light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !has_twisted && is_outside);
+  light.casting = select(CAST_EVERY, CAST_BACK_FACING, is_closed && !has_holes && !has_twisted && is_outside);
   light.counting = shape.counting;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
     light.frustum_near = frustum_near_end(view, light, scale, low, high);
@@ -204,7 +204,7 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
     if (light.casting != CAST_NOTHING && receivers_offset != 0u &&
       is_volume_without_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset)) {
       light.casting = CAST_NOTHING;
-      atomicAdd(&shadow_statistics.hidden, 1u);
+      atomicAdd(&shadow_statistics.culled_by_receivers, 1u);
     }
   }
   if (light.casting == CAST_NOTHING) {

@@ -13,7 +13,7 @@
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;

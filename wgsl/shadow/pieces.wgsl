@@ -1,6 +1,6 @@
 // Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of an L-twisted polygon
 // crosses itself as seen from light L. A piece is a segment of the border between its lit and dark parts
-// (shadow/lists.wgsl).
+// (shadow/draw_lists.wgsl).
 // The indirect draws of `piece_arguments` have an instance for each piece that `cut_edges` or `cut_quads` listed for the
 // only caster of the group. A piece and the middle of its polygon make a front-facing triangle, whose caps are drawn.
 // At its two other edges a triangle meets the triangles of other pieces, which count there with the opposite sign. So
@@ -9,7 +9,7 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 #import shadow/vertices
 

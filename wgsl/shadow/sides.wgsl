@@ -11,7 +11,7 @@
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 #import shadow/vertices
 

@@ -3,7 +3,7 @@
 use rimline::internals::layout::{ShadowLight, ShadowShape, ViewLight};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::internals::shadow::{
-    CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
+    CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
 
 /// The lights of a single caster and view, with the choices that `choose` and the stages after it left in `words`. Words that
@@ -16,7 +16,7 @@ pub fn chosen(shape: &ShadowShape, seen: &[ViewLight], words: &[u32]) -> Vec<Sha
         let mut light = seen.light;
         (light.casting, light.counting, light.excludes) = (CAST_NOTHING, COUNT_Z_PASS, 0);
         if casts {
-            light.casting = if every { CAST_EVERY } else { CAST_AVERTED };
+            light.casting = if every { CAST_EVERY } else { CAST_BACK_FACING };
             light.excludes = u32::from(excludes);
             light.counting = match (shape.counting, near) {
                 (COUNT_ZP_PLUS_2005, true) => COUNT_ZP_PLUS_2005,

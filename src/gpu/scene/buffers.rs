@@ -167,7 +167,7 @@ impl Buffers {
             ("versions of casters", sizes.cache()),
             ("lists of chunks", 4 * sizes.work),
             ("facing masks", groups().map(GroupSizes::facing).max().unwrap_or(0)),
-            ("undecided outlines", groups().map(undecided).max().unwrap_or(0)),
+            ("undecided boundaries", groups().map(undecided).max().unwrap_or(0)),
         ] {
             if bytes > limits.binding {
                 return Err(DeviceError::BindingTooLarge { what, bytes, limit: limits.binding });
@@ -227,8 +227,8 @@ impl<B> Buffers<B> {
             draws: make(draws, old.map(|old| &old.draws)),
             polygons: sizes.polygons.map(|polygons| {
                 let old = old.and_then(|old| old.polygons.as_ref());
-                let undecided = Wanted::new("undecided outlines", polygons.undecided_bytes());
-                let arguments = Wanted::new("outline dispatch", 4 * HEAD_WORDS).indirect();
+                let undecided = Wanted::new("undecided boundaries", polygons.undecided_bytes());
+                let arguments = Wanted::new("boundary dispatch", 4 * HEAD_WORDS).indirect();
                 PolygonBuffers {
                     lights: make(Wanted::uniform("light batch", size_of::<LightBatch>()), old.map(|old| &old.lights)),
                     undecided: make(undecided, old.map(|old| &old.undecided)),

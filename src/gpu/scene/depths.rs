@@ -45,7 +45,7 @@ pub(crate) struct DepthCaster {
     /// The matrix from mesh space to world space. `None`: positions are in world space.
     pub(crate) rows: Option<Matrix3x4>,
     /// The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
-    pub(crate) place: [u32; 4],
+    pub(crate) layout: [u32; 4],
     /// The box of its positions, in their own space, if it is known.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
 }
@@ -63,7 +63,7 @@ impl DepthCaster {
             }
             Placement::World { .. } => (None, caster.bounds),
         };
-        Some(Self { rows, place: [offset, stride, mesh.region.ranges[0].start, mesh.faces], bounds })
+        Some(Self { rows, layout: [offset, stride, mesh.region.ranges[0].start, mesh.faces], bounds })
     }
 }
 

@@ -145,7 +145,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`ShadowError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device. Polygons
-    /// of [`Mesh::from_polygons_by_loop`] have outlines of at most [`MAX_OUTLINE_EDGES`](crate::gpu::MAX_OUTLINE_EDGES) edges.
+    /// of [`Mesh::from_polygons_by_loop`] have boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, ShadowError> {
         let needed = mesh.vertex_count();
         let Some(positions) = positions.get(..needed as usize) else {

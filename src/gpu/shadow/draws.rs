@@ -1,7 +1,7 @@
 //! The draws of a light's shadow volume.
 
 use super::format::Polygons;
-use super::pipelines::{Part, VolumePipelines};
+use super::pipelines::{Part, PartDraw, VolumePipelines};
 use crate::layout::DrawArguments;
 
 /// The bind groups of the draws of a light, and where its arguments lie.
@@ -37,7 +37,7 @@ impl LightDraws<'_> {
         let parts =
             [(may_end, Part::Ends), (has_proxies, Part::Proxies), (true, Part::All), (pieces.is_some(), Part::Pieces)];
         for (_, part) in parts.into_iter().filter(|(is_drawn, _)| *is_drawn) {
-            for (polygons, argument, drawing) in pipelines.of(part) {
+            for PartDraw { polygons, argument, pipelines } in pipelines.of(part) {
                 let (data, arguments, first) = match (polygons, pieces) {
                     (Polygons::Pieces, Some((pieces, draws))) => (pieces, draws, first_piece),
                     (Polygons::Caps, _) => (caps, draws, first),
@@ -47,7 +47,7 @@ impl LightDraws<'_> {
                     pass.set_bind_group(1, data, &[]);
                     set = Some(*polygons);
                 }
-                for pipeline in drawing {
+                for pipeline in pipelines {
                     pass.set_pipeline(pipeline);
                     pass.draw_indirect(arguments, first + argument * size_of::<DrawArguments>() as u64);
                 }

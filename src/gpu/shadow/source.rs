@@ -27,5 +27,5 @@ pub(crate) struct GroupSource<'a> {
 
 /// The resource of a name.
 pub(crate) fn named<'a>(resources: &Named<'a>, name: &str) -> Option<Resource<'a>> {
-    resources.iter().find(|(own, _)| *own == name).map(|(_, resource)| resource.clone())
+    resources.iter().find(|(resource_name, _)| *resource_name == name).map(|(_, resource)| resource.clone())
 }

@@ -44,10 +44,10 @@ pub(crate) const COUNTERS: [Counter; 14] = [
     ("spared-edges", |counted| counted.scene.untested_edges),
     ("unneeded-figures", |counted| counted.scene.culled_casters),
     ("skipped-volumes", |counted| counted.shadows.skipped),
-    ("unreached-volumes", |counted| counted.shadows.unreached),
-    ("hidden-volumes", |counted| counted.shadows.hidden),
+    ("unreached-volumes", |counted| counted.shadows.culled_by_range),
+    ("hidden-volumes", |counted| counted.shadows.culled_by_receivers),
     ("kept-lists", |counted| counted.shadows.cached_lists),
-    ("capped-volumes", |counted| counted.shadows.capped),
+    ("capped-volumes", |counted| counted.shadows.near_capped),
 ];
 
 /// Measures a scene with each choice of levels. Stages and whole frames take turns, so that a drift of the machine's speed

@@ -1,5 +1,5 @@
-// Outline: tests all pairs of edges of the boundaries that `polygon_turns` left undecided, for each undecided light.
-// `undecided` has a record for each such polygon, and entries, parts of the work of a record (polygon/outlines.wgsl).
+// Polygon pairs: tests all pairs of edges of the boundaries that `polygon_turns` left undecided, for each undecided light.
+// `undecided` has a record for each such polygon, and entries, parts of the work of a record (polygon/boundaries.wgsl).
 // Dispatched indirectly after `polygon_turns`, a workgroup an entry. For a small boundary an entry has up to 4 edges and 16
 // lights, an invocation each; for a large one it has an edge and a light, which all invocations share. It sets bits of the
 // record, in any order: edges meet; winding numbers on the left of edges; all corners lie in a half-space; something is off
@@ -8,8 +8,8 @@
 // `Turns:` above a loop is its most iterations, with `in all` for all times that it is reached. Claims:
 // docs/numerics/polygons.md.
 
-#import polygon/outlines
-#import polygon/turn
+#import polygon/boundaries
+#import polygon/corner_turn
 
 // The results for an edge and a light: the winding number on the edge's left, and the bits below. For a small boundary each
 // invocation has an element, for a large one all share the first. A workgroup has one entry and starts with zeros.
@@ -64,18 +64,18 @@ fn has_contact(e: Edge, f: Edge, turns_at_e: vec2<i32>, turns_at_f: vec2<i32>) -
 }
 
 // Tests the pairs of the invocation's edge and every other; for a large boundary every 64th, so at most 16 of 1,024 edges,
-// fewer than the SMALL_OUTLINE that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight
+// fewer than the SMALL_BOUNDARY that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight
 // phases, so that `turn` is compiled once. Phase 0: all pairs, and the rightmost corner that the invocation sees. Phases 1
 // to 6: 64 invocations of a large boundary reduce to the rightmost corner of all, by halves. Phase 7: whether all corners
 // are left of the line to it.
-fn seen_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
+fn orientation_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
   let slot = select(lane, 0u, work.is_large);
-  let step = select(1u, OUTLINE_LANES, work.is_large);
+  let step = select(1u, BOUNDARY_LANES, work.is_large);
   var best = vec4<u32>(0u);
   for (var phase = 0u; phase < 8u; phase++) {
     let is_pairs = phase == 0u;
     let is_check = phase == 7u;
-    let half = OUTLINE_LANES >> phase;
+    let half = BOUNDARY_LANES >> phase;
     if (is_check && work.is_large) {
       best = rightmost[0];
     }
@@ -86,7 +86,7 @@ fn seen_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
       end = select(0u, 1u, work.is_large && lane < half);
     }
     end = select(0u, end, work.exists);
-    // Turns: 2 * SMALL_OUTLINE + 6 in all.
+    // Turns: 2 * SMALL_BOUNDARY + 6 in all.
     for (var other = first; other < end; other += step) {
       var f: Edge;
       var is_corner = true;
@@ -103,7 +103,7 @@ fn seen_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
       }
       var turns_at_e = vec2<i32>(0);
       var turns_at_f = vec2<i32>(0);
-      // Turns: 6 * SMALL_OUTLINE + 6 in all.
+      // Turns: 6 * SMALL_BOUNDARY + 6 in all.
       for (var test = select(4u, 0u, is_pairs); test < 5u; test++) {
         var p = work.edge.a;
         var q = work.edge.b;
@@ -180,7 +180,7 @@ fn add_to_record(record: u32, slot: u32, light_index: u32) {
 }
 
 @compute @workgroup_size(64)
-fn outline(
+fn polygon_pairs(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
 ) {
@@ -196,7 +196,7 @@ fn outline(
     let part = atomicLoad(&undecided[entry_offset(entry) + 1u]);
     work = work_of(boundary, part, atomicLoad(&undecided[record + LIGHTS]), lane);
   }
-  seen_by_pairs(boundary, work, lane);
+  orientation_by_pairs(boundary, work, lane);
   if (work.exists && (!work.is_large || lane == 0u)) {
     add_to_record(record, select(lane, 0u, work.is_large), work.light_index);
   }

@@ -1,16 +1,16 @@
-//! Outline: how a light sees the outline of a polygon.
+//! Polygon pairs: how a light sees the boundary of a polygon, by all pairs of its edges.
 
+use super::corner_turn::{turn, turn_as_given};
 use super::edge_pair::{Edge, edge_pair};
 use super::half_space::fits_half_space;
 use super::many_edges::{MANY_EDGES, many_edges};
+use super::orientation::Orientation;
 use super::polygon_turns::polygon_turns;
-use super::seen::Seen;
-use super::turn::{turn, turn_as_given};
 use crate::cpu::common::positions::{is_finite, position};
 
-/// The outline of a polygon at the positions of its corners, without edges of length 0.
+/// The boundary of a polygon at the positions of its corners, without edges of length 0.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outline {
+pub struct Boundary {
     edges: Vec<Edge>,
     /// Where each edge begins. Every corner is here.
     corners: Vec<[f32; 3]>,
@@ -18,8 +18,8 @@ pub struct Outline {
     is_loop: bool,
 }
 
-impl Outline {
-    /// The edges are those of [`Polygons::outline`](crate::mesh::Polygons::outline). `None` if a corner is not finite or
+impl Boundary {
+    /// The edges are those of [`Polygons::boundary`](crate::mesh::Polygons::boundary). `None` if a corner is not finite or
     /// `positions` lacks it.
     pub fn new(edges: &[[u32; 2]], positions: &[[f32; 3]]) -> Option<Self> {
         let placed = edges.iter().map(|edge| edge.map(|vertex| position(positions, vertex)));
@@ -39,44 +39,44 @@ impl Outline {
     }
 
     /// How the light `(l, w)` sees it, and whether this took more than the cheap way.
-    pub fn seen(&self, light: [f32; 4]) -> (Seen, bool) {
+    pub fn orientation(&self, light: [f32; 4]) -> (Orientation, bool) {
         if let Some(seen) = if self.is_loop { polygon_turns(&self.corners, light) } else { None } {
             return (seen, false);
         }
         let many = if self.edges.len() > MANY_EDGES { many_edges(&self.edges, light) } else { None };
-        (many.unwrap_or_else(|| self.seen_by_pairs(light)), true)
+        (many.unwrap_or_else(|| self.orientation_by_pairs(light)), true)
     }
 
-    /// The same by pairs of edges that are close to each other, as for outlines of many edges. `None` where this way does not
-    /// tell.
-    pub fn seen_by_close_pairs(&self, light: [f32; 4]) -> Option<Seen> {
+    /// The same by pairs of edges that are close to each other, as for boundaries of many edges. `None` where this way does not
+    /// decide.
+    pub fn orientation_by_close_pairs(&self, light: [f32; 4]) -> Option<Orientation> {
         many_edges(&self.edges, light)
     }
 
-    /// The same for every outline, by all pairs of edges.
-    pub fn seen_by_pairs(&self, light: [f32; 4]) -> Seen {
+    /// The same for every boundary, by all pairs of edges.
+    pub fn orientation_by_pairs(&self, light: [f32; 4]) -> Orientation {
         if self.is_in_plane(light) {
-            return Seen::InPlane;
+            return Orientation::InPlane;
         }
         if !fits_half_space(&self.corners, light) {
-            return Seen::Twisted;
+            return Orientation::Twisted;
         }
         let mut windings = vec![0; self.edges.len()];
         for (index, &e) in self.edges.iter().enumerate() {
             for (other, &f) in self.edges.iter().enumerate().skip(index + 1) {
                 let pair = edge_pair(e, f, light);
                 if pair.meets {
-                    return Seen::Twisted;
+                    return Orientation::Twisted;
                 }
                 windings[index] += pair.left_of_e;
                 windings[other] += pair.left_of_f;
             }
         }
-        // On the right of an edge it is one less. So all of the outline's inside has 1, or all of it has −1.
+        // On the right of an edge it is one less. So all of the boundary's inside has 1, or all of it has −1.
         match windings.first() {
-            Some(1) if windings.iter().all(|&winding| winding == 1) => Seen::Facing,
-            Some(0) if windings.iter().all(|&winding| winding == 0) => Seen::Averted,
-            _ => Seen::Twisted,
+            Some(1) if windings.iter().all(|&winding| winding == 1) => Orientation::FrontFacing,
+            Some(0) if windings.iter().all(|&winding| winding == 0) => Orientation::BackFacing,
+            _ => Orientation::Twisted,
         }
     }
 

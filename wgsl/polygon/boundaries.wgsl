@@ -1,5 +1,5 @@
 // Boundaries of polygons and the lists of undecided polygons, for all stages of polygons: `polygon_facing`, `polygon_turns`,
-// `outline`, `polygon_masks`, `cut_edges`, `cut_quads`, in this order for each batch of up to 32 lights. A boundary is the
+// `polygon_pairs`, `polygon_masks`, `cut_edges`, `cut_quads`, in this order for each batch of up to 32 lights. A boundary is the
 // directed edges around a polygon, in one loop or several; edges that it walks both ways have cancelled. `undecided` holds:
 // a head, the arguments of indirect dispatches, reset for each batch; a record for each polygon to decide; and entries, each
 // some edges and lights of a record for one workgroup. Records and entries come in no particular order, and no result may
@@ -12,15 +12,15 @@
 // For each polygon, and once more at the end: the index of its first edge among the edges, and its first triangle. ONE_LOOP
 // in the first word: the boundary is one loop of at least three edges, each beginning where the previous one ends. Then the
 // directed edges of all boundaries, as two vertices each.
-@group(0) @binding(6) var<storage, read> outlines: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> boundaries: array<vec2<u32>>;
 // The head, a record for each polygon, and the entries.
 @group(0) @binding(7) var<storage, read_write> undecided: array<atomic<u32>>;
 
 const ONE_LOOP: u32 = 0x80000000u;
 
 // Words of the head. For each of four indirect dispatches: three words of workgroups, then the number of items.
-// * RECORD_…: records, OUTLINE_LANES a workgroup, for `polygon_turns`, `polygon_masks` and `cut_quads`.
-// * ENTRY_COUNT, WORKGROUPS: entries for `outline`, a workgroup each.
+// * RECORD_…: records, BOUNDARY_LANES a workgroup, for `polygon_turns`, `polygon_masks` and `cut_quads`.
+// * ENTRY_COUNT, WORKGROUPS: entries for `polygon_pairs`, a workgroup each.
 // * CUT_…: entries for `cut_edges`, by which `polygon_masks` overwrites the others.
 // * ROW_…: groups of up to GROUP_CUTS cuts of a light, which `cut_edges` lists.
 const RECORD_WORKGROUPS: u32 = 0u;
@@ -38,7 +38,7 @@ const GROUP_CUTS: u32 = 8u;
 // Words of a record.
 // * POLYGON: the polygon, with bit 31 (NOT_FINITE) if a corner is not finite.
 // * LIGHTS: bits of the undecided lights; after `polygon_masks`, those for which `cut_edges` cuts the boundary.
-// * IN_HALF_SPACE to OFF_PLANE: `outline` sets a light's bit if one edge shows it. All corners lie in a half-space as seen
+// * IN_HALF_SPACE to OFF_PLANE: `polygon_pairs` sets a light's bit if one edge shows it. All corners lie in a half-space as seen
 //   from the light; the edge meets another, or the winding number on its left is not 0 or 1; that number is 1; it is 0; the
 //   edge and a corner are not in one plane with the light.
 // * TWISTED_QUAD: lights for which f32 proves that a quadrilateral is L-twisted (its boundary crosses itself as seen from
@@ -59,10 +59,10 @@ const NOT_FINITE: u32 = 0x80000000u;
 
 // A boundary with up to this many edges, of a polygon with up to as many triangles, is small. For a small boundary an
 // invocation has an edge and a light, for a large one a workgroup does.
-const SMALL_OUTLINE: u32 = 32u;
-// Invocations of a workgroup of `polygon_turns`, `outline`, `polygon_masks`, `cut_edges`, `cut_quads`: their
+const SMALL_BOUNDARY: u32 = 32u;
+// Invocations of a workgroup of `polygon_turns`, `polygon_pairs`, `polygon_masks`, `cut_edges`, `cut_quads`: their
 // @workgroup_size.
-const OUTLINE_LANES: u32 = 64u;
+const BOUNDARY_LANES: u32 = 64u;
 // The edges and lights of an entry of a small boundary.
 const ENTRY_EDGES: u32 = 4u;
 const ENTRY_LIGHTS: u32 = 16u;
@@ -70,7 +70,7 @@ const ENTRY_LIGHTS: u32 = 16u;
 override ENTRY_ROW: u32 = 65535u;
 
 struct PolygonBoundary {
-  // The index of its first edge in `outlines`, and the number of edges.
+  // The index of its first edge in `boundaries`, and the number of edges.
   first: u32,
   count: u32,
   is_loop: bool,
@@ -80,8 +80,8 @@ struct PolygonBoundary {
 }
 
 fn boundary_of(polygon: u32) -> PolygonBoundary {
-  let first_words = outlines[polygon];
-  let next_words = outlines[polygon + 1u];
+  let first_words = boundaries[polygon];
+  let next_words = boundaries[polygon + 1u];
   let first = first_words.x & ~ONE_LOOP;
   return PolygonBoundary(
     chunk.count + 1u + first,
@@ -93,7 +93,7 @@ fn boundary_of(polygon: u32) -> PolygonBoundary {
 }
 
 fn is_large(boundary: PolygonBoundary) -> bool {
-  return max(boundary.count, boundary.end_triangle - boundary.first_triangle) > SMALL_OUTLINE;
+  return max(boundary.count, boundary.end_triangle - boundary.first_triangle) > SMALL_BOUNDARY;
 }
 
 // The offset of a record in `undecided`.
@@ -128,7 +128,7 @@ fn list_entries(record_index: u32, boundary: PolygonBoundary, lights: u32, count
   if (is_large(boundary)) {
     var index = reserve_entries(count_word, workgroups_word, edges * countOneBits(lights));
     for (var remaining = lights; remaining != 0u; remaining &= remaining - 1u) {
-      // Turns: OUTLINE_EDGES.
+      // Turns: BOUNDARY_EDGES.
       for (var edge = 0u; edge < edges; edge++) {
         write_entry(index, record_index, edge | (firstTrailingBit(remaining) << 16u));
         index++;
@@ -140,7 +140,7 @@ fn list_entries(record_index: u32, boundary: PolygonBoundary, lights: u32, count
   let has_half = vec2<bool>((lights & 0xffffu) != 0u, lights > 0xffffu);
   let first = reserve_entries(
     count_word, workgroups_word, entry_rows * (select(0u, 1u, has_half.x) + select(0u, 1u, has_half.y)));
-  // Turns: SMALL_OUTLINE / ENTRY_EDGES.
+  // Turns: SMALL_BOUNDARY / ENTRY_EDGES.
   for (var entry_row = 0u; entry_row < entry_rows; entry_row++) {
     if (has_half.x) {
       write_entry(first + entry_row, record_index, ENTRY_EDGES * entry_row);
@@ -172,7 +172,7 @@ struct Edge {
 }
 
 fn load_edge(index: u32) -> Edge {
-  let ends = outlines[index];
+  let ends = boundaries[index];
   let a = position_of(ends.x);
   let b = position_of(ends.y);
   return Edge(a, b, any(a != b));
