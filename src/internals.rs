@@ -52,7 +52,7 @@ pub mod depth_map {
     use crate::gpu::depth_map::DepthMetric;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     use crate::gpu::depth_map::metric;
-    use crate::gpu::depth_map::near::{NearReach, near_reach};
+    use crate::gpu::depth_map::near::{NearShadow, near_shadow};
     pub use crate::gpu::depth_map::view::Placing;
     use crate::gpu::depth_map::view::depth_map_view;
     use crate::layout::{DepthMapView, DepthMetricView, DepthNearBox};
@@ -90,7 +90,7 @@ pub mod depth_map {
         depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
     }
 
-    /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
+    /// The samples that affect the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
     /// cameras of one map of `size` texels, or of six. `has_walls`: the map's contours have walls.
     pub fn near_box(
         lights: &[ShadowCamera],
@@ -98,9 +98,9 @@ pub mod depth_map {
         eye: (&ShadowCamera, wgpu::TextureFormat),
         has_walls: bool,
     ) -> Option<DepthNearBox> {
-        match near_reach(lights, size, eye, has_walls) {
-            NearReach::Samples(near) => Some(near),
-            NearReach::Lit | NearReach::Unknown => None,
+        match near_shadow(lights, size, eye, has_walls) {
+            NearShadow::Samples(near) => Some(near),
+            NearShadow::Lit | NearShadow::Unknown => None,
         }
     }
 }
@@ -201,11 +201,11 @@ pub mod cpu {
     pub use crate::cpu::extract::per_edge::per_edge;
     pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
-    pub use crate::cpu::polygon::outline::Outline;
+    pub use crate::cpu::polygon::orientation::Orientation;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
+    pub use crate::cpu::polygon::polygon_pairs::Boundary;
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
-    pub use crate::cpu::polygon::seen::Seen;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::*;
 }

@@ -25,17 +25,16 @@ pub struct StructLayout {
     pub fields: &'static [FieldLayout],
 }
 
-/// Slots of a chunk of a scene. With 32 the stages of 200 figures took 1.36 times as long as those of one mesh, with 64
-/// 1.22 times. Boxes of 12 faces leave most of 64 slots empty, which costs memory and no time.
+/// Slots of a chunk of a scene. Smaller chunks are slower; larger ones leave
+/// more slots empty, which costs memory and no time.
 pub const CHUNK: u32 = 64;
-/// Invocations that share a chunk, in facing and edges. Each takes slots in turn, so that it finds their caster once, and
-/// ends where the caster ends.
+/// Invocations that share a chunk, in facing and edges. Each takes slots in turn, so it looks up their caster once.
 pub const LANES: u32 = 8;
 
 /// A caster whose mesh has no clusters.
 pub const NO_CLUSTERS: u32 = u32::MAX;
 /// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
-/// faces face, and the index mask of the lights that are tested.
+/// faces face, and a bit for each light that is tested.
 pub const FACE_ENTRY: u32 = 4;
 
 /// Flags of a [`SceneCaster`].
@@ -198,7 +197,7 @@ shared_structs! {
         instances: u32,
     }
 
-    /// A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
+    /// A range of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
     struct DeformChunk {
         first_workgroup: u32,
         count: u32,
@@ -367,7 +366,7 @@ shared_structs! {
         near_max: [f32; 3],
         sky_receives: u32,
         pixels: [u32; 2],
-        at: u32,
+        offset: u32,
         reserved: u32,
     }
 
@@ -381,7 +380,7 @@ shared_structs! {
         threshold: u32,
         is_reversed: u32,
         faces: u32,
-        objects: u32,
+        has_objects: u32,
         spread: u32,
         unused: u32,
     }
@@ -393,13 +392,13 @@ shared_structs! {
         words: u32,
         capacity: u32,
         threshold: i32,
-        sure: i32,
+        certain_threshold: i32,
         sideways: i32,
         tolerance: i32,
         shift: u32,
         slope_bias: i32,
-        share: i32,
-        constant: i32,
+        noise_share: i32,
+        noise_constant: i32,
     }
 
     /// The rule that marks edges of a depth map. Where a field has two values, the second applies next to the end of a marked
@@ -407,8 +406,8 @@ shared_structs! {
     struct DepthEdgeRule {
         words: [u32; 2],
         blocks: u32,
-        high: u32,
-        low: [u32; 2],
+        high_threshold: u32,
+        low_thresholds: [u32; 2],
         slopes: [u32; 2],
         noise: u32,
         noise_exponents: u32,
@@ -428,12 +427,12 @@ shared_structs! {
         across: [f32; 4],
         down: [f32; 4],
         middle: [f32; 4],
-        head: f32,
-        rest: f32,
+        far: f32,
+        far_remainder: f32,
         has_far: f32,
         scale: f32,
-        least: f32,
-        most: f32,
+        min_distance: f32,
+        max_distance: f32,
         metric: u32,
         is_parallel: u32,
     }
@@ -464,7 +463,10 @@ shared_structs! {
         row_0: [f32; 4],
         row_1: [f32; 4],
         row_2: [f32; 4],
-        place: [u32; 4],
+        position_offset: u32,
+        position_stride: u32,
+        first_face: u32,
+        face_count: u32,
     }
 
     /// Camera and style of outlines.
@@ -489,7 +491,7 @@ shared_structs! {
     struct OutlinedGroup {
         /// The offset in the table, in units of 16 bytes, of the casters of all chunks of edges.
         edge_chunks_offset: u32,
-        /// The offset in the lights of casters of the first caster, in the light's batch, in words.
+        /// The offset in the relevant lights of casters of the light's batch, for the first caster, in words.
         relevant_lights_offset: u32,
         /// Entries that the list of each light has room for.
         capacity: u32,
@@ -594,11 +596,11 @@ shared_structs! {
         overflowed_sides: u32,
         /// Lights whose volume ends, at the light's range or behind all receivers.
         ended: u32,
-        /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was asked for.
+        /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was requested.
         count_bound: u32,
         /// Lights, in each view, whose bound is larger than the largest count: 255, or less with fewer
         /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0
-        /// unless it was asked for.
+        /// unless it was requested.
         may_wrap: u32,
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.

@@ -57,7 +57,7 @@ stages! {
     EXACT_FACING = extract / exact_facing;
     POLYGON_FACING = polygon / polygon_facing;
     POLYGON_TURNS = polygon / polygon_turns in polygon_facing;
-    OUTLINE = polygon / outline;
+    POLYGON_PAIRS = polygon / polygon_pairs;
     POLYGON_MASKS = polygon / polygon_masks in polygon_facing;
     EDGES = extract / edges;
     CUT_EDGES = polygon / cut_edges: cut_edges, cut_edges_rank, cut_edges_before, cut_edges_list;
@@ -92,15 +92,15 @@ stages! {
     EXACT_SHADOW_DEPTH = query / exact_shadow_depth: exact_shadow_depth, exact_shadow_depth_recount;
     DEPTH_NEAR = depth_map / depth_near;
     DEPTH_NEAR_WALLS = depth_map / depth_near_walls in depth_near;
-    DEPTH_METRIC = depth_map / depth_metric in made_maps;
-    DEPTH_MERGE = depth_map / depth_merge in made_maps;
-    DEPTH_CUBE = depth_map / depth_cube in made_maps;
+    DEPTH_METRIC = depth_map / depth_metric in converted_maps;
+    DEPTH_MERGE = depth_map / depth_merge in converted_maps;
+    DEPTH_CUBE = depth_map / depth_cube in converted_maps;
     DEPTH_EDGES = depth_map / depth_edges: depth_edges_mark, depth_edges_continue, depth_edges_count;
-    DEPTH_CELLS = depth_map / depth_cells: depth_cells_count, depth_cells_places, depth_cells_list;
+    DEPTH_CELLS = depth_map / depth_cells: depth_cells_count, depth_cells_scan, depth_cells_list;
     CONTOUR_MARKS = depth_map / contour_marks;
     CONTOUR_TILES = depth_map / contour_tiles: contour_tiles_find, contour_tiles_list;
-    CONTOUR_PLACES = depth_map / contour_places;
-    CONTOUR_WALLS = depth_map / contour_walls: contour_walls_take, contour_walls_places;
+    CONTOUR_CROSSINGS = depth_map / contour_crossings;
+    CONTOUR_WALLS = depth_map / contour_walls: contour_walls_trace, contour_walls_scan;
 }
 
 stages! {
@@ -133,17 +133,17 @@ pub const FILES: &[(&str, &str)] = files![
     "deform/displace",
     "depth_map/cell_words",
     "depth_map/contour",
+    "depth_map/contour_crossings",
     "depth_map/contour_marks",
-    "depth_map/contour_places",
     "depth_map/contour_rim",
     "depth_map/contour_tiles",
     "depth_map/contour_walls",
+    "depth_map/converted_maps",
     "depth_map/depth_cells",
     "depth_map/depth_edges",
     "depth_map/depth_near",
     "depth_map/depth_walls",
     "depth_map/edge_code",
-    "depth_map/made_maps",
     "depth_map/mesh_depth",
     "depth_map/samples",
     "depth_map/surface",
@@ -161,13 +161,13 @@ pub const FILES: &[(&str, &str)] = files![
     "outline/mesh_edges",
     "outline/outline_edges",
     "outline/scene_edges",
+    "polygon/boundaries",
+    "polygon/corner_turn",
     "polygon/cut_edges",
     "polygon/cuts",
     "polygon/list_pieces",
-    "polygon/outline",
-    "polygon/outlines",
     "polygon/polygon_facing",
-    "polygon/turn",
+    "polygon/polygon_pairs",
     "query/exact_shadow_depth",
     "query/records",
     "query/shadow_boxes",
@@ -212,7 +212,7 @@ pub fn source(name: &str) -> Option<&'static str> {
         let text = std::fs::read_to_string(std::path::Path::new(&folder).join(format!("{name}.wgsl")));
         return text.ok().map(|text| &*text.leak());
     }
-    FILES.iter().find(|(own, _)| *own == name).map(|&(_, text)| text)
+    FILES.iter().find(|(file, _)| *file == name).map(|&(_, text)| text)
 }
 
 /// [`OUTLINE_EDGES`] for depth that has several samples a pixel.
@@ -237,7 +237,7 @@ impl Stage {
         self.composed_for("")
     }
 
-    /// The stage's module, with everything that `further` names besides. A caller puts `further` into the module.
+    /// The stage's module, and everything that `further` names. A caller puts `further` into the module.
     ///
     /// # Errors
     /// A message names the file that cannot be read or composed.

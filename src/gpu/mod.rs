@@ -25,7 +25,7 @@ pub use extract::errors::ExtractorError;
 pub use extract::extraction::Extraction;
 pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
-pub use extract::options::{EdgeTopology, ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES};
+pub use extract::options::{EdgeTopology, ExtractorOptions, ListOptions, MAX_BOUNDARY_EDGES};
 pub use extract::results::ExtractionResults;
 pub use masks::errors::MaskError;
 pub use masks::shadow_masks::{MaskInputs, ShadowMasks};

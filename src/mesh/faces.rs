@@ -7,7 +7,7 @@ use super::polygons::{PolygonLoops, Polygons};
 use super::topology::{EdgeCounts, EdgeRecords, is_degenerate};
 use super::weld::{self, Weld, WeldCounts};
 
-/// The faces of a mesh over welded vertices, and the edge records between them. Positions are not kept.
+/// The faces of a mesh over welded vertices, and the edge records between them. It has no positions.
 ///
 /// Faces are triangles, or polygons by [`Self::from_polygons_by_loop`]. A mesh of such polygons also has triangles, which
 /// are its surface. Edge records and facing masks never see those: a polygon is one face.
@@ -16,7 +16,7 @@ use super::weld::{self, Weld, WeldCounts};
 /// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position buffer
 /// as it is.
 ///
-/// Memory besides positions and indices: 16 bytes for each edge record. A closed mesh takes 24 bytes a face (1.5 records a
+/// Memory beside positions and indices: 16 bytes for each edge record. A closed mesh takes 24 bytes a face (1.5 records a
 /// face). The most is 48 bytes (no two faces share an edge).
 #[derive(Clone, Debug)]
 pub struct Mesh {
@@ -77,7 +77,7 @@ impl Mesh {
     /// [`MeshError`] for no faces, too many faces or vertices, or an index out of range.
     pub fn from_faces(vertex_count: usize, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         check(vertex_count, &faces)?;
-        Ok(Self::build(vertex_count, faces, WeldCounts::kept(vertex_count)))
+        Ok(Self::build(vertex_count, faces, WeldCounts::unchanged(vertex_count)))
     }
 
     /// Welds vertices, cuts polygons into triangles, and builds the edge records of these. This is the mesh of what is
@@ -96,11 +96,11 @@ impl Mesh {
     }
 
     /// Welds vertices and builds the edge records between polygons, planar or not. A polygon is one face, as in Bergeron's
-    /// paper of 1986: its outline decides whether it faces a light, and its inner diagonals are no edges. An edge that a
+    /// paper of 1986: its boundary decides whether it faces a light, and its inner diagonals are no edges. An edge that a
     /// polygon walks both ways is none either: the bridge to a hole. Polygons that are all triangles make the same mesh as
     /// [`Self::new`].
     ///
-    /// A light may see the outline of a polygon that is not planar otherwise than its triangles, [`Self::faces`]. Where
+    /// A light may see the boundary of a polygon that is not planar otherwise than its triangles, [`Self::faces`]. Where
     /// these are drawn, silhouettes and shadows then differ from the picture. [`Self::from_polygons`] is for what is drawn.
     ///
     /// `positions` decide the triangles that are the surface of each polygon. These stay as they are when vertices
@@ -143,7 +143,7 @@ impl Mesh {
         self.id
     }
 
-    /// The number of source vertices, including those that were welded to others. A position buffer must hold so many.
+    /// The number of source vertices, including those that were welded to others. A position buffer must hold this number of positions.
     pub fn vertex_count(&self) -> u32 {
         self.vertex_count
     }
@@ -187,7 +187,7 @@ impl Mesh {
     /// edges both ways. They face no light.
     pub fn degenerate_faces(&self) -> usize {
         if let Some(polygons) = &self.polygons {
-            return (0..polygons.len()).filter(|&polygon| polygons.outline(polygon).is_empty()).count();
+            return (0..polygons.len()).filter(|&polygon| polygons.boundary(polygon).is_empty()).count();
         }
         self.faces.iter().filter(|face| is_degenerate(**face)).count()
     }

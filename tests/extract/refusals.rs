@@ -2,7 +2,7 @@
 
 use rimline::gpu::{
     Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
-    MAX_OUTLINE_EDGES, PositionBuffer, results_bind_group_layout,
+    MAX_BOUNDARY_EDGES, PositionBuffer, results_bind_group_layout,
 };
 use rimline::internals::Method;
 use rimline::mesh::Weld;
@@ -26,7 +26,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("a_memory_limit_refuses_before_anything_is_allocated", memory_limit),
     ("the_include_refuses_what_takes_several_bindings", include_refuses),
     ("draws_without_lists_are_refused", no_lists),
-    ("polygons_need_exact_masks_and_outlines_of_some_size", polygons),
+    ("polygons_need_exact_masks_and_boundaries_of_some_size", polygons),
 ];
 
 fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
@@ -39,18 +39,18 @@ fn polygons() -> Result<(), String> {
     let made = |mesh: &Mesh, options| Extractor::new(&gpu.pipelines, mesh, options);
     let exact = ExtractorOptions::default();
     let mut ring = PolygonSet::default();
-    let corners = MAX_OUTLINE_EDGES + 1;
+    let corners = MAX_BOUNDARY_EDGES + 1;
     let corner = |at: usize| (at as f32 / corners as f32 * std::f32::consts::TAU).sin_cos();
     ring.push_points(&[(0..4).map(|at| [at as f32, (at * at) as f32, 0.0]).collect()]);
     ring.push_points(&[(0..corners).map(|at| [corner(at).0, corner(at).1, 0.0]).collect()]);
     let ring = ring.mesh(Weld::Position).map_err(text)?;
-    let large = ExtractorError::OutlineTooLarge { polygon: 1, edges: corners };
+    let large = ExtractorError::BoundaryTooLarge { polygon: 1, edges: corners };
     let (fast, per_edge) = (Predicate::Fast, Method::PerEdge);
     let triangles = Mesh::from_faces(24, mesh.faces().to_vec()).map_err(text)?;
     refused([
         refusal("fast", made(&mesh, ExtractorOptions { predicate: fast, ..exact }), is(ExtractorError::Polygons)),
         refusal("per edge", made(&mesh, ExtractorOptions { method: per_edge, ..exact }), is(ExtractorError::Polygons)),
-        refusal("an outline", made(&ring, exact), is(large)),
+        refusal("a boundary", made(&ring, exact), is(large)),
         refusal("triangles", made(&triangles, exact), Expected::Taken),
     ])
 }
@@ -61,7 +61,7 @@ fn too_large() -> Result<(), String> {
     let listed = ExtractorOptions { max_lights: 32, lists: lists(1000, false), ..Default::default() };
     let ordered = ExtractorOptions { lists: lists(1, true), ..Default::default() };
     let many = ExtractorOptions { max_lights: 1024, ..options };
-    // Every face by itself: three records a face, and blocks of them past what compaction's places can be bound with.
+    // Every face by itself: three records a face, and blocks of them more blocks than a binding of block offsets holds.
     let mut loose = Shape::default();
     for face in 0..14_000 {
         loose.positions.extend([[0.0; 3]; 3]);
@@ -90,7 +90,7 @@ fn too_large() -> Result<(), String> {
         )?,
         row("lists", smaller, torus(20, 20), listed, &["BindingTooLarge", "\"edge lists\"", "128000", "4096"])?,
         row("less than a workgroup", smallest, shapes::cube(), options, &["BindingTooLarge"])?,
-        row("places", small, loose, ordered, &["BindingTooLarge { what: \"places\""])?,
+        row("block offsets", small, loose, ordered, &["BindingTooLarge { what: \"block offsets\""])?,
         row("chunks", (16 << 10, 128 << 10, 1), torus(60, 40), many, &["BufferTooLarge { label: \"chunks\""])?,
     ])
 }

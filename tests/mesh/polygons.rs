@@ -33,20 +33,20 @@ fn chain_of_loops<'a>(loops: impl IntoIterator<Item = &'a [u32]>) -> Chain {
     chain
 }
 
-/// Triangles and outline of every polygon have the boundary that the loops have.
+/// The triangles and the boundary of every polygon have the edges that the loops have.
 fn check_boundaries(mesh: &Mesh, triangles: &[[u32; 3]]) -> Outcome {
     let Some(polygons) = mesh.polygons() else { return Ok(()) };
     let mut next = 0;
     for polygon in 0..polygons.len() {
         let expected = chain_of_loops(polygons.loops(polygon));
-        let mut outline = Chain::new();
-        polygons.outline(polygon).iter().for_each(|&[a, b]| add(&mut outline, a, b));
-        if outline != expected {
-            return Err(format!("outline {outline:?} of polygon {polygon}, expected {expected:?}"));
+        let mut boundary = Chain::new();
+        polygons.boundary(polygon).iter().for_each(|&[a, b]| add(&mut boundary, a, b));
+        if boundary != expected {
+            return Err(format!("boundary {boundary:?} of polygon {polygon}, expected {expected:?}"));
         }
         let sizes: i64 = expected.values().map(|count| count.abs()).sum();
-        if polygons.outline(polygon).len() as i64 != sizes {
-            return Err(format!("the outline of polygon {polygon} has edges that cancel"));
+        if polygons.boundary(polygon).len() as i64 != sizes {
+            return Err(format!("the boundary of polygon {polygon} has edges that cancel"));
         }
         let range = polygons.triangles(polygon);
         if range.start != next {
@@ -68,7 +68,7 @@ fn check_boundaries(mesh: &Mesh, triangles: &[[u32; 3]]) -> Outcome {
 }
 
 #[test]
-fn boundaries_of_triangles_are_outlines() -> Outcome {
+fn triangles_have_the_boundaries() -> Outcome {
     let count = if is_long() { 200_000 } else { 6_000 };
     let mut names = BTreeMap::<&str, usize>::new();
     for seed in 0..count {
@@ -216,7 +216,7 @@ fn sides_of_loops(mesh: &Mesh, set: &PolygonSet) -> Sides {
 }
 
 #[test]
-fn records_hold_the_outlines() -> Outcome {
+fn records_hold_the_boundaries() -> Outcome {
     for seed in 0..3_000 {
         let mut random = Random::new(seed);
         let vertices = 4 + random.below(12);

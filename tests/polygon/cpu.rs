@@ -1,7 +1,7 @@
-//! Polygons without a device: how lights see outlines, and the extraction of polygon meshes.
+//! Polygons without a device: how lights see boundaries, and the extraction of polygon meshes.
 
+mod boundaries;
 mod depths;
 mod extraction;
 mod lights;
-mod outlines;
 mod query;

@@ -1,9 +1,9 @@
-//! L-twisted outlines with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
+//! L-twisted boundaries with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
 //! pieces are counted, and must close. Those of edges that are seen in line are goldens, made of the twin that there was.
 //! docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
 
 use rimline::Light;
-use rimline::gpu::MAX_OUTLINE_EDGES;
+use rimline::gpu::MAX_BOUNDARY_EDGES;
 use rimline::mesh::Weld;
 use robust::{Coord, orient2d};
 
@@ -37,14 +37,14 @@ fn looped(gpu: &Gpu, corners: Vec<[f32; 3]>, towards: [f32; 3]) -> Result<(Twist
     let mut set = PolygonSet::default();
     set.push_points(&[corners]);
     let mesh = set.mesh(Weld::Position).map_err(text)?;
-    let own = twisted(gpu, &set, &mesh, &[Light::directional(towards)])?.pop().ok_or("not twisted")?;
-    Ok((own, mesh.faces().len()))
+    let polygon = twisted(gpu, &set, &mesh, &[Light::directional(towards)])?.pop().ok_or("not twisted")?;
+    Ok((polygon, mesh.faces().len()))
 }
 
 /// For each edge the others that cut it, seen from above, in exact arithmetic.
-fn cuts_from_above(outline: &Twisted) -> Vec<usize> {
+fn cuts_from_above(boundary: &Twisted) -> Vec<usize> {
     let coord = |p: &[f32; 3]| Coord { x: p[0], y: p[2] };
-    polygon_oracle::cuts_by(&outline.edges, |a, b, c| {
+    polygon_oracle::cuts_by(&boundary.edges, |a, b, c| {
         let side = orient2d(coord(a), coord(b), coord(c));
         i32::from(side > 0.0) - i32::from(side < 0.0)
     })
@@ -58,8 +58,8 @@ fn of_all_sizes() -> Result<(), String> {
         let mut coordinate = || random.between(-4.0, 4.0) * (-(random.below(100) as f32)).exp2();
         let mut corners: Vec<_> = (0..count).map(|_| [coordinate(), 0.0, coordinate()]).collect();
         corners[0][1] = 1.0;
-        let (outline, _) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
-        same(&format!("pieces of {count} corners"), &[outline.pieces.len()], &[pieces])?;
+        let (boundary, _) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
+        same(&format!("pieces of {count} corners"), &[boundary.pieces.len()], &[pieces])?;
     }
     Ok(())
 }
@@ -79,10 +79,10 @@ fn in_line(random: &mut Random, corners: usize, last: &[[f32; 3]]) -> Vec<[f32; 
     points
 }
 
-/// Pieces of an outline whose edges are cut in their middles, to the bit. Edges of all sizes in line need not close.
-fn check_halves(outline: &Twisted, name: &str, count: usize) -> Result<(), String> {
-    same("pieces", &[outline.pieces.len()], &[count])?;
-    let mut ends: Vec<_> = outline.pieces.iter().map(|&[from, to, _]| [bits(from), bits(to)]).collect();
+/// Pieces of a boundary whose edges are cut in their middles, to the bit. Edges of all sizes in line need not close.
+fn check_halves(boundary: &Twisted, name: &str, count: usize) -> Result<(), String> {
+    same("pieces", &[boundary.pieces.len()], &[count])?;
+    let mut ends: Vec<_> = boundary.pieces.iter().map(|&[from, to, _]| [bits(from), bits(to)]).collect();
     ends.sort_unstable();
     golden("polygon", name, ends.as_flattened().as_flattened())
 }
@@ -91,11 +91,11 @@ fn check_halves(outline: &Twisted, name: &str, count: usize) -> Result<(), Strin
 fn most_ordered() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let corners = in_line(&mut Random::new(63), MOST_ORDERED, &[[0.0, 0.0, -6.0], [0.0, 0.0, 6.0]]);
-    let (outline, _) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
-    check_halves(&outline, "most cuts that turns order", 16_803)
+    let (boundary, _) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
+    check_halves(&boundary, "most cuts that turns order", 16_803)
 }
 
-/// Outlines of few edges, with more and more triangles: beside a zigzag the polygon walks to a hole and back.
+/// Boundaries of few edges, with more and more triangles: beside a zigzag the polygon walks to a hole and back.
 fn most_triangles() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let hole = [[0.0, 0.0, -3.0], [-0.25, 0.0, -2.5], [0.25, 0.0, -2.7]];
@@ -109,10 +109,10 @@ fn most_triangles() -> Result<(), String> {
         let after = corners.len() - 1;
         let back = there.iter().rev().chain([&corners[after - 1]]).copied().collect();
         corners.splice(after..after, [there, hole.to_vec(), vec![hole[0]], back].concat());
-        let (outline, found) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
-        same("edges and triangles", &[outline.edges.len(), found], &[edges, triangles])?;
+        let (boundary, found) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
+        same("edges and triangles", &[boundary.edges.len(), found], &[edges, triangles])?;
         let name = format!("{edges} edges and {triangles} triangles");
-        check_halves(&outline, &name, pieces).map_err(|error| format!("{name}: {error}"))?;
+        check_halves(&boundary, &name, pieces).map_err(|error| format!("{name}: {error}"))?;
     }
     Ok(())
 }
@@ -123,36 +123,36 @@ fn zigzag(random: &mut Random, edges: usize, reach: f32) -> Vec<[f32; 3]> {
     (0..=edges).map(|at| [along(at), random.between(-0.1, 0.1), [-reach, reach][at % 2]]).collect()
 }
 
-/// Pieces of an outline that is seen from above: there are as many as cuts say, they close, and wind around what is dark.
-fn check_from_above(outline: &Twisted, cuts: &[usize]) -> Result<(), String> {
-    outline.check_count(cuts)?;
-    check_closed(&outline.pieces)?;
-    let [steps, dark] = outline.check_dark(&mut Random::new(67), 100)?;
+/// Pieces of a boundary that is seen from above: there are as many as cuts say, they close, and wind around what is dark.
+fn check_from_above(boundary: &Twisted, cuts: &[usize]) -> Result<(), String> {
+    boundary.check_count(cuts)?;
+    check_closed(&boundary.pieces)?;
+    let [steps, dark] = boundary.check_dark(&mut Random::new(67), 100)?;
     println!(
         "{} pieces, {steps} steps between points, {dark} of them from light to dark or back",
-        outline.pieces.len()
+        boundary.pieces.len()
     );
     if dark > 10 { Ok(()) } else { Err("too few steps".to_owned()) }
 }
 
-/// An outline of the most edges, of which all that can cut the last but one. Seen from above.
+/// A boundary of the most edges, of which all that can cut the last but one. It is seen from above.
 fn most_cuts() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let most = MAX_OUTLINE_EDGES - 5;
+    let most = MAX_BOUNDARY_EDGES - 5;
     let mut corners = zigzag(&mut Random::new(64), most, 1.0);
     // Around to the beginning, and along the line.
     corners.extend([[2.0, 0.0, -3.0], [-2.0, 0.1, -3.0], [-2.0, -0.1, 0.01], [2.0, 0.1, 0.02]]);
     corners.rotate_right(1);
-    let (outline, _) = looped(gpu, corners, [0.0, 1.0, 0.0])?;
-    same("edges", &[outline.edges.len()], &[MAX_OUTLINE_EDGES])?;
-    let cuts = cuts_from_above(&outline);
+    let (boundary, _) = looped(gpu, corners, [0.0, 1.0, 0.0])?;
+    same("edges", &[boundary.edges.len()], &[MAX_BOUNDARY_EDGES])?;
+    let cuts = cuts_from_above(&boundary);
     if cuts.iter().all(|&cuts| cuts < most) {
         return Err(format!("only {:?} cuts of an edge", cuts.iter().max()));
     }
-    check_from_above(&outline, &cuts)
+    check_from_above(&boundary, &cuts)
 }
 
-/// Rows that a zigzag cuts as often as turns order, and nearly as many pieces as there is room for. Seen from above.
+/// Rows that a zigzag cuts as often as turns order, and nearly as many pieces as there is room for. It is seen from above.
 fn most_pieces() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(65);
@@ -165,16 +165,16 @@ fn most_pieces() -> Result<(), String> {
     }
     // Around the rows to where the zigzag begins.
     corners.extend([[1.5, 0.0, -3.0], [-1.5, 0.1, -3.0], [-1.5, -0.1, 2.5]]);
-    let (outline, _) = looped(gpu, corners, [0.0, 1.0, 0.0])?;
-    let cuts = cuts_from_above(&outline);
+    let (boundary, _) = looped(gpu, corners, [0.0, 1.0, 0.0])?;
+    let cuts = cuts_from_above(&boundary);
     same("most cuts of an edge", &[cuts.iter().max()], &[Some(&MOST_ORDERED)])?;
-    check_from_above(&outline, &cuts)
+    check_from_above(&boundary, &cuts)
 }
 
-/// A star of which each edge cuts all others but its neighbours: the most cuts that an outline can have.
+/// A star of which each edge cuts all others but its neighbours: the most cuts that a boundary can have.
 fn too_many() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let corners = MAX_OUTLINE_EDGES - 1;
+    let corners = MAX_BOUNDARY_EDGES - 1;
     let corner = |at: usize| {
         let angle = (at * (corners / 2) % corners) as f32 / corners as f32 * std::f32::consts::TAU;
         [angle.sin(), 0.0, angle.cos()]

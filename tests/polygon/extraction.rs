@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rimline::internals::cpu::{self, EdgeMasks, Extraction, Outline, PolygonMasks, Seen, Threads};
+use rimline::internals::cpu::{self, Boundary, EdgeMasks, Extraction, Orientation, PolygonMasks, Threads};
 use rimline::mesh::{EdgeKind, Weld};
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
@@ -39,7 +39,7 @@ fn sums_of_faces(mesh: &Mesh, facing: &[u32], twisted: &[u32], light: usize) -> 
             (true, _) => 1,
             (false, _) => -1,
         };
-        polygons.outline(polygon).iter().for_each(|&edge| add(&mut sums, edge, side));
+        polygons.boundary(polygon).iter().for_each(|&edge| add(&mut sums, edge, side));
     }
     sums
 }
@@ -147,7 +147,7 @@ fn soups_of_polygons_close() -> Outcome {
     Ok(())
 }
 
-/// Whether the record at a place of the masks has a face that counts for the light of this bit.
+/// Whether the record at an index of the masks has a face that counts for the light of this bit.
 fn sums_change(mesh: &Mesh, found: &Extraction, at: usize, lowest: u32) -> bool {
     let (batch, edge) = (at / mesh.edges().len(), at % mesh.edges().len());
     let edge = mesh.edges().get(edge).expect("a record");
@@ -157,7 +157,7 @@ fn sums_change(mesh: &Mesh, found: &Extraction, at: usize, lowest: u32) -> bool 
 
 /// Masks of many polygons and lights together equal the masks of each by itself.
 #[test]
-fn masks_are_those_of_each_outline() -> Outcome {
+fn masks_are_those_of_each_boundary() -> Outcome {
     let mut seen = [0; 4];
     for seed in 0..60 {
         let mut random = Random::new(seed);
@@ -178,17 +178,17 @@ fn masks_are_those_of_each_outline() -> Outcome {
         let polygons = mesh.polygons().ok_or("polygons")?;
         for (light, l) in lights.iter().enumerate() {
             for polygon in 0..polygons.len() {
-                let outline = Outline::new(polygons.outline(polygon), &set.positions).ok_or("finite")?;
+                let boundary = Boundary::new(polygons.boundary(polygon), &set.positions).ok_or("finite")?;
                 let masks = masks[light / 32 * polygons.len() + polygon];
                 let found = [masks.facing, masks.twisted, masks.excluded].map(|mask| mask >> (light % 32) & 1 != 0);
-                let right = outline.seen_by_pairs(l.to_array());
+                let right = boundary.orientation_by_pairs(l.to_array());
                 seen[right as usize] += 1;
                 let expected = match right {
-                    Seen::Facing => [true, false, false],
-                    Seen::Averted => [false; 3],
-                    // No outline, no plane.
-                    Seen::InPlane => [false, false, !polygons.outline(polygon).is_empty()],
-                    Seen::Twisted => [false, true, true],
+                    Orientation::FrontFacing => [true, false, false],
+                    Orientation::BackFacing => [false; 3],
+                    // No boundary, no plane.
+                    Orientation::InPlane => [false, false, !polygons.boundary(polygon).is_empty()],
+                    Orientation::Twisted => [false, true, true],
                 };
                 if found != expected {
                     return Err(format!("seed {seed}, polygon {polygon}, {l:?}: {found:?}, but {right:?}"));
@@ -233,8 +233,8 @@ fn planar_quadrilaterals_have_the_masks_of_their_triangles() -> Outcome {
         let excluded: Vec<u32> = masks.iter().map(|masks| masks.excluded).collect();
         same("excluded", &spread(&excluded), &cpu::excluded(&set.positions, triangles.faces(), &lights))?;
         let mut wrong = found.facing.clone();
-        let place = random.below(wrong.len());
-        wrong[place] ^= 1;
+        let index = random.below(wrong.len());
+        wrong[index] ^= 1;
         must_fail("a facing bit", &same("facing", &spread(&wrong), &of_triangles.facing))?;
     }
     Ok(())
@@ -308,26 +308,26 @@ fn neither_threads_nor_memory_of_before_matter() {
     assert!(again.twisted.is_empty() && again.facing.len() == 2 * triangles.faces().len());
 }
 
-/// Polygons are decided by their outlines alone: loops and a bridge are the same.
+/// Polygons are decided by their boundaries alone: loops and a bridge are the same.
 #[test]
 fn a_bridge_changes_no_bit() {
     let square = |size: f32| [[-size, -size, 0.0], [size, -size, 0.3], [size, size, 0.0], [-size, size, 0.1]];
     let positions = [square(2.0), square(1.0)].concat();
-    let outline = |loops: &[Vec<u32>]| {
+    let boundary = |loops: &[Vec<u32>]| {
         let mut set = PolygonSet { positions: positions.clone(), ..Default::default() };
         set.push(loops);
         let mesh = set.mesh(Weld::Keep).expect("a mesh");
-        Outline::new(mesh.polygons().expect("polygons").outline(0), &positions).expect("finite")
+        Boundary::new(mesh.polygons().expect("polygons").boundary(0), &positions).expect("finite")
     };
     let (loops, bridge) =
-        (outline(&[vec![0, 1, 2, 3], vec![7, 6, 5, 4]]), outline(&[vec![0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]));
+        (boundary(&[vec![0, 1, 2, 3], vec![7, 6, 5, 4]]), boundary(&[vec![0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]));
     let mut random = Random::new(5);
     let mut seen = [0; 4];
     for _ in 0..500 {
         let light = light_for(&mut random, &positions).1.to_array();
-        let found = loops.seen(light).0;
-        assert_eq!(found, bridge.seen(light).0, "{light:?}");
+        let found = loops.orientation(light).0;
+        assert_eq!(found, bridge.orientation(light).0, "{light:?}");
         seen[found as usize] += 1;
     }
-    assert!(seen[Seen::Facing as usize] > 20 && seen[Seen::Twisted as usize] > 20, "{seen:?}");
+    assert!(seen[Orientation::FrontFacing as usize] > 20 && seen[Orientation::Twisted as usize] > 20, "{seen:?}");
 }

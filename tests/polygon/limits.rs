@@ -1,7 +1,7 @@
 //! Polygons as large as the GPU takes them. llvmpipe ends an invocation's loops after 65,535 turns without a word, so these are
 //! compared with the twin. docs/numerics/loops.md.
 
-use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, MAX_OUTLINE_EDGES};
+use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, MAX_BOUNDARY_EDGES};
 use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
@@ -16,17 +16,17 @@ use rimline_testkit::{is_long, must_fail, same};
 use crate::stages::check_facing;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("outlines_of_most_edges_and_triangles", largest),
+    ("boundaries_of_most_edges_and_triangles", largest),
     ("polygons_of_more_triangles_are_refused", too_many_triangles),
 ];
 
 /// The most triangles of a polygon, as `ExtractorError::PolygonTooLarge` says it.
 const MOST_TRIANGLES: usize = 2048;
-/// Edges of the largest outline that is tried for being strictly convex.
+/// Edges of the largest boundary that is tried for being strictly convex.
 const MOST_CONVEX: usize = 256;
 
 /// A loop through the corners, and over a bridge to a hole of 3 edges and back: so many `triangles` in all. The edges of the bridge
-/// are walked both ways, so they are not in the outline, but there are triangles on both sides of it.
+/// are walked both ways, so they are not in the boundary, but there are triangles on both sides of it.
 fn bridged(corners: &[[f32; 3]], triangles: usize) -> Vec<[f32; 3]> {
     let length = (triangles + 2 - corners.len() - 3) / 2;
     let hole = [[0.0; 3], [-1.0, 0.0, -1.0], [1.0, 0.0, -1.0]];
@@ -67,7 +67,7 @@ fn mesh_of(set: &PolygonSet, edges: &[usize], triangles: &[usize]) -> Result<Mes
     let found = |count: fn(&rimline::mesh::Polygons, usize) -> usize| {
         (0..polygons.len()).map(|at| count(polygons, at)).collect::<Vec<_>>()
     };
-    same("edges", &found(|polygons, at| polygons.outline(at).len()), edges)?;
+    same("edges", &found(|polygons, at| polygons.boundary(at).len()), edges)?;
     same("triangles", &found(|polygons, at| polygons.triangles(at).len()), triangles)?;
     Ok(mesh)
 }
@@ -75,7 +75,7 @@ fn mesh_of(set: &PolygonSet, edges: &[usize], triangles: &[usize]) -> Result<Mes
 fn largest() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(61);
-    let most = MAX_OUTLINE_EDGES;
+    let most = MAX_BOUNDARY_EDGES;
     // One that is simple, decided edge by edge, and one that is tangled; with the convex one in one workgroup.
     let (edge_on, above) = (Light::point([100.0, 0.0, 0.0]), Light::directional([0.0, 1.0, 0.0]));
     let mut lights = vec![edge_on, above];
@@ -110,8 +110,8 @@ fn too_many_triangles() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut set = PolygonSet::default();
     let triangles = MOST_TRIANGLES + 2;
-    set.push_points(&[bridged(&circle(MAX_OUTLINE_EDGES - 3), triangles)]);
-    let mesh = mesh_of(&set, &[MAX_OUTLINE_EDGES], &[triangles])?;
+    set.push_points(&[bridged(&circle(MAX_BOUNDARY_EDGES - 3), triangles)]);
+    let mesh = mesh_of(&set, &[MAX_BOUNDARY_EDGES], &[triangles])?;
     match Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()) {
         Err(ExtractorError::PolygonTooLarge { polygon: 0, triangles: found }) if found == triangles => Ok(()),
         other => Err(format!("{:?}", other.err())),

@@ -1,16 +1,16 @@
-//! The pieces that `cut_edges` and `cut_quads` list for twisted outlines. They close, bit for bit. There are as many as edges and
+//! The pieces that `cut_edges` and `cut_quads` list for twisted boundaries. They close, bit for bit. There are as many as edges and
 //! their crossings, which are counted in integers. They wind around what is dark: the parity of the triangles between.
 
 use std::collections::BTreeMap;
 
 use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
-use rimline::internals::cpu::{Outline, Seen};
+use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::polygons::{PolygonSet, edge_on_polygon, folded_polygon, outline_in_planes, random_set};
+use rimline_testkit::polygons::{PolygonSet, boundary_in_planes, edge_on_polygon, folded_polygon, random_set};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, polygon_oracle, same, shadow_oracle};
 
@@ -18,8 +18,8 @@ use crate::stages::random_lights;
 
 pub(crate) const TESTS: &[Test] = &[
     ("pieces_wind_once_around_what_is_dark", wind),
-    ("pieces_of_outlines_seen_edge_on_but_for_rounding", edge_on),
-    ("pieces_of_outlines_in_planes_with_the_light", in_planes),
+    ("pieces_of_boundaries_seen_edge_on_but_for_rounding", edge_on),
+    ("pieces_of_boundaries_in_planes_with_the_light", in_planes),
     ("a_bow_tie_has_two_lobes", bow_tie),
 ];
 
@@ -118,7 +118,7 @@ pub(crate) fn check_closed(pieces: &[Listed]) -> Result<(), String> {
 pub(crate) struct Twisted {
     name: String,
     light: Light,
-    /// The edges of the outline, and the triangles.
+    /// The edges of the boundary, and the triangles.
     pub(crate) edges: Vec<[[f32; 3]; 2]>,
     triangles: Vec<[f32; 3]>,
     pub(crate) pieces: Vec<Listed>,
@@ -127,7 +127,7 @@ pub(crate) struct Twisted {
 /// The twisted polygons of each light. No other polygon has pieces. Those with a common middle are left out.
 pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Vec<Twisted>, String> {
     let polygons = mesh.polygons().ok_or("no polygons")?;
-    let place = |vertex: u32| set.positions[vertex as usize];
+    let position = |vertex: u32| set.positions[vertex as usize];
     let mut all = Vec::new();
     for (&light, list) in lights.iter().zip(listed(gpu, set, mesh, lights)?) {
         let mut pieces = BTreeMap::<_, Vec<Listed>>::new();
@@ -135,10 +135,12 @@ pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]
             pieces.entry(bits(piece[2])).or_default().push(piece);
         }
         let mut by_middle = BTreeMap::<_, Vec<usize>>::new();
-        for polygon in (0..polygons.len()).filter(|&polygon| !polygons.outline(polygon).is_empty()) {
-            let edges = polygons.outline(polygon);
-            if Outline::new(edges, &set.positions).ok_or("not finite")?.seen(light.to_array()).0 == Seen::Twisted {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|quarter| place(edges[quarter * edges.len() / 4][0]));
+        for polygon in (0..polygons.len()).filter(|&polygon| !polygons.boundary(polygon).is_empty()) {
+            let edges = polygons.boundary(polygon);
+            if Boundary::new(edges, &set.positions).ok_or("not finite")?.orientation(light.to_array()).0
+                == Orientation::Twisted
+            {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|quarter| position(edges[quarter * edges.len() / 4][0]));
                 let middle = [0, 1, 2].map(|axis| ((a[axis] + b[axis]) + (c[axis] + d[axis])) * 0.25);
                 by_middle.entry(bits(middle)).or_default().push(polygon);
             }
@@ -146,12 +148,16 @@ pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]
         if let Some(middle) = pieces.keys().find(|middle| !by_middle.contains_key(*middle)) {
             return Err(format!("{light:?}: pieces around {:?}, where nothing is twisted", middle.map(f32::from_bits)));
         }
-        for (middle, own) in by_middle.into_iter().filter(|(_, own)| own.len() == 1) {
+        for (middle, polygon) in by_middle.into_iter().filter(|(_, polygon)| polygon.len() == 1) {
             all.push(Twisted {
-                name: format!("polygon {}, {light:?}", own[0]),
+                name: format!("polygon {}, {light:?}", polygon[0]),
                 light,
-                edges: polygons.outline(own[0]).iter().map(|edge| edge.map(place)).collect(),
-                triangles: mesh.faces()[polygons.triangles(own[0])].iter().flatten().map(|&v| place(v)).collect(),
+                edges: polygons.boundary(polygon[0]).iter().map(|edge| edge.map(position)).collect(),
+                triangles: mesh.faces()[polygons.triangles(polygon[0])]
+                    .iter()
+                    .flatten()
+                    .map(|&v| position(v))
+                    .collect(),
                 pieces: pieces.remove(&middle).unwrap_or_default(),
             });
         }
@@ -167,7 +173,7 @@ impl Twisted {
     }
 
     /// Directions from a point light, or points of a plane across a light at infinity, one unit before it.
-    fn seen(&self, point: [f32; 3]) -> Vector {
+    fn project(&self, point: [f32; 3]) -> Vector {
         let [x, y, z, w] = self.light.to_array().map(f64::from);
         let point = point.map(f64::from);
         if w != 0.0 {
@@ -201,13 +207,13 @@ impl Twisted {
 
     /// The winding number of the pieces at `p` less that at `q`. `None` where rounding may decide.
     fn winding_from(&self, q: [f32; 3], p: [f32; 3]) -> Option<i32> {
-        let [q, p] = [q, p].map(|point| self.seen(point));
+        let [q, p] = [q, p].map(|point| self.project(point));
         if dot(p, q) < -0.9 || dot(p, q) > 0.999_999 {
             return None;
         }
         let mut sum = 0;
         for &[from, to, _] in &self.pieces {
-            let [a, b] = [from, to].map(|end| self.seen(end));
+            let [a, b] = [from, to].map(|end| self.project(end));
             // 0 where rounding may decide.
             let side = |value: f64| i32::from(value > 1e-6) - i32::from(value < -1e-6);
             let [of_a, of_b] = [a, b].map(|end| side(dot(cross(q, p), end)));
@@ -286,22 +292,22 @@ fn wind() -> Result<(), String> {
         let mesh = set.mesh(Weld::Position).map_err(text)?;
         let light_count = [2, 17, 25][random.below(3)];
         lights.extend(random_lights(&mut random, &set, light_count));
-        for mut own in twisted(gpu, &set, &mesh, &lights)? {
-            let what = |error| format!("seed {seed}, {}: {error}", own.name);
-            check_closed(&own.pieces).map_err(what)?;
-            match polygon_oracle::cuts(&own.edges, own.light) {
-                Some(cuts) => own.check_count(&cuts).map_err(|error| format!("seed {seed}: {error}"))?,
-                None if polygon_oracle::find(&own.edges, own.light).touches => touching += 1,
+        for mut polygon in twisted(gpu, &set, &mesh, &lights)? {
+            let what = |error| format!("seed {seed}, {}: {error}", polygon.name);
+            check_closed(&polygon.pieces).map_err(what)?;
+            match polygon_oracle::cuts(&polygon.edges, polygon.light) {
+                Some(cuts) => polygon.check_count(&cuts).map_err(|error| format!("seed {seed}: {error}"))?,
+                None if polygon_oracle::find(&polygon.edges, polygon.light).touches => touching += 1,
                 None => around += 1,
             }
             let before = random.clone();
-            let told = own.check_dark(&mut random, 12).map_err(|error| format!("seed {seed}: {error}"))?;
+            let told = polygon.check_dark(&mut random, 12).map_err(|error| format!("seed {seed}: {error}"))?;
             pairs += 1;
-            quads += usize::from(own.edges.len() == 4);
-            large += usize::from(own.edges.len() > 32);
+            quads += usize::from(polygon.edges.len() == 4);
+            large += usize::from(polygon.edges.len() > 32);
             (steps, dark) = (steps + told[0], dark + told[1]);
             if pairs % 16 == 0 && told[1] > 0 {
-                own.must_notice(&before)?;
+                polygon.must_notice(&before)?;
             }
         }
     }
@@ -331,10 +337,10 @@ fn edge_on() -> Result<(), String> {
             lights.push(Light::point(light));
         }
         let mesh = set.mesh(Weld::Position).map_err(text)?;
-        for own in twisted(gpu, &set, &mesh, &lights)? {
-            check_closed(&own.pieces).map_err(|error| format!("seed {seed}, {}: {error}", own.name))?;
+        for polygon in twisted(gpu, &set, &mesh, &lights)? {
+            check_closed(&polygon.pieces).map_err(|error| format!("seed {seed}, {}: {error}", polygon.name))?;
             pairs += 1;
-            cut += own.pieces.len() - own.edges.len();
+            cut += polygon.pieces.len() - polygon.edges.len();
         }
     }
     println!("{pairs} twisted, {cut} cuts");
@@ -353,7 +359,7 @@ fn in_planes() -> Result<(), String> {
         let (mut pairs, mut open) = (0, [0; 2]);
         for seed in first..first + seeds {
             let mut random = Random::new(seed);
-            let (points, light) = outline_in_planes(&mut random, planes, others);
+            let (points, light) = boundary_in_planes(&mut random, planes, others);
             // Fixed point holds whole numbers. Other edges in line are cut in their middles, which a light among them may see on its
             // other side.
             let is_whole = points.iter().flatten().all(|c| c.fract() == 0.0);
@@ -366,15 +372,15 @@ fn in_planes() -> Result<(), String> {
             }
             let [x, y, z, w] = light.to_array();
             let light = if w == 0.0 { light } else { Light::point([x, y, z].map(|c| c * scale)) };
-            let Some(own) = twisted(gpu, &set, &mesh, &[light])?.pop() else { continue };
+            let Some(polygon) = twisted(gpu, &set, &mesh, &[light])?.pop() else { continue };
             let what = format!("{planes} planes, {others} others, seed {seed}");
-            let touches = polygon_oracle::find(&own.edges, light).touches;
-            if let Some(cuts) = polygon_oracle::cuts(&own.edges, light) {
-                own.check_count(&cuts).map_err(|error| format!("{what}: {error}"))?;
+            let touches = polygon_oracle::find(&polygon.edges, light).touches;
+            if let Some(cuts) = polygon_oracle::cuts(&polygon.edges, light) {
+                polygon.check_count(&cuts).map_err(|error| format!("{what}: {error}"))?;
             }
-            match check_closed(&own.pieces) {
+            match check_closed(&polygon.pieces) {
                 Ok(()) if !is_whole => {}
-                Ok(()) => steps += own.check_dark(&mut random, 12).map_err(|error| format!("{what}: {error}"))?[0],
+                Ok(()) => steps += polygon.check_dark(&mut random, 12).map_err(|error| format!("{what}: {error}"))?[0],
                 Err(error) => {
                     println!("{what}, touches: {touches}: {error}");
                     open[usize::from(touches)] += 1;
@@ -384,7 +390,7 @@ fn in_planes() -> Result<(), String> {
             pairs += 1;
         }
         println!("{planes} planes, {others} others: {pairs} twisted, {open:?} open");
-        // Outlines that touch themselves in space, and have many edges through one point besides, need not close.
+        // Boundaries that touch themselves in space, and have many edges through one point besides, need not close.
         if 4 * pairs < 3 * seeds || open[0] > 0 || planes == 1 && open[1] > 0 || 100 * open[1] > pairs {
             return Err(format!("{open:?} of {pairs} are open, of {planes} planes and {others} others"));
         }
@@ -401,14 +407,14 @@ fn bow_tie() -> Result<(), String> {
     let mut set = PolygonSet::default();
     set.push_points(&[corners.to_vec()]);
     let mesh = set.mesh(Weld::Keep).map_err(text)?;
-    let own = twisted(gpu, &set, &mesh, &[Light::point([0.0, 0.0, 9.0])])?.pop().ok_or("not twisted")?;
+    let polygon = twisted(gpu, &set, &mesh, &[Light::point([0.0, 0.0, 9.0])])?.pop().ok_or("not twisted")?;
     // The two diagonals are cut in the middle, above each other.
     let [a, b, c, d] = corners;
     let middle = [0.0, 0.0, 0.15];
     let expected = [[a, middle], [middle, d], [d, a], [b, middle], [middle, c], [c, b]];
     let is_at = |p: [f32; 3], q: [f32; 3]| (0..3).all(|axis| (p[axis] - q[axis]).abs() < 1e-6);
     let is_there =
-        |[from, to]: &[[f32; 3]; 2]| own.pieces.iter().any(|piece| is_at(piece[0], *from) && is_at(piece[1], *to));
-    same("lobes", &[own.pieces.len(), expected.iter().filter(|piece| is_there(piece)).count()], &[6, 6])?;
+        |[from, to]: &[[f32; 3]; 2]| polygon.pieces.iter().any(|piece| is_at(piece[0], *from) && is_at(piece[1], *to));
+    same("lobes", &[polygon.pieces.len(), expected.iter().filter(|piece| is_there(piece)).count()], &[6, 6])?;
     same("a lobe the other way round", &[is_there(&[middle, a])], &[false])
 }

@@ -91,7 +91,7 @@ fn masks() -> Result<(), String> {
             same(&format!("seed {seed}, light {light}, count"), &[found.counts[light]], &[silhouettes as u32])?;
         }
         twisted += masks.iter().map(|masks| masks.twisted.count_ones()).sum::<u32>();
-        large += (0..polygons.len()).filter(|&polygon| polygons.outline(polygon).len() > 32).count();
+        large += (0..polygons.len()).filter(|&polygon| polygons.boundary(polygon).len() > 32).count();
         not_finite += statistics.non_finite_faces;
         let mut wrong = masks.clone();
         let at = random.below(wrong.len());
@@ -104,6 +104,6 @@ fn masks() -> Result<(), String> {
         compare(&format!("seed {seed}, not for volumes"), &plain, &public, u32::MAX, lists.ordered)?;
         same("twisted", &plain.twisted, &public.twisted)?;
     }
-    println!("{twisted} twisted pairs, {large} large outlines, {not_finite} not finite");
+    println!("{twisted} twisted pairs, {large} large boundaries, {not_finite} not finite");
     if twisted > 1000 && large > 50 && not_finite > 0 { Ok(()) } else { Err("too few of a kind".to_owned()) }
 }

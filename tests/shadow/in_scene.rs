@@ -161,9 +161,9 @@ fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting)
         ..SceneOptions::default()
     };
     options.measuring.set(Measuring::EVERY_FACE, renderer.options.every_face);
-    options.measuring.set(Measuring::UNSEEN, !renderer.options.cull_by_view);
+    options.measuring.set(Measuring::CULLED_BY_VIEW, !renderer.options.cull_by_view);
     // Counts of all casters, unless a test asks for dark and lit alone.
-    options.measuring.set(Measuring::OCCLUDED, true);
+    options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, true);
     (renderer.levels)(&mut options);
     options
 }
@@ -287,7 +287,7 @@ impl InScene {
         let words: Vec<u32> = gpu.read(choices, usize::MAX)?;
         let first = 8 * self.view * self.frame.batches() * self.casters.len();
         for &caster in &self.casters {
-            let (index, _) = self.frame.place(caster).ok_or("the caster is not in the frame")?;
+            let (index, _) = self.frame.locate(caster).ok_or("the caster is not in the frame")?;
             let chosen = |light: &LightHandle| {
                 let batch = light.bit() as usize / 32;
                 let at = first + 8 * (batch * self.casters.len() + index as usize);

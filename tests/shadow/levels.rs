@@ -23,19 +23,19 @@ pub(crate) const TESTS: &[Test] =
 type Levels = (&'static str, fn(&mut SceneOptions));
 
 const LEVELS: [Levels; 6] = [
-    ("light reach", |options| options.measuring.set(Measuring::UNREACHED, false)),
-    ("shadow reach", |options| options.measuring.set(Measuring::UNSEEN, false)),
-    ("bits", |options| options.measuring.set(Measuring::BITS, false)),
+    ("light reach", |options| options.measuring.set(Measuring::CULLED_BY_RANGE, false)),
+    ("shadow reach", |options| options.measuring.set(Measuring::CULLED_BY_VIEW, false)),
+    ("bits", |options| options.measuring.set(Measuring::CACHED_BITS, false)),
     ("bits and lists", |options| {
-        options.measuring.set(Measuring::BITS, false);
-        options.measuring.set(Measuring::LISTS, false);
+        options.measuring.set(Measuring::CACHED_BITS, false);
+        options.measuring.set(Measuring::CACHED_LISTS, false);
     }),
-    ("hidden receivers", |options| options.measuring.set(Measuring::WITHOUT_RECEIVERS, false)),
+    ("hidden receivers", |options| options.measuring.set(Measuring::CULLED_BY_RECEIVERS, false)),
     ("clusters", |options| options.clusters_from = Some(1)),
 ];
 
 fn none(options: &mut SceneOptions) {
-    options.measuring.set(Measuring::SKIP_NOTHING, true);
+    options.measuring.set(Measuring::CULL_NOTHING, true);
     options.clusters_from = None;
 }
 
@@ -48,7 +48,7 @@ fn all(options: &mut SceneOptions) {
     for (_, switch) in LEVELS {
         switch(options);
     }
-    options.measuring.set(Measuring::OCCLUDED, false);
+    options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, false);
 }
 
 /// None comes first.
@@ -179,8 +179,9 @@ fn occluded() -> Result<(), String> {
         let of = |levels| Renderer { placing: Placing::Scene, levels, ..Renderer::new(gpu) };
         let what = |error: String| format!("seed {seed}, {counting:?}: {error}");
         let without = of(none).count(&frame, counting).map_err(what)?;
-        let with =
-            of(|options| options.measuring.set(Measuring::OCCLUDED, false)).count(&frame, counting).map_err(what)?;
+        let with = of(|options| options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, false))
+            .count(&frame, counting)
+            .map_err(what)?;
         let is_dark = |counted: &Counted| counted.stencils[0].iter().map(|count| *count != 0).collect::<Vec<_>>();
         let (mut found, expected) = (is_dark(&with), is_dark(&without));
         same("dark pixels", &found, &expected).map_err(what)?;

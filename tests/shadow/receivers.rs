@@ -231,7 +231,7 @@ fn pyramid() -> Result<(), String> {
             near_max: seen.near_max,
             sky_receives: u32::from(sky_receives),
             pixels,
-            at: 0,
+            offset: 0,
             reserved: 0,
         };
         let (keys, [across, down]) = levels(&view, &depths, samples);

@@ -48,13 +48,13 @@ fn volume(frame: &Frame, mesh: &Mesh, polygon: usize) -> Result<Vec<Vec4>, Strin
     let position = |vertex: u32| frame.bodies[0].shape.positions[vertex as usize];
     let surface = mesh.faces()[polygons.triangles(polygon)].iter().flatten();
     let mut corners: Vec<Vec4> = surface.map(|&vertex| to_clip(&view, position(vertex), 1.0)).collect();
-    let outline = polygons.outline(polygon);
-    for &[a, b] in outline {
+    let boundary = polygons.boundary(polygon);
+    for &[a, b] in boundary {
         let [near_a, near_b] = [a, b].map(|vertex| to_clip(&view, position(vertex), 1.0));
         let [far_a, far_b] = [a, b].map(|vertex| far_end(&view, &light, position(vertex)));
         corners.extend([near_a, near_b, far_b, near_a, far_b, far_a]);
         if light.light[3] != 0.0 {
-            let middle = far_end(&view, &light, position(outline[0][0]));
+            let middle = far_end(&view, &light, position(boundary[0][0]));
             corners.extend([middle, far_a, far_b]);
         }
     }

@@ -3,7 +3,7 @@
 // (common/determinant.wgsl). `exact_sign` takes all finite f32; it is rare and slow, so its code is short. Fixed point is
 // faster, but takes only numbers whose bits lie in a window. Callers compute `fixed_face` once for a face, then `fixed_sign`
 // for each light, and call `exact_sign` if it returns 2. Callers must reject faces that are not finite. `exact_facing`, the
-// stages of exact_shadow_depth.wgsl and, by polygon/turn.wgsl, the stages of polygons use both. Claim:
+// stages of exact_shadow_depth.wgsl and, by polygon/corner_turn.wgsl, the stages of polygons use both. Claim:
 // docs/numerics/facing.md, "Exact facing".
 
 const DIGIT: u32 = 0xffffffu; // The bits of a digit.

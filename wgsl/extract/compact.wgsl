@@ -11,7 +11,7 @@
 @group(0) @binding(1) var<storage, read> masks: array<EdgeMasks>;
 // For each light and block: after `compact_count` the silhouettes in the block, after `compact_scan` those in all earlier
 // blocks.
-@group(0) @binding(2) var<storage, read_write> places: array<u32>;
+@group(0) @binding(2) var<storage, read_write> block_offsets: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(4) var<storage, read_write> list: array<u32>;
 const BLOCK_WORDS: u32 = BLOCK / 32u;
@@ -47,7 +47,7 @@ fn compact_count(
     for (var word = 0u; word < BLOCK_WORDS; word++) {
       total += countOneBits(atomicLoad(&members[lane * BLOCK_WORDS + word]));
     }
-    places[lane * chunk.blocks + chunk.first / BLOCK + group.x] = total;
+    block_offsets[lane * chunk.blocks + chunk.first / BLOCK + group.x] = total;
   }
 }
 
@@ -61,7 +61,7 @@ fn scan_light(light: u32, lane: u32) {
   var total = 0u;
   // Turns: SCAN_BLOCKS.
   for (var block = begin; block < end; block++) {
-    total += places[light * chunk.blocks + block];
+    total += block_offsets[light * chunk.blocks + block];
   }
   sums[lane] = total;
   for (var distance = 1u; distance < BLOCK; distance *= 2u) {
@@ -76,8 +76,8 @@ fn scan_light(light: u32, lane: u32) {
   var offset = sums[lane] - total;
   // Turns: SCAN_BLOCKS.
   for (var block = begin; block < end; block++) {
-    let count = places[light * chunk.blocks + block];
-    places[light * chunk.blocks + block] = offset;
+    let count = block_offsets[light * chunk.blocks + block];
+    block_offsets[light * chunk.blocks + block] = offset;
     offset += count;
   }
   if (lane == BLOCK - 1u) {
@@ -110,7 +110,7 @@ fn compact_scatter(
   for (var remaining = masks_of_edge.silhouette; remaining != 0u; remaining &= remaining - 1u) {
     let light = firstTrailingBit(remaining);
     let last_word = light * BLOCK_WORDS + lane / 32u;
-    var index = places[light * chunk.blocks + chunk.first / BLOCK + group.x];
+    var index = block_offsets[light * chunk.blocks + chunk.first / BLOCK + group.x];
     // Turns: BLOCK / 32.
     for (var word = light * BLOCK_WORDS; word < last_word; word++) {
       index += countOneBits(atomicLoad(&members[word]));

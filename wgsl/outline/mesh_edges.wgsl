@@ -1,10 +1,10 @@
-// Edges of an extraction as interface/outlined.wgsl has them, for the stage `outline_edges`. Group 0 is that of the include.
+// The functions of interface/outlined.wgsl for the edges of an extraction. Group 0 is that of extract/results.wgsl.
 //
 // Expects: `outline`.
 
 #import extract/results
 
-// A bit for each edge record. Only `outline_feature` reads them.
+// A bit for each edge record, set if the caller marked the edge. Only `outline_feature` reads them.
 @group(1) @binding(3) var<storage, read> outline_marks: array<u32>;
 
 fn outlined_silhouette(instance: u32) -> RimlineSilhouette { return rimline_silhouette(outline.light, instance); }

@@ -1,11 +1,12 @@
-// Stage `outline_edges`: vertex shaders that draw edges of an extraction as lines of a width in pixels, or in the variant SCENE
-// those of a group of a scene's casters. Each line is a quad that the fragment shader trims to a line with round ends.
-// `outline_silhouette`: an instance for each entry of the light's list, by the indirect draw of that list. `outline_feature`: an
-// instance for each edge; it leaves out what the other one draws. Four vertices an instance, as a strip. Group 0 has the edges
-// (interface/outlined.wgsl); group 1 is here.
-// Reads: silhouettes, facing masks, positions, faces, marks, and the depth of what may hide lines.
-// A line is hidden where the depth at its own place says so, not at the place of the pixel: half of an outline lies before what
-// is behind the surface, and the other half on it.
+// Stage `outline_edges`: draws edges of an extraction, or in the variant SCENE of a group of a scene's casters, as lines of
+// a width in pixels. Each instance is an edge and four vertices, a strip: a quad around the line, which the fragment shader
+// trims to a line with round ends. `outline_silhouette` draws the light's list, by its indirect draw. `outline_feature` draws
+// creases and marked edges; it has an instance for each edge and leaves out those that `outline_silhouette` draws.
+// Group 0 has the edges (interface/outlined.wgsl), group 1 what is declared below.
+// Reads: silhouettes, facing masks, positions, faces, marks, and the caller's depth, which hides lines.
+// The depth test is at the nearest point of the line, not at the pixel. Half of an outline's width lies outside the surface,
+// where the depth is that of what is behind.
+
 #import extract/results
 #import interface/outlined
 
@@ -20,72 +21,77 @@ struct OutlineView {
   boundary: vec4<f32>,
   crease: vec4<f32>,
   marked: vec4<f32>,
-  // Pixels of the picture, each way.
+  // The size of the image in pixels.
   size: vec2<f32>,
-  // How far behind what is seen a line may lie, as depth.
+  // A line is visible up to this much behind the depth of the image.
   depth_bias: f32,
-  // Faces whose normals have a smaller cosine meet at a crease.
+  // The edge of two faces is a crease if the cosine between their normals is smaller.
   crease_cosine: f32,
-  // The light's number.
+  // The index of the light.
   light: u32,
-  // The classes that are drawn: bits 0 silhouettes, 1 boundaries, 2 creases, 3 marked edges.
+  // A bit for each class that is drawn: silhouettes, boundaries, creases, marked edges.
   classes: u32,
-  // 1 if the larger depth is nearer.
+  // 1 if a larger depth is nearer.
   is_reversed: u32,
   reserved: u32,
 }
 
 @group(1) @binding(0) var<uniform> outline: OutlineView;
-// Depth, as floats: OpenGL loads no texels of depth textures.
+// The caller's depth. It is bound as floats, because OpenGL cannot load texels of depth textures.
 #if SAMPLES
 @group(1) @binding(1) var outline_depth: texture_multisampled_2d<f32>;
 #else
 @group(1) @binding(1) var outline_depth: texture_2d<f32>;
 #endif
-// Three vertices a face. Only `outline_feature` reads them.
+// The vertices of faces, three each. Only `outline_feature` reads them.
 @group(1) @binding(2) var<storage, read> outline_faces: array<u32>;
-const NO_EDGE: u32 = 3u; // The kind of an edge that is not there.
+const NO_EDGE: u32 = 3u; // The kind of a slot without an edge.
+// Bits of `classes`, and the kind of an edge with one face.
+const CREASES: u32 = 4u;
+const MARKED: u32 = 8u;
+const BOUNDARY: u32 = 2u;
 
 struct OutlinePoint {
   @builtin(position) clip: vec4<f32>,
   // The ends of the line, in pixels.
   @location(0) @interpolate(flat) ends: vec4<f32>,
-  // Their depths, which are linear between them on the screen.
+  // The depths of the ends. Depth is linear between them on the screen.
   @location(1) @interpolate(flat) depths: vec2<f32>,
   @location(2) @interpolate(flat) color: vec4<f32>,
 }
 
-// A vertex of a line that is not drawn.
-fn outline_nothing() -> OutlinePoint {
+// A vertex of an edge that is not drawn. Four equal vertices cover no pixel.
+fn no_line() -> OutlinePoint {
   return OutlinePoint(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec4<f32>(), vec2<f32>(), vec4<f32>());
 }
 
-// How far a point is on the inner side of a plane that bounds lines: near, left, right, bottom, top. Beyond the sides there is
-// room for the width.
-fn outline_inside(plane: u32, clip: vec4<f32>) -> f32 {
+// The distance, in clip space, of a point from a plane that clips lines: near, left, right, bottom, top. Inside it is
+// positive. The four side planes lie outside the frustum by the width of a line.
+fn clip_distance(plane: u32, clip: vec4<f32>) -> f32 {
   if (plane == 0u) {
     return select(clip.z, clip.w - clip.z, outline.is_reversed == 1u);
   }
   let axis = (plane - 1u) >> 1u;
-  let room = 1.0 + 2.0 * (outline.half_width + 2.0) / outline.size[axis];
-  return clip.w * room + select(clip[axis], -clip[axis], (plane & 1u) == 0u);
+  let scale = 1.0 + 2.0 * (outline.half_width + 2.0) / outline.size[axis];
+  return clip.w * scale + select(clip[axis], -clip[axis], (plane & 1u) == 0u);
 }
 
-fn outline_pixel(clip: vec4<f32>) -> vec2<f32> {
+// A point in clip space, in pixels from the left upper corner.
+fn to_pixels(clip: vec4<f32>) -> vec2<f32> {
   return (vec2<f32>(0.5) + vec2<f32>(0.5, -0.5) * clip.xy / clip.w) * outline.size;
 }
 
-// A vertex of the quad around the line between two mesh vertices.
-fn outline_point(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint {
+// Corner 0 to 3 of the quad around the line between mesh vertices `a` and `b`.
+fn line_corner(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint {
   let columns = mat4x4<f32>(outline.columns[0], outline.columns[1], outline.columns[2], outline.columns[3]);
   var from_clip = rimline_clip(columns, vec3<f32>(), outlined_offset(a));
   var to_clip = rimline_clip(columns, vec3<f32>(), outlined_offset(b));
   // Turns: 5.
   for (var plane = 0u; plane < 5u; plane++) {
-    let inside = vec2<f32>(outline_inside(plane, from_clip), outline_inside(plane, to_clip));
-    // Also where a position is not finite.
+    let inside = vec2<f32>(clip_distance(plane, from_clip), clip_distance(plane, to_clip));
+    // The test fails also if a position is not finite.
     if (!(inside.x > 0.0 || inside.y > 0.0)) {
-      return outline_nothing();
+      return no_line();
     }
     let cut = mix(from_clip, to_clip, saturate(inside.x / (inside.x - inside.y)));
     if (inside.x < 0.0) {
@@ -94,17 +100,18 @@ fn outline_point(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint 
       to_clip = cut;
     }
   }
-  let from_pixel = outline_pixel(from_clip);
-  let to_pixel = outline_pixel(to_clip);
+  let from_pixel = to_pixels(from_clip);
+  let to_pixel = to_pixels(to_clip);
   let span = to_pixel - from_pixel;
   let along = select(vec2<f32>(1.0, 0.0), span / length(span), length(span) > 0.0);
   let across = vec2<f32>(-along.y, along.x);
   let is_end = (min(corner, 3u) & 1u) == 1u;
   let is_left = min(corner, 3u) >= 2u;
-  // Half a pixel fades out, and half a pixel is room for rounding.
-  let reach = outline.half_width + 1.0;
-  let place = select(from_pixel - reach * along, to_pixel + reach * along, is_end) + select(-reach, reach, is_left) * across;
-  let ndc = (2.0 * place / outline.size - vec2<f32>(1.0)) * vec2<f32>(1.0, -1.0);
+  // Coverage fades out over half a pixel. The other half pixel covers rounding.
+  let radius = outline.half_width + 1.0;
+  let pixel = select(from_pixel - radius * along, to_pixel + radius * along, is_end)
+    + select(-radius, radius, is_left) * across;
+  let ndc = (2.0 * pixel / outline.size - vec2<f32>(1.0)) * vec2<f32>(1.0, -1.0);
   let depths = vec2<f32>(from_clip.z / from_clip.w, to_clip.z / to_clip.w);
   return OutlinePoint(vec4<f32>(ndc, 0.5, 1.0), vec4<f32>(from_pixel, to_pixel), depths, color);
 }
@@ -115,77 +122,81 @@ fn outline_silhouette(
   @builtin(instance_index) instance: u32,
 ) -> OutlinePoint {
   let edge = outlined_silhouette(instance);
-  let is_boundary = edge.kind == 2u;
+  let is_boundary = edge.kind == BOUNDARY;
   if (!edge.valid || ((outline.classes >> u32(is_boundary)) & 1u) == 0u) {
-    return outline_nothing();
+    return no_line();
   }
-  return outline_point(corner, edge.a, edge.b, select(outline.silhouette, outline.boundary, is_boundary));
+  return line_corner(corner, edge.a, edge.b, select(outline.silhouette, outline.boundary, is_boundary));
 }
 
-// The normal of a face, as long as twice its area.
-fn outline_normal(face: u32) -> vec3<f32> {
-  let at = 3u * (outlined_first_face() + face);
-  let a = outlined_position(outline_faces[at]);
-  let b = outlined_position(outline_faces[at + 1u]);
-  let c = outlined_position(outline_faces[at + 2u]);
+// The normal of a face. Its length is twice the area.
+fn face_normal(face: u32) -> vec3<f32> {
+  let first = 3u * (outlined_first_face() + face);
+  let a = outlined_position(outline_faces[first]);
+  let b = outlined_position(outline_faces[first + 1u]);
+  let c = outlined_position(outline_faces[first + 2u]);
   return cross(b - a, c - a);
 }
 
-// Whether the two faces of an edge meet at a crease. A face without area makes none.
-fn outline_is_crease(edge: u32, is_inconsistent: bool) -> bool {
+// Whether an edge with two faces is a crease. It is none if a face has no area.
+fn is_crease(edge: u32, is_inconsistent: bool) -> bool {
   let faces = outlined_faces(edge);
-  let one = outline_normal(faces.x & 0x7fffffffu);
-  let given = outline_normal(faces.y);
-  let other = select(given, -given, is_inconsistent);
-  return dot(one, other) < outline.crease_cosine * length(one) * length(other);
+  // Bit 31 of the first face is set if the edge is inconsistent.
+  let normal_0 = face_normal(faces.x & 0x7fffffffu);
+  let normal = face_normal(faces.y);
+  let normal_1 = select(normal, -normal, is_inconsistent);
+  return dot(normal_0, normal_1) < outline.crease_cosine * length(normal_0) * length(normal_1);
 }
 
 @vertex
 fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> OutlinePoint {
-  let found = outlined_record(slot);
-  if (found.valid || found.kind == NO_EDGE) {
-    return outline_nothing();
+  let edge = outlined_record(slot);
+  if (edge.valid || edge.kind == NO_EDGE) {
+    return no_line();
   }
-  if ((outline.classes & 4u) != 0u && found.kind != 2u && outline_is_crease(found.edge, found.kind == 1u)) {
-    return outline_point(corner, found.a, found.b, outline.crease);
+  if ((outline.classes & CREASES) != 0u && edge.kind != BOUNDARY && is_crease(edge.edge, edge.kind == 1u)) {
+    return line_corner(corner, edge.a, edge.b, outline.crease);
   }
-  if ((outline.classes & 8u) != 0u && outlined_is_marked(found.edge)) {
-    return outline_point(corner, found.a, found.b, outline.marked);
+  if ((outline.classes & MARKED) != 0u && outlined_is_marked(edge.edge)) {
+    return line_corner(corner, edge.a, edge.b, outline.marked);
   }
-  return outline_nothing();
+  return no_line();
 }
 
-// The depth of what is seen at a pixel, turned so that the larger one is farther.
-fn outline_seen(pixel: vec2<i32>) -> f32 {
+// A depth with the larger one farther, for both directions of depth.
+fn forward_depth(depth: f32) -> f32 { return select(depth, -depth, outline.is_reversed == 1u); }
+
+// The caller's depth at a pixel. Pixels outside the image have that of the border.
+fn depth_at_pixel(pixel: vec2<i32>) -> f32 {
   let last = vec2<i32>(outline.size) - vec2<i32>(1);
   let depth = textureLoad(outline_depth, clamp(pixel, vec2<i32>(0), last), 0).x;
-  return select(depth, -depth, outline.is_reversed == 1u);
+  return forward_depth(depth);
 }
 
-// The steepest of two steps from a pixel towards one side.
-fn outline_steepest(here: f32, next: f32, after: f32) -> f32 {
-  return max(abs(next - here), abs(after - next));
+// The larger of the two steps between the depths of three pixels in a row.
+fn largest_step(depth: f32, next: f32, after: f32) -> f32 {
+  return max(abs(next - depth), abs(after - next));
 }
 
-// Whether something hides a point of a line. It does if it is nearer at the point's pixel and at the eight around it, by more than
-// the surface there slopes over a pixel each way: towards the side where it slopes less, for on the other one it may end. Beyond the
-// picture's border there is no side.
-fn outline_is_hidden(place: vec2<f32>, depth: f32) -> bool {
+// Whether the caller's depth hides a point of a line. It does if it is nearer at the point's pixel and at the eight around it.
+// The slope of the surface over one pixel each way is allowed for. The slope is that of the flatter side, because the surface
+// may end on the other one. Beyond the image's border there is no side.
+fn is_hidden(point: vec2<f32>, depth: f32) -> bool {
   let last = vec2<i32>(outline.size) - vec2<i32>(1);
-  let pixel = clamp(vec2<i32>(floor(place)), vec2<i32>(0), last);
-  let here = outline_seen(pixel);
-  var farthest = here;
+  let pixel = clamp(vec2<i32>(floor(point)), vec2<i32>(0), last);
+  let center = depth_at_pixel(pixel);
+  var farthest = center;
   var slopes = 0.0;
   // Turns: 2.
   for (var axis = 0; axis < 2; axis++) {
     let step = vec2<i32>(1 - axis, axis);
-    let before = outline_seen(pixel - step);
-    let after = outline_seen(pixel + step);
+    let before = depth_at_pixel(pixel - step);
+    let after = depth_at_pixel(pixel + step);
     let diagonal = vec2<i32>(1, 1 - 2 * axis);
-    let corners = max(outline_seen(pixel - diagonal), outline_seen(pixel + diagonal));
+    let corners = max(depth_at_pixel(pixel - diagonal), depth_at_pixel(pixel + diagonal));
     farthest = max(farthest, max(max(before, after), corners));
-    let slope_before = outline_steepest(here, before, outline_seen(pixel - 2 * step));
-    let slope_after = outline_steepest(here, after, outline_seen(pixel + 2 * step));
+    let slope_before = largest_step(center, before, depth_at_pixel(pixel - 2 * step));
+    let slope_after = largest_step(center, after, depth_at_pixel(pixel + 2 * step));
     var slope = min(slope_before, slope_after);
     if (pixel[axis] < 2) {
       slope = slope_after;
@@ -194,17 +205,16 @@ fn outline_is_hidden(place: vec2<f32>, depth: f32) -> bool {
     }
     slopes += slope;
   }
-  let own = select(depth, -depth, outline.is_reversed == 1u);
-  return own > farthest + slopes + outline.depth_bias;
+  return forward_depth(depth) > farthest + slopes + outline.depth_bias;
 }
 
 @fragment
 fn outline_ink(in: OutlinePoint) -> @location(0) vec4<f32> {
   let span = in.ends.zw - in.ends.xy;
-  let part = saturate(dot(in.clip.xy - in.ends.xy, span) / max(dot(span, span), 1e-12));
-  let nearest = in.ends.xy + part * span;
+  let fraction = saturate(dot(in.clip.xy - in.ends.xy, span) / max(dot(span, span), 1e-12));
+  let nearest = in.ends.xy + fraction * span;
   let coverage = saturate(outline.half_width + 0.5 - distance(in.clip.xy, nearest));
-  if (coverage <= 0.0 || outline_is_hidden(nearest, mix(in.depths.x, in.depths.y, part))) {
+  if (coverage <= 0.0 || is_hidden(nearest, mix(in.depths.x, in.depths.y, fraction))) {
     discard;
   }
   return vec4<f32>(in.color.rgb, in.color.a * coverage);

@@ -1,7 +1,7 @@
-// Edges of a group of a scene's casters (casters that are drawn together) for the stage `outline_edges` in the variant SCENE: the
-// functions of interface/outlined.wgsl. A slot is the index of a face or edge in the group's masks. The facing masks of its faces
-// decide whether an edge is a silhouette, as for sides (shadow/draw_lists.wgsl), so lists and draws over all slots agree. Only casters
-// that the light may reach have outlines: masks of other casters have no meaning.
+// The functions of interface/outlined.wgsl for a group of a scene's casters, in the variant SCENE of `outline_edges`. A slot is
+// the index of a face or edge record in the group's masks. Facing masks decide which edges are silhouettes, by the same
+// function as for shadow sides (`side_of_edge`). So a draw by the list and a draw over all slots show the same edges. Only
+// casters for which the light is relevant have outlines: masks of other casters have no meaning.
 //
 // Expects: `outline`, `NO_EDGE`.
 
@@ -15,7 +15,7 @@
 // A group of casters and a light.
 struct OutlinedGroup {
   edge_chunks_offset: u32, // The offset in the table, in vec4s, of the casters of all chunks of edges.
-  relevant_lights_offset: u32, // The offset in `relevant_lights` of the first caster of the table, in the light's batch.
+  relevant_lights_offset: u32, // The offset in `relevant_lights` of the light's batch, for the first caster of the table.
   capacity: u32, // Entries that the list of each light has room for.
   twisted_offset: u32, // The offset of the twisted masks, which lie behind the facing masks. 0: there are none.
   bit: u32, // The light's bit in its batch.
@@ -26,7 +26,7 @@ struct OutlinedGroup {
 
 @group(0) @binding(0) var<uniform> outlined: OutlinedGroup;
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
-@group(0) @binding(2) var<storage, read> relevant_lights: array<u32>;
+@group(0) @binding(2) var<storage, read> relevant_lights: array<u32>; // For each batch and caster, a bit for each light.
 @group(0) @binding(3) var<storage, read> positions: array<u32>;
 @group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
@@ -34,9 +34,11 @@ struct OutlinedGroup {
 @group(0) @binding(7) var<storage, read> silhouettes: array<u32>; // The counts of all lights, then the lists.
 const LISTS_HEAD: u32 = 64u; // Words before the lists.
 
+// The caster of the edge that `outlined_record` read last.
 var<private> outlined_caster: u32;
 
 fn outlined_silhouette(instance: u32) -> RimlineSilhouette {
+  // A list that overflowed is drawn over all slots.
   if (silhouettes[outlined.bit] > outlined.capacity) {
     return outlined_record(instance);
   }
@@ -52,8 +54,8 @@ fn outlined_bits(first: u32, slots: vec2<u32>) -> vec2<bool> {
 fn outlined_record(slot: u32) -> RimlineSilhouette {
   outlined_caster = caster_of_slot(outlined.edge_chunks_offset, slot);
   let range = edge_range(outlined_caster);
-  let is_lit = ((relevant_lights[outlined.relevant_lights_offset + outlined_caster] >> outlined.bit) & 1u) != 0u;
-  if (slot - range.x >= range.y || !is_lit) {
+  let is_relevant = ((relevant_lights[outlined.relevant_lights_offset + outlined_caster] >> outlined.bit) & 1u) != 0u;
+  if (slot - range.x >= range.y || !is_relevant) {
     return RimlineSilhouette(false, 0u, 0u, 0u, false, NO_EDGE);
   }
   let edge = range.z + slot - range.x;
@@ -73,7 +75,7 @@ fn outlined_record(slot: u32) -> RimlineSilhouette {
 fn outlined_faces(edge: u32) -> vec2<u32> { return edge_faces[edge]; }
 fn outlined_first_face() -> u32 { return face_range(outlined_caster).z; }
 
-// A row of the matrix from the caster's positions to world space, which is the identity where they are in a buffer.
+// A row of the matrix from the caster's positions to world space. The matrix is the identity if positions are in a buffer.
 fn outlined_row(axis: u32) -> vec4<f32> { return bitcast<vec4<f32>>(caster_part(outlined_caster, axis)); }
 
 fn outlined_position(vertex: u32) -> vec3<f32> {
@@ -82,7 +84,7 @@ fn outlined_position(vertex: u32) -> vec3<f32> {
     dot_3(outlined_row(0u).xyz, position), dot_3(outlined_row(1u).xyz, position), dot_3(outlined_row(2u).xyz, position));
 }
 
-// The origin is taken from the matrix first, as for shadow volumes (`view_for_caster`).
+// Subtracts the camera's origin from the matrix first, like `view_for_caster`, for a better rounding.
 fn outlined_offset(vertex: u32) -> vec3<f32> {
   let shift = vec3<f32>(outlined_row(0u).w, outlined_row(1u).w, outlined_row(2u).w);
   return outlined_position(vertex) + (shift - outline.origin);

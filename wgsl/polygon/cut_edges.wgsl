@@ -12,8 +12,8 @@
 #import extract/one_caster
 #import polygon/cuts
 #import polygon/list_pieces
-#import polygon/outlines
-#import polygon/turn
+#import polygon/boundaries
+#import polygon/corner_turn
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 
@@ -81,7 +81,7 @@ struct FoundCuts {
 // `parities` for each. One loop runs over edges, then over triangles, so that `turn` is compiled once.
 fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
   let slot = select(lane, 0u, work.is_large);
-  let step = select(1u, OUTLINE_LANES, work.is_large);
+  let step = select(1u, BOUNDARY_LANES, work.is_large);
   let e = work.edge;
   var result: FoundCuts;
   result.span = select(vec2<i32>(EXPONENT_LIMIT, -EXPONENT_LIMIT), bit_window_of(float_parts(e.a)), work.exists);
@@ -140,7 +140,7 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
       tie = select(tie, min(tie, turn_result.tie), test < 2u);
     }
     if (is_edge) {
-      let bit = 1u << select(item, item / OUTLINE_LANES, work.is_large);
+      let bit = 1u << select(item, item / BOUNDARY_LANES, work.is_large);
       var is_touching = signs[2] == 0 || signs[3] == 0;
       var is_second_end = signs[3] == 0;
       // Points on the line of the edge are on its right, in ascending direction.
@@ -207,8 +207,8 @@ fn cut_edges(
   // The cuts of the row, and the index in it of the invocation's first cut.
   var cuts = 0u;
   var index = 0u;
-  // Turns: OUTLINE_LANES.
-  for (var other = slot; other < select(lane + 1u, OUTLINE_LANES, work.is_large); other++) {
+  // Turns: BOUNDARY_LANES.
+  for (var other = slot; other < select(lane + 1u, BOUNDARY_LANES, work.is_large); other++) {
     index = select(index, cuts, other == lane);
     cuts += cut_counts[other];
   }
@@ -227,7 +227,7 @@ fn cut_edges(
   for (var remaining = found.cuts; remaining != 0u; remaining &= remaining - 1u) {
     let item = firstTrailingBit(remaining);
     let bit = 1u << item;
-    let cutting_edge = select(item, OUTLINE_LANES * item + lane, work.is_large);
+    let cutting_edge = select(item, BOUNDARY_LANES * item + lane, work.is_large);
     let tie = select(vec2<u32>(0u), vec2<u32>(1u, 2u), (found.ties & vec2<u32>(bit)) != vec2<u32>(0u));
     let cut = Cut(
       cutting_edge,
@@ -327,7 +327,7 @@ fn cut_edges_before(
   var earlier = 0u;
   var last = vec2<u32>(0u);
   var before = pack_cut(Cut(CORNER, false, false, 0u));
-  // Turns: OUTLINE_EDGES.
+  // Turns: BOUNDARY_EDGES.
   for (var index = 0u; index < stored.row.cut_count; index++) {
     let list_index = stored.row.first + index;
     let key = order_key(stored.row, list_index, by_rank);

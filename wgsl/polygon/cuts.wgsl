@@ -4,8 +4,8 @@
 
 #import extract/one_caster
 #import polygon/list_pieces
-#import polygon/outlines
-#import polygon/turn
+#import polygon/boundaries
+#import polygon/corner_turn
 
 // Records. For each edge `cut_edges` writes to `pieces` a row: its cuts, in no particular order, then its end.
 // `cut_edges_list` replaces each record with the piece that ends at the cut, so a record must fit in the words of a piece.
@@ -146,7 +146,7 @@ fn load_cut(workgroup: u32, index: u32) -> StoredCut {
 }
 
 // The order of two cuts. `cut_edges_rank` counts by `is_before` how many cuts are before each. Turns decide if one cut is on
-// one side of the other's edge (polygon/turn.wgsl). If three edges cross each other, the fractions of the edge at which the
+// one side of the other's edge (polygon/corner_turn.wgsl). If three edges cross each other, the fractions of the edge at which the
 // cuts lie decide; these are rounded. All three edges must get orders that fit each other, or pieces leave gaps. So all
 // compute the order from the same numbers; change a rule only with its proof.
 

@@ -8,7 +8,7 @@
 
 #import common/determinant
 #import extract/one_caster
-#import polygon/outlines
+#import polygon/boundaries
 
 struct Pieces {
   // For each light of the batch the number of its pieces, including those without room.
@@ -62,7 +62,7 @@ fn crossing_point(boundary: PolygonBoundary, i: u32, j: u32, light_index: u32) -
 fn middle_point(boundary: PolygonBoundary) -> vec3<u32> {
   var corners: array<vec3<f32>, 4>;
   for (var quarter = 0u; quarter < 4u; quarter++) {
-    corners[quarter] = bitcast<vec3<f32>>(position_of(outlines[boundary.first + quarter * boundary.count / 4u].x));
+    corners[quarter] = bitcast<vec3<f32>>(position_of(boundaries[boundary.first + quarter * boundary.count / 4u].x));
   }
   return bitcast<vec3<u32>>(((corners[0] + corners[1]) + (corners[2] + corners[3])) * 0.25);
 }
@@ -104,7 +104,7 @@ fn write_piece(light: u32, index: u32, from_end: vec3<u32>, to_end: vec3<u32>, i
 fn cut_quad(boundary: PolygonBoundary, light: u32, first: u32, is_positive: bool) {
   var corners: array<vec3<u32>, 4>;
   for (var corner = 0u; corner < 4u; corner++) {
-    corners[corner] = position_of(outlines[boundary.first + (first + corner) % 4u].x);
+    corners[corner] = position_of(boundaries[boundary.first + (first + corner) % 4u].x);
   }
   let crossing = crossing_point(boundary, (first + 1u) % 4u, (first + 3u) % 4u, light);
   let middle = middle_point(boundary);
@@ -123,7 +123,7 @@ fn cut_quad(boundary: PolygonBoundary, light: u32, first: u32, is_positive: bool
 @compute @workgroup_size(64)
 fn cut_quads(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let record_count = atomicLoad(&undecided[RECORD_COUNT]);
-  let row = OUTLINE_LANES * groups.x;
+  let row = BOUNDARY_LANES * groups.x;
   // Turns: 1.
   for (var index = id.y * row + id.x; index < record_count; index += groups.y * row) {
     let record = record_offset(index);

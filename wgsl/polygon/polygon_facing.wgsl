@@ -1,7 +1,7 @@
 // Facing of polygons, from the turns of their corners. A turn is 1 if the light sees three corners counter-clockwise, -1 if
 // clockwise, 0 if they and the light are in one plane. Three stages for each batch of up to 32 lights replace `facing`.
 // `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals. `polygon_turns`, an invocation a
-// record of `undecided`, decides other simple cases. `polygon_masks` runs after `outline`, which decides the others exactly.
+// record of `undecided`, decides other simple cases. `polygon_masks` runs after `polygon_pairs`, which decides the others exactly.
 // All triangles of a polygon have the same bits. All bits are those of exact arithmetic, or silhouettes would not close:
 // bounds must not shrink. The facing masks are complete after `polygon_masks`; then `edges` and others read them. `Turns:`
 // above a loop is its most iterations. Claim: docs/numerics/polygons.md, "Four turns".
@@ -10,15 +10,15 @@
 #import common/extraction
 #import common/positions
 #import extract/one_caster
-#import polygon/outlines
+#import polygon/boundaries
 
 // f32 determinants at the four corners of a quadrilateral or triangle, for four lights at once, with a bound on their
 // errors. The turn at a corner is the sign of the determinant of the previous corner, it and the next. It is certain only if
 // the determinant exceeds `bound` and `is_certain` holds.
 
-// The position bits of the first vertex of an edge of `outlines`.
+// The position bits of the first vertex of an edge of `boundaries`.
 fn vertex_of(edge: u32) -> vec3<u32> {
-  return position_bits(outlines[edge].x, position_offset(), position_stride());
+  return position_bits(boundaries[edge].x, position_offset(), position_stride());
 }
 
 // A quadrilateral a, b, c, d: for each corner the normal of it and its neighbours.
@@ -151,7 +151,7 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
     atomicStore(&undecided[record_offset(record_index) + POLYGON], id.x);
     // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y is the number of
     // rows. The reset wrote 1 to z.
-    let workgroup = record_index / OUTLINE_LANES;
+    let workgroup = record_index / BOUNDARY_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);
   }
@@ -162,7 +162,7 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
 // front-facing, back-facing, or L-twisted: its boundary crosses itself as seen from light L. It decides another loop, of at
 // most 256 edges, if it is strictly convex. It overwrites the polygon's facing masks, and writes to the record the undecided
 // lights (LIGHTS), and TWISTED_QUAD, TURN_0 and TURN_1 of a twisted quadrilateral. For LIGHTS it lists entries, parts of the
-// work, for `outline`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted quadrilaterals.
+// work, for `polygon_pairs`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted quadrilaterals.
 
 // Loops of more edges are not tried here, so that an invocation ends soon.
 const MOST_CONVEX: u32 = 256u;
@@ -278,7 +278,7 @@ fn decided_quad(boundary: PolygonBoundary) -> Decided {
       (negative_2 & negative_3 & (negative_0 | negative_1)));
     decided.facing |= combined_bits(facing) << light_index;
     decided.back_facing |= combined_bits(back_facing) << light_index;
-    // Turns alternate. `outline` decides such a boundary, and `cut_edges`, not `cut_quads`, cuts it.
+    // Turns alternate. `polygon_pairs` decides such a boundary, and `cut_edges`, not `cut_quads`, cuts it.
     let alternating = (positive_0 & positive_2) | (negative_0 & negative_2);
     decided.twisted |= combined_bits(certain & ~facing & ~back_facing & ~alternating) << light_index;
     decided.turn_0 |= combined_bits(positive_0) << light_index;
@@ -303,7 +303,7 @@ fn decided_boundary(boundary: PolygonBoundary) -> Decided {
 }
 
 fn is_boundary_finite(boundary: PolygonBoundary) -> bool {
-  // Turns: OUTLINE_EDGES.
+  // Turns: BOUNDARY_EDGES.
   for (var edge = 0u; edge < boundary.count; edge++) {
     if (!is_finite(vertex_of(boundary.first + edge))) {
       return false;
@@ -312,11 +312,11 @@ fn is_boundary_finite(boundary: PolygonBoundary) -> bool {
   return true;
 }
 
-// The workgroup size is OUTLINE_LANES, by which `polygon_facing` counts workgroups: an invocation has at most one record.
+// The workgroup size is BOUNDARY_LANES, by which `polygon_facing` counts workgroups: an invocation has at most one record.
 @compute @workgroup_size(64)
 fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let record_count = atomicLoad(&undecided[RECORD_COUNT]);
-  let row = OUTLINE_LANES * groups.x;
+  let row = BOUNDARY_LANES * groups.x;
   // Turns: 1.
   for (var index = id.y * row + id.x; index < record_count; index += groups.y * row) {
     let offset = record_offset(index);
@@ -334,7 +334,7 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let has_finite_corners = !is_undecided || is_boundary_finite(boundary);
     atomicStore(&undecided[offset + POLYGON], polygon | select(NOT_FINITE, 0u, has_finite_corners));
     atomicStore(&undecided[offset + LIGHTS], select(active_bits(), undecided_lights, has_finite_corners));
-    // The words that `outline` sets bits in, from IN_HALF_SPACE to OFF_PLANE, before TWISTED_QUAD.
+    // The words that `polygon_pairs` sets bits in, from IN_HALF_SPACE to OFF_PLANE, before TWISTED_QUAD.
     for (var word = IN_HALF_SPACE; word < TWISTED_QUAD; word++) {
       atomicStore(&undecided[offset + word], 0u);
     }
@@ -348,7 +348,7 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
 }
 
 // Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left undecided, is
-// in a plane with it, or is L-twisted. Dispatched after `outline`, an invocation a record. It adds facing bits of the
+// in a plane with it, or is L-twisted. Dispatched after `polygon_pairs`, an invocation a record. It adds facing bits of the
 // polygon's triangles (first half of `facing_masks`) and writes their twisted masks (second half) and masks of excluding
 // lights. Twisted masks are cleared before, and excluding ones except for exclusions by the caller. It also adds to
 // statistics. A polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces.
@@ -368,7 +368,7 @@ struct PolygonMasks {
 }
 
 // The bits of the record at word `offset` of `undecided`. A polygon with a corner that is not finite faces no light and is
-// excluded for all: LIGHTS has them. `outline` found bits over all edges (polygon/outlines.wgsl). If winding numbers 1 and 0
+// excluded for all: LIGHTS has them. `polygon_pairs` found bits over all edges (polygon/boundaries.wgsl). If winding numbers 1 and 0
 // both occur on the left of edges, the boundary is not simple.
 fn masks_of_record(offset: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[offset + LIGHTS]);
@@ -384,11 +384,11 @@ fn masks_of_record(offset: u32) -> PolygonMasks {
   return PolygonMasks(lights & ~in_plane & simple & winds_once, twisted, twisted | in_plane);
 }
 
-// The workgroup size is OUTLINE_LANES, by which `polygon_facing` counts workgroups: an invocation has at most one record.
+// The workgroup size is BOUNDARY_LANES, by which `polygon_facing` counts workgroups: an invocation has at most one record.
 @compute @workgroup_size(64)
 fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let record_count = atomicLoad(&undecided[RECORD_COUNT]);
-  let row = OUTLINE_LANES * groups.x;
+  let row = BOUNDARY_LANES * groups.x;
   // Turns: 1.
   for (var index = id.y * row + id.x; index < record_count; index += groups.y * row) {
     let offset = record_offset(index);

@@ -14,7 +14,7 @@ struct ReceiverView {
   near_max: vec3<f32>, // Highest corner of the box.
   sky_receives: u32, // 1: pixels at the cleared depth are receivers.
   pixels: vec2<u32>,
-  at: u32, // The offset of the view's words in `receivers`.
+  offset: u32, // The offset of the view's words in `receivers`.
   reserved: u32,
 }
 

@@ -39,7 +39,7 @@ impl Error {
     pub fn is_too_large(&self) -> bool {
         match self {
             Self::Deform(DeformError::TooManyTerms { .. })
-            | Self::Extractor(ExtractorError::Polygons | ExtractorError::OutlineTooLarge { .. }) => true,
+            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. }) => true,
             Self::Deform(DeformError::Device(error))
             | Self::Extractor(ExtractorError::Device(error))
             | Self::Shadow(ShadowError::Device(error) | ShadowError::Extraction(ExtractorError::Device(error))) => {

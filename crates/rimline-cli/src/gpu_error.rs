@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use rimline::LightError;
 use rimline::gpu::depth_map::DepthMapError;
-use rimline::gpu::{DeformError, DeviceError, ExtractorError, MAX_OUTLINE_EDGES, QueryError, ShadowError};
+use rimline::gpu::{DeformError, DeviceError, ExtractorError, MAX_BOUNDARY_EDGES, QueryError, ShadowError};
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
-use crate::input_args::size;
 use crate::shadow::given_map_error::GivenMapError;
+use rimline_files::size::size;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GpuError {
@@ -62,7 +62,7 @@ impl GpuError {
             | Self::DepthMap(DepthMapError::Camera(camera)) => return UsageError::Camera(*camera).into(),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
-            | Self::Extractor(ExtractorError::Polygons | ExtractorError::OutlineTooLarge { .. })
+            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
             | Self::DepthMap(DepthMapError::Texture { .. }) => {
                 return self.too_small(gpu);
             }
@@ -86,9 +86,9 @@ impl GpuError {
         let of_scene =
             if let Self::Shadow(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
         // Its advice is to give the options of the command.
-        if let Self::Extractor(ExtractorError::OutlineTooLarge { polygon, edges }) = self {
+        if let Self::Extractor(ExtractorError::BoundaryTooLarge { polygon, edges }) = self {
             return format!(
-                "polygon {polygon} has an outline of {edges} edges, and one has at most {MAX_OUTLINE_EDGES} there; cut it, or \
+                "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} there; cut it, or \
                  leave out --polygons"
             );
         }

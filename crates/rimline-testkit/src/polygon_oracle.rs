@@ -1,22 +1,22 @@
-//! How a light sees an outline, by brute force and written apart from `src/`: the light is really moved, the outline is
+//! How a light sees a boundary, by brute force and written apart from `src/`: the light is really moved, the boundary is
 //! projected to a plane, and the plane is cut into strips at every corner and crossing. In each strip the winding numbers
-//! of all places are counted from below. All in big integers.
+//! of all positions are counted from below. All in big integers.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 use num_bigint::BigInt;
 use rimline::Light;
-use rimline::internals::cpu::Seen;
+use rimline::internals::cpu::Orientation;
 
 use super::shadow_oracle::{Vector, least, minus, scaled, sign};
 
-/// Result of the oracle for an outline and a light.
+/// Result of the oracle for a boundary and a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Found {
     /// How the light sees it.
-    pub seen: Seen,
-    /// Whether the outline touches itself in space, elsewhere than at common ends of edges.
+    pub orientation: Orientation,
+    /// Whether the boundary touches itself in space, elsewhere than at common ends of edges.
     pub touches: bool,
 }
 
@@ -35,7 +35,7 @@ fn is_zero(v: &Vector) -> bool {
     v.iter().all(|c| sign(c) == 0)
 }
 
-/// An outline and a light, in integers of one scale.
+/// A boundary and a light, in integers of one scale.
 struct Scaled {
     /// Edges that have a length.
     edges: Vec<[Vector; 2]>,
@@ -61,7 +61,7 @@ impl Scaled {
         (0..self.edges.len()).any(|i| (0..i).any(|j| touch(&self.edges[i], &self.edges[j])))
     }
 
-    /// The plane that the moved light sees. `None` if the outline fits no half-space.
+    /// The plane that the moved light sees. `None` if the boundary fits no half-space.
     fn projection(&self) -> Option<Projection> {
         let (moved, w) = moved_light(self.edges.iter().flatten(), self.light.clone(), self.w.clone());
         Projection::new(&self.edges, &moved, w)
@@ -72,25 +72,25 @@ impl Scaled {
     }
 }
 
-/// The outline of these directed edges, whose numbers are finite.
+/// The boundary of these directed edges, whose numbers are finite.
 pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
     let scaled = Scaled::new(edges, light);
     let touches = scaled.touches();
     if is_in_plane(&scaled.edges, &scaled.light, &scaled.w) {
-        return Found { seen: Seen::InPlane, touches };
+        return Found { orientation: Orientation::InPlane, touches };
     }
-    let Some(projection) = scaled.projection() else { return Found { seen: Seen::Twisted, touches } };
+    let Some(projection) = scaled.projection() else { return Found { orientation: Orientation::Twisted, touches } };
     let windings = windings(&scaled.flat(&projection));
     let is_within = |allowed: [i32; 2]| windings.iter().all(|winding| allowed.contains(winding));
-    let seen = match () {
-        () if is_within([0, 1]) => Seen::Facing,
-        () if is_within([0, -1]) => Seen::Averted,
-        () => Seen::Twisted,
+    let orientation = match () {
+        () if is_within([0, 1]) => Orientation::FrontFacing,
+        () if is_within([0, -1]) => Orientation::BackFacing,
+        () => Orientation::Twisted,
     };
-    Found { seen, touches }
+    Found { orientation, touches }
 }
 
-/// For each edge the others that cross it as the light sees them. `None` if the outline fits no half-space, or touches itself in
+/// For each edge the others that cross it as the light sees them. `None` if the boundary fits no half-space, or touches itself in
 /// space.
 pub fn cuts(edges: &[[[f32; 3]; 2]], light: Light) -> Option<Vec<usize>> {
     let scaled = Scaled::new(edges, light);
@@ -211,7 +211,7 @@ fn forward(directions: &[Vector]) -> Option<Vector> {
         }
     }
     if is_any {
-        assert!(serves(&sum), "the oracle's own half-space does not hold the outline");
+        assert!(serves(&sum), "the oracle's own half-space does not hold the boundary");
         return Some(sum);
     }
     // The light is in the hull, and so in a tetrahedron at the first corner.
@@ -268,7 +268,7 @@ fn touch([a, b]: &[Vector; 2], [c, d]: &[Vector; 2]) -> bool {
     is_within(&s, &whole) && is_within(&t, &whole) && !(is_end(&s, &whole) && is_end(&t, &whole))
 }
 
-/// The winding numbers of all places in the plane that have an area.
+/// The winding numbers of all regions of the plane with an area.
 fn windings(edges: &[[Point; 2]]) -> BTreeSet<i32> {
     let lines: Vec<[BigInt; 3]> = edges.iter().map(|[p, q]| line(p, q)).collect();
     let mut cuts: Vec<(BigInt, BigInt)> = edges.iter().map(|[p, _]| (p.x.clone(), p.z.clone())).collect();
@@ -323,5 +323,5 @@ fn strip(edges: &[[Point; 2]], lines: &[[BigInt; 3]], x: &BigInt, z: &BigInt, fo
             found.insert(winding);
         }
     }
-    assert_eq!(winding, 0, "an outline that is not closed");
+    assert_eq!(winding, 0, "a boundary that is not closed");
 }

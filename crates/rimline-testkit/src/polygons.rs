@@ -183,10 +183,10 @@ fn staircase(random: &mut Random, corners: usize) -> Vec<[f32; 3]> {
         top.push([step as f32 + 1.0, y]);
     }
     // From the right end of the bottom back along the top.
-    let mut outline = vec![[0.0, 0.0], [steps as f32, 0.0]];
-    outline.extend(top.into_iter().rev());
-    outline.dedup();
-    outline.into_iter().map(|[x, y]| [x, y, height(x, y)]).collect()
+    let mut boundary = vec![[0.0, 0.0], [steps as f32, 0.0]];
+    boundary.extend(top.into_iter().rev());
+    boundary.dedup();
+    boundary.into_iter().map(|[x, y]| [x, y, height(x, y)]).collect()
 }
 
 /// A ring with a hole, as one loop that walks an edge from the one to the other both ways.
@@ -250,13 +250,13 @@ pub fn quad_box(cuts: u32) -> PolygonSet {
     set
 }
 
-/// A polygon that is planar but for rounding, and a place for a light in its plane but for rounding.
+/// A polygon that is planar but for rounding, and a position for a light in its plane but for rounding.
 pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
     let corners = 4 + random.below(29);
     let [u, v] = [random.direction(), random.direction()];
     let middle = [0, 1, 2].map(|_| random.between(-3.0, 3.0));
-    let place = |x: f32, y: f32| [0, 1, 2].map(|axis| middle[axis] + x * u[axis] + y * v[axis]);
-    let on_circle = |radius: f32, angle: f32| place(radius * angle.cos(), radius * angle.sin());
+    let at = |x: f32, y: f32| [0, 1, 2].map(|axis| middle[axis] + x * u[axis] + y * v[axis]);
+    let on_circle = |radius: f32, angle: f32| at(radius * angle.cos(), radius * angle.sin());
     let is_regular = random.below(2) == 0;
     let points = (0..corners)
         .map(|corner| {
@@ -267,9 +267,9 @@ pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
     (points, on_circle(4.0, random.between(0.0, 6.0)))
 }
 
-/// An outline whose corners are in `planes` planes through the light but for `others` of them, and that light. All is exact: whole
+/// A boundary whose corners are in `planes` planes through the light but for `others` of them, and that light. All is exact: whole
 /// numbers, or planes of two axes.
-pub fn outline_in_planes(random: &mut Random, planes: usize, others: usize) -> (Vec<[f32; 3]>, Light) {
+pub fn boundary_in_planes(random: &mut Random, planes: usize, others: usize) -> (Vec<[f32; 3]>, Light) {
     let is_whole = planes > 1 || random.below(2) == 0;
     let is_far = random.below(2) == 0;
     let reach = [3, 20, 300][random.below(3)];

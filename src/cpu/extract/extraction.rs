@@ -22,7 +22,7 @@ use crate::{Light, Mesh};
 pub struct Extraction {
     /// One facing mask for each face, which is a polygon or a triangle: [`Mesh::face_count`]. Empty for the per-edge method.
     pub facing: Vec<u32>,
-    /// For each polygon the lights for which it is L-twisted: its outline is not simple as seen from them. For these it
+    /// For each polygon the lights for which it is L-twisted: its boundary is not simple as seen from them. For these it
     /// faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
     pub twisted: Vec<u32>,
     /// Silhouette and winding masks for each edge record.

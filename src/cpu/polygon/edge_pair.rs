@@ -1,6 +1,6 @@
-//! Edge pair: whether two edges of an outline meet as seen from a light, and where each passes the other's line.
+//! Edge pair: whether two edges of a boundary meet as seen from a light, and where each passes the other's line.
 
-use super::turn::turn;
+use super::corner_turn::turn;
 
 /// A directed edge.
 pub(crate) type Edge = [[f32; 3]; 2];
@@ -16,7 +16,7 @@ pub struct EdgePair {
     pub left_of_f: i32,
 }
 
-/// Two edges `(a, b)` and `(c, d)` of an outline that fits an open half-space of directions. Neither has length 0.
+/// Two edges `(a, b)` and `(c, d)` of a boundary that fits an open half-space of directions. Neither has length 0.
 pub fn edge_pair([a, b]: Edge, [c, d]: Edge, light: [f32; 4]) -> EdgePair {
     let of_e = [turn(a, b, c, light), turn(a, b, d, light)];
     let of_f = [turn(c, d, a, light), turn(c, d, b, light)];

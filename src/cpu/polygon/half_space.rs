@@ -1,6 +1,6 @@
-//! Half-space: whether an outline fits an open half-space of directions as seen from a light.
+//! Half-space: whether a boundary fits an open half-space of directions as seen from a light.
 
-use super::turn::turn;
+use super::corner_turn::turn;
 
 /// Whether the corners fit an open half-space: then at least one of them is a corner of their hull.
 pub fn fits_half_space(corners: &[[f32; 3]], light: [f32; 4]) -> bool {

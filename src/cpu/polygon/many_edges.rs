@@ -1,23 +1,23 @@
-//! Many edges: how a light sees an outline of many edges, without going over all pairs of them; docs/numerics/polygons.md, "Many
+//! Many edges: how a light sees a boundary of many edges, without going over all pairs of them; docs/numerics/polygons.md, "Many
 //! edges".
 
+use super::corner_turn::turn_as_given;
 use super::edge_pair::{Edge, edge_pair};
-use super::seen::Seen;
-use super::turn::turn_as_given;
+use super::orientation::Orientation;
 use crate::cpu::common::double_sign::{cross, difference, dot, sum_of_sizes, to_light};
 
 /// With fewer edges, all pairs take less time.
 pub(crate) const MANY_EDGES: usize = 64;
 
-/// How the light sees the edges of an outline, none of which has length 0. It is what all pairs of edges tell. `None` where
-/// this way does not tell: the light is close to the outline, or in the midst of it.
-pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Seen> {
+/// How the light sees the edges of a boundary, none of which has length 0. It equals the result of all pairs of edges. `None` if
+/// this way cannot decide: the light is close to the boundary, or amid its corners.
+pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Orientation> {
     if is_in_plane(edges, light) {
-        return Some(Seen::InPlane);
+        return Some(Orientation::InPlane);
     }
     let flat = Flat::new(edges, light)?;
     if flat.any_close_pair(|e, f| edge_pair(edges[e], edges[f], light).meets) {
-        return Some(Seen::Twisted);
+        return Some(Orientation::Twisted);
     }
     // No edges meet, so the region on the left of an edge goes on along the next one, up to a corner where others begin.
     let windings = chains(edges).into_iter().map(|e| {
@@ -26,14 +26,14 @@ pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Seen> {
     });
     let windings: Vec<i32> = windings.collect();
     Some(match windings.first() {
-        Some(1) if windings.iter().all(|&winding| winding == 1) => Seen::Facing,
-        Some(0) if windings.iter().all(|&winding| winding == 0) => Seen::Averted,
-        _ => Seen::Twisted,
+        Some(1) if windings.iter().all(|&winding| winding == 1) => Orientation::FrontFacing,
+        Some(0) if windings.iter().all(|&winding| winding == 0) => Orientation::BackFacing,
+        _ => Orientation::Twisted,
     })
 }
 
-/// Whether each edge is in one plane with the light and each corner. An edge that points at the light is so in any case; else
-/// one edge tells of all corners.
+/// Whether each edge is in one plane with the light and each corner. An edge that points at the light always is. Any other edge
+/// decides for all corners.
 fn is_in_plane(edges: &[Edge], light: [f32; 4]) -> bool {
     let Some(&[a, b]) = edges.iter().find(|&&edge| !points_at(edge, light)) else { return true };
     edges.iter().all(|&[c, _]| turn_as_given(a, b, c, light) == 0)
@@ -48,7 +48,7 @@ fn points_at([a, b]: Edge, light: [f32; 4]) -> bool {
     })
 }
 
-/// An edge of each part of the outline that no other edges begin at.
+/// An edge of each part of the boundary that no other edges begin at.
 fn chains(edges: &[Edge]) -> Vec<usize> {
     let key = |point: [f32; 3]| point.map(|c| (c + 0.0).to_bits());
     let mut starts: Vec<_> = edges.iter().enumerate().map(|(edge, &[start, _])| (key(start), edge)).collect();
@@ -58,8 +58,8 @@ fn chains(edges: &[Edge]) -> Vec<usize> {
     let next = |edge: usize| {
         let end = key(edges[edge][1]);
         let first = starts.partition_point(|&(start, _)| start < end);
-        let mut there = starts[first..].iter().take_while(|&&(start, _)| start == end);
-        match (there.next(), there.next()) {
+        let mut nexts = starts[first..].iter().take_while(|&&(start, _)| start == end);
+        match (nexts.next(), nexts.next()) {
             (Some(&(_, next)), None) => Some(next),
             _ => None,
         }
@@ -76,16 +76,16 @@ fn chains(edges: &[Edge]) -> Vec<usize> {
             continue;
         }
         first_edges.push(first);
-        let mut here = Some(first);
-        while let Some(edge) = here.filter(|&edge| !is_walked[edge]) {
+        let mut walk = Some(first);
+        while let Some(edge) = walk.filter(|&edge| !is_walked[edge]) {
             is_walked[edge] = true;
-            here = next[edge];
+            walk = next[edge];
         }
     }
     first_edges
 }
 
-/// The edges in a plane, as the light sees them, each point less than `margin` from its place along both axes.
+/// The edges in a plane, as the light sees them, each point less than `margin` from its exact position along both axes.
 struct Flat {
     edges: Vec<[[f64; 2]; 2]>,
     margin: f64,
@@ -98,7 +98,7 @@ const MOST_SCALE: f64 = 1024.0;
 const MARGIN: f64 = 1.0 / (1 << 30) as f64;
 
 impl Flat {
-    /// Seen from the light, points move onto the plane through the middle of the outline. `None` if some are not well in front
+    /// Seen from the light, points move onto the plane through the middle of the boundary. `None` if some are not well in front
     /// of the light.
     fn new(edges: &[Edge], light: [f32; 4]) -> Option<Self> {
         let points = || edges.iter().flatten().map(|point| point.map(f64::from));

@@ -1,8 +1,8 @@
 //! Polygon facing: for each polygon and light whether it faces the light, and whether it is L-twisted.
 
-use super::outline::Outline;
+use super::orientation::Orientation;
 use super::polygon_masks::{PolygonMasks, polygon_masks};
-use super::seen::Seen;
+use super::polygon_pairs::Boundary;
 use super::turns_batch::{Decided, turns_batch};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;
@@ -35,7 +35,7 @@ pub fn polygon_facing(
                     let Decided { facing, twisted, undecided } = decided;
                     *masks = PolygonMasks { facing, twisted, excluded: twisted };
                     if undecided != 0 {
-                        decide(masks, positions, polygons.outline(polygon), lights, undecided, &mut statistics);
+                        decide(masks, positions, polygons.boundary(polygon), lights, undecided, &mut statistics);
                     }
                 }
             }
@@ -55,24 +55,24 @@ const RUN: usize = 1024;
 fn decide(
     masks: &mut PolygonMasks,
     positions: &[[f32; 3]],
-    outline: &[[u32; 2]],
+    boundary: &[[u32; 2]],
     lights: &[Light],
     undecided: u32,
     statistics: &mut FacingStatistics,
 ) {
-    if outline.is_empty() {
+    if boundary.is_empty() {
         return;
     }
-    let Some(outline) = Outline::new(outline, positions) else {
+    let Some(boundary) = Boundary::new(boundary, positions) else {
         statistics.non_finite_faces += 1;
         masks.excluded = low_bits(lights.len());
         return;
     };
     let asked = lights.iter().enumerate().filter(|(bit, _)| undecided >> bit & 1 != 0);
     let found = polygon_masks(asked.map(|(bit, light)| {
-        let (seen, is_general) = outline.seen(light.to_array());
+        let (seen, is_general) = boundary.orientation(light.to_array());
         statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(u32::from(is_general));
-        statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(seen == Seen::InPlane));
+        statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(seen == Orientation::InPlane));
         (bit, seen)
     }));
     *masks = PolygonMasks { facing: masks.facing | found.facing, ..found };

@@ -1,6 +1,6 @@
-//! Polygon masks: the masks of a polygon, from how lights see its outline.
+//! Polygon masks: the masks of a polygon, from how lights see its boundary.
 
-use super::seen::Seen;
+use super::orientation::Orientation;
 
 /// Masks of one polygon for 32 lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,10 +15,10 @@ pub struct PolygonMasks {
 }
 
 /// The masks of the lights that are given by their bits, with what each sees.
-pub fn polygon_masks(seen: impl IntoIterator<Item = (usize, Seen)>) -> PolygonMasks {
+pub fn polygon_masks(seen: impl IntoIterator<Item = (usize, Orientation)>) -> PolygonMasks {
     seen.into_iter().fold(PolygonMasks::default(), |masks, (bit, seen)| PolygonMasks {
-        facing: masks.facing | u32::from(seen == Seen::Facing) << bit,
-        twisted: masks.twisted | u32::from(seen == Seen::Twisted) << bit,
-        excluded: masks.excluded | u32::from(matches!(seen, Seen::Twisted | Seen::InPlane)) << bit,
+        facing: masks.facing | u32::from(seen == Orientation::FrontFacing) << bit,
+        twisted: masks.twisted | u32::from(seen == Orientation::Twisted) << bit,
+        excluded: masks.excluded | u32::from(matches!(seen, Orientation::Twisted | Orientation::InPlane)) << bit,
     })
 }

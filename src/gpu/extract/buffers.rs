@@ -2,7 +2,7 @@
 
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
-use super::polygon_buffers::{PolygonBuffers, PolygonCounts, PolygonShape, faces_of_records, outlines};
+use super::polygon_buffers::{PolygonBuffers, PolygonCounts, PolygonShape, boundaries, faces_of_records};
 use crate::cpu::extract::per_edge::edge_corners;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
@@ -115,14 +115,14 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// For the per-edge method.
     pub(super) edge_corners: Option<B>,
     pub(crate) facing: Vec<B>,
-    /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are asked for.
+    /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are requested.
     pub(crate) masks: Vec<B>,
     pub(crate) lists: Vec<B>,
     /// For which lights a face is excluded, for shadow volumes.
     pub(crate) excluded: Vec<B>,
     /// A `FacingRecord`: the statistics while they are counted, and the undecided faces of exact facing.
     pub(super) record: B,
-    pub(super) places: B,
+    pub(super) block_offsets: B,
     pub(crate) counts: B,
     pub(crate) draw_arguments: B,
     pub(crate) polygons: Option<PolygonBuffers<B>>,
@@ -138,7 +138,7 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
 struct Contents {
     edge_faces: Option<Vec<[u32; 2]>>,
     edge_corners: Option<Vec<[u32; 4]>>,
-    outlines: Option<Vec<[u32; 2]>>,
+    boundaries: Option<Vec<[u32; 2]>>,
     light_batches: UniformTable,
     draw_shape: UniformTable,
 }
@@ -163,7 +163,7 @@ impl Buffers {
         let contents = Contents {
             edge_faces: faces_of_records(mesh),
             edge_corners: per_edge.then(|| edge_corners(mesh)),
-            outlines: mesh.polygons().map(outlines),
+            boundaries: mesh.polygons().map(boundaries),
             light_batches,
             draw_shape,
         };
@@ -190,7 +190,7 @@ impl<B> Buffers<B> {
         let mask_planes = if options.masks { batches } else { usize::from(options.is_ordered()) };
         let lists = if options.lists.is_some() { batches } else { 0 };
         let excluded = if options.is_for_volumes() { planes } else { 0 };
-        let places = if options.is_ordered() { u64::from(shape.blocks) * 32 * 4 } else { 0 };
+        let block_offsets = if options.is_ordered() { u64::from(shape.blocks) * 32 * 4 } else { 0 };
         let [edges, faces, face_words, lights] =
             [shape.edges, shape.faces, shape.face_words, shape.max_lights].map(|count| count as u64);
         let has_polygons = shape.polygons.is_some();
@@ -202,7 +202,7 @@ impl<B> Buffers<B> {
         let records = mesh.edges();
         let edge_faces = contents.edge_faces.as_deref().unwrap_or(records.packed_faces());
         let corners = contents.edge_corners.as_ref();
-        let polygons = contents.outlines.as_ref().zip(shape.polygons);
+        let polygons = contents.boundaries.as_ref().zip(shape.polygons);
         Self {
             faces: make(Wanted::filled("faces", bytemuck::cast_slice(mesh.faces())).whole_if(has_polygons)),
             edge_vertices: make(Wanted::filled("edge vertices", bytemuck::cast_slice(records.vertices()))),
@@ -213,12 +213,12 @@ impl<B> Buffers<B> {
             lists: (0..lists).map(|batch| make(list(batch))).collect(),
             excluded: (0..excluded).map(|_| make(Wanted::new("excluded masks", faces * 4))).collect(),
             record: make(Wanted::new("undecided faces", shape.record_bytes())),
-            places: make(Wanted::new("places", places).whole_if(true)),
+            block_offsets: make(Wanted::new("block offsets", block_offsets).whole_if(true)),
             counts: make(Wanted::new("counts", lights * 4).whole_if(true)),
             draw_arguments: make(draws.whole_if(true)),
-            polygons: polygons.map(|(outlines, polygons)| {
+            polygons: polygons.map(|(boundaries, polygons)| {
                 let lights = (0..batches).map(|batch| shape.batch_lights(batch));
-                PolygonBuffers::plan(outlines, polygons, lights, make)
+                PolygonBuffers::plan(boundaries, polygons, lights, make)
             }),
             light_batches: make(Wanted::uniforms("light batches", &contents.light_batches)),
             chunks: make(Wanted::uniforms("chunks", chunks)),

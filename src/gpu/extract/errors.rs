@@ -1,6 +1,6 @@
 //! Why extractions cannot be made, recorded, read or drawn.
 
-use super::options::MAX_OUTLINE_EDGES;
+use super::options::MAX_BOUNDARY_EDGES;
 use crate::gpu::common::device_error::DeviceError;
 use crate::light::LightError;
 use crate::turns::POLYGON_TRIANGLES;
@@ -24,16 +24,16 @@ pub enum ExtractorError {
     Polygons,
     /// A polygon has too many edges.
     #[error(
-        "polygon {polygon} has an outline of {edges} edges, more than {}; cut it, or extract it by `cpu::extract`",
-        MAX_OUTLINE_EDGES
+        "polygon {polygon} has a boundary of {edges} edges, more than {}; cut it, or extract it by `cpu::extract`",
+        MAX_BOUNDARY_EDGES
     )]
-    OutlineTooLarge {
+    BoundaryTooLarge {
         /// The polygon.
         polygon: usize,
-        /// The number of edges of its outline.
+        /// The number of edges of its boundary.
         edges: usize,
     },
-    /// A polygon has too many triangles, though its outline has few edges: it walks others both ways.
+    /// A polygon has too many triangles, though its boundary has few edges: it walks others both ways.
     #[error(
         "polygon {polygon} has {triangles} triangles, more than {POLYGON_TRIANGLES}; cut it, or extract it by `cpu::extract`"
     )]
@@ -52,7 +52,7 @@ pub enum ExtractorError {
     /// The extraction has no light with this index.
     #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
     NoSuchLight {
-        /// The light that was asked for.
+        /// The requested light.
         light: usize,
         /// Lights of the extraction.
         lights: usize,
@@ -66,7 +66,7 @@ pub enum ExtractorError {
     /// The extraction has no batch of lights with this index.
     #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]
     NoSuchBatch {
-        /// The batch that was asked for.
+        /// The requested batch.
         batch: usize,
         /// Batches of the extraction.
         batches: usize,

@@ -1,10 +1,10 @@
 //! The extraction of a mesh of polygons in a scene: the stages of [`Extractor`](super::extractor::Extractor), in buffers of the
-//! scene. A caster of such a mesh is a group of its own, so its slots are the triangles of the mesh.
+//! scene. A caster of such a mesh is the only one of its group, so its slots are the triangles of the mesh.
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
-use super::polygon_buffers::{HEAD, PolygonBuffers, PolygonCounts, PolygonShape, outlines};
+use super::polygon_buffers::{HEAD, PolygonBuffers, PolygonCounts, PolygonShape, boundaries};
 use super::stages::{Binder, Runs, from_facing, from_positions, made, programs};
 use crate::Mesh;
 use crate::gpu::common::device_error::DeviceError;
@@ -20,7 +20,7 @@ use crate::gpu::common::wanted::Wanted;
 #[derive(Debug)]
 pub(crate) struct PolygonMesh {
     pub(crate) counts: PolygonCounts,
-    outlines: wgpu::Buffer,
+    boundaries: wgpu::Buffer,
     head: wgpu::Buffer,
 }
 
@@ -34,22 +34,22 @@ impl PolygonMesh {
     ) -> Result<Option<Self>, ExtractorError> {
         let Some(polygons) = mesh.polygons() else { return Ok(None) };
         let counts = PolygonCounts::new(polygons)?;
-        let table = outlines(polygons);
-        let wanted = Wanted::filled("outlines", bytemuck::cast_slice(&table));
+        let table = boundaries(polygons);
+        let wanted = Wanted::filled("boundaries", bytemuck::cast_slice(&table));
         let limit = DispatchLimits::new(&device.limits()).binding;
         if wanted.bytes > limit {
             return Err(DeviceError::BindingTooLarge { what: wanted.label, bytes: wanted.bytes, limit }.into());
         }
         let others = Allocation { label: "the rest of the scene", bytes: used };
         check(&[Allocation { label: wanted.label, bytes: wanted.bytes }, others], u64::MAX, memory_limit)?;
-        let head = Wanted::filled("outline head", bytemuck::cast_slice(&HEAD));
+        let head = Wanted::filled("boundary head", bytemuck::cast_slice(&HEAD));
         let made = guarded(device, wanted.bytes, || (wanted.make(device), head.make(device)))?;
-        Ok(Some(Self { counts, outlines: made.0, head: made.1 }))
+        Ok(Some(Self { counts, boundaries: made.0, head: made.1 }))
     }
 
     /// Bytes on the device.
     pub(crate) fn bytes(&self) -> u64 {
-        self.outlines.size()
+        self.boundaries.size()
     }
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct PolygonPart<'a> {
     /// The topology, and where vertices are.
     pub(crate) topology: [&'a wgpu::Buffer; 3],
     pub(crate) positions: (&'a wgpu::Buffer, BoundPositions),
-    /// The faces that count nowhere, whatever is extracted.
+    /// The faces that count nowhere, in any extraction.
     pub(crate) given: Option<&'a wgpu::Buffer>,
     pub(crate) light_batch: &'a wgpu::Buffer,
     /// The results: facing masks and behind them twisted masks, excluded masks, statistics, and the lists with bytes before
@@ -133,11 +133,11 @@ impl PolygonPart<'_> {
             lists: vec![self.lists.0.clone()],
             excluded: vec![self.excluded.clone()],
             record: self.record.clone(),
-            places: unused.clone(),
+            block_offsets: unused.clone(),
             counts: self.lists.0.clone(),
             draw_arguments: unused.clone(),
             polygons: Some(PolygonBuffers {
-                outlines: self.mesh.outlines.clone(),
+                boundaries: self.mesh.boundaries.clone(),
                 undecided: self.undecided.clone(),
                 head: self.mesh.head.clone(),
                 arguments: self.arguments.clone(),

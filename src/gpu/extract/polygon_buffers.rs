@@ -1,15 +1,15 @@
-//! The buffers of a mesh of polygons: their outlines, those that are undecided, and the pieces of those that are L-twisted.
+//! The buffers of a mesh of polygons: their boundaries, those that are undecided, and the pieces of those that are L-twisted.
 
 use super::errors::ExtractorError;
-use super::options::MAX_OUTLINE_EDGES;
+use super::options::MAX_BOUNDARY_EDGES;
 use crate::Mesh;
 use crate::gpu::common::wanted::Wanted;
 use crate::mesh::Polygons;
 use crate::turns::POLYGON_TRIANGLES;
 
-/// The largest number of edges of an outline that is decided by an invocation for each edge and light, and of triangles of its
-/// polygon, as in `outlines.wgsl`. The other constants are there, too.
-const SMALL_OUTLINE: usize = 32;
+/// The largest number of edges of a boundary that is decided by an invocation for each edge and light, and of triangles of its
+/// polygon, as in `boundaries.wgsl`. The other constants are there, too.
+const SMALL_BOUNDARY: usize = 32;
 const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;
 pub(crate) const HEAD_WORDS: u64 = 16;
@@ -28,15 +28,15 @@ pub(super) const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 
 /// Counts before the lists of pieces, and words of a piece.
 pub(crate) const PIECE_COUNTS: u64 = 32;
 pub(crate) const PIECE_WORDS: u64 = 9;
-/// Pieces of all lights of a batch together for which there is room, if there can be so many.
+/// The room for pieces of all lights of a batch together, unless fewer are possible.
 const SHARED_PIECES: u64 = 1 << 20;
 
 /// Numbers of a mesh of polygons that all sizes follow from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PolygonCounts {
     polygons: usize,
-    outline_edges: usize,
-    /// Entries for edges of small outlines, for each few lights, and of large ones, for each light.
+    boundary_edges: usize,
+    /// Entries for edges of small boundaries, for each few lights, and of large ones, for each light.
     small: u64,
     large: u64,
     /// The most pieces of a light.
@@ -55,18 +55,18 @@ pub(crate) struct PolygonShape {
 
 impl PolygonCounts {
     pub(crate) fn new(polygons: &Polygons) -> Result<Self, ExtractorError> {
-        let mut counts = Self { polygons: polygons.len(), outline_edges: 0, small: 0, large: 0, pieces: 0 };
+        let mut counts = Self { polygons: polygons.len(), boundary_edges: 0, small: 0, large: 0, pieces: 0 };
         for polygon in 0..polygons.len() {
-            let edges = polygons.outline(polygon).len();
-            if edges > MAX_OUTLINE_EDGES {
-                return Err(ExtractorError::OutlineTooLarge { polygon, edges });
+            let edges = polygons.boundary(polygon).len();
+            if edges > MAX_BOUNDARY_EDGES {
+                return Err(ExtractorError::BoundaryTooLarge { polygon, edges });
             }
             let triangles = polygons.triangles(polygon).len();
             if triangles > POLYGON_TRIANGLES {
                 return Err(ExtractorError::PolygonTooLarge { polygon, triangles });
             }
-            counts.outline_edges += edges;
-            if edges.max(triangles) <= SMALL_OUTLINE {
+            counts.boundary_edges += edges;
+            if edges.max(triangles) <= SMALL_BOUNDARY {
                 counts.small += edges.div_ceil(ENTRY_EDGES) as u64;
             } else {
                 counts.large += edges as u64;
@@ -82,11 +82,11 @@ impl PolygonShape {
     /// `capacity` is the room for pieces of each light. `None`: room for all that there can be, up to a share of
     /// [`SHARED_PIECES`] and one for each sixteenth edge. A binding has room for `binding` bytes.
     pub(crate) fn new(counts: &PolygonCounts, max_lights: usize, capacity: Option<u32>, binding: u64) -> Self {
-        let &PolygonCounts { polygons, outline_edges, small, large, pieces } = counts;
+        let &PolygonCounts { polygons, boundary_edges, small, large, pieces } = counts;
         let lights = max_lights.min(32);
         let entries = small * lights.div_ceil(ENTRY_LIGHTS) as u64 + large * lights as u64;
         let fitting = (binding / 4).saturating_sub(PIECE_COUNTS) / (PIECE_WORDS * lights.max(1) as u64);
-        let shared = SHARED_PIECES / lights.max(1) as u64 + outline_edges as u64 / 16;
+        let shared = SHARED_PIECES / lights.max(1) as u64 + boundary_edges as u64 / 16;
         let room = capacity.map_or(shared, u64::from).min(pieces.max(1)).min(fitting);
         Self { polygons, entries, pieces: u32::try_from(room).unwrap_or(u32::MAX) }
     }
@@ -103,7 +103,7 @@ impl PolygonShape {
 /// The buffers of the polygons of a mesh.
 #[derive(Debug)]
 pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
-    pub(super) outlines: B,
+    pub(super) boundaries: B,
     pub(super) undecided: B,
     /// The head before an encode.
     pub(super) head: B,
@@ -114,35 +114,35 @@ pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
 }
 
 impl<B> PolygonBuffers<B> {
-    /// `outlines` is the table of [`outlines`], `batch_lights` has the number of lights of each batch.
+    /// `boundaries` is the table of [`boundaries`], `batch_lights` has the number of lights of each batch.
     pub(super) fn plan(
-        outlines: &[[u32; 2]],
+        boundaries: &[[u32; 2]],
         shape: PolygonShape,
         batch_lights: impl Iterator<Item = usize>,
         make: &mut impl FnMut(Wanted<'_>) -> B,
     ) -> Self {
         let lists = batch_lights.filter(|_| shape.pieces > 0);
         Self {
-            outlines: make(Wanted::filled("outlines", bytemuck::cast_slice(outlines)).whole_if(true)),
-            undecided: make(Wanted::new("undecided outlines", shape.undecided_bytes()).whole_if(true)),
-            head: make(Wanted::filled("outline head", bytemuck::cast_slice(&HEAD)).free()),
-            arguments: make(Wanted::new("outline dispatch", 4 * HEAD_WORDS).indirect().free()),
+            boundaries: make(Wanted::filled("boundaries", bytemuck::cast_slice(boundaries)).whole_if(true)),
+            undecided: make(Wanted::new("undecided boundaries", shape.undecided_bytes()).whole_if(true)),
+            head: make(Wanted::filled("boundary head", bytemuck::cast_slice(&HEAD)).free()),
+            arguments: make(Wanted::new("boundary dispatch", 4 * HEAD_WORDS).indirect().free()),
             pieces: lists.map(|lights| make(Wanted::new("pieces", shape.piece_bytes(lights)).whole_if(true))).collect(),
         }
     }
 }
 
-/// The table of polygons and their outlines, as `outlines.wgsl` has them.
-pub(super) fn outlines(polygons: &Polygons) -> Vec<[u32; 2]> {
+/// The table of polygons and their boundaries, as `boundaries.wgsl` has them.
+pub(super) fn boundaries(polygons: &Polygons) -> Vec<[u32; 2]> {
     let mut table = Vec::with_capacity(polygons.len() + 1);
     let mut edges = Vec::new();
     for polygon in 0..polygons.len() {
-        let outline = polygons.outline(polygon);
-        let ends = outline.iter().skip(1).chain(outline.first());
-        let is_loop = outline.len() >= 3 && outline.iter().zip(ends).all(|([_, end], [start, _])| end == start);
+        let boundary = polygons.boundary(polygon);
+        let ends = boundary.iter().skip(1).chain(boundary.first());
+        let is_loop = boundary.len() >= 3 && boundary.iter().zip(ends).all(|([_, end], [start, _])| end == start);
         let first = edges.len() as u32 | if is_loop { ONE_LOOP } else { 0 };
         table.push([first, polygons.triangles(polygon).start as u32]);
-        edges.extend(outline);
+        edges.extend(boundary);
     }
     let triangles = polygons.len().checked_sub(1).map_or(0, |last| polygons.triangles(last).end);
     table.push([edges.len() as u32, triangles as u32]);

@@ -17,8 +17,8 @@ use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{Chunk, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
 use crate::stages::{
-    ARGUMENTS, COMPACT, CUT_EDGES, CUT_QUADS, EDGES, EXACT_FACING, FACING, OUTLINE, PER_EDGE, POLYGON_FACING,
-    POLYGON_MASKS, POLYGON_TURNS, Stage,
+    ARGUMENTS, COMPACT, CUT_EDGES, CUT_QUADS, EDGES, EXACT_FACING, FACING, PER_EDGE, POLYGON_FACING, POLYGON_MASKS,
+    POLYGON_PAIRS, POLYGON_TURNS, Stage,
 };
 use crate::turns::EXACT_ITEMS;
 
@@ -55,7 +55,7 @@ fn switch(is_on: bool) -> f64 {
     f64::from(u8::from(is_on))
 }
 
-/// Masks are written if they are asked for or if ordered lists are made from them. Appending makes unordered lists.
+/// Masks are written if they are requested or if ordered lists are made from them. Appending makes unordered lists.
 fn emit_constants(options: &ExtractorOptions) -> [(&'static str, f64); 2] {
     let ordered = options.is_ordered();
     [("WRITE_MASKS", switch(options.masks || ordered)), ("APPEND", switch(options.lists.is_some() && !ordered))]
@@ -79,7 +79,7 @@ pub(super) fn from_positions(
         let stages = [
             (&POLYGON_FACING, 0, Size::Items),
             (&POLYGON_TURNS, 0, Size::Written(RECORD_WORKGROUPS)),
-            (&OUTLINE, 0, Size::Written(WORKGROUPS)),
+            (&POLYGON_PAIRS, 0, Size::Written(WORKGROUPS)),
             (&POLYGON_MASKS, 0, Size::Written(RECORD_WORKGROUPS)),
         ];
         let cut = [
@@ -87,7 +87,7 @@ pub(super) fn from_positions(
             (&CUT_EDGES, 1, Size::Written(ROW_WORKGROUPS)),
             (&CUT_EDGES, 2, Size::Written(ROW_WORKGROUPS)),
             (&CUT_EDGES, 3, Size::Written(ROW_WORKGROUPS)),
-            // Quadrilaterals of which no sign is in doubt. Their pieces are behind the others, in places that have no cuts.
+            // Quadrilaterals whose signs are all certain. Their pieces follow the others, where the list has no cuts.
             (&CUT_QUADS, 0, Size::Written(RECORD_WORKGROUPS)),
         ];
         return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();
@@ -107,12 +107,12 @@ pub(super) fn from_positions(
     stages
 }
 
-/// The stages after facing, in their order. Masks are read in windows of so many words. Those of twisted polygons begin at
+/// The stages after facing, in their order. Masks are read in windows of `words` words. Those of twisted polygons begin at
 /// `twisted_offset`, if it is not 0.
 pub(super) fn from_facing(options: &ExtractorOptions, twisted_offset: usize, words: u32) -> Vec<Planned> {
     let [masks, append] = emit_constants(options);
     let windows = ("FACING_WINDOW_WORDS", f64::from(words));
-    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_AT", twisted_offset as f64)]);
+    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_OFFSET", twisted_offset as f64)]);
     let has_edges = !options.method.is_per_edge() && (options.masks || options.lists.is_some());
     let compact = COMPACT.entry_points.iter().zip([Size::Items, Size::Lights, Size::Items]);
     let compact = compact
@@ -233,22 +233,22 @@ impl<'a> Binder<'a> {
             "faces" => part(&buffers.faces, at.bytes(12)),
             "facing_masks" => of_faces(of_batch(&buffers.facing)?, 4, face_words),
             "excluded_masks" => or_unused(of_batch(&buffers.excluded).map(|masks| of_faces(masks, 4, faces))),
-            // Its length tells the shaders how many undecided faces there is room for.
+            // Its length is the number of undecided faces that shaders have room for.
             "record" => part(&buffers.record, 0..self.shape.record_bytes()),
             "edge_faces" => part(&buffers.edge_faces, at.bytes(8)),
             "edge_corners" => part(buffers.edge_corners.as_ref()?, at.bytes(16)),
-            // The batch has its own, or all share one.
+            // Each batch has one, or all share one.
             "masks" => {
                 let masks = of_batch(&buffers.masks).or(buffers.masks.first());
                 or_unused(masks.map(|masks| part(masks, at.bytes(size_of::<EdgeMasks>() as u64))))
             }
             "counts" => part(&buffers.counts, 0..4 * max_lights as u64),
-            "places" => whole(&buffers.places),
+            "block_offsets" => whole(&buffers.block_offsets),
             "list" => or_unused(of_batch(&buffers.lists).map(|list| part(list, lists_head..list.size()))),
             "shape" => uniform::<DrawShape>(&buffers.draw_shape, 0),
             "draw_arguments" => whole(&buffers.draw_arguments),
             "statistics" => part(&buffers.record, 0..size_of::<ExtractionStatistics>() as u64),
-            "outlines" => whole(&polygons?.outlines),
+            "boundaries" => whole(&polygons?.boundaries),
             "undecided" => whole(&polygons?.undecided),
             "pieces" => or_unused(of_batch(&polygons?.pieces).map(whole)),
             _ => match self.facing.named("facing_", name) {
@@ -272,7 +272,7 @@ impl<'a> Binder<'a> {
         pipeline.dispatch(self.device, workgroups, |name| self.get(name, at))
     }
 
-    /// Workgroups that take turns if the device does not allow so many.
+    /// Workgroups. If the device allows fewer, they take several items in turn.
     fn in_turn(&self, wanted: usize) -> Workgroups {
         let most = self.device.limits().max_compute_workgroups_per_dimension;
         Workgroups::Known([(wanted as u32).min(most), 1])
@@ -281,7 +281,7 @@ impl<'a> Binder<'a> {
     /// The stages that read positions, for a batch of lights.
     pub(super) fn read_positions(&self, stages: &[Made], batch: usize) -> Vec<Step> {
         if let Some(polygons) = &self.buffers.polygons {
-            return self.read_outlines(polygons, stages, batch);
+            return self.read_boundaries(polygons, stages, batch);
         }
         let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
         let over = stages.first().map_or(Over::Faces, |(planned, _)| planned.over);
@@ -297,7 +297,7 @@ impl<'a> Binder<'a> {
 
     /// The stages of polygons. The workgroups of most are in the head of a buffer that they write, which a dispatch cannot take
     /// them from. So they are copied as soon as they are there.
-    fn read_outlines(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
+    fn read_boundaries(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
         let PolygonBuffers { undecided, head, arguments, pieces, .. } = polygons;
         let bytes = 4 * self.shape.faces as u64;
         let excluded = self.buffers.excluded.get(batch).map(|excluded| match self.given {

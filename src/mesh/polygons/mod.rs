@@ -1,8 +1,8 @@
 //! Polygons: faces of one or more loops of any number of corners, planar or not.
 
+mod boundary;
 mod check;
 mod fans;
-mod outline;
 mod surface;
 mod triangulate;
 
@@ -30,9 +30,9 @@ impl PolygonLoops<'_> {
     /// [`Mesh::from_polygons`](crate::Mesh::from_polygons), for other makers of geometry, and what welding did. Each welded
     /// group goes by its lowest index, or by the vertex at its smallest position where vertices are welded by distance.
     ///
-    /// A polygon of three corners is its own triangle. The boundary of a larger one's triangles is the polygon's outline, edge by edge.
+    /// A polygon of three corners is its own triangle. The triangles of a larger one have the polygon's boundary, edge by edge.
     /// Polygons with the same corners around, in either direction, have the same triangles, so both sides of one surface
-    /// coincide. A polygon without an outline walks all its edges both ways and has no surface. It becomes one triangle
+    /// coincide. A polygon without a boundary walks all its edges both ways and has no surface. It becomes one triangle
     /// that names a vertex twice, which is drawn nowhere.
     ///
     /// # Errors
@@ -56,8 +56,8 @@ pub const MAX_POLYGON_CORNERS: usize = 1 << 24;
 
 /// The polygons of a mesh that takes each as one face.
 ///
-/// The **outline** of a polygon is its edges, without those that it walks both ways and without edges from a vertex to
-/// itself. Outlines are all that facing, edge records and shadows see. Loops say what was given.
+/// The **boundary** of a polygon is its edges, without those that it walks both ways and without edges from a vertex to
+/// itself. Boundaries are all that facing, edge records and shadows see. Loops are the polygon as given.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Polygons {
     /// Where each polygon's loops begin, and an end.
@@ -65,9 +65,9 @@ pub struct Polygons {
     /// Where each loop's corners begin, and an end.
     corner_starts: Vec<u32>,
     corners: Vec<u32>,
-    /// Where each polygon's outline begins, and an end.
-    outline_starts: Vec<u32>,
-    outlines: Vec<[u32; 2]>,
+    /// Where each polygon's boundary begins, and an end.
+    boundary_starts: Vec<u32>,
+    boundaries: Vec<[u32; 2]>,
     /// Where each polygon's triangles begin, and an end.
     triangle_starts: Vec<u32>,
 }
@@ -86,20 +86,20 @@ impl Polygons {
             loop_starts: starts(given.polygon_loops),
             corner_starts: starts(given.loop_sizes),
             corners: given.loop_corners.iter().map(renamed).collect(),
-            outline_starts: vec![0],
-            outlines: Vec::with_capacity(given.loop_corners.len()),
+            boundary_starts: vec![0],
+            boundaries: Vec::with_capacity(given.loop_corners.len()),
             triangle_starts: vec![0],
         };
         let mut triangles = Vec::with_capacity(given.loop_corners.len());
-        let (mut walker, mut triangulator) = (outline::Walker::default(), triangulate::Triangulator::default());
+        let (mut walker, mut triangulator) = (boundary::Walker::default(), triangulate::Triangulator::default());
         for polygon in 0..polygons.len() {
-            let first = polygons.outlines.len();
-            let mut outlines = std::mem::take(&mut polygons.outlines);
-            walker.append_outline(&mut outlines, polygons.loops(polygon));
-            let outline = &outlines[first..];
-            triangulator.append_triangles(&mut triangles, positions, polygons.loops(polygon), outline);
-            polygons.outlines = outlines;
-            polygons.outline_starts.push(polygons.outlines.len() as u32);
+            let first = polygons.boundaries.len();
+            let mut boundaries = std::mem::take(&mut polygons.boundaries);
+            walker.append_boundary(&mut boundaries, polygons.loops(polygon));
+            let boundary = &boundaries[first..];
+            triangulator.append_triangles(&mut triangles, positions, polygons.loops(polygon), boundary);
+            polygons.boundaries = boundaries;
+            polygons.boundary_starts.push(polygons.boundaries.len() as u32);
             polygons.triangle_starts.push(triangles.len() as u32);
         }
         Ok((polygons, triangles))
@@ -118,26 +118,26 @@ impl Polygons {
     /// The loops of a polygon, as given but with welded vertices: its outer loop, then its holes.
     ///
     /// # Panics
-    /// If there are not so many polygons.
+    /// If there is no such polygon.
     pub fn loops(&self, polygon: usize) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
         let of = range(&self.loop_starts, polygon);
         of.map(|index| &self.corners[range(&self.corner_starts, index)])
     }
 
-    /// The directed edges of a polygon's outline. Equally many begin and end at each vertex. They are in the order of the
+    /// The directed edges of a polygon's boundary. Equally many begin and end at each vertex. They are in the order of the
     /// polygon's corners, without the edges that it walks both ways.
     ///
     /// # Panics
-    /// If there are not so many polygons.
-    pub fn outline(&self, polygon: usize) -> &[[u32; 2]] {
-        &self.outlines[range(&self.outline_starts, polygon)]
+    /// If there is no such polygon.
+    pub fn boundary(&self, polygon: usize) -> &[[u32; 2]] {
+        &self.boundaries[range(&self.boundary_starts, polygon)]
     }
 
-    /// Which of the mesh's triangles are those of a polygon. Their boundary is its outline, edge by edge: inner
-    /// diagonals cancel. A polygon without an outline has none.
+    /// Which of the mesh's triangles are those of a polygon. They have its boundary, edge by edge: inner
+    /// diagonals cancel. A polygon without a boundary has none.
     ///
     /// # Panics
-    /// If there are not so many polygons.
+    /// If there is no such polygon.
     pub fn triangles(&self, polygon: usize) -> std::ops::Range<usize> {
         range(&self.triangle_starts, polygon)
     }
@@ -156,20 +156,20 @@ impl Polygons {
         (0..self.len()).map(|polygon| first(polygon).copied().unwrap_or(0)).collect()
     }
 
-    /// How many polygons have no outline, though they had one as given, before their corners were renamed.
+    /// How many polygons have no boundary, though they had one as given, before their corners were renamed.
     pub(super) fn collapsed(&self, given: PolygonLoops<'_>) -> usize {
-        let mut walker = outline::Walker::default();
-        let mut was_outlined = |polygon: usize| {
+        let mut walker = boundary::Walker::default();
+        let mut had_boundary = |polygon: usize| {
             let loops = range(&self.loop_starts, polygon);
             let loops = loops.map(|index| &given.loop_corners[range(&self.corner_starts, index)]);
-            let mut outline = Vec::new();
-            walker.append_outline(&mut outline, loops);
-            !outline.is_empty()
+            let mut boundary = Vec::new();
+            walker.append_boundary(&mut boundary, loops);
+            !boundary.is_empty()
         };
-        (0..self.len()).filter(|&polygon| self.outline(polygon).is_empty() && was_outlined(polygon)).count()
+        (0..self.len()).filter(|&polygon| self.boundary(polygon).is_empty() && had_boundary(polygon)).count()
     }
 
-    /// Whether every polygon is one loop of three corners, so that triangles say the same.
+    /// Whether every polygon is one loop of three corners, so that its triangle is the same.
     pub(super) fn are_triangles(&self) -> bool {
         let are_all = |starts: &[u32], size| starts.windows(2).all(|ends| ends[1] - ends[0] == size);
         are_all(&self.loop_starts, 1) && are_all(&self.corner_starts, 3)
@@ -181,19 +181,19 @@ impl Polygons {
     }
 }
 
-/// The edges of all outlines are the half-edges of a mesh of polygons.
+/// The edges of all boundaries are the half-edges of a mesh of polygons.
 impl HalfEdges for Polygons {
-    fn places(&self) -> usize {
-        self.outlines.len()
+    fn number_limit(&self) -> usize {
+        self.boundaries.len()
     }
 
     fn visit(&self, mut visit: impl FnMut(u32, [u32; 2])) {
-        (0..).zip(&self.outlines).for_each(|(half_edge, &edge)| visit(half_edge, edge));
+        (0..).zip(&self.boundaries).for_each(|(half_edge, &edge)| visit(half_edge, edge));
     }
 
     fn faces(&self) -> impl Fn(u32) -> u32 {
         let count = |ends: &[u32]| (ends[1] - ends[0]) as usize;
-        let ends = (0_u32..).zip(self.outline_starts.windows(2));
+        let ends = (0_u32..).zip(self.boundary_starts.windows(2));
         let faces: Vec<u32> = ends.flat_map(|(face, ends)| std::iter::repeat_n(face, count(ends))).collect();
         move |half_edge| faces[half_edge as usize]
     }

@@ -7,7 +7,7 @@ use crate::mesh::topology::is_degenerate;
 use crate::mesh::weld;
 
 impl Polygons {
-    /// The surface of all polygons, from the triangles that were found for each by itself.
+    /// The surface of all polygons, from the triangles of each.
     pub(super) fn surface(self, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         if self.are_triangles() {
             return self.into_triangles();
@@ -24,7 +24,7 @@ impl Polygons {
             let of_first = &triangles[self.triangles(first)];
             if of_first.is_empty() {
                 surface.extend(self.nowhere(polygon));
-            } else if polygon == first || self.sorted_outline(polygon, false) == self.sorted_outline(first, false) {
+            } else if polygon == first || self.sorted_boundary(polygon, false) == self.sorted_boundary(first, false) {
                 surface.extend(of_first);
             } else {
                 surface.extend(of_first.iter().map(|&[a, b, c]| [a, c, b]));
@@ -33,10 +33,10 @@ impl Polygons {
         surface
     }
 
-    /// For each polygon the first one with the same outline, in the same direction or the opposite. A diagonal of the one
+    /// For each polygon the first one with the same boundary, in the same direction or the opposite. A diagonal of the one
     /// need not be one of the other otherwise, and what is one surface to the user would be two.
     fn first_alike(&self) -> Vec<u32> {
-        // The sum does not depend on where an outline begins. Vertices are mixed with a random key, so that nobody can choose
+        // The sum does not depend on where a boundary begins. Vertices are mixed with a random key, so that no input can choose
         // polygons that collide.
         let key = RandomState::new().hash_one(0);
         let mixed = |vertex: u32| {
@@ -44,7 +44,7 @@ impl Polygons {
             (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93)
         };
         let sum =
-            |polygon: usize| self.outline(polygon).iter().fold(0_u64, |sum, edge| sum.wrapping_add(mixed(edge[0])));
+            |polygon: usize| self.boundary(polygon).iter().fold(0_u64, |sum, edge| sum.wrapping_add(mixed(edge[0])));
         let sums: Vec<u64> = (0..self.len()).map(sum).collect();
         weld::groups(
             self.len(),
@@ -54,18 +54,18 @@ impl Polygons {
     }
 
     fn are_alike(&self, one: usize, other: usize) -> bool {
-        let of_one = self.sorted_outline(one, false);
-        // A triangle is its own surface, wherever it begins.
+        let of_one = self.sorted_boundary(one, false);
+        // A triangle is its own surface, from any corner.
         of_one.len() > 3
-            && of_one.len() == self.outline(other).len()
-            && [false, true].into_iter().any(|is_turned| of_one == self.sorted_outline(other, is_turned))
+            && of_one.len() == self.boundary(other).len()
+            && [false, true].into_iter().any(|is_turned| of_one == self.sorted_boundary(other, is_turned))
     }
 
-    fn sorted_outline(&self, polygon: usize, is_turned: bool) -> Vec<[u32; 2]> {
+    fn sorted_boundary(&self, polygon: usize, is_turned: bool) -> Vec<[u32; 2]> {
         let turned = |&[a, b]: &[u32; 2]| if is_turned { [b, a] } else { [a, b] };
-        let mut outline: Vec<[u32; 2]> = self.outline(polygon).iter().map(turned).collect();
-        outline.sort_unstable();
-        outline
+        let mut boundary: Vec<[u32; 2]> = self.boundary(polygon).iter().map(turned).collect();
+        boundary.sort_unstable();
+        boundary
     }
 
     /// The triangle of a polygon without a surface: it names a vertex twice.

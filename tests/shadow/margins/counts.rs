@@ -186,7 +186,7 @@ impl Case {
 
 /// The bound for casters with one light, in a scene that skips nothing, seen from far away. Which faces cast is chosen there.
 fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String> {
-    let mut measuring = Measuring::UNSEEN;
+    let mut measuring = Measuring::CULLED_BY_VIEW;
     measuring.set(Measuring::EVERY_FACE, every_face);
     let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
     let capacities = Capacities { lists: Some(1 << 14), ..Capacities::default() };
@@ -205,7 +205,7 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
     let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&[eye.camera().into()])).map_err(text))?;
     let words: Vec<u32> = gpu.read(frame.results().map_err(text)?.choices.ok_or("no view")?, usize::MAX)?;
     for (case, caster) in cases.iter_mut().zip(casters) {
-        let (index, _) = frame.place(caster).ok_or("the caster is not in the frame")?;
+        let (index, _) = frame.locate(caster).ok_or("the caster is not in the frame")?;
         let [casts, every] = [0, 1].map(|kind| words[CHOICE_WORDS * index as usize + kind] & 1);
         if casts == 0 {
             return Err("a caster is skipped".to_owned());

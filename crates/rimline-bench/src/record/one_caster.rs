@@ -48,9 +48,9 @@ impl OneCasterOptions {
     /// The options of the scene.
     pub fn of_scene(&self) -> SceneOptions {
         let &Self { counting, max_lights, end_at_range, bound_counts, count_bits, memory_limit, .. } = self;
-        let mut measuring = Measuring::LISTS;
+        let mut measuring = Measuring::CACHED_LISTS;
         measuring.set(Measuring::EVERY_FACE, self.every_face);
-        measuring.set(Measuring::UNSEEN, !self.cull_by_view);
+        measuring.set(Measuring::CULLED_BY_VIEW, !self.cull_by_view);
         SceneOptions {
             max_lights,
             counting,

@@ -1,6 +1,6 @@
 //! Report on polygons: how many corners they have, how many are not planar, and how lights see them.
 
-use rimline::internals::cpu::{Outline, Seen};
+use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::{Light, Mesh};
 use serde_json::{Value, json};
 
@@ -43,17 +43,17 @@ impl PolygonReport {
                 4 => &mut report.quadrilaterals,
                 _ => &mut report.larger,
             } += 1;
-            let Some(outline) = Outline::new(polygons.outline(polygon), positions) else {
+            let Some(boundary) = Boundary::new(polygons.boundary(polygon), positions) else {
                 report.non_finite += 1;
                 continue;
             };
-            report.nonplanar += usize::from(!outline.is_planar());
+            report.nonplanar += usize::from(!boundary.is_planar());
             for (counts, light) in report.seen.iter_mut().zip(lights) {
-                *match outline.seen(light.to_array()).0 {
-                    Seen::Facing => &mut counts.facing,
-                    Seen::Averted => &mut counts.averted,
-                    Seen::InPlane => &mut counts.in_plane,
-                    Seen::Twisted => &mut counts.twisted,
+                *match boundary.orientation(light.to_array()).0 {
+                    Orientation::FrontFacing => &mut counts.facing,
+                    Orientation::BackFacing => &mut counts.averted,
+                    Orientation::InPlane => &mut counts.in_plane,
+                    Orientation::Twisted => &mut counts.twisted,
                 } += 1;
             }
         }

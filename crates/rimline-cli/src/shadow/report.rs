@@ -70,7 +70,7 @@ impl Report {
         casters: &Casters<'_>,
         covered: Option<&CoveredFaces>,
     ) -> Result<Self, GpuError> {
-        let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin));
+        let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin()));
         let found = casters.shadows.found()?;
         let file = |(body, found): (&PosedModel<'_>, Found)| File {
             name: body.input.file.display().to_string(),

@@ -99,7 +99,7 @@ impl<'a> SceneShadows<'a> {
 
 /// The place of a caster in the table, and its group.
 fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
-    frame.place(caster).ok_or(ShadowError::Removed { what: "caster" })
+    frame.locate(caster).ok_or(ShadowError::Removed { what: "caster" })
 }
 
 impl Shadows for SceneShadows<'_> {

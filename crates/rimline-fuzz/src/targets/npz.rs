@@ -6,7 +6,7 @@ use std::io::{Cursor, Write as _};
 use rimline::cpu::{self, Threads};
 use rimline::mesh::{NO_FACE, PolygonLoops, Weld};
 use rimline::{Light, Mesh, Origin, Predicate};
-use rimline_cli::npz;
+use rimline_files::npz;
 use rimline_testkit::random::Random;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -180,7 +180,7 @@ impl Seeds {
     }
 }
 
-/// Polygons make a mesh, or are refused: then it is false. The boundary of their triangles is their outline, and
+/// Polygons make a mesh, or are refused: then it is false. The boundary of their triangles is their boundary, and
 /// silhouettes can be extracted.
 pub(super) fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, weld: Weld) -> Result<bool, String> {
     let (by_loop, cut) =
@@ -208,7 +208,7 @@ pub(super) fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, we
     for polygon in 0..polygons.len() {
         let triangles = &mesh.faces()[polygons.triangles(polygon)];
         let edges = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        if sum(&mut { edges }) != sum(&mut polygons.outline(polygon).iter().copied()) {
+        if sum(&mut { edges }) != sum(&mut polygons.boundary(polygon).iter().copied()) {
             return Err(format!("the triangles of polygon {polygon} have another boundary"));
         }
     }

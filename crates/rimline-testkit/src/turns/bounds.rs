@@ -45,8 +45,8 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
         // once, and both ends of 16 walks that the lanes begin together.
         ("TILE_NODES", 2 * (256 + 32)),
         ("TILE_WALLS", 2048),
-        ("OUTLINE_EDGES", 1024),
-        // An invocation takes all edges and triangles of a small outline, 32 of each, and 64 of them share those of a large one: of
+        ("BOUNDARY_EDGES", 1024),
+        // An invocation takes all edges and triangles of a small boundary, 32 of each, and 64 of them share those of a large one: of
         // 1,024 edges with 2,048 triangles 16 and 32. An edge has four turns and a triangle seven.
         ("CUT_ITEMS", 32 + 32),
         ("CUT_TESTS", 4 * 32 + 7 * 32),
@@ -81,10 +81,10 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// * `depth_edges_mark`: one strip of 64 samples an invocation, with 128 edges that integers decide at two levels.
 ///   `depth_cells_count`: by shares of 4 blocks, with 100 such edges each, or of 128 blocks where floats decide. Tests have
 ///   maps all of whose edges are open.
-/// * `depth_edges_count`, `depth_cells_list`: by shares of 128 blocks, 1/42 and 1/4 of the limit. `depth_cells_places`: by the
+/// * `depth_edges_count`, `depth_cells_list`: by shares of 128 blocks, 1/42 and 1/4 of the limit. `depth_cells_scan`: by the
 ///   largest texture, of 16,384² texels: 513 blocks an invocation, 1/63.
-/// * `contour_tiles_find`: one tile of 16 rows an invocation, 1/3,276 of the limit. `contour_places`: one row of a tile, 1/3.
-///   `contour_walls_take`: two tiles, which a test fills with spirals. `contour_tiles_list`, `contour_walls_places`: by a
+/// * `contour_tiles_find`: one tile of 16 rows an invocation, 1/3,276 of the limit. `contour_crossings`: one row of a tile, 1/3.
+///   `contour_walls_trace`: two tiles, which a test fills with spirals. `contour_tiles_list`, `contour_walls_scan`: by a
 ///   binding. Places of 4 bytes are those of 5,790² texels: 513 tiles an invocation, 1/57 and 1/11.
 pub const TURNS: &[(&str, &str, u32)] = &[
     ("needs", "needs", 63_755),
@@ -93,7 +93,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("exact_facing", "exact_facing", 59_406),
     ("polygon_facing", "polygon_facing", 2_058),
     ("polygon_turns", "polygon_turns", 43_625),
-    ("outline", "outline", 32_876),
+    ("polygon_pairs", "polygon_pairs", 32_876),
     ("polygon_masks", "polygon_masks", 34_898),
     ("edges", "edges", 66),
     ("cut_edges", "cut_edges", 58_408),
@@ -155,14 +155,14 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("depth_edges", "depth_edges_continue", 40),
     ("depth_edges", "depth_edges_count", 1_539),
     ("depth_cells", "depth_cells_count", 55_069),
-    ("depth_cells", "depth_cells_places", 1_035),
+    ("depth_cells", "depth_cells_scan", 1_035),
     ("depth_cells", "depth_cells_list", 16_134),
     ("contour_marks", "contour_marks", 232),
     ("contour_tiles", "contour_tiles_find", 20),
     ("contour_tiles", "contour_tiles_list", 8_222),
-    ("contour_places", "contour_places", 17_012),
-    ("contour_walls", "contour_walls_take", 49_935),
-    ("contour_walls", "contour_walls_places", 45_156),
+    ("contour_crossings", "contour_crossings", 17_012),
+    ("contour_walls", "contour_walls_trace", 49_935),
+    ("contour_walls", "contour_walls_scan", 45_156),
     ("depth_surface", "depth_surface", 31),
     ("depth_surface", "depth_near_cap_fragment", 83),
     ("depth_walls", "depth_walls_near_cap_fragment", 8_477),

@@ -1,0 +1,126 @@
+//! Statements of a file of text, such as an OBJ: lines joined where they end in a backslash. A line ends in LF, CR LF or CR.
+
+use std::io::{self, BufRead, ErrorKind};
+
+/// The statements of a reader, one after the other.
+pub(crate) struct Lines<R> {
+    reader: R,
+    text: Vec<u8>,
+    /// Lines read so far.
+    count: usize,
+}
+
+/// One statement without its comment.
+pub(crate) struct Statement<'a> {
+    /// The number of its first line, from 1.
+    pub(crate) line: usize,
+    text: &'a [u8],
+}
+
+/// Result of reading the next statement.
+pub(crate) enum Next<'a> {
+    Statement(Statement<'a>),
+    End,
+    /// It has more bytes than allowed.
+    TooLong {
+        line: usize,
+    },
+}
+
+impl<R: BufRead> Lines<R> {
+    pub(crate) fn new(reader: R) -> Self {
+        Self { reader, text: Vec::new(), count: 0 }
+    }
+
+    /// The next statement, if it has at most `most` bytes.
+    pub(crate) fn next(&mut self, most: u64) -> io::Result<Next<'_>> {
+        self.text.clear();
+        let line = self.count + 1;
+        let mut is_comment = false;
+        loop {
+            let start = self.text.len();
+            let room = most.saturating_sub(self.text.len() as u64);
+            let read = self.line(room)?;
+            if read == 0 {
+                break;
+            }
+            self.count += 1;
+            if read > room {
+                return Ok(Next::TooLong { line });
+            }
+            // Only what is new is searched, since a statement may go on for a million lines.
+            is_comment |= self.text.get(start..).is_some_and(|new| new.contains(&b'#'));
+            // Comments do not go on: one that ends in a folder's name would take the next line with it.
+            if self.text.last() != Some(&b'\\') || is_comment {
+                return Ok(Next::Statement(Statement { line, text: &self.text }));
+            }
+            if let Some(last) = self.text.last_mut() {
+                *last = b' ';
+            }
+        }
+        Ok(if self.text.is_empty() { Next::End } else { Next::Statement(Statement { line, text: &self.text }) })
+    }
+
+    /// Appends the next line without its end. Returns its bytes with the end, and stops where they are more than `room`.
+    fn line(&mut self, room: u64) -> io::Result<u64> {
+        let mut read = 0_u64;
+        while read <= room {
+            let chunk = filled(&mut self.reader)?;
+            let most = usize::try_from(room.saturating_sub(read).saturating_add(1)).unwrap_or(usize::MAX);
+            let chunk = &chunk[..chunk.len().min(most)];
+            let end = memchr::memchr2(b'\n', b'\r', chunk);
+            let own = &chunk[..end.unwrap_or(chunk.len())];
+            self.text.extend_from_slice(own);
+            let is_return = chunk.get(own.len()) == Some(&b'\r');
+            let used = own.len() + usize::from(end.is_some());
+            self.reader.consume(used);
+            read += used as u64;
+            if is_return {
+                return Ok(read + self.rest_of_end()?);
+            }
+            if end.is_some() || used == 0 {
+                break;
+            }
+        }
+        Ok(read)
+    }
+
+    /// Consumes the rest of a line's end after a CR: the LF of the same end, or other CRs. Such CRs end empty lines,
+    /// unless a LF follows: some programs write CR CR LF. Returns 1 for a LF.
+    fn rest_of_end(&mut self) -> io::Result<u64> {
+        let mut empty = 0;
+        loop {
+            let next = filled(&mut self.reader)?.first().copied();
+            if let Some(b'\r' | b'\n') = next {
+                self.reader.consume(1);
+            }
+            match next {
+                Some(b'\n') => return Ok(1),
+                Some(b'\r') => empty += 1,
+                _ => {
+                    self.count += empty;
+                    return Ok(0);
+                }
+            }
+        }
+    }
+}
+
+/// Fills the reader's buffer and returns it. Retries when interrupted, like `BufRead::read_until`.
+fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
+    while let Err(error) = reader.fill_buf() {
+        if error.kind() != ErrorKind::Interrupted {
+            return Err(error);
+        }
+    }
+    reader.fill_buf()
+}
+
+impl<'a> Statement<'a> {
+    /// Its words.
+    pub(crate) fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        let text = self.text.split(|&byte| byte == b'#').next().unwrap_or_default();
+        let start = if self.line == 1 { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };
+        start.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    }
+}

@@ -1,0 +1,181 @@
+//! Wavefront OBJ files, which may hold anything: positions, and faces of any number of corners.
+
+use std::io::{self, BufRead};
+
+use rimline::mesh::MAX_POLYGON_CORNERS;
+
+use crate::collected::{Collected, Refused};
+use crate::coordinates::number;
+use crate::line::{Lines, Next, Statement};
+use crate::npz::Arrays;
+
+/// Why a file is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum ObjError {
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
+    #[error("line {line}: {found:?} is no number; a vertex is `v x y z`")]
+    Number { line: usize, found: String },
+    #[error("line {line}: the vertex has {found} coordinates; it needs 3, as in `v x y z`")]
+    Coordinates { line: usize, found: usize },
+    #[error(
+        "line {line}: {found:?} is no corner; write it as `v`, `v/vt`, `v//vn` or `v/vt/vn`, all of them whole numbers"
+    )]
+    Corner { line: usize, found: String },
+    #[error("line {line}: the face has {found} corners; it needs at least 3, and a line is an `l`")]
+    Corners { line: usize, found: usize },
+    #[error("line {line}: the face has more than {MAX_POLYGON_CORNERS} corners; cut it into several")]
+    FaceTooLarge { line: usize },
+    #[error(
+        "line {line}: a face names vertex {index}, but there are {vertices} vertices; they are counted from 1, and from −1 \
+         backwards"
+    )]
+    OutOfRange { line: usize, index: i64, vertices: usize },
+    #[error("line {line}: `{statement}` is part of a curved surface, which is not read; export the model as polygons")]
+    Curved { line: usize, statement: &'static str },
+    #[error(
+        "line {line}: `call` stands for the lines of another file, which is not read; put them here, or export the model as \
+         one file"
+    )]
+    Call { line: usize },
+    #[error(
+        "line {line}: `csh` asks to run a program, which is never done; leave the line out if the model has all its faces without"
+    )]
+    Program { line: usize },
+    #[error(
+        "line {line}: what is read so far takes {needed} bytes of memory with what is made of it, more than the limit of \
+         {limit}; if it is meant to be that large, give a larger --memory-limit"
+    )]
+    TooLarge { line: usize, needed: u64, limit: u64 },
+    #[error("it has no faces, which are lines `f v v v …`; export the model as polygons")]
+    NoFaces,
+}
+
+/// Statements of curved surfaces that faces do not say the same as.
+const CURVED: [&str; 3] = ["surf", "bzp", "bsp"];
+
+/// Words that an OBJ file may begin with.
+const FIRST_WORDS: [&[u8]; 10] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"s", b"mtllib", b"usemtl", b"l"];
+
+/// Whether text begins like an OBJ file.
+pub fn begins_like(bytes: &[u8]) -> bool {
+    const FAR: usize = 1 << 16;
+    let mut lines = Lines::new(&bytes[..bytes.len().min(FAR)]);
+    while let Ok(Next::Statement(statement)) = lines.next(FAR as u64) {
+        if let Some(word) = statement.words().next() {
+            return FIRST_WORDS.contains(&word);
+        }
+    }
+    false
+}
+
+/// Reads positions and faces, relative to an origin near them, and skips everything else. Faces come as triangles if
+/// all of them are triangles, else as polygons.
+///
+/// Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept. The mesh is one of
+/// polygons where these `are_whole`, else one of their triangles.
+pub fn read(reader: impl BufRead, memory_limit: u64, are_whole: bool) -> Result<Arrays, ObjError> {
+    let mut lines = Lines::new(reader);
+    let mut obj = Obj { model: Collected::new(memory_limit, are_whole), highest: (0, 0) };
+    loop {
+        // The line and its copy while it grows.
+        let room = obj.model.room() / 3;
+        match lines.next(room)? {
+            Next::Statement(statement) => obj.take(&statement)?,
+            Next::TooLong { line } => {
+                let needed = memory_limit.saturating_add(1);
+                return Err(ObjError::TooLarge { line, needed, limit: memory_limit });
+            }
+            Next::End => return obj.finish(),
+        }
+    }
+}
+
+/// The model as far as it was read.
+struct Obj {
+    model: Collected,
+    /// The largest vertex that a face names, from 1, and its line. Faces may stand before their vertices.
+    highest: (i64, usize),
+}
+
+impl Obj {
+    fn take(&mut self, statement: &Statement<'_>) -> Result<(), ObjError> {
+        let line = statement.line;
+        let mut words = statement.words();
+        match words.next() {
+            Some(b"v") => self.vertex(line, words),
+            Some(b"f" | b"fo") => self.face(line, words),
+            Some(b"call") => Err(ObjError::Call { line }),
+            Some(b"csh") => Err(ObjError::Program { line }),
+            Some(word) => match CURVED.into_iter().find(|curved| curved.as_bytes() == word) {
+                Some(statement) => Err(ObjError::Curved { line, statement }),
+                None => Ok(()),
+            },
+            None => Ok(()),
+        }
+    }
+
+    /// Coordinates. A weight or a colour may follow; weights are for curves alone.
+    fn vertex<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
+        let (mut position, mut count) = ([0.0; 3], 0);
+        for word in words {
+            let number = std::str::from_utf8(word).ok().and_then(number);
+            let number = number.ok_or_else(|| ObjError::Number { line, found: shown(word) })?;
+            if let Some(coordinate) = position.get_mut(count) {
+                *coordinate = number;
+            }
+            count += 1;
+        }
+        if count < 3 {
+            return Err(ObjError::Coordinates { line, found: count });
+        }
+        self.model.vertex(position).map_err(refused(line))
+    }
+
+    fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
+        self.model.begin_face().map_err(refused(line))?;
+        for word in words {
+            let index = corner(word).ok_or_else(|| ObjError::Corner { line, found: shown(word) })?;
+            let vertices = self.model.vertices();
+            // Below 0 they count backwards from the last vertex so far.
+            let place = if index < 0 { index.saturating_add(vertices as i64).saturating_add(1) } else { index };
+            let vertex = u32::try_from(place).ok().and_then(|place| place.checked_sub(1));
+            let vertex = vertex.ok_or(ObjError::OutOfRange { line, index, vertices })?;
+            self.highest = self.highest.max((place, line));
+            self.model.corner(vertex).map_err(refused(line))?;
+        }
+        self.model.end_face().map_err(refused(line))
+    }
+
+    fn finish(self) -> Result<Arrays, ObjError> {
+        let Self { model, highest: (index, line) } = self;
+        let vertices = model.vertices();
+        if index > vertices as i64 {
+            return Err(ObjError::OutOfRange { line, index, vertices });
+        }
+        model.finish().ok_or(ObjError::NoFaces)
+    }
+}
+
+fn refused(line: usize) -> impl Fn(Refused) -> ObjError {
+    move |refused| match refused {
+        Refused::Corners(found) => ObjError::Corners { line, found },
+        Refused::FaceTooLarge => ObjError::FaceTooLarge { line },
+        Refused::TooLarge { needed, limit } => ObjError::TooLarge { line, needed, limit },
+    }
+}
+
+/// The vertex of a corner, of which texture coordinate and normal are whole numbers or left out.
+fn corner(word: &[u8]) -> Option<i64> {
+    let number = |part: &[u8]| std::str::from_utf8(part).ok()?.parse::<i64>().ok();
+    let mut parts = word.split(|&byte| byte == b'/');
+    let vertex = number(parts.next()?)?;
+    let others: [Option<&[u8]>; 3] = [parts.next(), parts.next(), parts.next()];
+    let are_right = others[..2].iter().flatten().all(|part| part.is_empty() || number(part).is_some());
+    (are_right && others[2].is_none()).then_some(vertex)
+}
+
+/// A word for a message.
+fn shown(word: &[u8]) -> String {
+    String::from_utf8_lossy(&word[..word.len().min(160)]).chars().take(40).collect()
+}

@@ -1,0 +1,203 @@
+// Polygon pairs: tests all pairs of edges of the boundaries that `polygon_turns` left undecided, for each undecided light.
+// `undecided` has a record for each such polygon, and entries, parts of the work of a record (polygon/boundaries.wgsl).
+// Dispatched indirectly after `polygon_turns`, a workgroup an entry. For a small boundary an entry has up to 4 edges and 16
+// lights, an invocation each; for a large one it has an edge and a light, which all invocations share. It sets bits of the
+// record, in any order: edges meet; winding numbers on the left of edges; all corners lie in a half-space; something is off
+// a plane with the light. `polygon_masks` decides from them. All turns are exact: 1 if the light sees three points
+// counter-clockwise, -1 if clockwise. A tie is broken by moving the light, in the same way for all pairs and stages.
+// `Turns:` above a loop is its most iterations, with `in all` for all times that it is reached. Claims:
+// docs/numerics/polygons.md.
+
+#import polygon/boundaries
+#import polygon/corner_turn
+
+// The results for an edge and a light: the winding number on the edge's left, and the bits below. For a small boundary each
+// invocation has an element, for a large one all share the first. A workgroup has one entry and starts with zeros.
+var<workgroup> windings: array<atomic<i32>, 64>;
+var<workgroup> results: array<atomic<u32>, 64>;
+// The rightmost corner that each invocation saw, seen from the edge's first corner; w: 1 if it saw any.
+var<workgroup> rightmost: array<vec4<u32>, 64>;
+
+// Bits of `results`: the edge crosses or touches another; an edge and a corner are not in one plane with the given light; a
+// corner is on the left, or on the right, of the line from the edge's first corner to the rightmost corner seen from there.
+const HAS_CONTACT: u32 = 1u;
+const LEAVES_PLANE: u32 = 2u;
+const IS_ANY_LEFT: u32 = 4u;
+const IS_ANY_RIGHT: u32 = 8u;
+
+// The change by an edge (c, d) of the winding number on the left of an edge (a, b). It is counted along the line through a
+// and b, from just before b on. `sides` are the turns (a, b, c) and (a, b, d); `turn_of_b` is (c, d, b), the side of b seen
+// from (c, d).
+fn winding_change(sides: vec2<i32>, turn_of_b: i32) -> i32 {
+  if (sides.x <= 0 && sides.y > 0) {
+    return select(0, 1, turn_of_b >= 0);
+  }
+  if (sides.x > 0 && sides.y <= 0) {
+    return select(0, -1, turn_of_b <= 0);
+  }
+  return 0;
+}
+
+// Whether two edges cross, or touch elsewhere than at a common end. `turns_at_e` are the turns from `e` to both ends of `f`,
+// and `turns_at_f` those from `f` to both ends of `e`, for the moved light.
+fn has_contact(e: Edge, f: Edge, turns_at_e: vec2<i32>, turns_at_f: vec2<i32>) -> bool {
+  let in_line = all(turns_at_e == vec2<i32>(0)) && all(turns_at_f == vec2<i32>(0));
+  let shares = vec4<bool>(all(e.a == f.a), all(e.a == f.b), all(e.b == f.a), all(e.b == f.b));
+  if (any(shares)) {
+    // The edges share `from_end`; `end` and `other` are their other ends. Edges in line overlap unless `from_end` lies
+    // between these.
+    let shares_a = shares.x || shares.y;
+    let end = select(e.a, e.b, shares_a);
+    let from_end = select(e.b, e.a, shares_a);
+    let other = select(f.a, f.b, select(shares.z, shares.x, shares_a));
+    return in_line && !is_between(end, from_end, other);
+  }
+  if (in_line) {
+    return is_between(e.a, f.a, e.b) || is_between(e.a, f.b, e.b) || is_between(f.a, e.a, f.b);
+  }
+  let sides_at_e = turns_at_e.x * turns_at_e.y;
+  let sides_at_f = turns_at_f.x * turns_at_f.y;
+  if (sides_at_e < 0 && sides_at_f < 0) {
+    return turns_at_e.x == turns_at_f.y;
+  }
+  return (sides_at_e == 0 && sides_at_f < 0) || (sides_at_e < 0 && sides_at_f == 0);
+}
+
+// Tests the pairs of the invocation's edge and every other; for a large boundary every 64th, so at most 16 of 1,024 edges,
+// fewer than the SMALL_BOUNDARY that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight
+// phases, so that `turn` is compiled once. Phase 0: all pairs, and the rightmost corner that the invocation sees. Phases 1
+// to 6: 64 invocations of a large boundary reduce to the rightmost corner of all, by halves. Phase 7: whether all corners
+// are left of the line to it.
+fn orientation_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
+  let slot = select(lane, 0u, work.is_large);
+  let step = select(1u, BOUNDARY_LANES, work.is_large);
+  var best = vec4<u32>(0u);
+  for (var phase = 0u; phase < 8u; phase++) {
+    let is_pairs = phase == 0u;
+    let is_check = phase == 7u;
+    let half = BOUNDARY_LANES >> phase;
+    if (is_check && work.is_large) {
+      best = rightmost[0];
+    }
+    var first = select(0u, lane, work.is_large);
+    var end = boundary.count;
+    if (!is_pairs && !is_check) {
+      first = 0u;
+      end = select(0u, 1u, work.is_large && lane < half);
+    }
+    end = select(0u, end, work.exists);
+    // Turns: 2 * SMALL_BOUNDARY + 6 in all.
+    for (var other = first; other < end; other += step) {
+      var f: Edge;
+      var is_corner = true;
+      if (is_pairs || is_check) {
+        f = load_edge(boundary.first + other);
+        is_corner = f.has_length && other != work.edge_index;
+      } else {
+        let other_best = rightmost[lane + half];
+        f.a = other_best.xyz;
+        is_corner = other_best.w != 0u;
+      }
+      if (!is_corner) {
+        continue;
+      }
+      var turns_at_e = vec2<i32>(0);
+      var turns_at_f = vec2<i32>(0);
+      // Turns: 6 * SMALL_BOUNDARY + 6 in all.
+      for (var test = select(4u, 0u, is_pairs); test < 5u; test++) {
+        var p = work.edge.a;
+        var q = work.edge.b;
+        var r = f.a;
+        switch (test) {
+          case 0u: {}
+          case 1u: { r = f.b; }
+          case 2u: { p = f.a; q = f.b; r = work.edge.a; }
+          case 3u: { p = f.a; q = f.b; r = work.edge.b; }
+          default: { q = best.xyz; }
+        }
+        // A corner at the position of the edge's first corner does not count.
+        if (test == 4u && (best.w == 0u || all(r == p))) {
+          if (best.w == 0u && any(r != p) && !is_check) {
+            best = vec4<u32>(r, 1u);
+          }
+          continue;
+        }
+        let turn_result = turn(p, q, r, work.light_index);
+        let sign = turn_result.sign;
+        switch (test) {
+          case 0u: { turns_at_e.x = sign; }
+          case 1u: { turns_at_e.y = sign; }
+          case 2u: { turns_at_f.x = sign; }
+          case 3u: { turns_at_f.y = sign; }
+          default: {}
+        }
+        if (test < 4u && turn_result.tie == 0u) {
+          atomicOr(&results[slot], LEAVES_PLANE);
+        }
+        if (test == 4u) {
+          if (is_check) {
+            atomicOr(&results[slot], select(0u, IS_ANY_LEFT, sign > 0) | select(0u, IS_ANY_RIGHT, sign < 0));
+          } else if (sign < 0) {
+            best = vec4<u32>(r, 1u);
+          }
+        }
+      }
+      if (is_pairs) {
+        atomicAdd(&windings[slot], winding_change(turns_at_e, turns_at_f.y));
+        if (has_contact(work.edge, f, turns_at_e, turns_at_f)) {
+          atomicOr(&results[slot], HAS_CONTACT);
+        }
+      }
+    }
+    // Each phase reads the result of the other half.
+    if (is_pairs || (!is_check && lane < half)) {
+      rightmost[lane] = best;
+    }
+    workgroupBarrier();
+  }
+}
+
+// Adds the results for an edge to the record of its polygon.
+fn add_to_record(record: u32, slot: u32, light_index: u32) {
+  let bit = 1u << light_index;
+  let winding = atomicLoad(&windings[slot]);
+  let bits = atomicLoad(&results[slot]);
+  if ((bits & IS_ANY_LEFT) != 0u && (bits & IS_ANY_RIGHT) == 0u) {
+    atomicOr(&undecided[record + IN_HALF_SPACE], bit);
+  }
+  if ((bits & HAS_CONTACT) != 0u || (winding != 0 && winding != 1)) {
+    atomicOr(&undecided[record + IS_NOT_SIMPLE], bit);
+  }
+  if (winding == 1) {
+    atomicOr(&undecided[record + WINDS_ONCE], bit);
+  }
+  if (winding == 0) {
+    atomicOr(&undecided[record + WINDS_NEVER], bit);
+  }
+  if ((bits & LEAVES_PLANE) != 0u) {
+    atomicOr(&undecided[record + OFF_PLANE], bit);
+  }
+}
+
+@compute @workgroup_size(64)
+fn polygon_pairs(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(local_invocation_index) lane: u32,
+) {
+  let entry = group.y * ENTRY_ROW + group.x;
+  // The last row is not full.
+  let exists = entry < atomicLoad(&undecided[ENTRY_COUNT]);
+  var record = UNDECIDED_HEAD;
+  var work: Work;
+  var boundary: PolygonBoundary;
+  if (exists) {
+    record = record_offset(atomicLoad(&undecided[entry_offset(entry)]));
+    boundary = boundary_of(polygon_of(record));
+    let part = atomicLoad(&undecided[entry_offset(entry) + 1u]);
+    work = work_of(boundary, part, atomicLoad(&undecided[record + LIGHTS]), lane);
+  }
+  orientation_by_pairs(boundary, work, lane);
+  if (work.exists && (!work.is_large || lane == 0u)) {
+    add_to_record(record, select(lane, 0u, work.is_large), work.light_index);
+  }
+}
