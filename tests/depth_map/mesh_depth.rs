@@ -81,7 +81,8 @@ fn depths() -> Result<(), String> {
         for (far, half_width) in [(None, None), (Some(20.0), None), (Some(20.0), Some(3.0))] {
             for is_relative in [false, true] {
                 let place = DVec3::new(2.0, 5.0, 1.0);
-                let light = Eye { place, forward: -place, near: 1.0, is_relative, depth, far, half_width }.camera();
+                let light =
+                    Eye { position: place, forward: -place, near: 1.0, is_relative, depth, far, half_width }.camera();
                 let depths = drawn(&gpu, &shape, &light, depth)?;
                 let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from));
                 let triangles = || shape.faces.iter().map(|face| face.map(corner));

@@ -50,7 +50,7 @@ fn light(random: &mut Random, number: usize) -> (ShadowCamera, [f64; 2]) {
         [(None, None), (Some(40.0), None), (Some(3.5), None), (Some(40.0), Some(4.0))][number / 2 % 4];
     let forward = DVec3::from_array(random.direction().map(f64::from));
     let place = -9.0 * forward;
-    let eye = Eye { place, forward, near, is_relative: random.below(3) > 0, depth, far, half_width };
+    let eye = Eye { position: place, forward, near, is_relative: random.below(3) > 0, depth, far, half_width };
     let by = if random.below(3) == 0 { [random.between(-1.5, 1.5), random.between(-1.5, 1.5)] } else { [0.0; 2] };
     let from_near = if half_width.is_some() { near } else { 0.0 };
     (aside(eye.camera(), by), [near - from_near, far.unwrap_or(1e6) - from_near])

@@ -58,7 +58,8 @@ pub(crate) fn light(random: &mut Random) -> (ShadowCamera, DVec4) {
     let depth = either(random);
     let (far, half_width) = [(None, None), (Some(40.0), None), (Some(40.0), Some(4.0))][random.below(3)];
     let place = 8.0 * away;
-    let eye = Eye { place, forward: -away, near: 0.5, is_relative: random.below(2) == 0, depth, far, half_width };
+    let eye =
+        Eye { position: place, forward: -away, near: 0.5, is_relative: random.below(2) == 0, depth, far, half_width };
     (eye.camera(), if half_width.is_some() { away.extend(0.0) } else { place.extend(1.0) })
 }
 
@@ -68,7 +69,7 @@ pub(crate) fn any_eye(random: &mut Random, place: DVec3, near: [f32; 2]) -> Shad
     let depth = either(random);
     let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
     let near = f64::from(random.between(near[0], near[1]));
-    Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera()
+    Eye { position: place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera()
 }
 
 /// The camera, or in every third case its mirror image.
@@ -364,7 +365,8 @@ fn beyond() -> Result<(), String> {
         let (depth, half_width) = (either(&mut random), [None, Some(4.0)][random.below(2)]);
         let (near, far) = (f64::from(random.between(2.0, 4.5)), f64::from(random.between(9.0, 11.0)));
         let (place, is_relative) = (8.0 * away, random.below(2) == 0);
-        let camera = Eye { place, forward: -away, near, is_relative, depth, far: Some(far), half_width }.camera();
+        let camera =
+            Eye { position: place, forward: -away, near, is_relative, depth, far: Some(far), half_width }.camera();
         let at = if half_width.is_some() { away.extend(0.0) } else { place.extend(1.0) };
         let map = map(&mut random, &camera);
         let eye_place = f64::from(random.between(1.0, 9.0)) * vector(&mut random);

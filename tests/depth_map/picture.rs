@@ -39,7 +39,7 @@ pub(crate) fn by(method: DepthMapMethod) -> DepthMapOptions {
 
 /// A perspective view of reversed depth without a far plane, whose positions are taken relative to the eye.
 pub(crate) fn look(place: DVec3, forward: DVec3, near: f64) -> Eye {
-    Eye { place, forward, near, is_relative: true, depth: REVERSED, far: None, half_width: None }
+    Eye { position: place, forward, near, is_relative: true, depth: REVERSED, far: None, half_width: None }
 }
 
 /// The maps of a light, one or the six of a cube, with their cameras.

@@ -16,8 +16,8 @@ fn towers(random: &mut Random, light: Light) -> StaticScene {
     let tower = |_| {
         let high = random.between(1.0, 8.0);
         let at = [random.between(-30.0, 30.0), random.between(-30.0, 30.0), high];
-        let place = |p: &[f32; 3]| [p[0] + at[0], p[1] + at[1], high * p[2] + at[2]];
-        let positions: Vec<[f32; 3]> = shape.positions.iter().map(place).collect();
+        let position = |p: &[f32; 3]| [p[0] + at[0], p[1] + at[1], high * p[2] + at[2]];
+        let positions: Vec<[f32; 3]> = shape.positions.iter().map(position).collect();
         Own { mesh: Mesh::new(&positions, &shape.faces, Weld::Position).expect("a mesh"), positions }
     };
     StaticScene { casters: (0..500).map(tower).collect(), light }

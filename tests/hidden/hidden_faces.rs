@@ -1,4 +1,4 @@
-//! Hidden faces are hidden, place by place; and what must be found is found.
+//! Hidden faces are hidden, point by point; and what must be found is found.
 
 use std::ops::ControlFlow;
 
@@ -8,7 +8,7 @@ use rimline::{Light, LightError, Mesh};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 
-use crate::oracle::{Place, between, corner, hides, light, sign};
+use crate::oracle::{Point, between, corner, hides, light, sign};
 use crate::static_scenes::{Own, StaticScene};
 
 pub(crate) fn find(scene: &StaticScene, options: HiddenOptions) -> HiddenFaces {
@@ -20,7 +20,7 @@ pub(crate) fn casters(scene: &StaticScene) -> Vec<HiddenCaster<'_>> {
     casters.map(|own| HiddenCaster { mesh: &own.mesh, positions: &own.positions, version: None }).collect()
 }
 
-/// Asks for each hidden face whether places in it are hidden by faces that stay and that cast in any case.
+/// Asks for each hidden face whether points in it are hidden by faces that stay and that cast in any case.
 fn check(scene: &StaticScene, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
     check_some(scene, hidden, random, usize::MAX)
 }
@@ -33,7 +33,7 @@ pub(crate) fn check_some(
     most: usize,
 ) -> Result<usize, String> {
     let from = light(scene.light);
-    let (mut hiders, mut hidden_faces): (Vec<[Place; 3]>, Vec<_>) = Default::default();
+    let (mut hiders, mut hidden_faces): (Vec<[Point; 3]>, Vec<_>) = Default::default();
     for (number, own) in scene.casters.iter().enumerate() {
         for (face, &[a, b, c]) in (0_u32..).zip(own.mesh.faces()) {
             let corners = [a, b, c].map(|vertex| corner(own.positions[vertex as usize]));
@@ -54,9 +54,9 @@ pub(crate) fn check_some(
         let mut weights = vec![[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1]];
         weights.extend((0..5).map(|_| [(); 3].map(|()| 1 + random.below(1 << 20) as u32)));
         for weights in weights {
-            let place = between(corners, weights);
-            if !hiders.iter().any(|hider| hides(hider, &from, &place)) {
-                return Err(format!("caster {number}, face {face}: the place {weights:?} is not hidden"));
+            let point = between(corners, weights);
+            if !hiders.iter().any(|hider| hides(hider, &from, &point)) {
+                return Err(format!("caster {number}, face {face}: the point {weights:?} is not hidden"));
             }
         }
     }
@@ -180,7 +180,7 @@ fn searches_can_be_cancelled_and_say_what_is_wrong() {
     assert_eq!(error, Err(CpuError::TooFewCasterPositions { caster: 0, given, needed }));
     let error = HiddenFaces::find(Light::homogeneous([1.0, 0.0, 0.0, -1.0]), &[], options, go_on);
     assert_eq!(error, Err(CpuError::Light(LightError::NegativeWeight { index: 0, w: -1.0 })));
-    // Places that are none take no part.
+    // Points that are none take no part.
     let mut holed = own.positions.clone();
     holed[0] = [f32::NAN; 3];
     let holed = [HiddenCaster { mesh: &own.mesh, positions: &holed, version: None }];

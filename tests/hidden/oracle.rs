@@ -1,10 +1,10 @@
-//! Brute force in big integers: does a face hide a place from a light? It shares no code with the library.
+//! Brute force in big integers: does a face hide a point from a light? It shares no code with the library.
 
 use num_bigint::{BigInt, Sign};
 use rimline::Light;
 
-/// A homogeneous place in integers.
-pub(crate) type Place = [BigInt; 4];
+/// A homogeneous point in integers.
+pub(crate) type Point = [BigInt; 4];
 
 /// `value · 2^298` as an integer, if all of its digits are there: so for each finite f32.
 fn integer(value: f32) -> BigInt {
@@ -15,21 +15,21 @@ fn integer(value: f32) -> BigInt {
     if bits >> 31 == 0 { size } else { -size }
 }
 
-pub(crate) fn corner([x, y, z]: [f32; 3]) -> Place {
+pub(crate) fn corner([x, y, z]: [f32; 3]) -> Point {
     [integer(x), integer(y), integer(z), integer(1.0)]
 }
 
-pub(crate) fn light(light: Light) -> Place {
+pub(crate) fn light(light: Light) -> Point {
     light.to_array().map(integer)
 }
 
-/// The place with these weights, of which not all are 0.
-pub(crate) fn between(corners: &[Place; 3], weights: [u32; 3]) -> Place {
+/// The point with these weights, of which not all are 0.
+pub(crate) fn between(corners: &[Point; 3], weights: [u32; 3]) -> Point {
     std::array::from_fn(|axis| corners.iter().zip(weights).map(|(corner, weight)| &corner[axis] * weight).sum())
 }
 
-/// The sign of the determinant of four homogeneous places, along the first row.
-pub(crate) fn sign(rows: [&Place; 4]) -> i32 {
+/// The sign of the determinant of four homogeneous points, along the first row.
+pub(crate) fn sign(rows: [&Point; 4]) -> i32 {
     let minor = |column: usize| {
         let [x, y, z] = match column {
             0 => [1, 2, 3],
@@ -54,12 +54,12 @@ pub(crate) fn sign(rows: [&Place; 4]) -> i32 {
     }
 }
 
-/// Whether the segment from the light to the place, or the ray from infinity, meets the face at the place or before.
-pub(crate) fn hides([a, b, c]: &[Place; 3], light: &Place, place: &Place) -> bool {
+/// Whether the segment from the light to the point, or the ray from infinity, meets the face at the point or before.
+pub(crate) fn hides([a, b, c]: &[Point; 3], light: &Point, point: &Point) -> bool {
     let side = sign([a, b, c, light]);
     side != 0
-        && sign([a, b, c, place]) != side
-        && [[place, b, c, light], [a, place, c, light], [a, b, place, light]]
+        && sign([a, b, c, point]) != side
+        && [[point, b, c, light], [a, point, c, light], [a, b, point, light]]
             .into_iter()
             .all(|rows| sign(rows) != -side)
 }

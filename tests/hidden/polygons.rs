@@ -9,7 +9,7 @@ use rimline_testkit::oracle::ExactFace;
 use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
 use rimline_testkit::random::Random;
 
-use crate::oracle::{Place, between, corner, hides, light, sign};
+use crate::oracle::{Point, between, corner, hides, light, sign};
 
 struct Own {
     mesh: Mesh,
@@ -17,8 +17,8 @@ struct Own {
 }
 
 fn placed(mut set: PolygonSet, size: f32, at: [f32; 3]) -> Own {
-    for place in &mut set.positions {
-        *place = std::array::from_fn(|axis| size * place[axis] + at[axis]);
+    for point in &mut set.positions {
+        *point = std::array::from_fn(|axis| size * point[axis] + at[axis]);
     }
     Own { mesh: set.mesh(Weld::Position).expect("a mesh"), positions: set.positions }
 }
@@ -50,13 +50,13 @@ fn triangles(own: &Own, face: usize) -> &[[u32; 3]] {
 
 /// Whether all corners lie in one plane, by the oracle's integers.
 fn is_planar(own: &Own, polygon: usize) -> bool {
-    let all: Vec<[Place; 3]> =
+    let all: Vec<[Point; 3]> =
         triangles(own, polygon).iter().map(|face| face.map(|v| corner(own.positions[v as usize]))).collect();
     let Some([a, b, c]) = all.first() else { return true };
-    all.iter().flatten().all(|place| sign([a, b, c, place]) == 0)
+    all.iter().flatten().all(|point| sign([a, b, c, point]) == 0)
 }
 
-/// Asks for each hidden polygon whether places in its triangles are hidden by planar polygons that stay.
+/// Asks for each hidden polygon whether points in its triangles are hidden by planar polygons that stay.
 fn check(own: &[Own], from: Light, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
     let at = light(from);
     let (mut hiders, mut hidden_ones) = (Vec::new(), Vec::new());
@@ -81,9 +81,9 @@ fn check(own: &[Own], from: Light, hidden: &[Vec<u32>], random: &mut Random) -> 
         let mut weights = vec![[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1]];
         weights.extend((0..3).map(|_| [(); 3].map(|()| 1 + random.below(1 << 20) as u32)));
         for weights in weights {
-            let place = between(corners, weights);
-            if !hiders.iter().any(|hider| hides(hider, &at, &place)) {
-                return Err(format!("caster {number}, polygon {polygon}: the place {weights:?} is not hidden"));
+            let point = between(corners, weights);
+            if !hiders.iter().any(|hider| hides(hider, &at, &point)) {
+                return Err(format!("caster {number}, polygon {polygon}: the point {weights:?} is not hidden"));
             }
         }
     }

@@ -19,11 +19,11 @@ pub(crate) struct StaticScene {
 /// Three blades, each before the next and behind the one before.
 fn circle() -> Shape {
     let blade = |turn: usize| {
-        let place = |x: f32, y: f32, z: f32| {
+        let position = |x: f32, y: f32, z: f32| {
             let (sin, cos) = (turn as f32 * std::f32::consts::TAU / 3.0).sin_cos();
             [x * cos - y * sin, x * sin + y * cos, z]
         };
-        [place(-2.0, -1.0, 0.5), place(2.0, -1.0, -0.5), place(0.0, 0.25, 0.0)]
+        [position(-2.0, -1.0, 0.5), position(2.0, -1.0, -0.5), position(0.0, 0.25, 0.0)]
     };
     let positions = (0..3).flat_map(blade).collect();
     Shape { positions, faces: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]] }
@@ -75,11 +75,11 @@ impl StaticScene {
             let middle =
                 [(); 3].map(|()| if is_whole { random.below(5) as f32 - 2.0 } else { random.between(-2.0, 2.0) });
             let is_turned = random.below(2) == 0;
-            let place = |[x, y, z]: [f32; 3]| {
+            let position = |[x, y, z]: [f32; 3]| {
                 let [x, y, z] = if is_turned { [z, x, y] } else { [x, y, z] };
                 [x * size + middle[0] * scale, y * size + middle[1] * scale, z * size + middle[2] * scale]
             };
-            let positions: Vec<[f32; 3]> = shape.positions.iter().map(|&at| place(at)).collect();
+            let positions: Vec<[f32; 3]> = shape.positions.iter().map(|&at| position(at)).collect();
             let mut faces = shape.faces;
             if random.below(3) == 0 {
                 for face in &mut faces {

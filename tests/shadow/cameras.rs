@@ -138,7 +138,7 @@ fn dark_caps(gpu: &Gpu, frame: &Frame, counted: &Counted) -> Result<u16, String>
         gpu,
         &CAP_FACES,
         [4, 1],
-        "let face = CapFace(place(0u), place(1u), place(2u), probe_inputs[probe_first + 3u].xyz);
+        "let face = CapFace(input_position(0u), input_position(1u), input_position(2u), probe_inputs[probe_first + 3u].xyz);
     out[0] = dark_cap_vertex(own.view, own.light, face, 0u);",
     )?;
     let casters = frame.bodies.iter().filter(|body| body.casts);
@@ -194,8 +194,8 @@ fn wrong_pixels(traced: &Traced, counted: &Counted, counts: bool) -> (Vec<(u32, 
     }
     let camera = traced.frame.eye.camera();
     let (rays, tracer) = (Rays::new(&camera, traced.frame.size), Tracer::new(&traced.frame));
-    let Eye { place, forward, near, .. } = traced.frame.eye;
-    let is_before = |corner: DVec3| (corner - place).dot(forward.normalize()) < near;
+    let Eye { position, forward, near, .. } = traced.frame.eye;
+    let is_before = |corner: DVec3| (corner - position).dot(forward.normalize()) < near;
     let is_cut = |&&(x, y): &&(u32, u32)| {
         let face = tracer.first(rays.ray(x, y)).map(|(_, face)| face);
         face.filter(|face| face.of.caster.is_some_and(|caster| every[caster])).is_some_and(|face| {

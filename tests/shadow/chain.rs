@@ -1,22 +1,21 @@
 //! All that a scene of one caster records, from extraction to draws.
 
 use rimline::gpu::{PositionBuffer, ShadowFormat, ShadowPipelines};
-use rimline::internals::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowStatistics};
+use rimline::internals::layout::{DrawArguments, ShadowDraws, ShadowLight};
 use rimline::internals::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL};
 use rimline::{Counting, Light};
 
-use crate::stages::{PLACES, instances, placed};
+use crate::stages::{LAYOUTS, instances, position_buffer};
+use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{chosen, draws, interleaved, one_caster, shadow_statistics, text};
+use rimline_testkit::on_gpu::{chosen, draws, one_caster, shadow_statistics, text};
 use rimline_testkit::random::Random;
 use rimline_testkit::same;
-use rimline_testkit::scenes::{Scene, scene};
-use rimline_testkit::{OneCaster, OneCasterOptions};
+use rimline_testkit::scenes::scene;
 
-pub(crate) const TESTS: &[Test] =
-    &[("shadow_volumes_from_extraction_to_draws", chain), ("shadow_volumes_used_again_are_as_good_as_new", again)];
+pub(crate) const TESTS: &[Test] = &[("shadow_volumes_from_extraction_to_draws", chain)];
 
 const METHODS: [Counting; 5] =
     [Counting::Auto, Counting::ZpPlus, Counting::ZpPlus2005, Counting::ZFail, Counting::ZPass];
@@ -80,10 +79,10 @@ fn chain() -> Result<(), String> {
                 ..OneCasterOptions::default()
             };
             let mut caster = one_caster(gpu, &pipelines, mesh, options).map_err(text)?;
-            let place = PLACES[number % 3];
-            let buffer = placed(gpu, positions, place);
+            let layout = LAYOUTS[number % 3];
+            let buffer = position_buffer(gpu, positions, layout);
             let bound =
-                PositionBuffer { buffer: &buffer, offset: 4 * u64::from(place.0), stride: 4 * u64::from(place.1) };
+                PositionBuffer { buffer: &buffer, offset: 4 * u64::from(layout.0), stride: 4 * u64::from(layout.1) };
             let frame = gpu.submit(|encoder| {
                 caster.encode(encoder, bound, &scene.lights, Some(&scene.camera), None).map_err(text)
             })?;
@@ -95,7 +94,7 @@ fn chain() -> Result<(), String> {
             let expected: Vec<ShadowDraws> = draws[..LIGHTS].iter().map(shaped).collect();
             same(&format!("{what}, draws"), &draws[..LIGHTS], &expected)?;
             let statistics = shadow_statistics(gpu, &frame)?;
-            // Distances come from a division and a square root, which WGSL lets be off by some units of the last place.
+            // Distances come from a division and a square root, which WGSL lets be off by some units of the last layout.
             let mut words: Vec<u32> =
                 lights.iter().flat_map(|light| [light.casting, light.counting, light.excludes]).collect();
             words.extend(draws[..LIGHTS].iter().flat_map(instances));
@@ -121,68 +120,4 @@ fn chain() -> Result<(), String> {
         return Err("too few of a kind".to_owned());
     }
     Ok(())
-}
-
-/// Results that a frame prepared: lights, draws and statistics.
-type Prepared = (Vec<ShadowLight>, Vec<ShadowDraws>, ShadowStatistics);
-
-/// One scene for frames of other positions, lights and cameras, all in one buffer, against new ones for
-/// each frame: nothing of an earlier frame is left.
-fn again() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 107;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
-    let (mut caps, mut controls) = (0, 0);
-    for counting in [Counting::Auto, Counting::ZFail] {
-        for number in 0..4 {
-            let base = scene(&mut random, number, LIGHTS);
-            let (_, positions, mesh) = &base.caster;
-            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format_of(&base), counting).map_err(text)?;
-            let options = OneCasterOptions { max_lights: LIGHTS, ..OneCasterOptions::default() };
-            let make = || one_caster(gpu, &pipelines, mesh, options).map_err(text);
-            // The same body elsewhere, far behind it in the buffer.
-            let moved: Vec<[f32; 3]> = positions.iter().map(|&[x, y, z]| [z + 3.0, x - 2.0, y]).collect();
-            let mut words = interleaved(positions, 0, 12);
-            let second = (4 * words.len() as u64).next_multiple_of(256) + 1024 + 4;
-            words.extend_from_slice(&interleaved(&moved, second, 20)[words.len()..]);
-            let buffer = gpu.storage(&words);
-            let places = [(0, 12), (second, 20)];
-            let prepare =
-                |caster: &mut OneCaster, (offset, stride): (u64, u64), lights: &[Light]| -> Result<Prepared, String> {
-                    let bound = PositionBuffer { buffer: &buffer, offset, stride };
-                    let frame = gpu.submit(|encoder| {
-                        caster.encode(encoder, bound, lights, Some(&base.camera), None).map_err(text)
-                    })?;
-                    // Lights of an earlier frame are never drawn; what was chosen for them stays.
-                    let statistics = shadow_statistics(gpu, &frame)?;
-                    Ok((chosen(gpu, &frame, lights.len())?, draws(gpu, &frame, lights.len())?, statistics))
-                };
-            let mut used = make()?;
-            let mut last: Option<Prepared> = None;
-            for (frame, (place, count)) in
-                [(0, LIGHTS), (0, LIGHTS), (1, LIGHTS), (0, 5), (1, 33)].into_iter().enumerate()
-            {
-                let what = format!("{counting:?}, {}, frame {frame}", base.name);
-                let lights = &base.lights[LIGHTS - count..];
-                let found = prepare(&mut used, places[place], lights)?;
-                let expected = prepare(&mut make()?, places[place], lights)?;
-                same(&format!("{what}, lights"), &found.0, &expected.0)?;
-                same(&format!("{what}, draws"), &found.1, &expected.1)?;
-                same(&format!("{what}, statistics"), &[found.2], &[expected.2])?;
-                caps += found
-                    .1
-                    .iter()
-                    .filter(|draws| draws.near_front.instance_count + draws.far_front.instance_count > 0)
-                    .count();
-                controls += usize::from(last.replace(found).is_some_and(|last| last.1 != expected.1));
-            }
-        }
-    }
-    println!("{caps} lights with caps; {controls} frames unlike the one before");
-    if caps < 20 || controls < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
-}
-
-fn format_of(scene: &Scene) -> ShadowFormat {
-    ShadowFormat { depth: scene.camera.depth, ..ShadowFormat::default() }
 }

@@ -13,7 +13,7 @@ use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{Scene, scene};
 
-use crate::stages::{PLACES, Staged, shape};
+use crate::stages::{LAYOUTS, Staged, shape};
 
 pub(crate) const TESTS: &[Test] = &[("a_cap_is_never_missed_and_nothing_seen_is_skipped", never_missed)];
 
@@ -97,7 +97,7 @@ impl Eye {
         Self { origin: DVec3::from_array(camera.origin.map(f64::from)), matrix, corners, middle, near }
     }
 
-    fn place(&self, position: [f32; 3]) -> DVec4 {
+    fn homogeneous(&self, position: [f32; 3]) -> DVec4 {
         (DVec3::from_array(position.map(f64::from)) - self.origin).extend(1.0)
     }
 
@@ -153,7 +153,7 @@ fn choose(gpu: &Gpu, scene: &Scene) -> Result<Chosen, String> {
     let counts = mesh.edges().counts();
     let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
     let shape = ShadowShape { counting: COUNT_AUTO, ..shape(mesh, scene.lights.len()) };
-    let staged = Staged::new(gpu, scene, PLACES[0], shape, excluded)?;
+    let staged = Staged::new(gpu, scene, LAYOUTS[0], shape, excluded)?;
     let (lights, _) = staged.choose(gpu, 0)?;
     let listed = staged.caps(gpu, &lights, shape.faces)?;
     let caps = listed.lists.chunks(4).map(|lists| [0, 1].map(|kind| [&lists[kind][..], &lists[kind + 2]].concat()));
@@ -185,7 +185,7 @@ fn caster_box(scene: &Scene) -> [DVec3; 2] {
 fn triangles(scene: &Scene, eye: &Eye) -> Vec<Option<[DVec4; 3]>> {
     let (_, positions, mesh) = &scene.caster;
     let triangle = |&[a, b, c]: &[u32; 3]| {
-        (a != b && b != c && c != a).then(|| [a, b, c].map(|v| eye.place(positions[v as usize])))
+        (a != b && b != c && c != a).then(|| [a, b, c].map(|v| eye.homogeneous(positions[v as usize])))
     };
     mesh.faces().iter().map(triangle).collect()
 }
@@ -244,10 +244,10 @@ fn check_skipped(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
     for (index, light) in chosen.lights.iter().enumerate() {
         let given = scene.lights[index];
         let [x, y, z, w] = given.to_array().map(f64::from);
-        let place = DVec3::new(x, y, z) / w;
-        let distance = (low - place).max(place - high).max(DVec3::ZERO).length();
+        let light_position = DVec3::new(x, y, z) / w;
+        let distance = (low - light_position).max(light_position - high).max(DVec3::ZERO).length();
         let range = f64::from(given.range);
-        let rounding = 1e-5 * range + 1e-6 * place.length().max(low.length());
+        let rounding = 1e-5 * range + 1e-6 * light_position.length().max(low.length());
         let (in_range, out_of_range) =
             (w == 0.0 || distance < range - rounding, w != 0.0 && distance > range + rounding);
         let is_skipped = light.casting == CAST_NOTHING;
@@ -281,8 +281,8 @@ fn check_casting(scene: &Scene, chosen: &Chosen) -> Outcome {
             return Err(format!("{}: light {index} has back-facing faces alone", scene.name));
         }
         let [x, y, z, w] = light.light.map(f64::from);
-        let place = DVec3::new(x, y, z);
-        let is_within = w > 0.0 && (w * low).cmple(place).all() && place.cmple(w * high).all();
+        let weighted = DVec3::new(x, y, z);
+        let is_within = w > 0.0 && (w * low).cmple(weighted).all() && weighted.cmple(w * high).all();
         if light.casting == CAST_BACK_FACING && is_within {
             return Err(format!(
                 "{}: light {index} is in the caster's box, and back-facing faces alone cast",

@@ -55,8 +55,8 @@ fn between(random: &mut Random, low: f32, high: f32) -> f64 {
     f64::from(random.between(low, high))
 }
 
-fn point(place: DVec3) -> Light {
-    Light::point(place.as_vec3().to_array())
+fn point(position: DVec3) -> Light {
+    Light::point(position.as_vec3().to_array())
 }
 
 fn near(random: &mut Random) -> f64 {
@@ -78,24 +78,24 @@ fn frame(bodies: Vec<Body>, eye: Eye, light: Light) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 96 }
 }
 
-/// A place in the room that is not in the tori's way.
-fn place(random: &mut Random, low: f32, high: f32) -> DVec3 {
+/// A point in the room that is not in the tori's way.
+fn room_point(random: &mut Random, low: f32, high: f32) -> DVec3 {
     vector(random) * between(random, low, high)
 }
 
 fn random(random: &mut Random) -> Frame {
-    let from = place(random, 2.0, 7.0);
-    let towards = place(random, 0.0, 2.0) - from;
+    let from = room_point(random, 2.0, 7.0);
+    let towards = room_point(random, 0.0, 2.0) - from;
     let near = near(random);
-    let light = place(random, 2.6, 7.0);
+    let light = room_point(random, 2.6, 7.0);
     frame(tori(), Eye::new(from, towards, near), point(light))
 }
 
 /// The eye is nearer to the light than the casters are.
 fn outside(random: &mut Random) -> Frame {
-    let light = place(random, 5.0, 6.5);
-    let from = light + place(random, 0.2, 1.0);
-    let towards = place(random, 0.0, 1.0) - from;
+    let light = room_point(random, 5.0, 6.5);
+    let from = light + room_point(random, 0.2, 1.0);
+    let towards = room_point(random, 0.0, 1.0) - from;
     frame(tori(), Eye::new(from, towards, 0.05), point(light))
 }
 
@@ -128,12 +128,12 @@ fn surface(random: &mut Random, bodies: &[Body], light: DVec3, on_edge: bool) ->
 /// The near rectangle in or on the border of a shadow.
 fn inside(random: &mut Random, partly: bool, light_behind: bool) -> Frame {
     let bodies = tori();
-    let light = place(random, 3.0, 6.0);
+    let light = room_point(random, 3.0, 6.0);
     let through = surface(random, &bodies, light, partly);
     let near = near(random);
     let middle = light + (through - light) * between(random, 1.3, 1.9);
     let away = (middle - light).normalize();
-    let forward = (if light_behind { away } else { -away } + place(random, 0.0, 0.7)).normalize();
+    let forward = (if light_behind { away } else { -away } + room_point(random, 0.0, 0.7)).normalize();
     frame(bodies, Eye::new(middle - forward * near, forward, near), point(light))
 }
 
@@ -141,7 +141,7 @@ fn inside(random: &mut Random, partly: bool, light_behind: bool) -> Frame {
 fn along_near_plane(random: &mut Random, distance: f32) -> Frame {
     let bodies = tori();
     let through = surface(random, &bodies, DVec3::ZERO, false);
-    let light = through + place(random, 0.5, 3.0);
+    let light = through + room_point(random, 0.5, 3.0);
     let forward = (through - light).cross(vector(random)).normalize();
     let near = near(random);
     let offset = forward * f64::from(random.between(-distance, distance));
@@ -165,19 +165,19 @@ fn directional(random: &mut Random) -> Frame {
 /// In the tube of a torus.
 fn in_tube(random: &mut Random) -> DVec3 {
     let angle = between(random, 0.0, std::f32::consts::TAU);
-    DVec3::new(angle.cos(), 0.0, angle.sin()) + place(random, 0.0, 0.2)
+    DVec3::new(angle.cos(), 0.0, angle.sin()) + room_point(random, 0.0, 0.2)
 }
 
 fn within(random: &mut Random) -> Frame {
-    let light = place(random, 3.0, 6.0);
+    let light = room_point(random, 3.0, 6.0);
     let forward = vector(random);
     frame(tori(), Eye::new(in_tube(random) - forward * 0.05, forward, 0.05), point(light))
 }
 
 fn light_within(random: &mut Random) -> Frame {
-    let from = place(random, 3.0, 6.0);
+    let from = room_point(random, 3.0, 6.0);
     let light = in_tube(random);
-    frame(tori(), Eye::new(from, -from + place(random, 0.0, 1.0), near(random)), point(light))
+    frame(tori(), Eye::new(from, -from + room_point(random, 0.0, 1.0), near(random)), point(light))
 }
 
 fn both_within(random: &mut Random) -> Frame {
@@ -196,7 +196,7 @@ fn far(random: &mut Random, distance: f64, is_relative: bool) -> Frame {
     for body in &mut frame.bodies {
         *body = body.clone().moved(by.as_vec3().to_array());
     }
-    frame.eye.place += by;
+    frame.eye.position += by;
     frame.eye.is_relative = is_relative;
     frame.lights = frame
         .lights
@@ -209,7 +209,7 @@ fn far(random: &mut Random, distance: f64, is_relative: bool) -> Frame {
 fn overlapping(random: &mut Random) -> Frame {
     let mut bodies: Vec<Body> = (0..10)
         .map(|seed| {
-            let at = place(random, 0.0, 1.5).as_vec3().to_array();
+            let at = room_point(random, 0.0, 1.5).as_vec3().to_array();
             Body::caster(shapes::blob(8, 0.4, seed)).scaled(random.between(0.3, 0.9)).moved(at)
         })
         .collect();
@@ -237,7 +237,7 @@ pub(crate) fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {
     let mut frame = match random.below(3) {
         0 => self::random(random),
         1 => {
-            let light = place(random, 3.0, 6.0);
+            let light = room_point(random, 3.0, 6.0);
             let through = surface(random, &bodies, light, false);
             let middle = light + (through - light) * between(random, 1.05, 1.9);
             let forward = vector(random);

@@ -15,8 +15,8 @@ const MOST_EXPLAINED: usize = 30;
 pub(crate) struct Compared<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) truths: &'a [Vec<Truth>],
-    /// Position in each pixel where the stencil counts and the rays go through.
-    pub(crate) place: DVec2,
+    /// The point in each pixel where the stencil counts and the rays go through.
+    pub(crate) within_pixel: DVec2,
     pub(crate) light: usize,
     /// Hairlines and slivers are looked for where a pixel is wrong. They know the frame, not `truths`.
     pub(crate) explains: bool,
@@ -47,8 +47,8 @@ impl Compared<'_> {
     /// The pixel and those around it.
     fn around(&self, (x, y): (i64, i64)) -> impl Iterator<Item = Truth> {
         let size = i64::from(self.frame.size);
-        let places = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
-        places.filter(move |(x, y)| (0..size).contains(x) && (0..size).contains(y)).map(|place| self.truth(place))
+        let pixels = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
+        pixels.filter(move |(x, y)| (0..size).contains(x) && (0..size).contains(y)).map(|pixel| self.truth(pixel))
     }
 
     fn value(&self, (x, y): (i64, i64), stencil: &[u8]) -> u8 {
@@ -59,15 +59,15 @@ impl Compared<'_> {
     /// would be right. `every` says of which casters every face casts.
     pub(crate) fn lit(&self, stencil: &[u8], every: &[bool]) -> Wrong {
         let mut wrong = Wrong::default();
-        for place in self.pixels() {
-            let truth = self.truth(place);
+        for pixel in self.pixels() {
+            let truth = self.truth(pixel);
             if !matches!(truth, Truth::Surface(_)) {
                 continue;
             }
             wrong.compared += 1;
-            let lit = self.value(place, stencil) == 0;
-            if lit != truth.is_lit() && !self.around(place).any(|near| near.is_lit() == lit) {
-                wrong.pixels.push((place.0 as u32, place.1 as u32));
+            let lit = self.value(pixel, stencil) == 0;
+            if lit != truth.is_lit() && !self.around(pixel).any(|near| near.is_lit() == lit) {
+                wrong.pixels.push((pixel.0 as u32, pixel.1 as u32));
             }
         }
         self.explained(wrong, stencil, every)
@@ -76,15 +76,15 @@ impl Compared<'_> {
     /// Counts that differ from the number of casting faces between, where that is the same for all pixels around.
     pub(crate) fn counts(&self, stencil: &[u8], every: &[bool]) -> Wrong {
         let mut wrong = Wrong::default();
-        for place in self.pixels() {
-            let truth = self.truth(place);
+        for pixel in self.pixels() {
+            let truth = self.truth(pixel);
             let Truth::Surface(between) = truth else { continue };
-            if self.around(place).any(|near| near != truth) {
+            if self.around(pixel).any(|near| near != truth) {
                 continue;
             }
             wrong.compared += 1;
-            if u16::from(self.value(place, stencil)) != between.count(every) % 256 {
-                wrong.pixels.push((place.0 as u32, place.1 as u32));
+            if u16::from(self.value(pixel, stencil)) != between.count(every) % 256 {
+                wrong.pixels.push((pixel.0 as u32, pixel.1 as u32));
             }
         }
         self.explained(wrong, stencil, every)
@@ -95,11 +95,11 @@ impl Compared<'_> {
     pub(crate) fn each(&self, stencil: &[u8], every: &[bool], counts: bool) -> Wrong {
         let mut wrong = Wrong::default();
         let is_same = |count: u8, value: u8| if counts { count == value } else { (count == 0) == (value == 0) };
-        for place in self.pixels() {
-            let Truth::Surface(between) = self.truth(place) else { continue };
+        for pixel in self.pixels() {
+            let Truth::Surface(between) = self.truth(pixel) else { continue };
             wrong.compared += 1;
-            if !is_same(between.count(every) as u8, self.value(place, stencil)) {
-                wrong.pixels.push((place.0 as u32, place.1 as u32));
+            if !is_same(between.count(every) as u8, self.value(pixel, stencil)) {
+                wrong.pixels.push((pixel.0 as u32, pixel.1 as u32));
             }
         }
         self.explained_by(wrong, stencil, every, |hairlines, pixel, value| {
@@ -121,7 +121,7 @@ impl Compared<'_> {
         })
     }
 
-    /// Without those of a hairline, and those that have the value of a place near by.
+    /// Without those of a hairline, and those that have the value of a point near by.
     fn explained_by(
         &self,
         mut wrong: Wrong,
@@ -133,11 +133,11 @@ impl Compared<'_> {
         if !self.explains || wrong.pixels.is_empty() || wrong.pixels.len() > MOST_EXPLAINED {
             return wrong;
         }
-        let hairlines = Hairlines::new(self.frame, self.light, self.place);
+        let hairlines = Hairlines::new(self.frame, self.light, self.within_pixel);
         wrong.pixels.retain(|&(x, y)| {
-            let place = (i64::from(x), i64::from(y));
-            let Truth::Surface(between) = self.truth(place) else { return true };
-            let value = self.value(place, stencil);
+            let pixel = (i64::from(x), i64::from(y));
+            let Truth::Surface(between) = self.truth(pixel) else { return true };
+            let value = self.value(pixel, stencil);
             let off = value.wrapping_sub(between.count(every) as u8) as i8;
             let [least, most] = hairlines.reach((x, y), every);
             // A pixel that is wrong by the choice of faces is none.

@@ -51,7 +51,7 @@ fn alike() -> Result<(), String> {
             for body in &mut frame.bodies {
                 body.mirror = None;
             }
-            // Each caster once more: farther away, or in the same place.
+            // Each caster once more: farther away, or at the same position.
             let again: Vec<Body> = frame.bodies.iter().filter(|body| body.casts).take(2).cloned().collect();
             let by = [0.0, 0.25, 0.5][random.below(3)];
             frame.bodies.extend(again.into_iter().map(|body| body.moved([by, -by, 0.5 * by])));

@@ -8,7 +8,7 @@ use rimline::{DepthDirection, Light};
 use rimline_testkit::shapes;
 
 use crate::clipped::{Drawn, NOTHING, Shapes};
-use crate::stages::{PLACES, Staged, shape};
+use crate::stages::{LAYOUTS, Staged, shape};
 use rimline_testkit::cases::case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -127,7 +127,7 @@ fn check(
     let (_, positions, mesh) = &scene.caster;
     let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
     let options = ShadowShape { counting: COUNT_Z_FAIL, end_at_range, cull_by_view: 0, ..shape(mesh, LIGHTS) };
-    let staged = Staged::new(gpu, scene, PLACES[0], options, excluded)?;
+    let staged = Staged::new(gpu, scene, LAYOUTS[0], options, excluded)?;
     let (lights, _) = staged.choose(gpu, 0)?;
     let far_z = 1.0 - staged.view.near_z;
     for &index in indices {

@@ -29,7 +29,7 @@ pub(crate) struct Hairlines<'a> {
     tracer: Tracer,
     rays: Rays,
     /// Position in each pixel where the rays go through and a rasteriser samples.
-    place: DVec2,
+    within_pixel: DVec2,
 }
 
 struct Side {
@@ -43,7 +43,7 @@ struct Side {
 }
 
 impl<'a> Hairlines<'a> {
-    pub(crate) fn new(frame: &'a Frame, number: usize, place: DVec2) -> Self {
+    pub(crate) fn new(frame: &'a Frame, number: usize, within_pixel: DVec2) -> Self {
         let mut sides = Vec::new();
         for (caster, body) in frame.bodies.iter().filter(|body| body.casts).enumerate() {
             let shape = &body.shape;
@@ -68,8 +68,8 @@ impl<'a> Hairlines<'a> {
             sides,
             light,
             tracer: Tracer::new(frame),
-            rays: Rays::new(&frame.eye.camera(), frame.size).through(place),
-            place,
+            rays: Rays::new(&frame.eye.camera(), frame.size).through(within_pixel),
+            within_pixel,
         }
     }
 
@@ -92,7 +92,7 @@ impl<'a> Hairlines<'a> {
     }
 
     fn at(&self, (x, y): (u32, u32)) -> DVec2 {
-        DVec2::new(f64::from(x), f64::from(y)) + self.place
+        DVec2::new(f64::from(x), f64::from(y)) + self.within_pixel
     }
 
     /// Whether a ray of the picture less than `distance` pixels away along either axis finds what fits. Within a pixel:
@@ -101,8 +101,8 @@ impl<'a> Hairlines<'a> {
         let off = |step: i32| (f64::from(step) + 0.5) / f64::from(FINE) * distance;
         let (at, end) = (self.at(pixel), DVec2::splat(f64::from(self.frame.size)));
         let around = (-FINE..FINE).flat_map(|y| (-FINE..FINE).map(move |x| at + DVec2::new(off(x), off(y))));
-        let mut seen = around.filter(|place| place.min_element() >= 0.0 && place.cmplt(end).all());
-        seen.any(|place| fits(self.tracer.pixel(self.rays.at(place), &self.frame.lights)[self.number]))
+        let mut seen = around.filter(|point| point.min_element() >= 0.0 && point.cmplt(end).all());
+        seen.any(|point| fits(self.tracer.pixel(self.rays.at(point), &self.frame.lights)[self.number]))
     }
 
     /// Whether an edge passes a pixel's ray on another side when its ends are on the grid.
@@ -181,7 +181,7 @@ fn controls() -> Result<(), String> {
         }
         let lattice: Vec<_> = (0..25).map(|at| (at % 5 * 20 + 7, at / 5 * 20 + 7)).collect();
         let noticed = planted(&lattice, off).pixels.len();
-        let hairlines = Hairlines::new(&traced.frame, 0, traced.compared().place);
+        let hairlines = Hairlines::new(&traced.frame, 0, traced.compared().within_pixel);
         let pixels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
         let reached = pixels.filter(|&pixel| hairlines.reach(pixel, &every) != [0; 2]).count();
         let mut others = (0..SAMPLES.len()).filter(|&other| sample.is_some_and(|sample| sample != other));
@@ -200,7 +200,7 @@ fn controls() -> Result<(), String> {
 }
 
 impl Side {
-    /// A place of the picture is on another side of the edge when the edge's ends are on the grid.
+    /// A point of the picture is on another side of the edge when the edge's ends are on the grid.
     fn changes_sides(&self, at: DVec2) -> bool {
         let is_left = |[a, b]: [DVec2; 2]| (b - a).perp_dot(at - a) > 0.0;
         let snapped = self.pixels.map(|end| (end * 256.0).round() / 256.0);

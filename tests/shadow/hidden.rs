@@ -69,7 +69,7 @@ fn classes() -> Result<(), String> {
             let ahead = (8.0 * frame.eye.near + 0.3) * frame.eye.forward.normalize();
             let half = [0.35, 0.5, 0.65][number as usize % 3] * ahead.length() as f32;
             let front = Body { casts: false, ..Body::caster(shapes::cube()) };
-            frame.bodies.push(front.scaled(half).moved((frame.eye.place + ahead).as_vec3().to_array()));
+            frame.bodies.push(front.scaled(half).moved((frame.eye.position + ahead).as_vec3().to_array()));
             let traced = Traced::of(frame, seed(class, number));
             for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
                 let options = OneCasterOptions { end_at_range: number % 2 == 0, ..OneCasterOptions::default() };
@@ -112,10 +112,10 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
         1 => Light::point([random.between(-6.0, 6.0), random.between(2.0, 9.0), random.between(-12.0, 4.0)]),
         _ => Light::point([random.between(-3.0, 3.0), random.between(0.0, 3.0), random.between(-10.0, -5.0)]),
     };
-    let place = DVec3::new(f64::from(random.between(-1.0, 1.0)), 0.0, 1.5);
+    let position = DVec3::new(f64::from(random.between(-1.0, 1.0)), 0.0, 1.5);
     let forward = DVec3::NEG_Z + 0.3 * direction(random);
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
-    let eye = Eye { is_relative: true, depth, ..Eye::new(place, forward, 0.05) };
+    let eye = Eye { is_relative: true, depth, ..Eye::new(position, forward, 0.05) };
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
@@ -151,7 +151,7 @@ fn nearer() -> Result<(), String> {
         frame.eye.depth = DepthDirection::Reversed;
         // All around, so that there is no sky.
         frame.bodies.push(Body::room([0.0, 0.0, -5.0], 20.0));
-        let at = frame.eye.place + 0.9 * frame.eye.forward.normalize();
+        let at = frame.eye.position + 0.9 * frame.eye.forward.normalize();
         let near = Body { casts: false, ..Body::caster(shapes::cube()) };
         frame.bodies.push(near.scaled(0.1).moved(at.as_vec3().to_array()));
         let traced = Traced::of(frame, seed);

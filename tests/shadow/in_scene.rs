@@ -48,7 +48,7 @@ fn rounded(value: f64) -> f64 {
     (8.0 * value).round() / 8.0
 }
 
-/// A matrix at random, about a place near the body, and the positions that it brings to where they are.
+/// A matrix at random, about a point near the body, and the positions that it brings to where they are.
 fn turned(random: &mut Random, body: &Body) -> (Vec<[f32; 3]>, Matrix3x4) {
     let positions = &body.shape.positions;
     let some = positions[random.below(positions.len())].map(f64::from);
@@ -74,7 +74,7 @@ pub(crate) fn movable(mut frame: Frame) -> Frame {
     for light in frame.lights.iter_mut().filter(|light| light.w != 0.0) {
         *light = Light::point(light.xyz.map(|c| rounded(f64::from(c / light.w)) as f32));
     }
-    frame.eye.place = DVec3::from(frame.eye.place.to_array().map(rounded));
+    frame.eye.position = DVec3::from(frame.eye.position.to_array().map(rounded));
     frame.eye.is_relative = true;
     frame
 }
@@ -87,8 +87,8 @@ fn rows(scale: [f32; 3]) -> Matrix3x4 {
 /// Another camera of the same kind.
 fn other_view(frame: &Frame, random: &mut Random) -> Eye {
     let away = DVec3::from(random.direction().map(f64::from));
-    let place = frame.eye.place + away;
-    Eye { place, forward: -away, ..frame.eye }
+    let position = frame.eye.position + away;
+    Eye { position, forward: -away, ..frame.eye }
 }
 
 /// Casters and lights that will be gone.
@@ -112,9 +112,9 @@ impl Past {
         for body in frame.bodies.iter().take(2) {
             let mesh = Mesh::from_faces(body.shape.positions.len(), body.shape.faces.clone()).map_err(text)?;
             let mesh = scene.add_mesh(&mesh, &body.shape.positions).map_err(text)?;
-            let places = [[1.0; 3], [0.5, 0.5, 0.5]].map(rows);
-            for place in places {
-                casters.push(scene.insert(Caster::rigid(mesh, place)).map_err(text)?);
+            let transforms = [[1.0; 3], [0.5, 0.5, 0.5]].map(rows);
+            for transform in transforms {
+                casters.push(scene.insert(Caster::rigid(mesh, transform)).map_err(text)?);
             }
         }
         renderer
@@ -254,8 +254,8 @@ impl InScene {
             past.go(&mut scene)?;
             view = random.below(3);
             while cameras.len() <= 2 {
-                let place = if cameras.len() <= view { 0 } else { cameras.len() };
-                cameras.insert(place, other_view(frame, &mut random).camera());
+                let index = if cameras.len() <= view { 0 } else { cameras.len() };
+                cameras.insert(index, other_view(frame, &mut random).camera());
             }
             // A later encode into the same encoder overwrites this one.
             scene.encode(encoder, FrameInputs::new(&views(&cameras[..=random.below(3)]))).map_err(text)?;
@@ -395,8 +395,8 @@ fn batches() -> Result<(), String> {
         frame.bodies.push(Body::room([0.0; 3], 20.0));
         frame.lights = vec![Light::point([0.1, 9.0, 0.2])];
         // Below the cubes, looking at the floor, which is in their shadow.
-        let place = DVec3::new(0.0, -17.0, 0.0);
-        frame.eye = Eye { place, forward: DVec3::new(0.01, -1.0, 0.02), near: 0.1, ..frame.eye };
+        let position = DVec3::new(0.0, -17.0, 0.0);
+        frame.eye = Eye { position, forward: DVec3::new(0.01, -1.0, 0.02), near: 0.1, ..frame.eye };
         frame.size = 32;
         for counting in [Counting::Auto, Counting::ZFail] {
             let at_once = renderer(1).count(&frame, counting)?;

@@ -98,10 +98,10 @@ fn levels() -> Result<(), String> {
             } else {
                 let (mut traced, _, range) = in_range(class, number);
                 // A caster behind the eye that the light does not reach.
-                let Eye { place, forward, .. } = traced.frame.eye;
+                let Eye { position, forward, .. } = traced.frame.eye;
                 let [x, y, z] = traced.frame.lights[0].xyz.map(|c| f64::from(c / traced.frame.lights[0].w));
-                let away = 4.0 * f64::from(range) + 2.0 * place.distance(DVec3::new(x, y, z));
-                let at = (place - away * forward.normalize()).as_vec3().to_array();
+                let away = 4.0 * f64::from(range) + 2.0 * position.distance(DVec3::new(x, y, z));
+                let at = (position - away * forward.normalize()).as_vec3().to_array();
                 traced.frame.bodies.push(Body::caster(shapes::cube()).scaled(0.2 * range).moved(at));
                 (traced, range)
             };

@@ -38,8 +38,8 @@ fn shells(count: u32, is_one: bool) -> Frame {
     }
     frame.bodies.push(Body::room([0.0; 3], 3.0));
     frame.lights = vec![Light::point([0.3, 2.9, 0.4])];
-    let place = DVec3::new(2.2, -1.3, 2.5);
-    frame.eye = Eye::new(place, DVec3::new(-2.2, -1.6, -2.5), 0.1);
+    let position = DVec3::new(2.2, -1.3, 2.5);
+    frame.eye = Eye::new(position, DVec3::new(-2.2, -1.6, -2.5), 0.1);
     frame.size = 64;
     frame
 }
@@ -55,8 +55,8 @@ fn without_casters(frame: &Frame) -> Frame {
 fn map(gpu: &Gpu, seed: u64) -> Result<(wgpu::Texture, rimline::ShadowCamera), String> {
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let place = DVec3::new(0.3, 2.9, 0.4);
-    let eye = Eye::new(place, -place, 0.5);
+    let position = DVec3::new(0.3, 2.9, 0.4);
+    let eye = Eye::new(position, -position, 0.5);
     let depths: Vec<f32> =
         (0..MAP * MAP).map(|_| if random.below(3) == 0 { 0.0 } else { 0.5 / random.between(1.5, 5.5) }).collect();
     Ok((textures::texture(gpu, [MAP; 2], TextureFormat::R32Float, &depths)?, eye.camera()))

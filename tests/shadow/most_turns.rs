@@ -18,7 +18,7 @@ use rimline_testkit::turns::limits;
 use rimline_testkit::{must_fail, same, shapes};
 
 use crate::sides::{self, box_words};
-use crate::stages::{PLACES, choices, placed, seen, shape, table, with_depth};
+use crate::stages::{LAYOUTS, choices, position_buffer, seen, shape, table, with_depth};
 use rimline_testkit::goldens::golden;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -47,16 +47,16 @@ fn compact_scan() -> Result<(), String> {
     // Blocks of one light, the last of four that counts have room for.
     let blocks = 256 * stated("SCAN_BLOCKS");
     let counts: Vec<u32> = (0..blocks).map(|block| block % 7 + block / 1000 % 3).collect();
-    let (places, totals) = (gpu.storage(&counts), gpu.storage(&[9_u32; 4]));
+    let (blocks_before, totals) = (gpu.storage(&counts), gpu.storage(&[9_u32; 4]));
     let chunk = uniform(gpu, &[0, 256 * blocks, 3, 1, blocks, 0, 0, 0]);
-    stage.run_bound(gpu, &[&[(0, &chunk), (2, &places), (3, &totals)]], 1)?;
+    stage.run_bound(gpu, &[&[(0, &chunk), (2, &blocks_before), (3, &totals)]], 1)?;
     let mut sum = 0;
     let before = counts.iter().map(|count| {
         sum += count;
         sum - count
     });
     let before: Vec<u32> = before.collect();
-    let found: Vec<u32> = gpu.read(&places, counts.len())?;
+    let found: Vec<u32> = gpu.read(&blocks_before, counts.len())?;
     same("places", &found, &before)?;
     same("totals", &gpu.read::<u32>(&totals, 4)?, &[9, 9, 9, sum])?;
     must_fail("counts", &same("places", &counts, &before))
@@ -76,27 +76,27 @@ fn one_large(faces: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     (positions, faces)
 }
 
-/// Only the last place of choices says that the box is needed, and only the last batch has a light.
+/// Only the last choices says that the box is needed, and only the last batch has a light.
 fn bounds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let chunks = 64 * stated("BOUND_CHUNKS");
     let (positions, faces) = one_large(chunks * CHUNK);
     let [expected, without_last] = [box_words(&positions, &faces), box_words(&positions, &faces[..64])];
-    let places = stated("BOUND_PLACES");
-    let (batches, views) = (32, places / 32);
+    let choice_count = stated("BOUND_PLACES");
+    let (batches, views) = (32, choice_count / 32);
     let caster = SceneCaster { faces: faces.len() as u32, position_stride: 3, ..Zeroable::zeroed() };
     let mut words: Vec<u32> = bytemuck::cast_slice(&[caster]).to_vec();
     let face_chunks_offset = words.len() as u32 / 4;
     words.extend((0..chunks).map(|_| 0));
     let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
     let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_offset, ..shape(&mesh, 1) };
-    let mut choices = vec![0_u32; CHOICE_WORDS * places as usize];
+    let mut choices = vec![0_u32; CHOICE_WORDS * choice_count as usize];
     let mut lit = vec![0_u32; batches as usize];
     let stage = Dispatch::stage(gpu, &BOUNDS);
     let (shape, table) = (uniform(gpu, &own), gpu.storage(&words));
-    let (positions, faces) = (placed(gpu, &positions, PLACES[0]), gpu.storage(&faces));
+    let (positions, faces) = (position_buffer(gpu, &positions, LAYOUTS[0]), gpu.storage(&faces));
     let mut run = |is_fresh: u32, is_lit: u32| {
-        choices[CHOICE_WORDS * places as usize - 1] = is_fresh;
+        choices[CHOICE_WORDS * choice_count as usize - 1] = is_fresh;
         lit[batches as usize - 1] = is_lit;
         let (choices, lit, found) = (gpu.storage(&choices), gpu.storage(&lit), gpu.storage(&[0_u32; 7]));
         stage.run(gpu, &[&shape, &table, &positions, &faces, &found, &choices, &lit], 1)?;
@@ -133,10 +133,10 @@ fn caps() -> Result<(), String> {
     let mut list = vec![0_u32; 128];
     list.resize(128 + 64 * faces, u32::MAX);
     let capped = vec![false; 32];
-    let table = with_depth(table(&mesh, PLACES[0], &lights, &capped), false);
+    let table = with_depth(table(&mesh, LAYOUTS[0], &lights, &capped), false);
     let draw = ShadowDraw::zeroed();
     let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &given)));
-    let (positions, table) = (placed(gpu, &plane.positions, PLACES[0]), gpu.storage(&table));
+    let (positions, table) = (position_buffer(gpu, &plane.positions, LAYOUTS[0]), gpu.storage(&table));
     let (faces_buffer, facing, excluded) = (gpu.storage(mesh.faces()), gpu.storage(&masks), gpu.storage(&none));
     let (choices, list) = (gpu.storage(&choices(&lights, &capped)), gpu.storage(&list));
     let buffers = [&shape, &draw, &seen, &table, &positions, &faces_buffer, &facing, &excluded, &choices, &list];
@@ -188,7 +188,7 @@ fn list_sides() -> Result<(), String> {
     counts[0] = packed.len() as u32;
     let (counts, raw) = (gpu.storage(&counts), gpu.storage(&[u32::MAX]));
     let (shape, draw) = (uniform(gpu, &own), uniform(gpu, &draw));
-    let (table, edge_faces) = (gpu.storage(&table(&mesh, PLACES[0], &[light], &[false])), gpu.storage(packed));
+    let (table, edge_faces) = (gpu.storage(&table(&mesh, LAYOUTS[0], &[light], &[false])), gpu.storage(packed));
     let (facing, excluded, zeros) = (gpu.storage(&facing), gpu.storage(&none), gpu.storage(&[0_u32; 5]));
     let sides = gpu.storage(&vec![u32::MAX; 64 + room]);
     gpu.queue.write_buffer(&sides, 0, &[0; 256]);
@@ -215,14 +215,14 @@ fn stencil_pencil() -> Result<(), String> {
     }
     // Whole numbers, so that boxes are exact. The last casters are on the axes, fewest on the third.
     let end = |caster: u32| [-900.0, 900.0][(caster % 2) as usize];
-    let place = |caster: u32| match casters - caster {
+    let centre = |caster: u32| match casters - caster {
         1..=256 => [0.0, end(caster), 0.0],
         257..=512 => [end(caster), 0.0, 0.0],
         513..=600 => [0.0, 0.0, end(caster)],
         _ => [(caster % 400) as f32 + 8.0, (caster / 400 % 400) as f32 + 8.0, (caster % 3) as f32],
     };
     let of = |caster: u32| {
-        let [x, y, z] = place(caster);
+        let [x, y, z] = centre(caster);
         SceneCaster {
             row_0: [0.0, 2.0, 0.0, x],
             row_1: [-2.0, 0.0, 0.0, y],
@@ -250,7 +250,7 @@ fn stencil_pencil() -> Result<(), String> {
     let row_of = |casters: std::ops::Range<u32>| {
         let mut row = vec![0; 1028];
         for caster in casters.filter(does_cast) {
-            let [x, y, _] = place(caster);
+            let [x, y, _] = centre(caster);
             row[1025] += if x.abs() <= 2.0 && y.abs() <= 2.0 { 1 + caster % 3 } else { 0 };
             row[1026] += 1 + caster % 3;
         }
@@ -275,7 +275,7 @@ fn stencil_pencil() -> Result<(), String> {
 }
 
 /// Sides in the middle of bins, around an axis that their caster does not meet: each crosses from a half plane to another, some
-/// across the place where numbers begin anew.
+/// across the half plane with the key 0.
 fn stencil_crossings() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let most = 64 * stated("LISTED_ITEMS");
@@ -286,13 +286,13 @@ fn stencil_crossings() -> Result<(), String> {
         bins_per_key: 256.0,
         ..Zeroable::zeroed()
     };
-    // |u| + |v| is 512 and u is odd, so that places are whole numbers of bins and a half.
-    let place = |number: u32| {
+    // |u| + |v| is 512 and u is odd, so that keys are whole numbers of bins and a half.
+    let corner = |number: u32| {
         let u = 2 * (number % 512) as i32 - 511;
         [u, (512 - u.abs()) * if number % 1024 < 512 { 1 } else { -1 }]
     };
     let end = |number: u32| {
-        let [u, v] = place(number).map(|c| c as f32);
+        let [u, v] = corner(number).map(|c| c as f32);
         [v, 0.0, u]
     };
     let positions: Vec<[f32; 3]> = (0..1024).map(end).collect();
@@ -307,9 +307,9 @@ fn stencil_crossings() -> Result<(), String> {
     let mut sides = vec![0; 64];
     sides[..2].copy_from_slice(&[plain, most - plain]);
     sides.extend((0..most).map(|entry| named(entry) | if entry % 2 == 0 { cpu::WINDING } else { 0 }));
-    // Twice the number of bins to the place of an end, once around.
+    // Twice the bins up to the key of an end.
     let halves = |number: u32| {
-        let [u, v] = place(number);
+        let [u, v] = corner(number);
         if v >= 0 { 512 - u } else { 1536 + u }
     };
     let mut bins = vec![0_u32; 1025];
@@ -325,7 +325,7 @@ fn stencil_crossings() -> Result<(), String> {
         }
     }
     let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..Zeroable::zeroed() };
-    let mut words = table(&mesh, PLACES[0], &[light], &[false]);
+    let mut words = table(&mesh, LAYOUTS[0], &[light], &[false]);
     words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
     words.resize(words.len().next_multiple_of(4), 0);
     let own = ShadowShape { edge_chunks_offset: words.len() as u32 / 4, ..own };
@@ -334,7 +334,7 @@ fn stencil_crossings() -> Result<(), String> {
     let boxes = box_words(&[[8.0, 0.0, 8.0], [12.0, 4.0, 12.0]], &[[0, 1, 1]]);
     let draw = ShadowDraw::zeroed();
     let (shape, draw, table) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
-    let (boxes, positions) = (gpu.storage(&boxes), placed(gpu, &positions, PLACES[0]));
+    let (boxes, positions) = (gpu.storage(&boxes), position_buffer(gpu, &positions, LAYOUTS[0]));
     let (edges, sides, pencils) = (gpu.storage(&edges), gpu.storage(&sides), gpu.storage(&[pencil]));
     let bin_rows = gpu.storage(&[0_u32; 1028]);
     let buffers = [&shape, &draw, &table, &boxes, &positions, &edges, &sides, &pencils, &bin_rows];

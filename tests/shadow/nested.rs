@@ -30,8 +30,8 @@ fn inwards_cube(light: Light) -> Frame {
         positions: vec![[-300.0, -1.1, -300.0], [-300.0, -1.1, 300.0], [300.0, -1.1, 300.0], [300.0, -1.1, -300.0]],
         faces: vec![[0, 1, 2], [0, 2, 3]],
     };
-    let place = DVec3::new(5.0, 4.0, 6.0);
-    let eye = Eye::new(place, -place, 0.05);
+    let position = DVec3::new(5.0, 4.0, 6.0);
+    let eye = Eye::new(position, -position, 0.05);
     let bodies = vec![Body::caster(cube), Body { casts: false, ..Body::caster(ground) }];
     Frame { bodies, eye, lights: vec![light], size: 240 }
 }
@@ -40,7 +40,7 @@ fn inwards_cube(light: Light) -> Frame {
 fn inwards() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let light = [0.2, 0.3, 0.1];
-    // Another w is the same place.
+    // Another w is the same position.
     for w in [1.0, 0.3] {
         let traced = Traced::of(inwards_cube(Light::homogeneous([light[0] * w, light[1] * w, light[2] * w, w])), 0);
         let surface = |truths: &Vec<Truth>| matches!(truths[0], Truth::Surface(_));
@@ -82,7 +82,7 @@ fn at_the_box() -> Result<(), String> {
                 let mut frame = nested(&mut Random::new(5));
                 frame.bodies[0] = Body::caster(shape.clone());
                 frame.eye =
-                    Eye { place: DVec3::new(-4.0, 3.0, 5.0), forward: DVec3::new(4.0, -3.5, -5.0), ..frame.eye };
+                    Eye { position: DVec3::new(-4.0, 3.0, 5.0), forward: DVec3::new(4.0, -3.5, -5.0), ..frame.eye };
                 frame.lights = vec![Light::point(at)];
                 let traced = Traced::of(frame, 0);
                 for counting in RIGHT {
@@ -104,14 +104,14 @@ fn at_the_box() -> Result<(), String> {
 fn at_a_cube(light: [f32; 3], methods: &[Counting]) -> Result<(), String> {
     let gpu = Gpu::shared()?;
     for is_inwards in [false, true] {
-        for place in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, -3.0, 5.0)] {
+        for position in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, -3.0, 5.0)] {
             let mut frame = nested(&mut Random::new(5));
             frame.bodies[0] = Body::caster(component(shapes::cube(), [0.0; 3], 1.0, is_inwards));
-            frame.eye = Eye { place, forward: -place, near: 0.05, ..frame.eye };
+            frame.eye = Eye { position, forward: -position, near: 0.05, ..frame.eye };
             frame.lights = vec![Light::point(light)];
             let traced = Traced::of(frame, 0);
             for &counting in methods {
-                let what = |error| format!("light {light:?}, inwards {is_inwards}, eye {place}: {error}");
+                let what = |error| format!("light {light:?}, inwards {is_inwards}, eye {position}: {error}");
                 traced.check(&Renderer::new(&gpu), counting, true).map_err(what)?;
             }
         }
@@ -170,7 +170,7 @@ fn on_surface() -> Result<(), String> {
             let end = positions[other][axis];
             at[axis] += (end - at[axis]) * random.between(0.1, 0.9);
         }
-        // Another w is the same place.
+        // Another w is the same position.
         let w = [1.0, 0.25][number % 2];
         let [x, y, z] = at.map(|coordinate| coordinate * w);
         frame.lights = vec![Light::homogeneous([x, y, z, w])];
@@ -211,14 +211,14 @@ fn many_in_a_plane() -> Result<(), String> {
     // Excluded faces of a light: 2 for each square of one, two and no sides.
     let squares = 20;
     for list_capacity in [None, Some(200)] {
-        for place in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, -3.0, 5.0)] {
+        for position in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, -3.0, 5.0)] {
             let mut frame = nested(&mut Random::new(5));
             frame.bodies[0] = Body::caster(fine_cube(squares));
-            frame.eye = Eye { place, forward: -place, near: 0.05, ..frame.eye };
+            frame.eye = Eye { position, forward: -position, near: 0.05, ..frame.eye };
             frame.lights = [[0.31, 1.0, 0.23], [2.0, 3.0, 1.5], [0.2, 0.31, -1.0]].map(Light::point).to_vec();
             let traced = Traced::of(frame, u64::from(squares));
             for counting in RIGHT {
-                let what = |error| format!("room for {list_capacity:?}, eye {place}: {error}");
+                let what = |error| format!("room for {list_capacity:?}, eye {position}: {error}");
                 let renderer = Renderer { list_capacity, ..Renderer::new(&gpu) };
                 let (_, counted) = traced.check(&renderer, counting, true).map_err(what)?;
                 let excludes: Vec<u32> = counted.chosen[0].iter().map(|light| light.excludes).collect();

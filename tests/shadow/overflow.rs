@@ -9,17 +9,15 @@ use rimline_testkit::shapes::{self, Shape};
 use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::rays::{self, Truth};
-use crate::render::{Counted, Placing, Renderer};
+use crate::render::{Placing, Renderer};
 use crate::scene::{Body, CENTRE, Eye, Frame};
 use crate::trials::{Test, Traced, rotated, seed};
 use rimline_testkit::device::Gpu;
-use rimline_testkit::goldens::golden;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("counts_that_are_multiples_of_256_are_warned_of", multiples),
-    ("stencil_bound_holds", bound),
     ("ordinary_models_do_not_warn", ordinary),
     ("lists_that_overflow_count_alike", short_lists),
     ("lists_of_cap_faces_that_a_small_device_shortens", shortened),
@@ -55,7 +53,7 @@ fn multiples() -> Result<(), String> {
         if deepest.max() != Some(sheets as u16) {
             return Err(format!("no point is below all of {sheets} sheets"));
         }
-        let compared = Compared { frame: &frame, truths: &truths, place: CENTRE, light: 0, explains: true };
+        let compared = Compared { frame: &frame, truths: &truths, within_pixel: CENTRE, light: 0, explains: true };
         for counting in [Counting::Auto, Counting::ZFail] {
             let counted = renderer(&gpu).count(&frame, counting)?;
             let stencil = &counted.stencils[0];
@@ -84,49 +82,6 @@ fn multiples() -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// Never below a count that a ray finds.
-fn holds(bounds: &[u32], truths: &[Vec<Truth>], counted: &Counted) -> Result<(), String> {
-    for truth in truths {
-        let Truth::Surface(between) = truth[0] else { continue };
-        for (caster, (&bound, lights)) in bounds.iter().zip(&counted.chosen).enumerate() {
-            let [back_facing, facing] = between.0[caster];
-            let count = match lights[0].casting {
-                0 => 0,
-                1 => back_facing,
-                _ => back_facing + facing,
-            };
-            if u32::from(count) > bound {
-                return Err(format!("caster {caster}: a count of {count}, the bound is {bound}"));
-            }
-        }
-    }
-    Ok(())
-}
-
-fn bound() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let mut tight = 0;
-    for class in CLASSES {
-        for number in 80..if is_long() { 100 } else { 81 } {
-            let seed = seed(class, number);
-            let frame = (class.frame)(&mut Random::new(seed));
-            let counted = renderer(&gpu).count(&frame, Counting::ZFail)?;
-            let got: Vec<u32> = counted.statistics.iter().map(|statistics| statistics.count_bound).collect();
-            if number == 80 {
-                golden("shadow", &format!("stencil_bound {}", class.name), &got)?;
-            }
-            let truths = rays::trace(&frame, CENTRE);
-            holds(&got, &truths, &counted).map_err(|error| format!("{}, seed {seed}: {error}", class.name))?;
-            let lower: Vec<u32> = got.iter().map(|_| 0).collect();
-            if truths.iter().any(|truth| truth[0].is_shadowed()) {
-                must_fail("a bound of nothing", &holds(&lower, &truths, &counted))?;
-                tight += 1;
-            }
-        }
-    }
-    if tight > 0 { Ok(()) } else { Err("no frame had a shadow".to_owned()) }
 }
 
 /// Shapes of some thousands of faces, from lights around them.

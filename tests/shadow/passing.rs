@@ -22,21 +22,21 @@ fn passing() -> Result<(), String> {
         for path in PATHS {
             for step in -6..=6_i8 {
                 let light = path(0.25 * f32::from(step));
-                for place in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(-0.2, 0.1, 0.3)] {
-                    let forward = DVec3::new(0.3, -0.2, 0.1) - place;
-                    let eye = Eye { is_relative: true, ..Eye::new(place, forward, 0.05) };
+                for position in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(-0.2, 0.1, 0.3)] {
+                    let forward = DVec3::new(0.3, -0.2, 0.1) - position;
+                    let eye = Eye { is_relative: true, ..Eye::new(position, forward, 0.05) };
                     let cube = Body { mirror, ..Body::caster(shapes::cube()) };
                     let beside = Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.75, 0.5, 0.0]);
                     let bodies = vec![cube, beside, Body::room([0.0; 3], 8.0)];
                     let traced = Traced::of(Frame { bodies, eye, lights: vec![Light::point(light)], size: 48 }, 0);
                     shadowed += traced.shadowed();
                     in_planes += usize::from(step == 4 || step == -4);
-                    let what = |error| format!("light {light:?}, eye {place}, mirror {mirror:?}: {error}");
+                    let what = |error| format!("light {light:?}, eye {position}, mirror {mirror:?}: {error}");
                     let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
                     for counting in rotated(&RIGHT, (step + 6) as usize) {
                         traced.check(&renderer, counting, true).map_err(what)?;
                     }
-                    if step == 6 && place.x > 1.0 {
+                    if step == 6 && position.x > 1.0 {
                         let mut moved = Traced { frame: traced.frame.clone(), ..traced };
                         moved.frame.lights = vec![Light::point(path(-1.5))];
                         must_fail("the light on the other side", &moved.check(&renderer, RIGHT[0], false).map(drop))?;

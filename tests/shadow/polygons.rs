@@ -60,9 +60,20 @@ impl Rig {
         let own = own.map(|(&face, polygon)| (corners(caster, face), (polygon as usize, true)));
         let walls = room.shape.faces.iter().map(|&face| (corners(room, face), (0, false)));
         let edges = mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        let seen = |[a, b]: [u32; 2]| {
-            let place = |v: u32| picture(frame, DVec3::from(caster.shape.positions[v as usize].map(f64::from)));
-            let [(a, a_off), (b, b_off)] = [place(a)?, place(b)?];
+        let Eye { position, forward, near, .. } = frame.eye;
+        let height = |p: DVec3| (p - position).dot(forward.normalize()) - 0.5 * near;
+        let seen = |edge: [u32; 2]| {
+            let [mut a, mut b] = edge.map(|v| DVec3::from(caster.shape.positions[v as usize].map(f64::from)));
+            let (of_a, of_b) = (height(a), height(b));
+            // The part of the edge before the eye.
+            let meeting = a + (b - a) * (of_a / (of_a - of_b));
+            match (of_a > 0.0, of_b > 0.0) {
+                (false, false) => return None,
+                (false, true) => a = meeting,
+                (true, false) => b = meeting,
+                (true, true) => {}
+            }
+            let [(a, a_off), (b, b_off)] = [picture(frame, a)?, picture(frame, b)?];
             Some(([a, b], HALF_STEP + a_off.max(b_off)))
         };
         Self {
@@ -75,8 +86,8 @@ impl Rig {
         }
     }
 
-    fn at(&self, place: DVec2) -> Truth {
-        let ray = self.rays.at(place);
+    fn at(&self, point: DVec2) -> Truth {
+        let ray = self.rays.at(point);
         let seen = self.tracer.meetings(ray).filter(|(t, _)| *t > 0.0).min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((t, _)) = seen.filter(|(_, triangle)| !triangle.of.1) else { return Truth::NoReceiver };
         let point = ray.0 + ray.1 * t;
@@ -102,7 +113,7 @@ impl Rig {
         pixels.map(|(x, y)| self.at(Self::pixel(x, y))).collect()
     }
 
-    /// Whether a position that the GPU may see in the place of the pixel's centre has this truth: vertices move on the
+    /// Whether a position that the GPU may see instead of the pixel's centre has this truth: vertices move on the
     /// rasteriser's grid, and depths that are compared are rounded.
     fn is_near(&self, pixel: DVec2, fits: impl Fn(Truth) -> bool) -> bool {
         let (from, direction) = self.rays.at(pixel);

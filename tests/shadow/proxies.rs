@@ -26,26 +26,26 @@ fn proxy(random: &mut Random) -> Body {
     Body { is_drawn: false, in_depth: false, ..Body::caster(shape) }
 }
 
-fn frame(random: &mut Random, mut bodies: Vec<Body>, [place, light, at]: [DVec3; 3]) -> Frame {
+fn frame(random: &mut Random, mut bodies: Vec<Body>, [position, light, at]: [DVec3; 3]) -> Frame {
     bodies.push(Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.5, 0.5, 0.0]));
     bodies.push(Body::room([0.0; 3], 8.0));
-    let forward = direction(random) * 0.3 + at - place;
+    let forward = direction(random) * 0.3 + at - position;
     let near = f64::from(random.between(0.02, 0.3));
-    let eye = Eye { is_relative: true, ..Eye::new(place, forward, near) };
+    let eye = Eye { is_relative: true, ..Eye::new(position, forward, near) };
     Frame { bodies, eye, lights: vec![Light::point(light.as_vec3().to_array())], size: 64 }
 }
 
 /// A receiver in a proxy, which may itself cast; and the eye or the light in the proxy, or outside.
 fn around(random: &mut Random) -> Frame {
     let proxy = proxy(random);
-    let place = direction(random).as_vec3().to_array().map(|c| 0.3 * c);
-    let within = Body::caster(shapes::blob(6, 0.3, 5)).scaled(0.3).moved(place);
+    let offset = direction(random).as_vec3().to_array().map(|c| 0.3 * c);
+    let within = Body::caster(shapes::blob(6, 0.3, 5)).scaled(0.3).moved(offset);
     let within = Body { casts: random.below(2) == 0, ..within };
     let far = |random: &mut Random| direction(random) * [0.9, 3.5, 6.0][random.below(3)];
-    let (place, light) = (far(random), far(random));
-    let mut frame = frame(random, vec![proxy, within], [place, light, DVec3::ZERO]);
+    let (position, light) = (far(random), far(random));
+    let mut frame = frame(random, vec![proxy, within], [position, light, DVec3::ZERO]);
     // Half of the pictures show little but the receiver.
-    frame.eye.forward = if random.below(2) == 0 { -place } else { frame.eye.forward };
+    frame.eye.forward = if random.below(2) == 0 { -position } else { frame.eye.forward };
     frame
 }
 
@@ -54,9 +54,9 @@ fn within(random: &mut Random) -> Frame {
     let proxy = proxy(random).scaled(0.55);
     let hull = Body { casts: false, ..Body::caster(shapes::cube()) };
     let far = |random: &mut Random| direction(random) * [3.5, 6.0][random.below(2)];
-    let (place, light) = (far(random), far(random));
+    let (position, light) = (far(random), far(random));
     // Looking at the shadow.
-    frame(random, vec![proxy, hull], [place, light, light.normalize() * -6.0])
+    frame(random, vec![proxy, hull], [position, light, light.normalize() * -6.0])
 }
 
 /// Frames by each method, of casters in one scene and each with volumes of its own; with lists that fit or overflow, and

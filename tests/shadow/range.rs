@@ -1,12 +1,12 @@
 //! Lights that reach only so far: casters out of range, and volumes that end there.
 
 use glam::DVec3;
-use rimline::{Cone, Counting, Light};
+use rimline::{Counting, Light};
 use rimline_testkit::OneCasterOptions;
 
 use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};
-use crate::render::{Placing, Renderer};
+use crate::render::Renderer;
 use crate::scene::{Body, Frame};
 use crate::trials::{Test, Traced, class};
 use rimline_testkit::device::Gpu;
@@ -17,17 +17,16 @@ pub(crate) const TESTS: &[Test] = &[
     ("volumes_end_at_the_range", ended),
     ("receivers_just_within_the_range_are_in_shadow", just_within),
     ("casters_out_of_range_are_skipped", skipped),
-    ("casters_out_of_the_cone_throw_no_shadow_into_it", cones),
 ];
 
-fn place(light: Light) -> DVec3 {
+fn light_position(light: Light) -> DVec3 {
     DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w)
 }
 
 /// A frame, of which rays see nothing out of the light's range; and what they see there.
 pub(crate) fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, f32) {
     let mut traced = Traced::new(class, number);
-    let light = place(traced.frame.lights[0]);
+    let light = light_position(traced.frame.lights[0]);
     let casters = traced.frame.bodies.iter().filter(|body| body.casts);
     let corners = casters
         .flat_map(|body| body.finite_faces().into_iter().flatten().map(|vertex| body.shape.positions[vertex as usize]));
@@ -86,7 +85,7 @@ fn control(gpu: &Gpu) -> Result<(), String> {
     let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
     let class = class("camera outside the shadow")?;
     let traced = Traced::new(class, 50);
-    let distance = place(traced.frame.lights[0]).length() as f32;
+    let distance = light_position(traced.frame.lights[0]).length() as f32;
     for counting in [Counting::Auto, Counting::ZPass, Counting::ZFail] {
         let renderer = Renderer { options, range: distance, ..Renderer::new(gpu) };
         must_fail("a range too small", &traced.check(&renderer, counting, false))?;
@@ -112,8 +111,8 @@ fn just_within() -> Result<(), String> {
         frame.lights = vec![Light::point([0.0; 3])];
         // Looking past the plate, from outside of the shadow.
         let spot = DVec3::new(0.0, -f64::from(floor), 0.0);
-        let place = DVec3::new(2.5, -0.3 * f64::from(height), 0.4);
-        (frame.eye.place, frame.eye.forward, frame.eye.near) = (place, spot - place, 0.05);
+        let position = DVec3::new(2.5, -0.3 * f64::from(height), 0.4);
+        (frame.eye.position, frame.eye.forward, frame.eye.near) = (position, spot - position, 0.05);
         let range = floor * 1.02;
         let mut traced = Traced::of(frame, 0);
         for (truth, point) in traced.truths.iter_mut().zip(rays::points(&traced.frame)) {
@@ -146,7 +145,7 @@ fn skipped() -> Result<(), String> {
         for (range, casts) in [(distance * 0.999, false), (distance * 1.001, true), (distance * 1.3, true)] {
             let mut frame: Frame = (class.frame)(&mut Random::new(1));
             frame.bodies = vec![Body::caster(shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
-            // Another w is the same place.
+            // Another w is the same position.
             for w in [1.0, 0.3] {
                 let [x, y, z] = light;
                 frame.lights = vec![Light::homogeneous([x * w, y * w, z * w, w])];
@@ -160,60 +159,4 @@ fn skipped() -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// Rigid casters of a scene, some of them outside of the light's cone: what is seen within the cone is as without one.
-fn cones() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let (mut compared, mut shadowed, mut gone, mut noticed) = (0, 0, 0, 0);
-    for class in CLASSES.iter().filter(|class| class.name != "directional lights") {
-        for number in 60..if is_long() { 80 } else { 63 } {
-            let seed = crate::trials::seed(class, number);
-            let mut random = Random::new(seed);
-            let mut frame = (class.frame)(&mut random);
-            frame.size = 48;
-            // A matrix makes a caster rigid, so its box is known.
-            frame
-                .bodies
-                .iter_mut()
-                .filter(|body| body.casts)
-                .for_each(|body| body.mirror = Some(glam::Vec3::NEG_X + glam::Vec3::Y + glam::Vec3::Z));
-            frame.lights.truncate(1);
-            let light = place(frame.lights[0]);
-            let axis = random.direction();
-            let cone = Cone { axis, cosine: random.between(-0.5, 0.95) };
-            let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(&gpu) };
-            let whole = renderer.count(&frame, Counting::Auto)?;
-            frame.lights[0] = frame.lights[0].with_cone(cone);
-            let found = renderer.count(&frame, Counting::Auto)?;
-            let within = |point: &Option<DVec3>| {
-                point.is_some_and(|point| {
-                    let axis = DVec3::from(axis.map(f64::from)).normalize();
-                    (point - light).normalize().dot(axis) > f64::from(cone.cosine)
-                })
-            };
-            let pixels = found.stencils[0].iter().zip(&whole.stencils[0]).zip(rays::points(&frame));
-            for ((found, whole), point) in pixels {
-                if within(&point) {
-                    if found != whole {
-                        return Err(format!("{}, seed {seed}, {cone:?}: {found}, not {whole}", class.name));
-                    }
-                    compared += 1;
-                    shadowed += usize::from(*whole > 0);
-                } else {
-                    gone += usize::from(found != whole);
-                }
-            }
-            // The negative control: a cone that points away.
-            frame.lights[0] = frame.lights[0].with_cone(Cone { axis: axis.map(|c| -c), cosine: 0.99 });
-            let turned = renderer.count(&frame, Counting::Auto)?;
-            let pixels = turned.stencils[0].iter().zip(&whole.stencils[0]).zip(rays::points(&frame));
-            noticed +=
-                usize::from(pixels.into_iter().any(|((turned, whole), point)| within(&point) && turned != whole));
-        }
-    }
-    println!(
-        "{compared} pixels in cones, {shadowed} of them in shadow, {gone} others not in shadow any more, {noticed} controls"
-    );
-    if shadowed < 1000 || gone < 1000 || noticed < 3 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }

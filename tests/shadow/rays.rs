@@ -140,10 +140,10 @@ pub(crate) fn points(frame: &Frame) -> Vec<Option<DVec3>> {
     pixels.map(|(x, y)| tracer.first(rays.ray(x, y)).map(|(point, _)| point)).collect()
 }
 
-/// Surfaces seen through a position in each pixel, row by row, for each light.
-pub(crate) fn trace(frame: &Frame, place: DVec2) -> Vec<Vec<Truth>> {
+/// Surfaces seen through a point of each pixel, row by row, for each light.
+pub(crate) fn trace(frame: &Frame, within_pixel: DVec2) -> Vec<Vec<Truth>> {
     let tracer = Tracer::new(frame);
-    let rays = Rays::new(&frame.eye.camera(), frame.size).through(place);
+    let rays = Rays::new(&frame.eye.camera(), frame.size).through(within_pixel);
     let rows: Vec<u32> = (0..frame.size).collect();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let share = rows.len().div_ceil(threads);

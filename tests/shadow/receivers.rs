@@ -1,5 +1,5 @@
 //! The pyramid of the farthest receivers that `receiver_depth` and `receiver_pyramid` make, against the depths that are drawn and
-//! places that are seen.
+//! points that are seen.
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, View};
@@ -19,15 +19,15 @@ use crate::trials::Test;
 pub(crate) const TESTS: &[Test] =
     &[("receivers_are_those_of_their_depths", pyramid), ("lists_for_known_receivers_are_kept", versions)];
 
-/// Writes a depth for each sample from a hash of its place. Some are those that are cleared to.
+/// Writes a depth for each sample from a hash of its pixel. Some are those that are cleared to.
 const WRITER: &str = "
 struct Depths { seed: u32, share_of_sky: u32, sky: f32, nearest: f32 }
 @group(0) @binding(0) var<uniform> depths: Depths;
 @vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
 }
-fn hashed(place: vec2<u32>, sample: u32) -> f32 {
-  var h = depths.seed ^ (place.x * 73856093u) ^ (place.y * 19349663u) ^ (sample * 83492791u);
+fn hashed(pixel: vec2<u32>, sample: u32) -> f32 {
+  var h = depths.seed ^ (pixel.x * 73856093u) ^ (pixel.y * 19349663u) ^ (sample * 83492791u);
   h = (h ^ (h >> 16u)) * 0x45d9f3bu;
   h = (h ^ (h >> 16u)) * 0x45d9f3bu;
   h ^= h >> 16u;
@@ -115,10 +115,10 @@ fn written(
 
 fn eye(random: &mut Random, number: usize) -> Eye {
     let forward = DVec3::from(random.direction().map(f64::from));
-    let place = 5.0 * DVec3::from(random.direction().map(f64::from));
+    let position = 5.0 * DVec3::from(random.direction().map(f64::from));
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     let (far, half_width) = [(None, None), (Some(50.0), None), (Some(50.0), Some(8.0))][number / 2 % 3];
-    Eye { is_relative: random.below(5) > 0, depth, far, half_width, ..Eye::new(place, forward, 0.1) }
+    Eye { is_relative: random.below(5) > 0, depth, far, half_width, ..Eye::new(position, forward, 0.1) }
 }
 
 /// The farthest of `by` times `by` cells, in rows of so many cells.
@@ -150,8 +150,8 @@ fn levels(view: &ReceiverView, depths: &[f32], samples: u32) -> (Vec<u32>, [u32;
     (all, tiles)
 }
 
-/// Each place that is no sky must be in the box.
-fn check_places(
+/// Each point that is no sky must be in the box.
+fn check_points(
     camera: &ShadowCamera,
     view: &ReceiverView,
     words: &[u32],
@@ -169,11 +169,11 @@ fn check_places(
             }
             let ndc = |at: u32, size: u32| (f64::from(at) + 0.5) / f64::from(size) * 2.0 - 1.0;
             let seen = DVec4::new(ndc(x, view.pixels[0]), -ndc(y, view.pixels[1]), f64::from(depth), 1.0);
-            let place = inverse * seen;
-            let place = place.truncate() / place.w;
-            if !(place.cmpge(corner(6)).all() && place.cmple(corner(9)).all()) {
+            let point = inverse * seen;
+            let point = point.truncate() / point.w;
+            if !(point.cmpge(corner(6)).all() && point.cmple(corner(9)).all()) {
                 return Err(format!(
-                    "pixel {x} {y} at depth {depth} is at {place}, the box is {} {}",
+                    "pixel {x} {y} at depth {depth} is at {point}, the box is {} {}",
                     corner(6),
                     corner(9)
                 ));
@@ -186,7 +186,7 @@ fn check_places(
 /// Words before the levels.
 const HEAD: usize = 16;
 
-/// Keys of tiles and levels are those of the depths, and the box has all places that are seen.
+/// Keys of tiles and levels are those of the depths, and the box has all points that are seen.
 fn pyramid() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 6001;
@@ -218,9 +218,9 @@ fn pyramid() -> Result<(), String> {
         let (buffer, count) = frame.results().map_err(text)?.receivers.ok_or("no view")?;
         let all: Vec<u32> = gpu.read(buffer, usize::MAX)?;
         let mut found = all[1 + count as usize..][..count as usize].to_vec();
-        let place = |at: u32| [at % pixels[0], at / pixels[0]];
+        let pixel = |at: u32| [at % pixels[0], at / pixels[0]];
         let depths: Vec<f32> = (0..pixels[0] * pixels[1])
-            .flat_map(|at| (0..samples).map(move |sample| hashed([number as u32, share], ends, place(at), sample)))
+            .flat_map(|at| (0..samples).map(move |sample| hashed([number as u32, share], ends, pixel(at), sample)))
             .collect();
         let seen = shadow::view(&camera).map_err(text)?;
         let matrix = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from)));
@@ -242,18 +242,18 @@ fn pyramid() -> Result<(), String> {
         if farthest > 1 {
             must_fail("nearer depths", &same("levels", &levels(&view, &nearer, samples).0, &keys))?;
         }
-        check_places(&camera, &view, &found, &depths, samples)?;
+        check_points(&camera, &view, &found, &depths, samples)?;
         if found[5] == 0 {
             endless += 1;
         } else if found[4] != 0 {
             limited += 1;
-            // A box without its farthest place.
+            // A box without its farthest point.
             let axis = (0..3)
                 .max_by_key(|axis| ((f32::from_bits(found[9 + axis]) - f32::from_bits(found[6 + axis])) * 1e3) as i64);
             let axis = axis.unwrap_or(0);
             found[9 + axis] = f32::midpoint(f32::from_bits(found[6 + axis]), f32::from_bits(found[9 + axis])).to_bits();
             found[6 + axis] = found[9 + axis];
-            must_fail("a smaller box", &check_places(&camera, &view, &found, &depths, samples))?;
+            must_fail("a smaller box", &check_points(&camera, &view, &found, &depths, samples))?;
         }
     }
     println!("{limited} boxes, {endless} without an end");

@@ -5,8 +5,7 @@ use glam::camera::rh::proj::directx::{orthographic, perspective, perspective_inf
 use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
 use rimline::gpu::{
-    DeviceError, DrawArguments, Extractor, ExtractorError, ExtractorOptions, PositionBuffer, ShadowError, ShadowFormat,
-    ShadowPipelines,
+    DeviceError, DrawArguments, Extractor, ExtractorOptions, PositionBuffer, ShadowError, ShadowFormat, ShadowPipelines,
 };
 use rimline::{CameraError, Counting, DepthDirection, Light, Mesh, ShadowCamera};
 use rimline_testkit::shapes;
@@ -22,7 +21,6 @@ use crate::render::{Renderer, attachment};
 pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
     ("mirror_images_need_pipelines_for_them", mirrors),
-    ("what_was_overwritten_and_lights_not_there_are_refused", stale),
     ("no_lights_draw_nothing", no_lights),
     ("pipelines_must_count_as_the_volumes_do", pipelines),
     ("default_lists_of_cap_faces_fit_the_device", capacities),
@@ -85,7 +83,7 @@ impl<'a> Caster<'a> {
         Ok(Self { gpu, mesh: shape.mesh().map_err(text)?, positions: gpu.storage(&shape.positions) })
     }
 
-    fn place(&self) -> PositionBuffer<'_> {
+    fn position_buffer(&self) -> PositionBuffer<'_> {
         PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
     }
 
@@ -95,7 +93,7 @@ impl<'a> Caster<'a> {
     }
 
     fn encode(&self, volumes: &mut OneCaster, lights: &[Light], camera: &ShadowCamera) -> Result<Encoded, String> {
-        self.gpu.submit(|encoder| Ok(volumes.encode(encoder, self.place(), lights, Some(camera), None)))
+        self.gpu.submit(|encoder| Ok(volumes.encode(encoder, self.position_buffer(), lights, Some(camera), None)))
     }
 
     /// Result of encoding new volumes.
@@ -177,45 +175,6 @@ fn mirrors() -> Result<(), String> {
     Ok(())
 }
 
-/// Every reader refuses results that were overwritten, and lights that are not there.
-fn stale() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let caster = Caster::new(gpu)?;
-    let (camera, _) = cameras()[0];
-    let pipelines = default_pipelines(gpu)?;
-    let mut volumes = caster.volumes(Counting::Auto)?;
-    let mut encode = || caster.encode(&mut volumes, &LIGHTS[..2], &camera)?.map_err(text);
-    let (one, two) = (encode()?, encode()?);
-    let draw = |frame: &OneFrame, light: usize| drawn(gpu, frame, &pipelines, light);
-    refused([
-        refusal("an earlier frame", draw(&one, 0)?, is(ShadowError::StaleFrame)),
-        refusal("the later frame", draw(&two, 0)?, Expected::Taken),
-        refusal("its second light", draw(&two, 1)?, Expected::Taken),
-    ])?;
-    let options = ExtractorOptions { max_lights: 4, ..Default::default() };
-    let mut extractor = Extractor::new(&gpu.pipelines, &caster.mesh, options).map_err(text)?;
-    let mut extract =
-        |lights: &[Light]| gpu.submit(|encoder| extractor.encode(encoder, caster.place(), lights).map_err(text));
-    let (first, second) = (extract(&LIGHTS[..2])?, extract(&LIGHTS[2..])?);
-    let layout = rimline::gpu::results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
-    let stale = || is(ExtractorError::Stale);
-    let past = is(ExtractorError::NoSuchLight { light: 1, lights: 1 });
-    let batch = is(ExtractorError::NoSuchBatch { batch: 1, batches: 1 });
-    refused([
-        refusal("its bind group", first.bind_group(&layout, 0), stale()),
-        refusal("its draws", first.draw_arguments(0), stale()),
-        refusal("its results", first.results(), stale()),
-        refusal("draws past the lights", second.draw_arguments(1), past),
-        refusal("a batch past the lights", second.bind_group(&layout, 1), batch),
-        refusal("a good one", second.bind_group(&layout, 0), Expected::Taken),
-    ])?;
-    // A refused extraction does not change the results.
-    if extract(&[Light::homogeneous([0.0; 4])]).is_ok() {
-        return Err("no light was extracted".to_owned());
-    }
-    refused([refusal("the second after what was refused", second.results(), Expected::Taken)])
-}
-
 /// A frame without lights draws nothing, also where lights were before.
 fn no_lights() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -224,7 +183,8 @@ fn no_lights() -> Result<(), String> {
     let options = ExtractorOptions { max_lights: 4, ..Default::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, &caster.mesh, options).map_err(text)?;
     let mut silhouettes = |lights: &[Light]| -> Result<(Vec<u32>, usize), String> {
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, caster.place(), lights).map_err(text))?;
+        let extraction =
+            gpu.submit(|encoder| extractor.encode(encoder, caster.position_buffer(), lights).map_err(text))?;
         let draws: Vec<DrawArguments> = gpu.read(extractor.results().draw_arguments, 4)?;
         Ok((draws.iter().map(|draw| draw.instance_count).collect(), extraction.batches()))
     };
@@ -293,11 +253,11 @@ fn capacities() -> Result<(), String> {
     let faces = mesh.faces().len() as u32;
     let made = |gpu: &Gpu, options: OneCasterOptions| {
         let positions = gpu.storage(&shape.positions);
-        let place = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
+        let buffer = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
         let lights: Vec<Light> = (0..32).map(|n| Light::point([0.0, 4.0, n as f32])).collect();
         gpu.submit(|encoder| {
             let caster = OneCaster::new(&gpu.pipelines, &gpu.queue, &mesh, &options);
-            Ok(caster.and_then(|mut caster| caster.encode(encoder, place, &lights, Some(&cameras()[0].0), None)))
+            Ok(caster.and_then(|mut caster| caster.encode(encoder, buffer, &lights, Some(&cameras()[0].0), None)))
         })
     };
     let plain = OneCasterOptions { counting: Counting::ZFail, ..OneCasterOptions::default() };

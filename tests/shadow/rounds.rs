@@ -25,7 +25,7 @@ const ROUND: &str = "
 /// The bit of parity. The others count.
 const PARITY: u32 = 0x80;
 
-/// A place, or a direction with w = 0, in clip space. A surface has the bits of the depth pass.
+/// A position, or a direction with w = 0, in clip space. A surface has the bits of the depth pass.
 fn to_clip(view: &ShadowView, [x, y, z]: [f32; 3], w: f32) -> Vec4 {
     let [column_x, column_y, column_z, column_w] = view.view_projection.map(Vec4::from);
     let [dx, dy, dz] = view.placement.map(|row| row[3] * w);
@@ -33,10 +33,10 @@ fn to_clip(view: &ShadowView, [x, y, z]: [f32; 3], w: f32) -> Vec4 {
     if w == 0.0 { sum } else { sum + column_w }
 }
 
-/// The place at infinity, away from the light.
-fn far_end(view: &ShadowView, light: &ShadowLight, place: [f32; 3]) -> Vec4 {
+/// The point at infinity, away from the light.
+fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
     let [x, y, z, w] = light.light;
-    to_clip(view, [w * place[0] - x, w * place[1] - y, w * place[2] - z], 0.0)
+    to_clip(view, [w * position[0] - x, w * position[1] - y, w * position[2] - z], 0.0)
 }
 
 /// The triangles around a polygon's shadow, in clip space: its surface, its sides, and a fan at infinity.
@@ -45,16 +45,16 @@ fn volume(frame: &Frame, mesh: &Mesh, polygon: usize) -> Result<Vec<Vec4>, Strin
     let camera = frame.eye.camera();
     let view = shadow::view(&camera).map_err(text)?;
     let light = shadow::light(&camera, &view, frame.lights[0]);
-    let place = |vertex: u32| frame.bodies[0].shape.positions[vertex as usize];
+    let position = |vertex: u32| frame.bodies[0].shape.positions[vertex as usize];
     let surface = mesh.faces()[polygons.triangles(polygon)].iter().flatten();
-    let mut corners: Vec<Vec4> = surface.map(|&vertex| to_clip(&view, place(vertex), 1.0)).collect();
+    let mut corners: Vec<Vec4> = surface.map(|&vertex| to_clip(&view, position(vertex), 1.0)).collect();
     let boundary = polygons.boundary(polygon);
     for &[a, b] in boundary {
-        let [near_a, near_b] = [a, b].map(|vertex| to_clip(&view, place(vertex), 1.0));
-        let [far_a, far_b] = [a, b].map(|vertex| far_end(&view, &light, place(vertex)));
+        let [near_a, near_b] = [a, b].map(|vertex| to_clip(&view, position(vertex), 1.0));
+        let [far_a, far_b] = [a, b].map(|vertex| far_end(&view, &light, position(vertex)));
         corners.extend([near_a, near_b, far_b, near_a, far_b, far_a]);
         if light.light[3] != 0.0 {
-            let middle = far_end(&view, &light, place(boundary[0][0]));
+            let middle = far_end(&view, &light, position(boundary[0][0]));
             corners.extend([middle, far_a, far_b]);
         }
     }

@@ -1,4 +1,4 @@
-//! Several samples a pixel, each against the ray through its place.
+//! Several samples a pixel, each against the ray through its position.
 
 use rimline::Counting;
 

@@ -83,7 +83,7 @@ impl Body {
 /// Eye, direction and near distance; 60° high and wide, or orthographic.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Eye {
-    pub(crate) place: DVec3,
+    pub(crate) position: DVec3,
     pub(crate) forward: DVec3,
     pub(crate) near: f64,
     /// Positions are taken relative to the eye.
@@ -97,9 +97,9 @@ pub(crate) struct Eye {
 
 impl Eye {
     /// A perspective camera with reversed depth, without a far plane.
-    pub(crate) fn new(place: DVec3, forward: DVec3, near: f64) -> Self {
+    pub(crate) fn new(position: DVec3, forward: DVec3, near: f64) -> Self {
         let depth = DepthDirection::Reversed;
-        Self { place, forward, near, is_relative: false, depth, far: None, half_width: None }
+        Self { position, forward, near, is_relative: false, depth, far: None, half_width: None }
     }
 
     fn basis(&self) -> [DVec3; 3] {
@@ -112,8 +112,8 @@ impl Eye {
     /// The matrix that the GPU gets, rounded once, and the camera it makes.
     pub(crate) fn camera(&self) -> ShadowCamera {
         let [right, up, forward] = self.basis();
-        let origin = if self.is_relative { self.place.as_vec3() } else { Vec3::ZERO };
-        let from = self.place - origin.as_dvec3();
+        let origin = if self.is_relative { self.position.as_vec3() } else { Vec3::ZERO };
+        let from = self.position - origin.as_dvec3();
         let scale = 1.0 / self.half_width.unwrap_or(30_f64.to_radians().tan());
         let row = |axis: DVec3| axis.extend(-axis.dot(from));
         let [x, y, distance] = [row(right) * scale, row(up) * scale, row(forward)];
@@ -180,7 +180,7 @@ pub(crate) struct Rays {
     origin: DVec3,
     size: f64,
     near_z: f64,
-    place: DVec2,
+    within_pixel: DVec2,
 }
 
 impl Rays {
@@ -192,23 +192,23 @@ impl Rays {
             origin: DVec3::from_array(camera.origin.map(f64::from)),
             size: f64::from(size),
             near_z: f64::from(u8::from(camera.depth == DepthDirection::Reversed)),
-            place: CENTRE,
+            within_pixel: CENTRE,
         }
     }
 
-    /// Rays through another place of each pixel.
-    pub(crate) fn through(self, place: DVec2) -> Self {
-        Self { place, ..self }
+    /// Rays through another point of each pixel.
+    pub(crate) fn through(self, within_pixel: DVec2) -> Self {
+        Self { within_pixel, ..self }
     }
 
     /// Where a pixel's ray begins, on the near plane, and its direction.
     pub(crate) fn ray(&self, x: u32, y: u32) -> (DVec3, DVec3) {
-        self.at(DVec2::new(f64::from(x), f64::from(y)) + self.place)
+        self.at(DVec2::new(f64::from(x), f64::from(y)) + self.within_pixel)
     }
 
-    /// The same for any place of the picture, in pixels.
-    pub(crate) fn at(&self, place: DVec2) -> (DVec3, DVec3) {
-        let ndc = place / self.size * 2.0 - 1.0;
+    /// The same for any point of the picture, in pixels.
+    pub(crate) fn at(&self, point: DVec2) -> (DVec3, DVec3) {
+        let ndc = point / self.size * 2.0 - 1.0;
         let (x, y) = (ndc.x, -ndc.y);
         let near = self.inverse * DVec4::new(x, y, self.near_z, 1.0);
         // Half way to the far plane, wherever that is.

@@ -75,10 +75,11 @@ pub(crate) fn nested(random: &mut Random) -> Frame {
         _ => Vec3::from(random.direction()) * random.between(3.0, 7.0),
     };
     let is_within = random.below(3) == 0;
-    let place = if is_within { within(random) } else { Vec3::from(random.direction()) * random.between(3.0, 7.0) };
-    let forward = if is_within { Vec3::from(random.direction()) } else { Vec3::from(somewhere(random, 1.0)) - place };
+    let position = if is_within { within(random) } else { Vec3::from(random.direction()) * random.between(3.0, 7.0) };
+    let forward =
+        if is_within { Vec3::from(random.direction()) } else { Vec3::from(somewhere(random, 1.0)) - position };
     let near = f64::from(0.02 * 25_f32.powf(random.between(0.0, 1.0)));
-    let eye = Eye::new(place.as_dvec3(), forward.as_dvec3(), near);
+    let eye = Eye::new(position.as_dvec3(), forward.as_dvec3(), near);
     let lights = vec![Light::point(light.to_array())];
     Frame { bodies: vec![Body::caster(shape), Body::room([0.0; 3], 8.0)], eye, lights, size: 96 }
 }

@@ -110,7 +110,7 @@ fn unneeded() -> Result<(), String> {
         let (found, expected) = (found?, expected?);
         same("stencil counts", &found.stencils, &expected.stencils)?;
         shadowed += expected.stencils.iter().flatten().filter(|count| **count > 0).count();
-        // Negative control: points in place of what is needed.
+        // Negative control: points instead of what is needed.
         let mut hidden = own.clone();
         for (body, word) in hidden.bodies.iter_mut().zip(&before) {
             if *word == 0 {

@@ -36,10 +36,10 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow_arguments_are_those_of_their_counts", shadow_arguments),
 ];
 
-/// Where positions lie in their buffer: words before the first, and from one to the next.
-pub(crate) const PLACES: [(u32, u32); 3] = [(0, 3), (5, 3), (7, 8)];
+/// Layouts of positions in their buffer: words before the first, and from one to the next.
+pub(crate) const LAYOUTS: [(u32, u32); 3] = [(0, 3), (5, 3), (7, 8)];
 
-pub(crate) fn placed(gpu: &Gpu, positions: &[[f32; 3]], (offset, stride): (u32, u32)) -> wgpu::Buffer {
+pub(crate) fn position_buffer(gpu: &Gpu, positions: &[[f32; 3]], (offset, stride): (u32, u32)) -> wgpu::Buffer {
     gpu.storage(&interleaved(positions, 4 * u64::from(offset), 4 * u64::from(stride)))
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
     }
 }
 
-/// The words of a table with one caster, whose positions lie in this place, and of what was chosen for the lights.
+/// The words of a table with one caster, whose positions have this layout, and of what was chosen for the lights.
 pub(crate) fn table(
     mesh: &Mesh,
     (position_offset, position_stride): (u32, u32),
@@ -178,13 +178,13 @@ fn bounds() -> Result<(), String> {
             positions.iter_mut().flatten().for_each(|c| *c = *c * scale + offset);
             // In the end none is finite.
             spoil(&mut random, &mut positions, if round == 5 { 100_000 } else { 2 * round });
-            let place = PLACES[round % 3];
+            let layout = LAYOUTS[round % 3];
             let found = gpu.storage(&EMPTY);
             let shape = uniform(gpu, &shape(&mesh, 1));
-            let table = gpu.storage(&table(&mesh, place, &[], &[]));
+            let table = gpu.storage(&table(&mesh, layout, &[], &[]));
             let choices = gpu.storage(&fresh_choices(1));
             let lit = gpu.storage(&[1_u32]);
-            let buffers = [&shape, &table, &placed(gpu, &positions, place), &faces, &found, &choices, &lit];
+            let buffers = [&shape, &table, &position_buffer(gpu, &positions, layout), &faces, &found, &choices, &lit];
             stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
             let mut found: Vec<u32> = gpu.read(&found, 7)?;
             let expected = box_words(&positions, mesh.faces());
@@ -202,7 +202,7 @@ fn bounds() -> Result<(), String> {
 pub(crate) struct Staged<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) shape: ShadowShape,
-    place: (u32, u32),
+    layout: (u32, u32),
     pub(crate) view: ShadowView,
     given: Vec<ShadowLight>,
     pub(crate) facing: Vec<u32>,
@@ -217,7 +217,7 @@ impl<'a> Staged<'a> {
     pub(crate) fn new(
         gpu: &Gpu,
         scene: &'a Scene,
-        place: (u32, u32),
+        layout: (u32, u32),
         shape: ShadowShape,
         excluded: Vec<u32>,
     ) -> Result<Self, String> {
@@ -226,12 +226,12 @@ impl<'a> Staged<'a> {
         Ok(Self {
             scene,
             shape,
-            place,
+            layout,
             view,
             given: scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect(),
             facing: cpu::facing(positions, mesh.faces(), &scene.lights, Predicate::Exact, Threads::ONE),
             excluded,
-            positions: placed(gpu, positions, place),
+            positions: position_buffer(gpu, positions, layout),
             faces: gpu.storage(mesh.faces()),
             bounds: box_words(positions, mesh.faces()),
         })
@@ -239,7 +239,7 @@ impl<'a> Staged<'a> {
 
     /// The caster, in the depth buffer or not.
     fn table(&self) -> Vec<u32> {
-        with_depth(table(&self.scene.caster.2, self.place, &[], &[]), self.shape.proxies == 0)
+        with_depth(table(&self.scene.caster.2, self.layout, &[], &[]), self.shape.proxies == 0)
     }
 
     /// The lights with what is chosen for them, where polygons are twisted for the lights of `twisted` in each batch.
@@ -316,7 +316,7 @@ fn random_stage(random: &mut Random, number: usize, lights: usize) -> (Scene, (u
             *light = Light::point(middle);
         }
     }
-    let place = PLACES[random.below(3)];
+    let layout = LAYOUTS[random.below(3)];
     let shape = ShadowShape {
         counting: [COUNT_AUTO, COUNT_AUTO, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_Z_PASS][random.below(5)],
         cull_by_view: random.below(2) as u32,
@@ -324,7 +324,7 @@ fn random_stage(random: &mut Random, number: usize, lights: usize) -> (Scene, (u
         ..shape(mesh, lights)
     };
     let excluded = (0..mesh.faces().len() * lights.div_ceil(32)).map(|_| 1 << random.below(64).min(31)).collect();
-    (scene, place, shape, excluded)
+    (scene, layout, shape, excluded)
 }
 
 /// Choices are goldens; `tests/shadow/choice.rs` and `tests/shadow/margins` say whether they are right. Lists of caps have the
@@ -337,8 +337,8 @@ fn choose_and_caps() -> Result<(), String> {
     let mut random = Random::new(seed);
     let (mut listed, mut skipped, mut z_pass, mut excluded, mut seen_through) = (0, 0, 0, 0, 0);
     for number in 0..if is_long() { 1000 } else { GOLDENS } {
-        let (scene, place, shape, masks) = random_stage(&mut random, number, [70, 33, 1][number % 3]);
-        let staged = Staged::new(gpu, &scene, place, shape, masks)?;
+        let (scene, layout, shape, masks) = random_stage(&mut random, number, [70, 33, 1][number % 3]);
+        let staged = Staged::new(gpu, &scene, layout, shape, masks)?;
         let (name, (_, positions, mesh)) = (&scene.name, &scene.caster);
         let twisted = [0, 0, random.next_u64() as u32][random.below(3)];
         let (lights, statistics) = staged.choose(gpu, twisted)?;
@@ -493,7 +493,7 @@ fn list_sides() -> Result<(), String> {
             let room = [packed.len(), 5][random.below(2)];
             let shape = ShadowShape { capacity: room as u32, side_capacity: capacity as u32, ..shape(&mesh, count) };
             let shape = uniform(gpu, &shape);
-            let chosen = gpu.storage(&table(&mesh, PLACES[0], &lights, &capped));
+            let chosen = gpu.storage(&table(&mesh, LAYOUTS[0], &lights, &capped));
             let (edge_faces, zeros) = (gpu.storage(packed), gpu.storage(&[0_u32, 0, 0, 1, 0]));
             for (batch, expected) in expected.chunks(32).enumerate() {
                 let light = 32 * batch as u32;
@@ -552,7 +552,7 @@ pub(crate) fn instances(draws: &ShadowDraws) -> [u32; 6] {
 }
 
 /// The same from the lengths of the lists. A list that does not fit is drawn from all edges, or all faces. The published ZP+
-/// draws three quadrilaterals in the place of a side.
+/// draws three quadrilaterals instead of a side.
 pub(crate) fn drawn(shape: &ShadowShape, sides: [u32; 2], caps: [u32; 4]) -> [u32; 6] {
     let of = |lists: [u32; 2], capacity: u32, all: u32| {
         lists.map(|length| if lists[0] + lists[1] > capacity { all * length.min(1) } else { length })

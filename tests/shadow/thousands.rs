@@ -19,11 +19,11 @@ pub(crate) const TESTS: &[Test] = &[("ten_thousand_casters", thousands)];
 const CASTERS: usize = 10_000;
 const LIGHTS: usize = 32;
 
-fn rows(turn: DQuat, scale: f64, place: [f32; 3]) -> Matrix3x4 {
+fn rows(turn: DQuat, scale: f64, position: [f32; 3]) -> Matrix3x4 {
     let matrix = (glam::DMat3::from_quat(turn) * scale).as_mat3();
     [0, 1, 2].map(|axis| {
         let [x, y, z] = matrix.row(axis).to_array();
-        [x, y, z, place[axis]]
+        [x, y, z, position[axis]]
     })
 }
 
@@ -37,10 +37,10 @@ fn light(random: &mut Random, number: usize) -> Light {
 }
 
 fn camera(random: &mut Random) -> ShadowCamera {
-    let place = DVec3::from(random.direction().map(|c| f64::from(30.0 * c)));
+    let position = DVec3::from(random.direction().map(|c| f64::from(30.0 * c)));
     let eye = Eye {
-        place,
-        forward: -place,
+        position,
+        forward: -position,
         near: 0.1,
         is_relative: true,
         depth: rimline::DepthDirection::Reversed,
@@ -53,8 +53,8 @@ fn camera(random: &mut Random) -> ShadowCamera {
 fn placement(random: &mut Random) -> Matrix3x4 {
     let [x, y, z] = random.direction().map(f64::from);
     let turn = DQuat::from_axis_angle(DVec3::new(x, y, z).normalize(), f64::from(random.between(0.0, 6.0)));
-    let place = [(); 3].map(|()| random.between(-40.0, 40.0));
-    rows(turn, f64::from(random.between(0.2, 1.5)), place)
+    let position = [(); 3].map(|()| random.between(-40.0, 40.0));
+    rows(turn, f64::from(random.between(0.2, 1.5)), position)
 }
 
 fn thousands() -> Result<(), String> {

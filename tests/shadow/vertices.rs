@@ -17,7 +17,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{Scene, scene};
 
 use crate::clipped::{Drawn, NOTHING, Shapes, Vertices};
-use crate::stages::{PLACES, Staged, shape};
+use crate::stages::{LAYOUTS, Staged, shape};
 use rimline_testkit::stage_probe::{Input, Probe};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -28,7 +28,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 type Outcome = Result<(), String>;
 
-/// Places that the ends of an edge, first that of lower index, and the edge have on the near plane of a camera, for a light.
+/// Points that the ends of an edge, first that of lower index, and the edge have on the near plane of a camera, for a light.
 pub(crate) struct OfEdge(Vec<[f32; 4]>);
 
 impl OfEdge {
@@ -39,8 +39,8 @@ impl OfEdge {
             &SIDES,
             [2, 12],
             "
-    let a = corner(own.view, own.light, place(0u));
-    let b = corner(own.view, own.light, place(1u));
+    let a = corner(own.view, own.light, input_position(0u));
+    let b = corner(own.view, own.light, input_position(1u));
     out[0] = a.near;
     out[1] = b.near;
     out[2] = behind_near_plane(own.view, a.near);
@@ -256,7 +256,7 @@ fn closes(seed: u64, in_depth: bool) -> Outcome {
             proxies: u32::from(!in_depth),
             ..shape(mesh, scene.lights.len())
         };
-        let staged = Staged::new(gpu, &scene, PLACES[0], options, vec![0; mesh.faces().len()])?;
+        let staged = Staged::new(gpu, &scene, LAYOUTS[0], options, vec![0; mesh.faces().len()])?;
         let (lights, _) = staged.choose(gpu, 0)?;
         let seen: Vec<_> = lights.iter().map(|&light| (staged.view, light)).collect();
         // A face may have an edge that has no record.
@@ -398,15 +398,15 @@ fn exact_vertices() -> Outcome {
                     if (v.height >= 0.0) != (v.far_height >= 0.0) {
                         let star = of_edge.stars()[end];
                         assert!(star[3] >= 0.0 && star[2] == star[3] * view.near_z, "{star:?}");
-                        let place = (v.clip * at_height - at_xy * v.height) / -v.far_height;
+                        let exact_star = (v.clip * at_height - at_xy * v.height) / -v.far_height;
                         let (size, weight) = if of_edge.are_far()[end] {
                             (v.clip_size * at_height.abs() + at_xy.abs() * v.height_size, 1.0)
                         } else {
                             (v.far_size * at_height.abs() + at_xy.abs() * v.rise_size, w)
                         };
-                        let bound = ROUNDINGS * (size / weight + place.abs() * v.rise_size) / v.far_height.abs();
+                        let bound = ROUNDINGS * (size / weight + exact_star.abs() * v.rise_size) / v.far_height.abs();
                         let found = xy(star) * (near_w / f64::from(star[3]));
-                        stars.add(&scene.name, found, place, bound, near_w)?;
+                        stars.add(&scene.name, found, exact_star, bound, near_w)?;
                     }
                 }
                 if (a.height >= 0.0) != (b.height >= 0.0) {

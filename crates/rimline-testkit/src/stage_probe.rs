@@ -22,7 +22,7 @@ pub struct Probe {
 pub type Input<const N: usize> = (u32, [[f32; 3]; N]);
 
 impl Probe {
-    /// `body` sets `out[0]` and so on to four numbers each, from `place(0)` and so on, and from `own`, a camera and a light, if
+    /// `body` sets `out[0]` and so on to four numbers each, from `input_position(0)` and so on, and from `own`, a camera and a light, if
     /// it names that. A probe is made once for a device.
     pub fn of(gpu: &Gpu, stage: &Stage, [places, outputs]: [usize; 2], body: &str) -> Result<Arc<Self>, String> {
         gpu.kept(body, || {
@@ -34,7 +34,7 @@ impl Probe {
 @group(0) @binding({}) var<storage, read> probe_inputs: array<vec4<u32>>;
 @group(0) @binding({}) var<storage, read_write> probe_found: array<vec4<f32>>;
 var<private> probe_first: u32;
-fn place(number: u32) -> vec3<f32> {{ return bitcast<vec3<f32>>(probe_inputs[probe_first + number].xyz); }}
+fn input_position(number: u32) -> vec3<f32> {{ return bitcast<vec3<f32>>(probe_inputs[probe_first + number].xyz); }}
 @compute @workgroup_size(64)
 fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
   probe_first = id.x * {places}u;

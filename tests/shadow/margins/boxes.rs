@@ -143,13 +143,14 @@ fn published_frustum() -> Result<(), String> {
         }
         let through = eye.on_near_plane([0, 0].map(|_: i32| f64::from(random.between(-0.99, 0.99))));
         let part = 0.01 * 95_f64.powf(f64::from(random.between(0.0, 1.0)));
-        let place = given + (through - given) * part;
+        let point = given + (through - given) * part;
         let size = 1e-3 * part;
-        let corners = [0, 1, 2].map(|_: i32| (place + direction(&mut random) * size).as_vec3().to_array());
+        let corners = [0, 1, 2].map(|_: i32| (point + direction(&mut random) * size).as_vec3().to_array());
         cases.push((camera, Light::point(light.to_array()), corners.to_vec()));
     }
     let lights = chosen(gpu, options(COUNT_ZP_PLUS_2005, false), &cases)?;
-    let probe = Probe::of(gpu, &CAP_FACES, [1, 1], "out[0] = frustum_to_clip(own.view, own.light, place(0u));")?;
+    let probe =
+        Probe::of(gpu, &CAP_FACES, [1, 1], "out[0] = frustum_to_clip(own.view, own.light, input_position(0u));")?;
     let corners = (0..).zip(&cases).flat_map(|(number, case)| case.2.iter().map(move |&corner| (number, [corner])));
     let corners: Vec<_> = corners.collect();
     for ((number, [corner]), clip) in corners.iter().zip(probe.run(gpu, &[], &lights, &corners)?) {

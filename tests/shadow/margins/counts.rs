@@ -9,7 +9,7 @@ use rimline::internals::cpu::{self, Threads};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY};
 use rimline::mesh::EdgeKind;
-use rimline::{DepthDirection, Light, Mesh, Predicate};
+use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
@@ -86,8 +86,8 @@ impl Case {
     fn count(&self, through: DVec3) -> u32 {
         let [x, y, z, w] = self.light.to_array().map(f64::from);
         let (from, along) = if w > 0.0 {
-            let place = DVec3::new(x, y, z) / w;
-            (place, through - place)
+            let light_position = DVec3::new(x, y, z) / w;
+            (light_position, through - light_position)
         } else {
             (through + DVec3::new(x, y, z) * 1e3, -DVec3::new(x, y, z))
         };
@@ -123,9 +123,9 @@ impl Case {
     fn spans(&self) -> Vec<([f64; 2], f64)> {
         let [x, y, z, w] = self.light.to_array().map(f64::from);
         let [low, high] = self.corners.map(|corner| DVec3::from(corner.map(f64::from)));
-        let (place, forward) = if w > 0.0 {
-            let place = DVec3::new(x, y, z) / w;
-            (place, place.clamp(low, high) - place)
+        let (light_position, forward) = if w > 0.0 {
+            let light_position = DVec3::new(x, y, z) / w;
+            (light_position, light_position.clamp(low, high) - light_position)
         } else {
             (DVec3::ZERO, -DVec3::new(x, y, z))
         };
@@ -139,13 +139,13 @@ impl Case {
         };
         let aside = forward.cross(axis);
         let at = |p: DVec3| {
-            let d = p - place;
+            let d = p - light_position;
             aside.dot(d) / if w > 0.0 { forward.dot(d) } else { 1.0 }
         };
         let corner = |number: usize| DVec3::from([0, 1, 2].map(|axis| [low, high][number >> axis & 1][axis]));
-        let places: Vec<f64> = (0..8).map(|number| at(corner(number))).collect();
-        let first = places.iter().copied().fold(f64::INFINITY, f64::min);
-        let last = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let keys: Vec<f64> = (0..8).map(|number| at(corner(number))).collect();
+        let first = keys.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = keys.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let part = |p: [f32; 3]| (at(DVec3::from(p.map(f64::from))) - first) / (last - first);
         self.weighed()
             .iter()
@@ -200,8 +200,8 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
     };
     let casters = cases.iter().map(insert).collect::<Result<Vec<_>, String>>()?;
     scene.add_light(cases[0].light).map_err(text)?;
-    let (place, depth) = (DVec3::splat(5000.0), DepthDirection::Reversed);
-    let eye = Eye { place, forward: place, near: 0.1, is_relative: true, depth, far: None, half_width: None };
+    let position = DVec3::splat(5000.0);
+    let eye = Eye { is_relative: true, ..Eye::new(position, position, 0.1) };
     let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&[eye.camera().into()])).map_err(text))?;
     let words: Vec<u32> = gpu.read(frame.results().map_err(text)?.choices.ok_or("no view")?, usize::MAX)?;
     for (case, caster) in cases.iter_mut().zip(casters) {
@@ -225,12 +225,12 @@ fn stacks() -> Result<(), String> {
     let rounds = if is_long() { 6000 } else { 300 };
     for number in 0..rounds {
         let down = DVec3::new(f64::from(random.between(-0.3, 0.3)), -1.0, f64::from(random.between(-0.2, 0.2)));
-        let place = DVec3::from(random.direction().map(f64::from)) * 4.0;
-        let shape = stack(&mut random, place, down.normalize());
+        let light_position = DVec3::from(random.direction().map(f64::from)) * 4.0;
+        let shape = stack(&mut random, light_position, down.normalize());
         let w = [1.0, 0.5, 1.0, 0.0][number % 4];
         let light = match w {
             0.0 => Light::directional((-down).as_vec3().to_array()),
-            _ => Light::homogeneous((place * w).extend(w).as_vec4().to_array()),
+            _ => Light::homogeneous((light_position * w).extend(w).as_vec4().to_array()),
         };
         let every_face = random.below(3) < 2;
         let mut case = [Case::new(shape, light)];
@@ -280,10 +280,10 @@ fn among_casters() -> Result<(), String> {
     let rounds = if is_long() { 3000 } else { 150 };
     for number in 0..rounds {
         let w = [1.0, 0.5, 2.0][number % 3];
-        let place = DVec3::from(random.direction().map(f64::from)) * [0.0, 1.0, 100.0][random.below(3)];
-        let light = Light::homogeneous((place * w).extend(w).as_vec4().to_array());
+        let light_position = DVec3::from(random.direction().map(f64::from)) * [0.0, 1.0, 100.0][random.below(3)];
+        let light = Light::homogeneous((light_position * w).extend(w).as_vec4().to_array());
         // Position of the light in the stages, after rounding.
-        let place = DVec3::from(light.xyz.map(f64::from)) / w;
+        let light_position = DVec3::from(light.xyz.map(f64::from)) / w;
         let every_face = random.below(2) == 0;
         let mut cases = Vec::new();
         let mut add = |middle: DVec3, scale: DVec3, random: &mut Random| {
@@ -296,15 +296,15 @@ fn among_casters() -> Result<(), String> {
         };
         for step in 0..5 + random.below(30) {
             let size = f64::from(random.between(0.02, 0.1));
-            add(place + pile * (0.5 + 0.25 * step as f64), DVec3::splat(size), &mut random);
+            add(light_position + pile * (0.5 + 0.25 * step as f64), DVec3::splat(size), &mut random);
         }
         for _ in 0..random.below(60) {
-            let middle = place + DVec3::from([(); 3].map(|()| f64::from(random.between(-4.0, 4.0))));
+            let middle = light_position + DVec3::from([(); 3].map(|()| f64::from(random.between(-4.0, 4.0))));
             let scale = DVec3::from([(); 3].map(|()| f64::from(random.between(0.02, 0.4))));
             add(middle, scale, &mut random);
         }
         if random.below(4) == 0 {
-            add(place, DVec3::splat(6.0), &mut random);
+            add(light_position, DVec3::splat(6.0), &mut random);
         }
         let bound = bound(gpu, &mut cases, every_face)?;
         let mut count = 0;
@@ -314,7 +314,7 @@ fn among_casters() -> Result<(), String> {
                 let (s, t) = (f64::from(random.between(0.05, 0.45)), f64::from(random.between(0.05, 0.45)));
                 let through = a + (b - a) * s + (c - a) * t;
                 // Beyond everything.
-                let far = place + (through - place).normalize() * 30.0;
+                let far = light_position + (through - light_position).normalize() * 30.0;
                 count = count.max(cases.iter().map(|case| case.count(far)).sum::<u32>());
             }
         }

@@ -28,16 +28,16 @@ fn volumes_end() -> Result<(), String> {
         let corner = |random: &mut Random| (direction(random) * scale).as_vec3().to_array();
         let positions: [[f32; 3]; 3] = [0, 1, 2].map(|_: i32| corner(&mut random));
         let camera = Pose::random(&mut random, DVec3::ZERO, scale).camera(0, false);
-        let place = (direction(&mut random) * scale * f64::from(random.between(1.0, 6.0))).as_vec3();
+        let light_position = (direction(&mut random) * scale * f64::from(random.between(1.0, 6.0))).as_vec3();
         let w = [1.0, random.between(0.1, 5.0)][random.below(2)];
-        let light = Light::homogeneous([place.x * w, place.y * w, place.z * w, w]);
+        let light = Light::homogeneous([light_position.x * w, light_position.y * w, light_position.z * w, w]);
         let [x, y, z, w] = light.to_array().map(f64::from);
         let given = DVec3::new(x, y, z) / w;
         let (_, distance) = measured(given, &positions);
         let range = (distance + scale * f64::from(random.between(-0.5, 20.0))).max(0.1 * scale) as f32;
         cases[random.below(2)].push((camera, light.with_range(range), positions.to_vec()));
     }
-    let probe = Probe::of(gpu, &SIDES, [1, 1], "out[0] = far_vertex(own.view, own.light, place(0u));")?;
+    let probe = Probe::of(gpu, &SIDES, [1, 1], "out[0] = far_vertex(own.view, own.light, input_position(0u));")?;
     for (cases, counting) in cases.iter().zip([COUNT_Z_PASS, COUNT_Z_FAIL]) {
         let lights = chosen(gpu, ShadowShape { end_at_range: 1, ..options(counting, false) }, cases)?;
         let corners = (0..).zip(cases).flat_map(|(number, case)| case.2.iter().map(move |&corner| (number, [corner])));

@@ -54,8 +54,8 @@ fn sides_begin_behind() -> Result<(), String> {
         &SIDES,
         [2, 10],
         "for (var vertex = 0u; vertex < 5u; vertex++) {
-      out[vertex] = clipped_side_vertex(own.view, own.light, place(0u), place(1u), true, vertex);
-      out[vertex + 5u] = clipped_side_vertex(own.view, own.light, place(1u), place(0u), false, vertex);
+      out[vertex] = clipped_side_vertex(own.view, own.light, input_position(0u), input_position(1u), true, vertex);
+      out[vertex + 5u] = clipped_side_vertex(own.view, own.light, input_position(1u), input_position(0u), false, vertex);
     }",
     )?;
     for (number, (of_edge, strips)) in of_edges.iter().zip(probe.run(gpu, &[], &seen, &edges)?).enumerate() {
@@ -81,7 +81,7 @@ fn sides_begin_behind() -> Result<(), String> {
 /// Bound on the errors of a vertex that is seen from the light on the near plane, by the terms of `q` or of `d`:
 /// docs/numerics/shadow-volumes.md, "Rounding of vertices", of which the better holds.
 struct Bounds {
-    place: DVec2,
+    exact: DVec2,
     by_vertex: f64,
     by_light: f64,
 }
@@ -103,12 +103,12 @@ fn bounds(camera: &rimline::ShadowCamera, plane: [f32; 4], light: &ShadowLight, 
     let (height, at_height, far_height) = (plane.dot(q), plane.dot(from_origin), plane.dot(d));
     let (height_size, rise_size) = (plane.abs().dot(q.abs()), plane.abs().dot(d.abs()));
     let at_light = xy(from_origin);
-    let place = (xy(q) * at_height - at_light * height) / -far_height;
+    let exact = (xy(q) * at_height - at_light * height) / -far_height;
     let light_size = at_light.abs().max_element();
-    let common = place.abs().max_element() * rise_size;
+    let common = exact.abs().max_element() * rise_size;
     let by =
         |size: f64, slope: f64| ROUNDINGS * (size * at_height.abs() + light_size * slope + common) / far_height.abs();
-    Bounds { place, by_vertex: by(size(q), height_size), by_light: by(size(d), rise_size) / w }
+    Bounds { exact, by_vertex: by(size(q), height_size), by_light: by(size(d), rise_size) / w }
 }
 
 fn exact_near_caps() -> Result<(), String> {
@@ -145,7 +145,7 @@ fn exact_near_caps() -> Result<(), String> {
         if (of_edge.heights()[0] >= 0.0) == (of_edge.far_heights()[0] >= 0.0) {
             continue;
         }
-        let Bounds { place, by_vertex: vertex, by_light: nearer } = bounds(&camera, view.near_plane, light, position);
+        let Bounds { exact, by_vertex: vertex, by_light: nearer } = bounds(&camera, view.near_plane, light, position);
         let near_w = f64::from(view.near_w);
         let [x, y, _, w] = of_edge.stars()[0].map(f64::from);
         let found = DVec2::new(x, y) * (near_w / w);
@@ -156,8 +156,8 @@ fn exact_near_caps() -> Result<(), String> {
         }
         by_vertex += usize::from(100.0 * vertex < nearer);
         by_light += usize::from(100.0 * nearer < vertex);
-        let error = (found - place).abs().max_element();
-        assert!(error <= bound, "{number}: {found}, exact {place}, bound {bound}, light {far} away, {part} of the way");
+        let error = (found - exact).abs().max_element();
+        assert!(error <= bound, "{number}: {found}, exact {exact}, bound {bound}, light {far} away, {part} of the way");
     }
     println!("{by_vertex} where the vertex's own form is much better, {by_light} where the light's is");
     assert!(by_vertex > 100 && by_light > 100, "not vacuous");
@@ -205,7 +205,7 @@ fn grazing_faces() -> Result<(), String> {
         gpu,
         &CAPS,
         [3, 1],
-        "out[0].x = select(1.0, 0.0, is_outside_pyramid(own.view, own.light, place(0u), place(1u), place(2u)));",
+        "out[0].x = select(1.0, 0.0, is_outside_pyramid(own.view, own.light, input_position(0u), input_position(1u), input_position(2u)));",
     )?;
     for (number, (found, (inside, part))) in probe.run(gpu, &[], &seen, &faces)?.iter().zip(expected).enumerate() {
         let is_listed = found[0][0] == 1.0;

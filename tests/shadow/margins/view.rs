@@ -52,18 +52,18 @@ impl Eye {
     }
 
     /// Height over the near plane in parts of its terms.
-    pub(crate) fn height(&self, place: DVec3) -> f64 {
-        let terms = self.plane * (place - self.origin).extend(1.0);
+    pub(crate) fn height(&self, point: DVec3) -> f64 {
+        let terms = self.plane * (point - self.origin).extend(1.0);
         terms.element_sum() / terms.abs().element_sum()
     }
 
-    /// Where on the picture the light, which is a point, has a place, and how far on the way from the light to the near
+    /// Where on the picture the light, which is a point, has a point, and how far on the way from the light to the near
     /// plane that is: 0 at the light, 1 on the plane.
-    pub(crate) fn seen_from_light(&self, light: DVec3, place: DVec3) -> ([f64; 2], f64) {
+    pub(crate) fn seen_from_light(&self, light: DVec3, point: DVec3) -> ([f64; 2], f64) {
         let at = |p: DVec3| self.plane.dot((p - self.origin).extend(1.0));
-        let (from, to) = (at(light), at(place));
+        let (from, to) = (at(light), at(point));
         let part = (from - to) / from;
-        let meeting = light + (place - light) / part;
+        let meeting = light + (point - light) / part;
         let clip = self.matrix * (meeting - self.origin).extend(1.0);
         ([clip.x / clip.w, clip.y / clip.w], part)
     }
@@ -83,7 +83,7 @@ pub(crate) fn chosen(gpu: &Gpu, shape: ShadowShape, cases: &[Case]) -> Result<Ve
         gpu,
         &CHOOSE,
         [2, 1],
-        "let light = choose_by_box(own.view, own.light, 1.0, CLOSED, place(0u), place(1u), false, false);
+        "let light = choose_by_box(own.view, own.light, 1.0, CLOSED, input_position(0u), input_position(1u), false, false);
     out[0] = vec4<f32>(f32(light.casting), f32(light.counting), light.end, light.frustum_near);",
     )?;
     let given = |(camera, light, _): &Case| {
