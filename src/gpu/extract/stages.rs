@@ -151,22 +151,22 @@ impl Run {
 
 /// The dispatches over faces, edges and polygons: for each batch of lights those of its chunks.
 #[derive(Debug)]
-pub(super) struct Runs {
+pub(super) struct DispatchRanges {
     pub(super) faces: Vec<Vec<Run>>,
     pub(super) edges: Vec<Vec<Run>>,
     pub(super) polygons: Vec<Vec<Run>>,
 }
 
-impl Runs {
+impl DispatchRanges {
     /// Writes the chunks to the table.
     pub(super) fn new(shape: &Shape, [faces, edges]: [&[Range<usize>]; 2], table: &mut UniformTable) -> Self {
         let mut plan = |chunks: &[Range<usize>], capacity: u32, blocks: u32| {
-            let mut run = |batch: usize, items: &Range<usize>| {
+            let mut range = |batch: usize, items: &Range<usize>| {
                 let (first, count, first_light) = (items.start as u32, items.len() as u32, 32 * batch as u32);
                 let chunk = table.push(&Chunk { first, count, first_light, capacity, blocks });
                 Run { batch, items: items.clone(), chunk }
             };
-            let mut of_batch = |batch| chunks.iter().map(|items| run(batch, items)).collect();
+            let mut of_batch = |batch| chunks.iter().map(|items| range(batch, items)).collect();
             (0..shape.batches()).map(&mut of_batch).collect()
         };
         let Shape { capacity, blocks, polygons, .. } = *shape;
@@ -179,12 +179,12 @@ impl Runs {
     }
 
     fn of(&self, over: Over, batch: usize) -> &[Run] {
-        let runs = match over {
+        let ranges = match over {
             Over::Faces => &self.faces,
             Over::Edges => &self.edges,
             Over::Polygons => &self.polygons,
         };
-        runs.get(batch).map_or(&[], Vec::as_slice)
+        ranges.get(batch).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -205,7 +205,7 @@ pub(super) struct Binder<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) shape: &'a Shape,
     pub(super) buffers: &'a Buffers,
-    pub(super) runs: &'a Runs,
+    pub(super) ranges: &'a DispatchRanges,
     /// The windows of facing masks.
     pub(super) facing: &'a Windows,
     /// Positions, for stages that read them.
@@ -286,11 +286,11 @@ impl<'a> Binder<'a> {
         let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
         let over = stages.first().map_or(Over::Faces, |(planned, _)| planned.over);
         // Each chunk goes through all stages in turn, because all share the list of undecided faces.
-        for (number, run) in self.runs.of(over, batch).iter().enumerate() {
+        for (number, range) in self.ranges.of(over, batch).iter().enumerate() {
             if (batch, number) != (0, 0) {
                 steps.push(Step::Clear(self.buffers.record.clone(), RECORD_HEAD - 4..RECORD_HEAD));
             }
-            steps.extend(stages.iter().map(|made| made.1.pass([self.dispatch(made, run)])));
+            steps.extend(stages.iter().map(|made| made.1.pass([self.dispatch(made, range)])));
         }
         steps
     }
@@ -319,18 +319,20 @@ impl<'a> Binder<'a> {
                 copied.push(byte);
                 steps.push(Step::Copy([undecided, arguments].map(|buffer| (buffer.clone(), byte)), INDIRECT_BYTES));
             }
-            steps.push(made.1.pass(self.runs.of(Over::Polygons, batch).iter().map(|run| self.dispatch(made, run))));
+            steps.push(
+                made.1.pass(self.ranges.of(Over::Polygons, batch).iter().map(|range| self.dispatch(made, range))),
+            );
         }
         steps
     }
 
     /// The stages after facing, for a batch of lights.
     pub(super) fn read_facing(&self, stages: &[Made], batch: usize) -> Vec<Step> {
-        let runs = |planned: &Planned| {
-            let runs = self.runs.of(planned.over, batch);
-            if let Size::Lights = planned.size { runs.get(..1).unwrap_or_default() } else { runs }
+        let ranges = |planned: &Planned| {
+            let ranges = self.ranges.of(planned.over, batch);
+            if let Size::Lights = planned.size { ranges.get(..1).unwrap_or_default() } else { ranges }
         };
-        let pass = |made: &Made| made.1.pass(runs(&made.0).iter().map(|run| self.dispatch(made, run)));
+        let pass = |made: &Made| made.1.pass(ranges(&made.0).iter().map(|range| self.dispatch(made, range)));
         stages.iter().map(pass).collect()
     }
 
