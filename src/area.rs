@@ -52,12 +52,12 @@ impl AreaLight {
         self.pattern_samples(count, 0, 1)
     }
 
-    /// The samples of pattern number `pattern` of `patterns`; larger numbers start again from 0. All patterns are
+    /// The samples of the pattern with the index `pattern` of `patterns`; larger indices start again from 0. All patterns are
     /// equally good, and together they are spread more evenly. Give neighbouring pixels different patterns, so that
     /// soft shadows show no steps. Every run gives the same lights.
     pub fn pattern_samples(&self, count: usize, pattern: usize, patterns: usize) -> Vec<Light> {
         let patterns = patterns.max(1);
-        let turn = Turn::new(pattern % patterns, patterns);
+        let shift = Shift::new(pattern % patterns, patterns);
         let Light { xyz, w, range, .. } = self.light;
         let xyz = DVec3::from_array(xyz.map(f64::from));
         let (middle, normal) = if w == 0.0 {
@@ -68,56 +68,56 @@ impl AreaLight {
         };
         let right = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
         let up = normal.cross(right).try_normalize().unwrap_or(DVec3::Z);
-        let place = |sample| {
+        let light = |sample| {
             let offset = match self.shape {
                 AreaShape::Rectangle { width, height } => {
-                    let at = turn.square(sample, count) - 0.5;
+                    let at = shift.square(sample, count) - 0.5;
                     right * at.x * f64::from(width) + up * at.y * f64::from(height)
                 }
                 AreaShape::Disc { radius } => {
-                    let at = disc(turn.square(sample, count)) * f64::from(radius);
+                    let at = disc(shift.square(sample, count)) * f64::from(radius);
                     right * at.x + up * at.y
                 }
-                AreaShape::Sphere { radius } => turn.ball(sample, count) * f64::from(radius),
+                AreaShape::Sphere { radius } => shift.ball(sample, count) * f64::from(radius),
             };
-            let place = (middle + offset).as_vec3().to_array();
-            if w == 0.0 { Light::directional(place) } else { Light::point(place) }.with_range(range)
+            let xyz = (middle + offset).as_vec3().to_array();
+            if w == 0.0 { Light::directional(xyz) } else { Light::point(xyz) }.with_range(range)
         };
-        (0..count).map(place).collect()
+        (0..count).map(light).collect()
     }
 }
 
 /// How far a pattern moves its samples in the unit cube. A sample that leaves the cube on one side enters on the other.
 #[derive(Clone, Copy, Debug)]
-struct Turn {
+struct Shift {
     /// Within a sample's column. The patterns divide the column among them.
     column: f64,
     /// Over all rows, and over all radii of a sphere.
-    rest: [f64; 2],
+    rows: [f64; 2],
     is_only: bool,
 }
 
-impl Turn {
+impl Shift {
     fn new(pattern: usize, patterns: usize) -> Self {
-        let rest = [2, 3].map(|base| reflected(pattern, base));
-        Self { column: cell(pattern, patterns) - 0.5, rest, is_only: patterns == 1 }
+        let rows = [2, 3].map(|base| radical_inverse(pattern, base));
+        Self { column: cell(pattern, patterns) - 0.5, rows, is_only: patterns == 1 }
     }
 
-    /// A sample's place in the unit square. No other sample of the pattern is in its row or its column, like rooks that
+    /// A sample's position in the unit square. No other sample of the pattern is in its row or its column, like rooks that
     /// do not attack each other.
     fn square(self, sample: usize, count: usize) -> DVec2 {
         let across = cell(sample, count) + self.column / count as f64;
-        DVec2::new(across, (cell(rank(sample, count, GOLDEN), count) + self.rest[0]).fract())
+        DVec2::new(across, (cell(rank(sample, count, GOLDEN), count) + self.rows[0]).fract())
     }
 
-    /// A sample's place in the unit ball. The density is proportional to 1 / √(1 − r²), so the ball's picture is even
+    /// A sample's position in the unit ball. The density is proportional to 1 / √(1 − r²), so the ball's picture is even
     /// from every side.
     fn ball(self, sample: usize, count: usize) -> DVec3 {
         if count == 1 && self.is_only {
             return DVec3::ZERO;
         }
         // With r = sin t, the share of samples within r is (2t − sin 2t) / π. Bisection solves it.
-        let share = (cell(rank(sample, count, PLASTIC), count) + self.rest[1]).fract();
+        let share = (cell(rank(sample, count, PLASTIC), count) + self.rows[1]).fract();
         let (mut low, mut high) = (0.0, FRAC_PI_2);
         for _ in 0..60 {
             let t: f64 = 0.5 * (low + high);
@@ -130,13 +130,13 @@ impl Turn {
     }
 }
 
-/// The radical inverse: the number's digits after the point in reverse order (van der Corput 1935).
-fn reflected(mut number: usize, base: usize) -> f64 {
-    let (mut value, mut place) = (0.0, 1.0);
-    while number > 0 {
-        place /= base as f64;
-        value += place * (number % base) as f64;
-        number /= base;
+/// The radical inverse: the index's digits after the point in reverse order (van der Corput 1935).
+fn radical_inverse(mut index: usize, base: usize) -> f64 {
+    let (mut value, mut digit_value) = (0.0, 1.0);
+    while index > 0 {
+        digit_value /= base as f64;
+        value += digit_value * (index % base) as f64;
+        index /= base;
     }
     value
 }
@@ -202,15 +202,15 @@ mod tests {
         let mut farthest = 0.0_f64;
         for x in 0..STEPS {
             for y in 0..STEPS {
-                let place = at(x, y);
-                let turn = (place.y.atan2(place.x) / TAU).rem_euclid(1.0);
+                let point = at(x, y);
+                let angle = (point.y.atan2(point.x) / TAU).rem_euclid(1.0);
                 // Rings of equal area.
-                sectors[(4.0 * place.length_squared()) as usize][(24.0 * turn) as usize] += 1;
+                sectors[(4.0 * point.length_squared()) as usize][(24.0 * angle) as usize] += 1;
                 if x > 0 {
-                    farthest = farthest.max(place.distance(at(x - 1, y)));
+                    farthest = farthest.max(point.distance(at(x - 1, y)));
                 }
                 if y > 0 {
-                    farthest = farthest.max(place.distance(at(x, y - 1)));
+                    farthest = farthest.max(point.distance(at(x, y - 1)));
                 }
             }
         }

@@ -18,7 +18,7 @@ pub mod turns {
 pub mod shadow {
     use crate::layout::{ShadowLight, ShadowView};
     pub use crate::shadow::{
-        CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
+        CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
         COUNT_ZP_PLUS_2005,
     };
     use crate::{CameraError, Light, ShadowCamera};
@@ -52,7 +52,7 @@ pub mod depth_map {
     use crate::gpu::depth_map::DepthMetric;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     use crate::gpu::depth_map::metric;
-    use crate::gpu::depth_map::near::{NearReach, near_reach};
+    use crate::gpu::depth_map::near::{NearShadow, near_shadow};
     pub use crate::gpu::depth_map::view::Placing;
     use crate::gpu::depth_map::view::depth_map_view;
     use crate::layout::{DepthMapView, DepthMetricView, DepthNearBox};
@@ -98,9 +98,9 @@ pub mod depth_map {
         eye: (&ShadowCamera, wgpu::TextureFormat),
         has_walls: bool,
     ) -> Option<DepthNearBox> {
-        match near_reach(lights, size, eye, has_walls) {
-            NearReach::Samples(near) => Some(near),
-            NearReach::Lit | NearReach::Unknown => None,
+        match near_shadow(lights, size, eye, has_walls) {
+            NearShadow::Samples(near) => Some(near),
+            NearShadow::Lit | NearShadow::Unknown => None,
         }
     }
 }
@@ -199,12 +199,12 @@ pub mod cpu {
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
-    pub use crate::cpu::polygon::boundary::Boundary;
     pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
     pub use crate::cpu::polygon::orientation::Orientation;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
+    pub use crate::cpu::polygon::polygon_pairs::Boundary;
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::*;

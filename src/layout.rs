@@ -44,14 +44,14 @@ pub(crate) mod caster_flags {
     pub(crate) const CLOSED: u32 = 1;
     pub(crate) const MIRRORED: u32 = 2;
     pub(crate) const RIGID: u32 = 4;
-    /// A face has a corner that is not finite.
-    pub(crate) const HOLED: u32 = 8;
+    /// A face has a vertex that is not finite.
+    pub(crate) const NON_FINITE: u32 = 8;
     /// The caller excludes faces.
-    pub(crate) const EXCLUDING: u32 = 16;
-    /// Positions may have changed.
-    pub(crate) const CHANGING: u32 = 32;
+    pub(crate) const EXCLUDES: u32 = 16;
+    /// Its bits are computed in each encode: its positions may have changed, or it has polygons.
+    pub(crate) const UNCACHED: u32 = 32;
     /// The caller excludes faces of a caster of the group.
-    pub(crate) const GIVEN: u32 = 64;
+    pub(crate) const GROUP_EXCLUDES: u32 = 64;
     /// The caster is not in the depth buffer.
     pub(crate) const PROXY: u32 = 128;
     /// The caller states a box of the positions.
@@ -90,7 +90,7 @@ shared_structs! {
         inexact_w: [[f32; 4]; 8],
         magnitudes: [f32; 2],
         count: u32,
-        live: u32,
+        active_bits: u32,
         position_offset: u32,
         position_stride: u32,
         reserved_0: u32,
@@ -225,8 +225,8 @@ shared_structs! {
         vertices_per_edge: u32,
     }
 
-    /// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the
-    /// buffers of the mesh.
+    /// A caster in the table of casters. Slots are indices in the masks of its group; other indices count in the bound
+    /// buffers.
     struct SceneCaster {
         row_0: [f32; 4],
         row_1: [f32; 4],
@@ -246,18 +246,18 @@ shared_structs! {
         version: u32,
         group: u32,
         first_caster: u32,
-        clusters_or_figure: u32,
+        clusters_or_deforming_index: u32,
     }
 
-    /// The input of the stage that finds the needed figures of a scene.
+    /// The input of the stage that finds the deforming casters that a frame needs.
     struct NeedsDispatch {
-        figures: u32,
+        casters: u32,
         views: u32,
         lights: u32,
         parts: u32,
         all: u32,
-        skip_unreached: u32,
-        skip_unseen: u32,
+        cull_by_range: u32,
+        cull_by_view: u32,
         reserved: u32,
     }
 
@@ -265,7 +265,7 @@ shared_structs! {
     struct CasterLights {
         allowed: u32,
         first: u32,
-        reach: [f32; 2],
+        magnitudes: [f32; 2],
     }
 
     /// A dispatch over a group of casters for a batch of lights.
@@ -273,11 +273,11 @@ shared_structs! {
         casters: u32,
         batches: u32,
         batch: u32,
-        lists_at: u32,
-        lights_at: u32,
-        ranges_at: u32,
-        face_chunks_at: u32,
-        edge_chunks_at: u32,
+        lists_offset: u32,
+        lights_offset: u32,
+        ranges_offset: u32,
+        face_chunks_offset: u32,
+        edge_chunks_offset: u32,
         face_chunks: u32,
         edge_chunks: u32,
         work_count: u32,
@@ -285,34 +285,34 @@ shared_structs! {
         edge_work: u32,
         capacity: u32,
         structure: u32,
-        keeps: u32,
-        clusters_at: u32,
-        occluders_at: u32,
+        uses_cache: u32,
+        clusters_offset: u32,
+        occluders_offset: u32,
         occluders: u32,
-        world_lights_at: u32,
+        world_lights_offset: u32,
     }
 
     /// Counts of an encode of a scene.
     struct SceneStatistics {
-        /// Pairs of caster and light that matter: the light is allowed, and may reach the caster.
+        /// Relevant pairs of caster and light: the light is allowed and culled by none of the rules below.
         pairs: u32,
-        /// The part of `pairs` whose facing bits an earlier encode cached.
-        kept_pairs: u32,
-        /// Pairs of caster and allowed light that do not matter, because the light does not reach the caster.
-        unreached_pairs: u32,
-        /// Pairs of caster and light that do not matter, because an occluder hides the caster from the light.
-        occluded_pairs: u32,
+        /// The relevant pairs whose facing bits an earlier encode cached.
+        cached_pairs: u32,
+        /// Pairs of caster and allowed light that are culled by the light's range or cone.
+        pairs_culled_by_range: u32,
+        /// Pairs of caster and light that are culled by an occluder between them.
+        pairs_culled_by_occluders: u32,
         /// Faces that were tested, for each batch of 32 lights.
         faces: u32,
         /// Edge records that were tested, for each batch of 32 lights.
         edges: u32,
-        /// Faces that were not tested, since all faces of a cluster are on one side of each light.
-        spared_faces: u32,
-        /// Edge records that were not tested, since clusters decide that none is a silhouette edge.
-        spared_edges: u32,
-        /// Instances of models that the frame does not need, and which were not deformed:
+        /// Faces that were not tested, because each active light decides the whole cluster.
+        untested_faces: u32,
+        /// Edge records that were not tested, because their clusters have no silhouette edge.
+        untested_edges: u32,
+        /// Instances of models that the frame does not need, so they were not deformed:
         /// [`Scene::insert_model`](crate::gpu::Scene::insert_model).
-        unneeded: u32,
+        culled_casters: u32,
     }
 
     /// A camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
@@ -344,7 +344,7 @@ shared_structs! {
     }
 
     /// A light and a camera, with 512 bytes: bindings begin at multiples of 256.
-    struct SeenLight {
+    struct ViewLight {
         view: ShadowView,
         light: ShadowLight,
         version: [u32; 4],
@@ -366,7 +366,7 @@ shared_structs! {
         near_max: [f32; 3],
         sky_receives: u32,
         pixels: [u32; 2],
-        at: u32,
+        offset: u32,
         reserved: u32,
     }
 
@@ -380,7 +380,7 @@ shared_structs! {
         threshold: u32,
         is_reversed: u32,
         faces: u32,
-        objects: u32,
+        has_objects: u32,
         spread: u32,
         unused: u32,
     }
@@ -392,13 +392,13 @@ shared_structs! {
         words: u32,
         capacity: u32,
         threshold: i32,
-        sure: i32,
+        certain_threshold: i32,
         sideways: i32,
         tolerance: i32,
         shift: u32,
         slope_bias: i32,
-        share: i32,
-        constant: i32,
+        noise_share: i32,
+        noise_constant: i32,
     }
 
     /// The rule that marks edges of a depth map. Where a field has two values, the second applies next to the end of a marked
@@ -406,8 +406,8 @@ shared_structs! {
     struct DepthEdgeRule {
         words: [u32; 2],
         blocks: u32,
-        high: u32,
-        low: [u32; 2],
+        high_threshold: u32,
+        low_thresholds: [u32; 2],
         slopes: [u32; 2],
         noise: u32,
         noise_exponents: u32,
@@ -427,12 +427,12 @@ shared_structs! {
         across: [f32; 4],
         down: [f32; 4],
         middle: [f32; 4],
-        head: f32,
-        rest: f32,
+        far: f32,
+        far_remainder: f32,
         has_far: f32,
         scale: f32,
-        least: f32,
-        most: f32,
+        min_distance: f32,
+        max_distance: f32,
         metric: u32,
         is_parallel: u32,
     }
@@ -463,7 +463,10 @@ shared_structs! {
         row_0: [f32; 4],
         row_1: [f32; 4],
         row_2: [f32; 4],
-        place: [u32; 4],
+        position_offset: u32,
+        position_stride: u32,
+        first_face: u32,
+        face_count: u32,
     }
 
     /// Camera and style of outlines.
@@ -489,7 +492,7 @@ shared_structs! {
         /// The offset in the table, in units of 16 bytes, of the casters of all chunks of edges.
         edge_chunks_offset: u32,
         /// The offset in the relevant lights of casters of the light's batch, for the first caster, in words.
-        relevant_offset: u32,
+        relevant_lights_offset: u32,
         /// Entries that the list of each light has room for.
         capacity: u32,
         /// The offset of the twisted masks, which lie behind the facing masks, in words. 0: there are none.
@@ -515,27 +518,27 @@ shared_structs! {
         side_capacity: u32,
         near_capacity: u32,
         far_capacity: u32,
-        averted: u32,
+        allow_back_facing: u32,
         counting: u32,
-        skip_unreached: u32,
-        skip_unseen: u32,
+        cull_by_range: u32,
+        cull_by_view: u32,
         end_at_range: u32,
-        choices_at: u32,
-        measures_at: u32,
-        lights_at: u32,
-        face_chunks_at: u32,
-        edge_chunks_at: u32,
+        choices_offset: u32,
+        measures_offset: u32,
+        lights_offset: u32,
+        face_chunks_offset: u32,
+        edge_chunks_offset: u32,
         views: u32,
         count_batches: u32,
         proxies: u32,
-        part: u32,
+        group_and_batch: u32,
         first_caster: u32,
-        lists_at: u32,
-        keeps: u32,
+        lists_offset: u32,
+        uses_cache: u32,
         needs_boxes: u32,
         used_lights: u32,
         has_receivers: u32,
-        most_count: u32,
+        largest_count: u32,
         piece_capacity: u32,
     }
 
@@ -571,12 +574,12 @@ shared_structs! {
 
     /// A pencil of half planes that bounds the stencil counts of a light.
     struct StencilPencil {
-        place: [f32; 3],
+        light_position: [f32; 3],
         kind: u32,
         forward: [f32; 3],
-        first: f32,
+        first_key: f32,
         aside: [f32; 3],
-        scale: f32,
+        bins_per_key: f32,
     }
 
     /// Statistics of an encode of shadow volumes. `count_bound` apart, they count lights, or pairs of caster and light.
@@ -586,7 +589,7 @@ shared_structs! {
         /// Lights for which every face casts.
         every_face: u32,
         /// Lights with a near cap.
-        capped: u32,
+        near_capped: u32,
         /// Lights with a list of cap faces that overflowed. Their draws go over all faces.
         overflowed_caps: u32,
         /// Lights with a list of sides that overflowed. Their draws go over all edges.
@@ -601,13 +604,13 @@ shared_structs! {
         may_wrap: u32,
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.
-        kept_lists: u32,
+        cached_lists: u32,
         /// Skipped pairs whose volume no receiver can be in. Pairs that were skipped in an earlier encode, and are cached,
         /// are not among them.
-        hidden: u32,
+        culled_by_receivers: u32,
         /// Skipped pairs whose box the light does not reach, likewise. Scenes cull most of these pairs earlier:
-        /// [`SceneStatistics::unreached_pairs`].
-        unreached: u32,
+        /// [`SceneStatistics::pairs_culled_by_range`].
+        culled_by_range: u32,
         /// Pieces of L-twisted polygons that there was no room for. If there are any, shadows are wrong where they would be, and
         /// [`Capacities::pieces`](crate::gpu::Capacities::pieces) must be larger.
         lost_pieces: u32,
@@ -617,6 +620,6 @@ shared_structs! {
 }
 
 /// A mask of the lowest `count` bits of a word. `count` is at most 32.
-pub const fn live_bits(count: usize) -> u32 {
+pub const fn low_bits(count: usize) -> u32 {
     if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }

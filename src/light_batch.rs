@@ -27,7 +27,7 @@ impl LightBatch {
         for slot in 0..32 {
             let of_slot = if slot < count as usize { light(slot) } else { None };
             let Some(given) = of_slot.or(last) else { break };
-            batch.live |= u32::from(of_slot.is_some()) << slot;
+            batch.active_bits |= u32::from(of_slot.is_some()) << slot;
             let scaled = ScaledLight::new(given);
             let [x, y, z, w] = scaled.light.map(f32::abs);
             let w = w.max(scaled.inexact_w);

@@ -7,8 +7,8 @@ use crate::layout::{ShadowLight, ShadowView};
 
 /// Value of [`ShadowLight::casting`]: no face casts.
 pub const CAST_NOTHING: u32 = 0;
-/// Value of [`ShadowLight::casting`]: the faces averted from the light cast.
-pub const CAST_AVERTED: u32 = 1;
+/// Value of [`ShadowLight::casting`]: back-facing faces cast.
+pub const CAST_BACK_FACING: u32 = 1;
 /// Value of [`ShadowLight::casting`]: every face casts.
 pub const CAST_EVERY: u32 = 2;
 /// Value of [`ShadowLight::counting`]: z-pass.
@@ -35,8 +35,8 @@ pub enum Counting {
     /// z-pass that begins with near caps: casting faces, projected from the light onto the near plane (after Hornus et
     /// al. 2005). The same functions clip sides and caps. See docs/numerics/shadow-volumes.md.
     ZpPlus,
-    /// ZP+ as Hornus et al. published it in 2005, for comparison. A matrix of the light's own computes the near caps.
-    /// Side vertices before the near plane move to their place in the cap, and corrective quads close the gaps. A
+    /// ZP+ as Hornus et al. published it in 2005, for comparison. The matrix of the light's frustum computes the near caps.
+    /// Side vertices before the near plane move to their position in the cap, and corrective quads close the gaps. A
     /// caster is counted by z-fail for a light where the near plane cuts both ends of a side (its case D), or where the
     /// caster has faces that are not finite. The method is not right from every camera, and takes perspective cameras
     /// only. [`Self::Auto`] never chooses it. It needs what z-fail needs.
@@ -213,15 +213,14 @@ impl ShadowCamera {
         if self.mirrors() { Err(CameraError::Mirrored) } else { Ok(()) }
     }
 
-    /// The same where mirror images will do, as they do for depth maps and the eyes that see these.
+    /// The same, but mirror images are allowed, as for depth maps and the cameras that see them.
     #[cfg(any(feature = "gpu", test))]
     pub(crate) fn check_any_hand(&self) -> Result<(), CameraError> {
         self.view().map(drop)
     }
 
-    /// Whether the matrix makes a mirror image, as one does whose y points down: what turns counter-clockwise turns clockwise on
-    /// the screen. It has a meaning only for cameras of which none of the errors of [`Self::check`] but
-    /// [`CameraError::Mirrored`] is true.
+    /// Whether the matrix makes a mirror image, as one does whose y points down: counter-clockwise triangles are clockwise on the
+    /// screen. It has no meaning for cameras that [`Self::check`] refuses for another reason than [`CameraError::Mirrored`].
     pub fn mirrors(&self) -> bool {
         let determinant = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4().determinant();
         (determinant > 0.0) != (self.depth == DepthDirection::Reversed)
@@ -267,9 +266,9 @@ impl ShadowCamera {
         let (mut near_min, mut near_max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
             let corner = inverse * (DVec4::new(x, y, near_z, 1.0) * near_w);
-            let place = corner.truncate() / corner.w;
-            near_min = near_min.min(place);
-            near_max = near_max.max(place);
+            let position = corner.truncate() / corner.w;
+            near_min = near_min.min(position);
+            near_max = near_max.max(position);
         }
         if !near_min.is_finite() || !near_max.is_finite() {
             return Err(CameraError::Singular);
@@ -291,7 +290,7 @@ impl ShadowCamera {
     pub(crate) fn light(&self, view: &ShadowView, light: Light) -> ShadowLight {
         let range = light.range;
         let given = light.to_array().map(f64::from);
-        // Multiplying a position by a w that is a power of two is exact, so the light's place is, too.
+        // Multiplying a position by a w that is a power of two is exact, so the light's position is, too.
         let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
         let given = given.map(|c| c / mantissa);
         let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
@@ -411,10 +410,10 @@ mod tests {
     fn far_planes_are_told_from_infinity() {
         let expected = [false, false, true, true, true, true];
         assert_eq!(cameras().map(|camera| camera.has_far_plane()), expected);
-        // The camera's place and direction do not matter.
-        let place = look_at_mat4(Vec3::new(3.0, -7.0, 1e3), Vec3::new(0.1, 0.2, 0.3), Vec3::Y);
-        let moved = cameras()
-            .map(|camera| ShadowCamera { view_projection: (mat(camera) * place).to_cols_array_2d(), ..camera });
+        // The camera's position and direction do not matter.
+        let view = look_at_mat4(Vec3::new(3.0, -7.0, 1e3), Vec3::new(0.1, 0.2, 0.3), Vec3::Y);
+        let moved =
+            cameras().map(|camera| ShadowCamera { view_projection: (mat(camera) * view).to_cols_array_2d(), ..camera });
         assert_eq!(moved.map(|camera| camera.has_far_plane()), expected);
         let camera =
             |matrix: Mat4, depth| ShadowCamera { view_projection: matrix.to_cols_array_2d(), origin: [0.0; 3], depth };
@@ -424,8 +423,8 @@ mod tests {
             (perspective_infinite(1.0, 1.5, 0.1), STANDARD, false),
             (perspective_infinite_reverse(1.0, 1.5, 0.1), REVERSED, false),
         ] {
-            assert_eq!(camera(matrix * place, depth).has_far_plane(), expected);
-            assert!(camera(matrix * place, depth).view().is_ok());
+            assert_eq!(camera(matrix * view, depth).has_far_plane(), expected);
+            assert!(camera(matrix * view, depth).view().is_ok());
         }
     }
 
@@ -439,7 +438,7 @@ mod tests {
                 assert_eq!(moved_view.near_min[axis], view.near_min[axis]);
                 assert_eq!(moved_view.placement[axis][3], -moved.origin[axis]);
             }
-            let at = |place: Vec3| Light::point(place.to_array());
+            let at = |position: Vec3| Light::point(position.to_array());
             let light = camera.light(&view, at(Vec3::new(1.0, 2.0, -3.0)));
             let moved_light = moved.light(&moved_view, at(Vec3::new(101.0, -18.0, 0.0)));
             // Each light has its own power of two as a scale.

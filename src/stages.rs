@@ -92,15 +92,15 @@ stages! {
     EXACT_SHADOW_DEPTH = query / exact_shadow_depth: exact_shadow_depth, exact_shadow_depth_recount;
     DEPTH_NEAR = depth_map / depth_near;
     DEPTH_NEAR_WALLS = depth_map / depth_near_walls in depth_near;
-    DEPTH_METRIC = depth_map / depth_metric in made_maps;
-    DEPTH_MERGE = depth_map / depth_merge in made_maps;
-    DEPTH_CUBE = depth_map / depth_cube in made_maps;
+    DEPTH_METRIC = depth_map / depth_metric in converted_maps;
+    DEPTH_MERGE = depth_map / depth_merge in converted_maps;
+    DEPTH_CUBE = depth_map / depth_cube in converted_maps;
     DEPTH_EDGES = depth_map / depth_edges: depth_edges_mark, depth_edges_continue, depth_edges_count;
-    DEPTH_CELLS = depth_map / depth_cells: depth_cells_count, depth_cells_places, depth_cells_list;
+    DEPTH_CELLS = depth_map / depth_cells: depth_cells_count, depth_cells_scan, depth_cells_list;
     CONTOUR_MARKS = depth_map / contour_marks;
     CONTOUR_TILES = depth_map / contour_tiles: contour_tiles_find, contour_tiles_list;
-    CONTOUR_PLACES = depth_map / contour_places;
-    CONTOUR_WALLS = depth_map / contour_walls: contour_walls_take, contour_walls_places;
+    CONTOUR_CROSSINGS = depth_map / contour_crossings;
+    CONTOUR_WALLS = depth_map / contour_walls: contour_walls_trace, contour_walls_scan;
 }
 
 stages! {
@@ -133,17 +133,17 @@ pub const FILES: &[(&str, &str)] = files![
     "deform/displace",
     "depth_map/cell_words",
     "depth_map/contour",
+    "depth_map/contour_crossings",
     "depth_map/contour_marks",
-    "depth_map/contour_places",
     "depth_map/contour_rim",
     "depth_map/contour_tiles",
     "depth_map/contour_walls",
+    "depth_map/converted_maps",
     "depth_map/depth_cells",
     "depth_map/depth_edges",
     "depth_map/depth_near",
     "depth_map/depth_walls",
     "depth_map/edge_code",
-    "depth_map/made_maps",
     "depth_map/mesh_depth",
     "depth_map/samples",
     "depth_map/surface",
@@ -186,9 +186,10 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/caster",
     "shadow/choices",
     "shadow/choose",
+    "shadow/culling",
+    "shadow/draw_lists",
+    "shadow/half_plane_bins",
     "shadow/list_sides",
-    "shadow/lists",
-    "shadow/pencil",
     "shadow/pieces",
     "shadow/receiver_pyramid",
     "shadow/receivers",
@@ -200,7 +201,6 @@ pub const FILES: &[(&str, &str)] = files![
     "shadow/stencil_crossings",
     "shadow/stencil_pencil",
     "shadow/vertices",
-    "shadow/visibility",
     "shadow/zp_plus_2005_cases",
 ];
 

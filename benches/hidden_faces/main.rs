@@ -173,7 +173,7 @@ fn frames(
     let counter = FragmentCounter::new(gpu, SIZE, 1)?;
     let recorded: Vec<Option<Recorded>> = ways.into_iter().map(|way| Some(setting.recorded(way?, light))).collect();
     let mut options = SceneOptions { max_lights: 1, ..SceneOptions::default() };
-    options.measuring.set(Measuring::BITS, true);
+    options.measuring.set(Measuring::CACHED_BITS, true);
     let surfaces = recorded[1].as_ref().map(|setting| Surfaces::of(gpu, setting, None));
     let mut recorders = Vec::new();
     for (number, setting) in recorded.iter().enumerate() {

@@ -121,12 +121,12 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cut_edges", "tests/polygon/pieces.rs"),
     ("cut_quads", "tests/polygon/pieces.rs"),
     ("needs", "tests/scene/needs.rs"),
-    ("reach", "tests/scene/stages.rs"),
+    ("reach", "tests/scene/cached.rs"),
     ("clusters", "tests/scene/cluster_decisions.rs"),
-    ("chunks", "tests/scene/lists.rs"),
+    ("chunks", "tests/scene/clusters.rs"),
     ("receiver_depth", "tests/shadow/receivers.rs"),
     ("receiver_pyramid", "tests/shadow/receivers.rs"),
-    ("relist", "tests/scene/kept.rs"),
+    ("relist", "tests/scene/cached.rs"),
     ("bounds", "tests/shadow/stages.rs"),
     ("choose", "tests/shadow/choice.rs"),
     ("zp_plus_2005_cases", "tests/shadow/zp_plus_2005.rs"),
@@ -150,7 +150,7 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("depth_cells", "tests/depth_map/stages.rs"),
     ("contour_marks", "tests/depth_map/contours.rs"),
     ("contour_tiles", "tests/depth_map/contours.rs"),
-    ("contour_places", "tests/depth_map/places.rs"),
+    ("contour_crossings", "tests/depth_map/crossings.rs"),
     ("contour_walls", "tests/depth_map/contours.rs"),
     ("depth_surface", "tests/depth_map/vertices.rs"),
     ("depth_walls", "tests/depth_map/wall_vertices.rs"),
@@ -214,11 +214,11 @@ fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
 /// `casting` and `counting` of shared structs hold the same constants in Rust and WGSL.
 fn constants() -> Outcome {
     use rimline::internals::layout::{CHUNK, LANES};
-    use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
+    use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING};
     use rimline::internals::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
     let listed = [
         ("CAST_NOTHING", CAST_NOTHING),
-        ("CAST_AVERTED", CAST_AVERTED),
+        ("CAST_BACK_FACING", CAST_BACK_FACING),
         ("CAST_EVERY", CAST_EVERY),
         ("COUNT_Z_PASS", COUNT_Z_PASS),
         ("COUNT_ZP_PLUS", COUNT_ZP_PLUS),

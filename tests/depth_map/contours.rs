@@ -50,7 +50,7 @@ impl Fit {
         let shift = if tolerance < 16 { 0 } else { 28 - tolerance.leading_zeros() };
         let tiles = map.size.map(|texels| (texels + 16) / 16);
         let is_float = matches!(format, TextureFormat::R32Float | TextureFormat::Depth32Float);
-        let [share, constant] = match format {
+        let [noise_share, noise_constant] = match format {
             TextureFormat::Depth16Unorm => [0, 1 << 15],
             _ if is_float && map.is_reversed => [256, 0],
             _ => [0, 128],
@@ -60,13 +60,13 @@ impl Fit {
             words: (map.size[0] + 17) / 16,
             capacity,
             threshold: units(self.threshold),
-            sure: (f64::from(self.threshold) * 16.0 * UNIT).round().min(UNIT) as i32,
+            certain_threshold: (f64::from(self.threshold) * 16.0 * UNIT).round().min(UNIT) as i32,
             sideways: (f64::from(self.sideways) * 256.0).round() as i32,
             tolerance: tolerance >> shift,
             shift,
             slope_bias: (f64::from(self.slope_bias) * 128.0).round() as i32,
-            share,
-            constant,
+            noise_share,
+            noise_constant,
         }
     }
 }
@@ -168,7 +168,7 @@ pub(crate) struct Traced {
     /// The list, with the words before it.
     pub(crate) list: Vec<u32>,
     pub(crate) marks: wgpu::Buffer,
-    pub(crate) places: wgpu::Buffer,
+    pub(crate) crossings: wgpu::Buffer,
     pub(crate) counts: wgpu::Buffer,
 }
 
@@ -180,11 +180,11 @@ impl Traced {
         let encoded = Encoded::new(gpu, &*pipelines(gpu, REVERSED, 7..8)?, &maps, &camera(REVERSED), options)?;
         let (count, quads) = listed(gpu, encoded.volumes.cells())?;
         let Volumes::Map(volumes) = &encoded.volumes else { return Err("one map".to_owned()) };
-        let [marks, places, counts] = volumes.contour_buffers().ok_or("no contours")?.map(Clone::clone);
+        let [marks, crossings, counts] = volumes.contour_buffers().ok_or("no contours")?.map(Clone::clone);
         let mut list = words(&(count, quads.clone()));
         list.splice(1..1, [0; 3]);
         let shape = fit.shape(map, rounded_to.unwrap_or(TextureFormat::R32Float), 100_000);
-        Ok(Self { shape, quads, list, marks, places, counts })
+        Ok(Self { shape, quads, list, marks, crossings, counts })
     }
 }
 

@@ -8,6 +8,7 @@ mod classes;
 mod closed;
 mod contact;
 mod contours;
+mod crossings;
 mod cube;
 mod distances;
 mod exact;
@@ -22,7 +23,6 @@ mod near_contours;
 mod near_rectangles;
 mod parity;
 mod picture;
-mod places;
 mod planes;
 mod refusals;
 mod rules;
@@ -67,7 +67,7 @@ fn main() {
         planes::TESTS,
         contact::TESTS,
         traced::TESTS,
-        places::TESTS,
+        crossings::TESTS,
         extremes::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

@@ -42,7 +42,7 @@ fn cubes() -> Result<(), String> {
         refusal("16", made(16), Expected::Taken),
         refusal("0", made(0), is(DepthMapError::Side(0))),
         refusal("2", made(2), is(DepthMapError::Side(2))),
-        refusal("most", made(most), is(DepthMapError::Texture { size: [3 * most, 2 * most], most })),
+        refusal("most", made(most), is(DepthMapError::Texture { size: [3 * most, 2 * most], max_side: most })),
         refusal("20,000", made(20_000), is(DepthMapError::Cells(20_000))),
         refusal("u32::MAX", made(u32::MAX), is(DepthMapError::Cells(u32::MAX))),
         refusal("bits", DepthMapCube::new(&two, 16, DepthMapOptions::default()), is(DepthMapError::OneBit(2))),
@@ -72,10 +72,10 @@ fn cubes() -> Result<(), String> {
     let singular = DepthMapError::CubeLight { face: 1, error: CameraError::Singular };
     let [width, elsewhere, depths] = [
         "the middles of its outermost texels are not 45° from its middle",
-        "it is at another place",
+        "it is at another position",
         "its near or far distance, or the scale of its matrix, differs",
     ];
-    let axis = "it does not look along its axis of the cube, or is turned";
+    let axis = "it does not look along its axis of the cube, or is rotated";
     let ended = right(place, 0.1, Some(50.0), REVERSED, 16)?[4];
     let standard = right(place, 0.1, None, STANDARD, 16)?[3];
     refused([
@@ -170,7 +170,7 @@ fn memory() -> Result<(), String> {
 fn made() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let most = gpu.device.limits().max_texture_dimension_2d;
-    let too_large = |size| is(DepthMapError::Texture { size, most });
+    let too_large = |size| is(DepthMapError::Texture { size, max_side: most });
     refused([
         refusal("no width", DepthMapMerge::new(&gpu.pipelines, [0, 4]), is(DepthMapError::Size(0, 4))),
         refusal("no height", DepthMapMerge::new(&gpu.pipelines, [4, 0]), is(DepthMapError::Size(4, 0))),
@@ -194,7 +194,7 @@ fn made() -> Result<(), String> {
     let format = DepthMapError::MapFormat {
         map: "the map".to_owned(),
         format: TextureFormat::Depth32Float,
-        taken: "R32Float for distances, or `DepthMetric::Device` for device depths",
+        accepted: "R32Float for distances, or `DepthMetric::Device` for device depths",
     };
     let merge = DepthMapMerge::new(&gpu.pipelines, [4, 4]).map_err(text)?;
     let conversion = DepthMapConversion::new(&gpu.pipelines, [4, 4]).map_err(text)?;

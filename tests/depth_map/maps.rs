@@ -46,7 +46,7 @@ impl Map {
             threshold: threshold.max(0.0).to_bits(),
             is_reversed: u32::from(self.is_reversed),
             faces: 1,
-            objects: 0,
+            has_objects: 0,
             spread: 0,
             unused: 0,
         }

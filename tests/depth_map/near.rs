@@ -58,8 +58,8 @@ impl Tally {
         let other = near.map(|near| DepthNearBox { key: 0, distance: i32::MIN, ..near });
         self.others += usize::from(told != other.map_or(Ok(false), |near| may_reach(&encoded, &near))?);
         let kind = match encoded.frame.near_cap() {
-            DepthMapNearCap::Lit => 0,
-            DepthMapNearCap::Told(draw) => {
+            DepthMapNearCap::Skipped => 0,
+            DepthMapNearCap::Indirect(draw) => {
                 same("the draw", &gpu.read::<u32>(draw, 4)?, &[if told { 3 } else { 0 }, 1, 0, 0])?;
                 1 + usize::from(told)
             }

@@ -173,7 +173,7 @@ fn encoding() -> Result<(), String> {
             [1, 1],
             DRAWN | READ,
             0,
-            is(DepthMapError::MapFormat { map: map(), format: half, taken }),
+            is(DepthMapError::MapFormat { map: map(), format: half, accepted: taken }),
         ),
         (
             "size",
@@ -256,7 +256,7 @@ fn objects_refused() -> Result<(), String> {
     let many = of(TextureFormat::R32Uint, 8, 2, READ);
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
     let name = || "the texture of objects".to_owned();
-    let format = DepthMapError::MapFormat { map: name(), format: TextureFormat::R32Sint, taken: "R32Uint" };
+    let format = DepthMapError::MapFormat { map: name(), format: TextureFormat::R32Sint, accepted: "R32Uint" };
     gpu.submit(|encoder| {
         let mut encode = |objects| {
             let map = DepthMap { texture: &map, light: camera(REVERSED), objects };
@@ -284,15 +284,15 @@ fn sentences() -> Result<(), String> {
         DepthMapError::MapSize { map: map(), given: [9, 8], made: [4, 4] },
         DepthMapError::Usage(map()),
         DepthMapError::Samples { map: map(), samples: 4 },
-        DepthMapError::MapFormat { map: map(), format: TextureFormat::R32Sint, taken: "R32Uint" },
+        DepthMapError::MapFormat { map: map(), format: TextureFormat::R32Sint, accepted: "R32Uint" },
         DepthMapError::MipLevels { map: map(), levels: 3 },
         DepthMapError::NoObjects { face: 4 },
         DepthMapError::Option { name: "share", given: 1.5, range: "a share from 0 to 1" },
     ]
     .map(|error| error.to_string());
     let expected = [
-        "map 2 of the cube has 9 × 8 texels, and 4 × 4 are needed; give textures of the size that `new` was given, or make it \
-         anew",
+        "map 2 of the cube has 9 × 8 texels, and 4 × 4 are needed; give textures of the size that was given to \
+         `new`, or call `new` again",
         "map 2 of the cube lacks usage TEXTURE_BINDING; make the texture with it",
         "map 2 of the cube has 4 samples a texel; resolve it, or render it with one",
         "map 2 of the cube has R32Sint; take R32Uint",

@@ -90,8 +90,8 @@ impl Case<'_> {
         let cells = (map.size[0] + 1) * (map.size[1] + 1);
         let capacity = options.capacity.map_or(found.capacity, |capacity| capacity.min(cells));
         let near_cap_vertices = match encoded.frame.near_cap() {
-            DepthMapNearCap::Lit => 0,
-            DepthMapNearCap::Told(draw) => gpu.read::<u32>(draw, 1)?[0],
+            DepthMapNearCap::Skipped => 0,
+            DepthMapNearCap::Indirect(draw) => gpu.read::<u32>(draw, 1)?[0],
             DepthMapNearCap::Drawn => 3,
         };
         let told = DepthMapStatistics { found: expected[0], capacity, near_cap_vertices, unused: 0 };

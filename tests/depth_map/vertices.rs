@@ -290,12 +290,15 @@ fn of_meshes() -> Result<(), String> {
             row_0: row(0, &mut random),
             row_1: row(1, &mut random),
             row_2: row(2, &mut random),
-            place: [random.below(9) as u32, stride, 0, 1],
+            position_offset: random.below(9) as u32,
+            position_stride: stride,
+            first_face: 0,
+            face_count: 1,
         };
         let size = 10_f32.powi(random.below(6) as i32 - 2);
         let positions: Vec<_> =
             (0..256).map(|_| random.direction().map(|axis| axis * random.between(0.0, size))).collect();
-        let mut words = vec![f32::NAN; caster.place[0] as usize];
+        let mut words = vec![f32::NAN; caster.position_offset as usize];
         for position in &positions {
             words.extend(position);
             words.resize(words.len() + stride as usize - 3, f32::NAN);

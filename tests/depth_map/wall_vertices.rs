@@ -129,10 +129,10 @@ fn probed(
     let contour = uniform(gpu, &traced.shape);
     let mut bound = given.bound().to_vec();
     bound.extend([
-        (5, Bound::Storage(&traced.places)),
+        (5, Bound::Storage(&traced.crossings)),
         (6, Bound::Uniform(&contour)),
         (7, Bound::Storage(&traced.counts)),
-        (9, Bound::Storage(&traced.marks)),
+        (8, Bound::Storage(&traced.marks)),
     ]);
     bound.retain(|(binding, _)| wanted.contains(binding));
     let source = format!("{}{source}", DEPTH_WALLS.wgsl());
@@ -149,7 +149,7 @@ fn probe_surface(cell: vec2<i32>, place: vec2<f32>) -> vec4<u32> {
   return vec4<u32>(code, bitcast<u32>(contour_distance(cell, code, place)), 0u, 0u);
 }",
     "probe_surface(vec2<i32>(input.xy), input.zw)",
-    &[0, 1, 5, 6, 9],
+    &[0, 1, 5, 6, 8],
 );
 
 /// Whether flaps change whether a place is behind.

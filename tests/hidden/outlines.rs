@@ -25,11 +25,11 @@ fn sides(own: &Own, facing: &[bool], casts: impl Fn(u32) -> bool) -> u32 {
     own.mesh.edges().iter().map(of_record).sum()
 }
 
-/// Sides where averted faces of closed casters cast, and where every face does.
+/// Sides where back-facing faces of closed casters cast, and where every face does.
 fn both_ways(own: &Own, facing: &[bool], left_out: &[u32]) -> [u32; 2] {
     let is_closed = own.mesh.is_closed();
-    [true, false].map(|averted| {
-        sides(own, facing, |face| !(left_out.contains(&face) || averted && is_closed && facing[face as usize]))
+    [true, false].map(|back_facing| {
+        sides(own, facing, |face| !(left_out.contains(&face) || back_facing && is_closed && facing[face as usize]))
     })
 }
 

@@ -5,7 +5,7 @@
 use glam::{DMat4, DVec3, DVec4};
 use rimline::internals::cpu;
 use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -268,7 +268,7 @@ fn check_skipped(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
     Ok(())
 }
 
-/// Averted faces serve only where the near rectangle and the light are outside of the caster's box.
+/// Back-facing faces serve only where the near rectangle and the light are outside of the caster's box.
 fn check_casting(scene: &Scene, chosen: &Chosen) -> Outcome {
     let eye = Eye::new(&scene.camera);
     let [low, high] = caster_box(scene);
@@ -277,14 +277,17 @@ fn check_casting(scene: &Scene, chosen: &Chosen) -> Outcome {
     let near_high = corners.iter().fold(DVec3::NEG_INFINITY, |high, &corner| high.max(corner));
     let meet = low.cmple(near_high).all() && high.cmpge(near_low).all();
     for (index, light) in chosen.lights.iter().enumerate() {
-        if light.casting == CAST_AVERTED && (meet || !chosen.is_closed) {
-            return Err(format!("{}: light {index} has averted faces alone", scene.name));
+        if light.casting == CAST_BACK_FACING && (meet || !chosen.is_closed) {
+            return Err(format!("{}: light {index} has back-facing faces alone", scene.name));
         }
         let [x, y, z, w] = light.light.map(f64::from);
         let place = DVec3::new(x, y, z);
         let is_within = w > 0.0 && (w * low).cmple(place).all() && place.cmple(w * high).all();
-        if light.casting == CAST_AVERTED && is_within {
-            return Err(format!("{}: light {index} is in the caster's box, and averted faces alone cast", scene.name));
+        if light.casting == CAST_BACK_FACING && is_within {
+            return Err(format!(
+                "{}: light {index} is in the caster's box, and back-facing faces alone cast",
+                scene.name
+            ));
         }
     }
     Ok(())
@@ -315,7 +318,7 @@ fn never_missed() -> Outcome {
         let mut unused = Tally::default();
         control += usize::from(check_caps(&scene, &wrong, &mut unused).is_err());
         if chosen.is_closed && chosen.lights.iter().any(|light| light.casting == CAST_EVERY) {
-            wrong.lights.iter_mut().for_each(|light| light.casting = CAST_AVERTED);
+            wrong.lights.iter_mut().for_each(|light| light.casting = CAST_BACK_FACING);
             let outcome = check_casting(&scene, &wrong);
             if chosen.view.near_min != chosen.view.near_max {
                 control += usize::from(outcome.is_err());

@@ -105,7 +105,7 @@ impl Compared<'_> {
         self.explained_by(wrong, stencil, every, |hairlines, pixel, value| {
             hairlines.is_near(pixel, hairlines.moved(pixel), |truth| match truth {
                 Truth::Surface(between) => is_same(between.count(every) as u8, value),
-                truth => truth == Truth::Averted,
+                truth => truth == Truth::BackFacing,
             })
         })
     }

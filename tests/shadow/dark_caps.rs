@@ -126,7 +126,7 @@ fn check(
 ) -> Result<(), String> {
     let (_, positions, mesh) = &scene.caster;
     let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
-    let options = ShadowShape { counting: COUNT_Z_FAIL, end_at_range, skip_unseen: 0, ..shape(mesh, LIGHTS) };
+    let options = ShadowShape { counting: COUNT_Z_FAIL, end_at_range, cull_by_view: 0, ..shape(mesh, LIGHTS) };
     let staged = Staged::new(gpu, scene, PLACES[0], options, excluded)?;
     let (lights, _) = staged.choose(gpu, 0)?;
     let far_z = 1.0 - staged.view.near_z;

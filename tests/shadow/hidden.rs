@@ -45,7 +45,7 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     let at = other.len() / 2;
     other[at] ^= 1;
     must_fail("one count", &same(&what, &other, &expected_seen))?;
-    same("hidden without receivers", &[expected.statistics[0].hidden], &[0])?;
+    same("hidden without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
     // Each pair of caster and light is as without receivers, or casts nothing, and then it is counted.
     let casting = |counted: &Counted| counted.chosen.concat().iter().map(|light| light.casting).collect::<Vec<_>>();
     let (found_casting, expected_casting) = (casting(&found), casting(&expected));
@@ -54,8 +54,8 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
         return Err(format!("{what}: a caster casts by {found}, without receivers by {expected}"));
     }
     let hidden = pairs().filter(|(found, expected)| found != expected).count();
-    same(&format!("{what}: hidden"), &[found.statistics[0].hidden as usize], &[hidden])?;
-    Ok(found.statistics[0].hidden)
+    same(&format!("{what}: hidden"), &[found.statistics[0].culled_by_receivers as usize], &[hidden])?;
+    Ok(found.statistics[0].culled_by_receivers)
 }
 
 fn classes() -> Result<(), String> {
@@ -115,7 +115,7 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     let place = DVec3::new(f64::from(random.between(-1.0, 1.0)), 0.0, 1.5);
     let forward = DVec3::NEG_Z + 0.3 * direction(random);
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
-    let eye = Eye { place, forward, near: 0.05, is_relative: true, depth, far: None, half_width: None };
+    let eye = Eye { is_relative: true, depth, ..Eye::new(place, forward, 0.05) };
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 

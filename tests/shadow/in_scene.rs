@@ -7,7 +7,7 @@ use rimline::gpu::{
 };
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::{ShadowLight, ShadowStatistics};
-use rimline::internals::shadow::CAST_AVERTED;
+use rimline::internals::shadow::CAST_BACK_FACING;
 use rimline::mesh::Weld;
 use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
@@ -24,7 +24,6 @@ use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("casters_in_a_scene_count_as_each_by_itself", alike),
-    ("casters_in_a_scene_with_lists_that_overflow", overflow),
     ("scenes_with_a_past_many_lights_and_views", busy),
     ("casters_counted_in_batches_do_not_wrap", batches),
     ("excluded_faces_count_as_if_they_were_not_there", excluded),
@@ -162,9 +161,9 @@ fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting)
         ..SceneOptions::default()
     };
     options.measuring.set(Measuring::EVERY_FACE, renderer.options.every_face);
-    options.measuring.set(Measuring::UNSEEN, !renderer.options.skip_unseen);
+    options.measuring.set(Measuring::CULLED_BY_VIEW, !renderer.options.cull_by_view);
     // Counts of all casters, unless a test asks for dark and lit alone.
-    options.measuring.set(Measuring::OCCLUDED, true);
+    options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, true);
     (renderer.levels)(&mut options);
     options
 }
@@ -288,7 +287,7 @@ impl InScene {
         let words: Vec<u32> = gpu.read(choices, usize::MAX)?;
         let first = 8 * self.view * self.frame.batches() * self.casters.len();
         for &caster in &self.casters {
-            let (index, _) = self.frame.place(caster).ok_or("the caster is not in the frame")?;
+            let (index, _) = self.frame.locate(caster).ok_or("the caster is not in the frame")?;
             let chosen = |light: &LightHandle| {
                 let batch = light.bit() as usize / 32;
                 let at = first + 8 * (batch * self.casters.len() + index as usize);
@@ -341,7 +340,7 @@ fn alike() -> Result<(), String> {
                 let mut together = renderer(Placing::Scene).count(&frame, counting)?;
                 compare(&what, &alone, &together)?;
                 shadowed += alone.stencils.iter().flatten().filter(|&&count| count != 0).count();
-                capped += together.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+                capped += together.statistics.iter().filter(|statistics| statistics.near_capped > 0).count();
                 together.stencils[1][7] ^= 1;
                 must_fail("another count", &compare(&what, &alone, &together))?;
             }
@@ -379,33 +378,6 @@ fn busy() -> Result<(), String> {
     }
     println!("{shadowed} pixels in shadow of lights of the second batch");
     if shadowed < 1000 { Err("too few".to_owned()) } else { Ok(()) }
-}
-
-/// Lists with room for some, or for one: the same counts.
-fn overflow() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut overflowed = [0; 2];
-    for (index, class) in CLASSES.iter().enumerate() {
-        let seed = seed(class, 210);
-        let mut frame = (class.frame)(&mut Random::new(seed));
-        frame.bodies.iter_mut().for_each(|body| body.mirror = None);
-        frame.size = 48;
-        for counting in rotated(&RIGHT, index) {
-            let whole = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) }.count(&frame, counting)?;
-            for (list_capacity, cap_capacity) in [(Some(1), None), (Some(40), Some(3)), (None, Some(1))] {
-                let options = OneCasterOptions { cap_capacity, ..OneCasterOptions::default() };
-                let renderer = Renderer { placing: Placing::Scene, list_capacity, options, ..Renderer::new(gpu) };
-                let counted = renderer.count(&frame, counting)?;
-                let what =
-                    format!("{}, seed {seed}, {counting:?}, room for {list_capacity:?}, {cap_capacity:?}", class.name);
-                compare(&what, &whole, &counted)?;
-                overflowed[0] += counted.statistics[0].overflowed_sides;
-                overflowed[1] += counted.statistics[0].overflowed_caps;
-            }
-        }
-    }
-    println!("lights with lists that overflowed: of sides {}, of caps {}", overflowed[0], overflowed[1]);
-    if overflowed.contains(&0) { Err("no list of a kind overflowed".to_owned()) } else { Ok(()) }
 }
 
 /// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. And in frames of all
@@ -474,11 +446,11 @@ fn batches() -> Result<(), String> {
     if resolved < 1000 || bounded < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where averted
-/// faces cast, as the averted faces without these, each of which casts.
+/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where back_facing
+/// faces cast, as the back-facing faces without these, each of which casts.
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut changed, mut averted_casters) = (0, 0);
+    let (mut changed, mut back_facing_casters) = (0, 0);
     for (index, class) in CLASSES.iter().enumerate() {
         let seed = seed(class, 230);
         let mut random = Random::new(seed);
@@ -505,8 +477,8 @@ fn excluded() -> Result<(), String> {
                 let mut reduced = frame.clone();
                 let casters = reduced.bodies.iter_mut().filter(|body| body.casts);
                 for (body, chosen) in casters.zip(&found.chosen) {
-                    let averted_only = chosen[0].casting == CAST_AVERTED;
-                    averted_casters += usize::from(averted_only);
+                    let back_facing_only = chosen[0].casting == CAST_BACK_FACING;
+                    back_facing_casters += usize::from(back_facing_only);
                     let facing = cpu::facing(
                         &body.shape.positions,
                         &body.shape.faces,
@@ -516,7 +488,7 @@ fn excluded() -> Result<(), String> {
                     );
                     let left_out = std::mem::take(&mut body.left_out);
                     let is_left = |face: &(u32, u32)| left_out.binary_search(&face.0).is_err();
-                    let casts = |face: &(u32, u32)| is_left(face) && !(averted_only && face.1 & 1 != 0);
+                    let casts = |face: &(u32, u32)| is_left(face) && !(back_facing_only && face.1 & 1 != 0);
                     let left = (0..).zip(facing).filter(casts).map(|(face, _)| body.shape.faces[face as usize]);
                     body.instead = Some(left.collect());
                 }
@@ -531,8 +503,10 @@ fn excluded() -> Result<(), String> {
             }
         }
     }
-    println!("{changed} pictures that excluded faces change, {averted_casters} casters of which averted faces cast");
-    if changed.min(averted_casters) < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+    println!(
+        "{changed} pictures that excluded faces change, {back_facing_casters} casters of which back-facing faces cast"
+    );
+    if changed.min(back_facing_casters) < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
 /// Rigid casters with matrices of scales from a thousandth to a thousand, mirrored ones among them, a million away.
@@ -544,7 +518,7 @@ fn far_away() -> Result<(), String> {
             let seed = seed(class, number);
             let frame = movable((class.frame)(&mut Random::new(seed)));
             let traced = Traced::of(frame, seed);
-            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            shadowed += traced.shadowed();
             for counting in [Counting::Auto, Counting::ZpPlus] {
                 let renderer = Renderer { placing: Placing::Moved(seed), ..Renderer::new(gpu) };
                 match traced.check(&renderer, counting, false) {

@@ -23,19 +23,19 @@ pub(crate) const TESTS: &[Test] =
 type Levels = (&'static str, fn(&mut SceneOptions));
 
 const LEVELS: [Levels; 6] = [
-    ("light reach", |options| options.measuring.set(Measuring::UNREACHED, false)),
-    ("shadow reach", |options| options.measuring.set(Measuring::UNSEEN, false)),
-    ("bits", |options| options.measuring.set(Measuring::BITS, false)),
+    ("light reach", |options| options.measuring.set(Measuring::CULLED_BY_RANGE, false)),
+    ("shadow reach", |options| options.measuring.set(Measuring::CULLED_BY_VIEW, false)),
+    ("bits", |options| options.measuring.set(Measuring::CACHED_BITS, false)),
     ("bits and lists", |options| {
-        options.measuring.set(Measuring::BITS, false);
-        options.measuring.set(Measuring::LISTS, false);
+        options.measuring.set(Measuring::CACHED_BITS, false);
+        options.measuring.set(Measuring::CACHED_LISTS, false);
     }),
-    ("hidden receivers", |options| options.measuring.set(Measuring::WITHOUT_RECEIVERS, false)),
+    ("hidden receivers", |options| options.measuring.set(Measuring::CULLED_BY_RECEIVERS, false)),
     ("clusters", |options| options.clusters_from = Some(1)),
 ];
 
 fn none(options: &mut SceneOptions) {
-    options.measuring.set(Measuring::SKIP_NOTHING, true);
+    options.measuring.set(Measuring::CULL_NOTHING, true);
     options.clusters_from = None;
 }
 
@@ -48,7 +48,7 @@ fn all(options: &mut SceneOptions) {
     for (_, switch) in LEVELS {
         switch(options);
     }
-    options.measuring.set(Measuring::OCCLUDED, false);
+    options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, false);
 }
 
 /// None comes first.
@@ -75,14 +75,14 @@ const COUNTERS: [&str; 6] = ["unreached", "unseen", "kept pairs", "kept lists", 
 fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
     let scene = counted.scene.ok_or("no scene")?;
     let shadows = counted.statistics[0];
-    let unseen = shadows.skipped - shadows.hidden - shadows.unreached;
+    let unseen = shadows.skipped - shadows.culled_by_receivers - shadows.culled_by_range;
     Ok([
-        scene.unreached_pairs + shadows.unreached,
+        scene.pairs_culled_by_range + shadows.culled_by_range,
         unseen,
-        scene.kept_pairs,
-        shadows.kept_lists,
-        shadows.hidden,
-        scene.spared_faces,
+        scene.cached_pairs,
+        shadows.cached_lists,
+        shadows.culled_by_receivers,
+        scene.untested_faces,
     ])
 }
 
@@ -141,7 +141,7 @@ fn levels() -> Result<(), String> {
                 counts[choice] = std::array::from_fn(|counter| counts[choice][counter] + of_choice[counter]);
                 pictures += 1;
             }
-            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            shadowed += traced.shadowed();
         }
     }
     println!("{pictures} pictures, {shadowed} pixels in shadow; {COUNTERS:?}:");
@@ -179,14 +179,15 @@ fn occluded() -> Result<(), String> {
         let of = |levels| Renderer { placing: Placing::Scene, levels, ..Renderer::new(gpu) };
         let what = |error: String| format!("seed {seed}, {counting:?}: {error}");
         let without = of(none).count(&frame, counting).map_err(what)?;
-        let with =
-            of(|options| options.measuring.set(Measuring::OCCLUDED, false)).count(&frame, counting).map_err(what)?;
+        let with = of(|options| options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, false))
+            .count(&frame, counting)
+            .map_err(what)?;
         let is_dark = |counted: &Counted| counted.stencils[0].iter().map(|count| *count != 0).collect::<Vec<_>>();
         let (mut found, expected) = (is_dark(&with), is_dark(&without));
         same("dark pixels", &found, &expected).map_err(what)?;
         found[7] = !found[7];
         must_fail("one pixel", &same("dark pixels", &found, &expected))?;
-        hidden += with.scene.ok_or("no scene")?.occluded_pairs;
+        hidden += with.scene.ok_or("no scene")?.pairs_culled_by_occluders;
         shadowed += expected.iter().filter(|dark| **dark).count();
     }
     println!("{hidden} pairs hidden, {shadowed} dark pixels");

@@ -30,27 +30,20 @@ pub(crate) enum Truth {
     /// Nothing.
     Background,
     /// The light is on the other side of the surface.
-    Averted,
+    BackFacing,
     /// A surface on the light's side.
     Surface(Between),
 }
 
-/// Faces strictly between a point and a light: of each caster those averted from the light, and those that face it.
+/// Faces strictly between a point and a light: of each caster those that are back-facing, and those that face it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Between(pub(crate) [[u16; 2]; MOST_CASTERS]);
 
 impl Between {
-    /// One averted face, of the first caster.
-    pub(crate) fn some() -> Self {
-        let mut between = Self::default();
-        between.0[0][0] = 1;
-        between
-    }
-
     /// Expected stencil value. `every` says for which casters every face casts.
     pub(crate) fn count(&self, every: &[bool]) -> u16 {
         let faces = self.0.iter().zip(every);
-        faces.map(|(&[averted, facing], &every)| if every { averted + facing } else { averted }).sum()
+        faces.map(|(&[back_facing, facing], &every)| if every { back_facing + facing } else { back_facing }).sum()
     }
 }
 
@@ -131,7 +124,7 @@ impl Tracer {
         let truth = |(number, light): (usize, &Light)| {
             let side = own.of.sides[number];
             if side == 0 || (side > 0) != is_front {
-                return Truth::Averted;
+                return Truth::BackFacing;
             }
             Truth::Surface(self.towards(point, own, number, light))
         };

@@ -118,7 +118,7 @@ fn eye(random: &mut Random, number: usize) -> Eye {
     let place = 5.0 * DVec3::from(random.direction().map(f64::from));
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     let (far, half_width) = [(None, None), (Some(50.0), None), (Some(50.0), Some(8.0))][number / 2 % 3];
-    Eye { place, forward, near: 0.1, is_relative: random.below(5) > 0, depth, far, half_width }
+    Eye { is_relative: random.below(5) > 0, depth, far, half_width, ..Eye::new(place, forward, 0.1) }
 }
 
 /// The farthest of `by` times `by` cells, in rows of so many cells.
@@ -231,7 +231,7 @@ fn pyramid() -> Result<(), String> {
             near_max: seen.near_max,
             sky_receives: u32::from(sky_receives),
             pixels,
-            at: 0,
+            offset: 0,
             reserved: 0,
         };
         let (keys, [across, down]) = levels(&view, &depths, samples);
@@ -298,7 +298,7 @@ fn chosen(
     let draws: Vec<u32> = gpu.read(&results.shadow_draws[0], usize::MAX)?;
     let statistics = frame.shadow_statistics().ok_or("no view")?;
     let statistics = gpu.read::<rimline::gpu::ShadowStatistics>(statistics, 1)?[0];
-    Ok((words, draws, [statistics.kept_lists, statistics.hidden, statistics.ended]))
+    Ok((words, draws, [statistics.cached_lists, statistics.culled_by_receivers, statistics.ended]))
 }
 
 /// Lists stay cached while camera and version stay the same. Choices always equal those of a new scene.

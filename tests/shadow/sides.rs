@@ -4,7 +4,7 @@
 use rimline::Mesh;
 use rimline::internals::cpu;
 use rimline::internals::layout::ShadowLight;
-use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_Z_FAIL, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
+use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, COUNT_Z_FAIL, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 use rimline::mesh::{INCONSISTENT_BIT, NO_FACE};
 
 /// The share of a face in the shadow of a light: 0 or ±1, from its masks and the light's choice alone.
@@ -12,7 +12,7 @@ pub(crate) fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
     match (light.casting, facing) {
         _ if excluded && light.excludes == 1 => 0,
         (CAST_EVERY, true) => 1,
-        (CAST_EVERY | CAST_AVERTED, false) => -1,
+        (CAST_EVERY | CAST_BACK_FACING, false) => -1,
         _ => 0,
     }
 }

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::{
-    SceneCaster, SeenLight, ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView,
+    SceneCaster, ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView, ViewLight,
 };
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::internals::shadow::{
-    self, CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
+    self, CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
     COUNT_ZP_PLUS_2005,
 };
 use rimline::internals::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
@@ -22,7 +22,7 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::{Dispatch, uniform};
 use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::interleaved;
+use rimline_testkit::on_gpu::{interleaved, text};
 use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{Scene, scene};
@@ -35,10 +35,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("sides_are_those_of_their_faces_and_close_what_casts", list_sides),
     ("shadow_arguments_are_those_of_their_counts", shadow_arguments),
 ];
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
 
 /// Where positions lie in their buffer: words before the first, and from one to the next.
 pub(crate) const PLACES: [(u32, u32); 3] = [(0, 3), (5, 3), (7, 8)];
@@ -57,7 +53,7 @@ fn chunk_vectors(mesh: &Mesh) -> u32 {
 
 pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
     let counts = mesh.edges().counts();
-    let choices_at = CHUNKS_AT + chunk_vectors(mesh);
+    let choices_offset = CHUNKS_AT + chunk_vectors(mesh);
     let batches = lights.div_ceil(32) as u32;
     ShadowShape {
         casters: 1,
@@ -70,27 +66,27 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         side_capacity: 1000,
         near_capacity: mesh.faces().len() as u32,
         far_capacity: mesh.faces().len() as u32,
-        averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
+        allow_back_facing: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
         counting: COUNT_AUTO,
-        skip_unseen: 1,
-        skip_unreached: 1,
+        cull_by_view: 1,
+        cull_by_range: 1,
         end_at_range: 0,
-        choices_at,
-        measures_at: choices_at + 2 * batches,
-        lights_at: 0,
-        face_chunks_at: CHUNKS_AT,
-        edge_chunks_at: CHUNKS_AT,
+        choices_offset,
+        measures_offset: choices_offset + 2 * batches,
+        lights_offset: 0,
+        face_chunks_offset: CHUNKS_AT,
+        edge_chunks_offset: CHUNKS_AT,
         views: 1,
         count_batches: 1,
         proxies: 0,
-        part: 0,
+        group_and_batch: 0,
         first_caster: 0,
-        lists_at: 0,
-        keeps: 0,
+        lists_offset: 0,
+        uses_cache: 0,
         needs_boxes: 0,
         used_lights: lights as u32,
         has_receivers: 0,
-        most_count: 255,
+        largest_count: 255,
         piece_capacity: 0,
     }
 }
@@ -150,7 +146,7 @@ pub(crate) fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
 }
 
 /// Lights without what was chosen for them.
-pub(crate) fn seen(view: ShadowView, lights: &[ShadowLight]) -> Vec<SeenLight> {
+pub(crate) fn seen(view: ShadowView, lights: &[ShadowLight]) -> Vec<ViewLight> {
     lights.iter().map(|&light| seen_light(view, light)).collect()
 }
 
@@ -323,7 +319,7 @@ fn random_stage(random: &mut Random, number: usize, lights: usize) -> (Scene, (u
     let place = PLACES[random.below(3)];
     let shape = ShadowShape {
         counting: [COUNT_AUTO, COUNT_AUTO, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_Z_PASS][random.below(5)],
-        skip_unseen: random.below(2) as u32,
+        cull_by_view: random.below(2) as u32,
         proxies: u32::from(random.below(3) == 0),
         ..shape(mesh, lights)
     };
@@ -469,7 +465,7 @@ fn list_sides() -> Result<(), String> {
             let casting = if counts.boundary + counts.inconsistent == 0 { 3 } else { 2 };
             let lights: Vec<_> = (0..count)
                 .map(|_| ShadowLight {
-                    casting: [CAST_NOTHING, CAST_EVERY, CAST_AVERTED][random.below(casting)],
+                    casting: [CAST_NOTHING, CAST_EVERY, CAST_BACK_FACING][random.below(casting)],
                     excludes: random.below(2) as u32,
                     counting: [COUNT_Z_PASS, COUNT_ZP_PLUS][random.below(2)],
                     ..bytemuck::Zeroable::zeroed()

@@ -92,10 +92,10 @@ fn thousands() -> Result<(), String> {
     if results.groups.len() != 1 || statistics.overflowed_sides + statistics.overflowed_caps > 0 {
         return Err("not as meant".to_owned());
     }
-    let [pencils, crossings] = results.bound.ok_or("no bound")?;
+    let [pencils, bin_rows] = results.bound.ok_or("no bound")?;
     let pencils: Vec<StencilPencil> = gpu.read(pencils, usize::MAX)?;
-    let crossings: Vec<u32> = gpu.read(crossings, usize::MAX)?;
-    let row = crossings.len() / pencils.len();
+    let bin_rows: Vec<u32> = gpu.read(bin_rows, usize::MAX)?;
+    let row = bin_rows.len() / pencils.len();
     // Half of the weights that a half plane crosses at most, and faces that the axis may meet, but no more than there are.
     let bound = |row: &[u32]| {
         let mut crossed = 0_u32;
@@ -105,7 +105,7 @@ fn thousands() -> Result<(), String> {
         });
         row[1026].min(sums.max().unwrap_or(0).div_ceil(2) + row[1025])
     };
-    let bounds: Vec<u32> = crossings.chunks(row).map(bound).collect();
+    let bounds: Vec<u32> = bin_rows.chunks(row).map(bound).collect();
     let of_all = [*bounds.iter().max().unwrap_or(&0), bounds.iter().filter(|&&bound| bound > 255).count() as u32];
     same("bounds of all lights", &[statistics.count_bound, statistics.may_wrap], &of_all)?;
     println!("bounds {bounds:?}");
@@ -122,7 +122,7 @@ fn thousands() -> Result<(), String> {
         let is_axis = |axis: &usize| pencil.kind == 2 && pencil.forward[*axis] == 0.0 && pencil.aside[*axis] == 0.0;
         [pencil.kind, (0..3).find(is_axis).unwrap_or(3) as u32, row[1025], row[1026]]
     };
-    let of_pencils: Vec<u32> = pencils.iter().zip(crossings.chunks(row)).flat_map(of_pencil).collect();
+    let of_pencils: Vec<u32> = pencils.iter().zip(bin_rows.chunks(row)).flat_map(of_pencil).collect();
     golden("shadow", "ten_thousand_casters pencils", &of_pencils)?;
     let kinds = [0, 1, 2].map(|kind| pencils.iter().filter(|pencil| pencil.kind == kind).count());
     let near: u32 = draws.iter().map(|draws| draws.near_front.instance_count + draws.near_back.instance_count).sum();

@@ -252,7 +252,7 @@ fn closes(seed: u64, in_depth: bool) -> Outcome {
         let (_, positions, mesh) = &scene.caster;
         let options = ShadowShape {
             counting: COUNT_ZP_PLUS,
-            skip_unseen: 0,
+            cull_by_view: 0,
             proxies: u32::from(!in_depth),
             ..shape(mesh, scene.lights.len())
         };

@@ -12,16 +12,16 @@ const LANES: u32 = 8u;
 const CLOSED: u32 = 1u; // Closed and consistently oriented: each edge has two faces that traverse it in opposite directions.
 const MIRRORED: u32 = 2u; // Its matrix mirrors.
 const RIGID: u32 = 4u; // Its lights are moved to its mesh space, and its box is known.
-const HOLED: u32 = 8u; // A face has a vertex that is not finite.
-const EXCLUDING: u32 = 16u; // The caller excludes faces.
-const CHANGING: u32 = 32u; // Positions may have changed.
+const NON_FINITE: u32 = 8u; // A face has a vertex that is not finite.
+const EXCLUDES: u32 = 16u; // The caller excludes faces.
+const UNCACHED: u32 = 32u; // Its bits are computed in each encode: its positions may have changed, or it has polygons.
 // The caller excludes faces of a caster of the group. The excluded masks of the group are then copied from the caller's in
 // each frame.
-const GIVEN: u32 = 64u;
+const GROUP_EXCLUDES: u32 = 64u;
 const PROXY: u32 = 128u; // It is not drawn into the depth buffer.
 const BOUNDED: u32 = 256u; // The caller states its box, in world space.
 // A word of a scene's counts of silhouettes: not 0 if a light was in the plane of a face whose bits are cached.
-const KEPT_ZEROS: u32 = 32u;
+const CACHED_ZEROS: u32 = 32u;
 
 // A caster in the table of casters. `first_face` and `first_edge` are indices in the bound buffers of faces and edge
 // records.
@@ -52,7 +52,7 @@ struct SceneCaster {
   first_caster: u32, // The first caster of the group.
   // For a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. For a deforming caster
   // that a frame may not need its index among these, from 1. Otherwise 0.
-  clusters_or_figure: u32,
+  clusters_or_deforming_index: u32,
 }
 
 // A light's cone, in world space. `apex`: xyz; w 1, or 0 if the light has no cone. `axis`: xyz of length 1; w the cosine of

@@ -26,7 +26,7 @@ struct LightBatch {
   // x: the largest of |x|, |y|, |z| of all scaled lights. y: the largest of all their |w| and `inexact_w`.
   magnitudes: vec2<f32>,
   count: u32,
-  live: u32, // The lowest `count` bits.
+  active_bits: u32, // The lowest `count` bits.
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,

@@ -1,5 +1,5 @@
 // The layout in which decisions about cells, the squares between four samples, go from pass to pass. `depth_cells_count` or
-// `depth_edges_count` writes it, `depth_cells_places` and `depth_cells_list` read it. No other stage imports it.
+// `depth_edges_count` writes it, `depth_cells_scan` and `depth_cells_list` read it. No other stage imports it.
 // A word has eight cells of a row, four bits each, from the lowest on. Bit 0: the cell is split from its sample (1, 0) to
 // (0, 1). Bits 1 and 2: its first and its second triangle are drawn. Bit 3 is unused.
 // A strip is four words below each other, decided by one invocation; a block is 64 strips. Strips follow each other row by
@@ -10,9 +10,9 @@
 
 #import depth_map/samples
 
-// Three parts. A word for each block: its count of listed cells or, after `depth_cells_places`, the count in all blocks
+// Three parts. A word for each block: its count of listed cells or, after `depth_cells_scan`, the count in all blocks
 // before it. Then the count of each strip. Then four words for each strip, which are written only where its count is not 0.
-@group(0) @binding(2) var<storage, read_write> places: array<u32>;
+@group(0) @binding(2) var<storage, read_write> cell_words: array<u32>;
 
 // Cells of a word.
 const WORD_CELLS: u32 = 8u;
@@ -65,7 +65,7 @@ fn listed_cells(word: u32) -> u32 {
 // The count of a block. Zero at the start, and after each `write_block_count`.
 var<workgroup> block_count: atomic<u32>;
 
-// Offsets in `places` of the count of a strip (x) and of its first word (y).
+// Offsets in `cell_words` of the count of a strip (x) and of its first word (y).
 fn strip_offsets(strip: u32) -> vec2<u32> {
   return vec2<u32>(depth_map.blocks + strip, depth_map.blocks * (1u + BLOCK_STRIPS) + strip * STRIP);
 }
@@ -76,10 +76,10 @@ fn write_strip(strip: u32, words: vec4<u32>) -> u32 {
   let counts = countOneBits(vec4<u32>(
     listed_cells(words.x), listed_cells(words.y), listed_cells(words.z), listed_cells(words.w)));
   let count = counts.x + counts.y + counts.z + counts.w;
-  places[offsets.x] = count;
+  cell_words[offsets.x] = count;
   if (count > 0u) {
     for (var row = 0u; row < STRIP; row++) {
-      places[offsets.y + row] = words[row];
+      cell_words[offsets.y + row] = words[row];
     }
   }
   return count;
@@ -90,7 +90,7 @@ fn write_block_count(block: u32, lane: u32, count: u32) {
   atomicAdd(&block_count, count);
   workgroupBarrier();
   if (lane == 0u) {
-    places[block] = atomicExchange(&block_count, 0u);
+    cell_words[block] = atomicExchange(&block_count, 0u);
   }
   workgroupBarrier();
 }

@@ -20,7 +20,7 @@ struct ContourShape {
   // distances makes a jump, only far samples and other objects do.
   threshold: i32,
   // A difference above this is a jump even if it is less than twice those beside it.
-  sure: i32,
+  certain_threshold: i32,
   // How far a segment may pass from a crossing, in 1/256 texel.
   sideways: i32,
   // How far surfaces may be from the line between the ends of a wall. It is shifted down by `shift` bits, as are the
@@ -29,8 +29,8 @@ struct ContourShape {
   shift: u32,
   // The bias, which moves surfaces away from the light, is the sum of three terms (`biased_distance`).
   slope_bias: i32, // Times the slope for each texel, in 1/256.
-  share: i32, // Times the depth, in 2⁻²⁹.
-  constant: i32, // A distance.
+  noise_share: i32, // Times the depth, in 2⁻²⁹.
+  noise_constant: i32, // A distance.
 }
 
 @group(0) @binding(6) var<uniform> contour: ContourShape;
@@ -111,11 +111,11 @@ fn central_slope(sample: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(abs(minmod(distance - before, after - distance)), 0, max(distance, max(before, after)) == FAR);
 }
 
-// The error that depths of the map and of the eye may have together: `share` of the depth, and `constant`. It is a term of
-// the bias, and `fit_conic` needs differences NOISE_FACTOR times as large.
+// The error that depths of the map and of the eye may have together: `noise_share` of the depth, and `noise_constant`. It is
+// a term of the bias, and `fit_conic` needs differences NOISE_FACTOR times as large.
 fn depth_noise(distance: i32) -> i32 {
   let depth = select(distance, RANGE - distance, depth_map.is_reversed != 0u);
-  return (((depth >> 10u) * contour.share) >> 19u) + contour.constant;
+  return (((depth >> 10u) * contour.noise_share) >> 19u) + contour.noise_constant;
 }
 
 // The distance of a sample with the bias, which is at most half of the distance to the far end.

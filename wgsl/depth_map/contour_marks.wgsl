@@ -1,6 +1,6 @@
 // Stage `contour_marks`: marks the edges that a contour crosses, which are those between two samples of different surfaces.
 // First dispatch of an encode with contours: an invocation for each word of marks, which is 16 samples of a row.
-// Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_places`, `contour_walls` and the near cap of
+// Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_crossings`, `contour_walls` and the near cap of
 // `depth_walls`.
 // A slope is no jump, however steep it is: walls within a surface would put specks of its own shadow on it.
 // Integers decide, so marks are the same on every device. docs/numerics/contours.md, "Jumps and crossings".
@@ -23,15 +23,15 @@ fn jump_state(sample: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
   if (a == FAR || b == FAR) {
     return select(0u, 1u, a != b);
   }
-  if (OBJECTS && depth_map.objects != 0u && is_object_edge(vec2<u32>(sample), vec2<u32>(sample + step))) {
+  if (OBJECTS && depth_map.has_objects != 0u && is_object_edge(vec2<u32>(sample), vec2<u32>(sample + step))) {
     return 1u;
   }
   return select(0u, 2u, abs(b - a) > contour.threshold);
 }
 
 // Whether a difference above the threshold is a jump, not only a slope. A jump is larger than the slopes on both sides by
-// more than the threshold. It is above `contour.sure`, or at least twice as large as the differences beside it. Three
-// samples of a plane, and a round surface before its rim, have no jump.
+// more than the threshold. It is above `contour.certain_threshold`, or at least twice as large as the differences beside it.
+// Three samples of a plane, and a round surface before its rim, have no jump.
 fn is_jump(sample: vec2<i32>, step: vec2<i32>) -> bool {
   let a = load_distance(sample);
   let b = load_distance(sample + step);
@@ -55,7 +55,7 @@ fn is_jump(sample: vec2<i32>, step: vec2<i32>) -> bool {
   }
   let is_twice_as_large = max(before, after) / 2 < jump / 4;
   let slopes = max(backward_slope(near, away), -backward_slope(near + away, -away));
-  return (jump > contour.sure || is_twice_as_large) && jump - slopes > contour.threshold;
+  return (jump > contour.certain_threshold || is_twice_as_large) && jump - slopes > contour.threshold;
 }
 
 // A workgroup takes more than one block of words only where the device does not allow a workgroup for each.

@@ -1,5 +1,5 @@
 // Rims of smooth surfaces beyond their last sample, surfaces between their last sample and a contour, and marked edges.
-// Imported by `contour_tiles` (for marks), `contour_places`, `contour_walls` and `depth_walls` (for its near cap), after
+// Imported by `contour_tiles` (for marks), `contour_crossings`, `contour_walls` and `depth_walls` (for its near cap), after
 // `contour_marks`. Importers bind what contour.wgsl has, and `marks`.
 // A contour is where a surface ends before another as the light sees it. It crosses the marked edges between samples.
 // Offsets from a sample are in 1/256 texel, in the direction of a step.
@@ -88,7 +88,7 @@ fn surface_distance(sample: vec2<i32>, step: vec2<i32>, offset: i32, min_texels:
 }
 
 // From `contour_marks`: two bits for each sample, 16 samples in a word, `contour.words` words in a row.
-@group(0) @binding(9) var<storage, read> marks: array<u32>;
+@group(0) @binding(8) var<storage, read> marks: array<u32>;
 
 // Whether edges of a sample are marked. Bit 0: the edge to the right. Bit 1: the edge down. The sample must be on the
 // lattice.

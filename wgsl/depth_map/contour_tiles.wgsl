@@ -1,8 +1,8 @@
 // Stage `contour_tiles`: lists the tiles of 16 × 16 cells that a contour crosses, in ascending order. A contour crosses
 // marked edges. Two passes after `contour_marks`: `contour_tiles_find`, an invocation for each tile; `contour_tiles_list`,
 // one workgroup.
-// Reads `marks`. Writes the list into `counts`, for `contour_places`, `contour_walls` and the near cap of `depth_walls`.
-// Writes into `workgroups` the arguments of the indirect dispatches of `contour_places` and `contour_walls_take`.
+// Reads `marks`. Writes the list into `counts`, for `contour_crossings`, `contour_walls` and the near cap of `depth_walls`.
+// Writes into `workgroups` the arguments of the indirect dispatches of `contour_crossings` and `contour_walls_trace`.
 // The list has each tile with a marked edge in it or on its border. It is sorted, because `depth_walls` searches it by
 // bisection.
 
@@ -18,13 +18,13 @@
 // 4. Its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
-// Arguments of the indirect dispatch of `contour_places`, then of that of `contour_walls_take`.
+// Arguments of the indirect dispatch of `contour_crossings`, then of that of `contour_walls_trace`.
 @group(0) @binding(10) var<storage, read_write> workgroups: array<u32>;
 
 const BLOCK: u32 = 256u;
-// Tiles of a workgroup of `contour_places`, which has an invocation for each row of a tile.
+// Tiles of a workgroup of `contour_crossings`, which has an invocation for each row of a tile.
 const TILES_PER_PLACES_WORKGROUP: u32 = BLOCK / u32(TILE);
-// Tiles of a workgroup of `contour_walls_take`. Loops of an invocation have up to some 25,000 iterations a tile, and may
+// Tiles of a workgroup of `contour_walls_trace`. Loops of an invocation have up to some 25,000 iterations a tile, and may
 // have 65,535 (src/turns.rs).
 const TILES_PER_WALLS_WORKGROUP: u32 = 2u;
 // The device's limit for workgroups of a dispatch, across and down. Workgroups loop over tiles where there are too few of

@@ -1,10 +1,10 @@
 // Stage `contour_walls`: walks along the contours of each tile, fits segments to their crossings, and lists a wall over each
 // segment. A wall is a quadrilateral along rays of the light, from the nearer surface to the farther one. It lists flaps,
-// too: they join the top of a wall to samples of the nearer surface. After `contour_places`, in three passes.
-// `contour_walls_take` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
-// that `contour_tiles` wrote. `contour_walls_places`, one workgroup, scans the counts. `contour_walls_take` with LISTS
-// lists. Reads depths, `marks`, tiles, `places`. Writes `walls` and `draws`, and for the near cap `counts` and moved
-// `places`.
+// too: they join the top of a wall to samples of the nearer surface. After `contour_crossings`, in three passes.
+// `contour_walls_trace` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
+// that `contour_tiles` wrote. `contour_walls_scan`, one workgroup, scans the counts. `contour_walls_trace` with LISTS
+// lists. Reads depths, `marks`, tiles, `crossings`. Writes `walls` and `draws`, and for the near cap `counts` and moved
+// `crossings`.
 // Walls are in order of tiles, invocations, cells and edges, the same on every device. Each marked edge is crossed by one
 // wall, no other edge by any. Ends of segments do not depend on the direction of a walk, so walls close where they meet
 // (docs/numerics/contours.md, "Closed walls").
@@ -13,9 +13,9 @@
 #import depth_map/contour_rim
 #import depth_map/samples
 
-// Crossings, from `contour_places`. The listing pass moves those between the ends of a segment onto it, after its walk has
+// Crossings, from `contour_crossings`. The listing pass moves those between the ends of a segment onto it, after its walk has
 // read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
-@group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> crossings: array<atomic<u32>>;
 // Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, then the index of its first
 // wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
@@ -23,7 +23,7 @@
 // and a distance.
 @group(0) @binding(7) var<storage, read_write> walls: array<u32>;
 // The indirect draw of the walls, then that of all cells.
-@group(0) @binding(8) var<storage, read_write> draws: array<u32>;
+@group(0) @binding(9) var<storage, read_write> draws: array<u32>;
 
 // Whether walls are listed, not only counted.
 override LISTS: bool = false;
@@ -200,7 +200,7 @@ fn add_node(count: u32, kind: u32, exit: CellExit) {
     return;
   }
   let lattice_width = i32(depth_map.size.x) + 2;
-  let crossing = (atomicLoad(&places[u32(first.y * lattice_width + first.x)]) >> (16u * axis + 8u)) & 255u;
+  let crossing = (atomicLoad(&crossings[u32(first.y * lattice_width + first.x)]) >> (16u * axis + 8u)) & 255u;
   let left = exit.cell + corner_offset(exit.edge);
   let right = exit.cell + corner_offset(exit.edge + 1u);
   let left_to_right = right - left;
@@ -361,8 +361,8 @@ fn move_crossings(last: u32) {
     let lattice_width = i32(depth_map.size.x) + 2;
     let word = u32(first.y * lattice_width + first.x);
     // No other invocation changes these bits.
-    atomicAnd(&places[word], ~(0xffffu << (16u * axis)));
-    atomicOr(&places[word], u32(crossing) << (16u * axis));
+    atomicAnd(&crossings[word], ~(0xffffu << (16u * axis)));
+    atomicOr(&crossings[word], u32(crossing) << (16u * axis));
   }
 }
 
@@ -465,7 +465,7 @@ fn take_walk(cell: vec2<i32>, edge: u32) {
 }
 
 @compute @workgroup_size(WALKERS)
-fn contour_walls_take(
+fn contour_walls_trace(
   @builtin(workgroup_id) workgroup: vec3<u32>,
   @builtin(num_workgroups) dispatch_size: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
@@ -515,7 +515,7 @@ var<workgroup> prefix_sums: array<u32, SCANNERS>;
 // One workgroup. Each invocation takes a range of tiles: it adds up their counts, the sums are scanned, and it writes prefix
 // sums.
 @compute @workgroup_size(SCANNERS)
-fn contour_walls_places(@builtin(local_invocation_index) lane: u32) {
+fn contour_walls_scan(@builtin(local_invocation_index) lane: u32) {
   let tiles = contour.tiles.y;
   let count = counts[tiles * (2u + WALKERS)];
   let range_length = (count + SCANNERS - 1u) / SCANNERS;

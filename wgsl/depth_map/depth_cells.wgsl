@@ -1,7 +1,7 @@
 // Stage `depth_cells`: lists the cells of a depth map (squares between four samples) that have a triangle to draw. After
 // `depth_cube` and `depth_edges`, if these are dispatched; not with contours. In three passes:
-// `depth_cells_count`, an invocation for a strip of 8 × 4 cells, reads depths and objects, decides, and writes `places`
-// (cell_words.wgsl). `depth_edges_count` may replace it. `depth_cells_places`, one workgroup, scans the counts of blocks and
+// `depth_cells_count`, an invocation for a strip of 8 × 4 cells, reads depths and objects, decides, and writes `cell_words`
+// (cell_words.wgsl). `depth_edges_count` may replace it. `depth_cells_scan`, one workgroup, scans the counts of blocks and
 // writes `draws`. `depth_cells_list`, workgroups that loop over blocks, writes `cells`: their number, then their entries
 // (edge_code.wgsl). `depth_surface` reads `cells` and is drawn by `draws`.
 // The list is exact and in the same order on every device: integers decide where floats might be wrong. If it overflows, its
@@ -135,14 +135,14 @@ var<workgroup> prefix_sums: array<u32, BLOCK>;
 // One workgroup. Each invocation takes a range of blocks: it adds up their counts, the sums are scanned, and it writes
 // prefix sums.
 @compute @workgroup_size(BLOCK)
-fn depth_cells_places(@builtin(local_invocation_index) lane: u32) {
+fn depth_cells_scan(@builtin(local_invocation_index) lane: u32) {
   let range_length = (depth_map.blocks + BLOCK - 1u) / BLOCK;
   let begin = min(lane * range_length, depth_map.blocks);
   let end = min(begin + range_length, depth_map.blocks);
   var lane_sum = 0u;
   // Turns: MAP_BLOCKS / BLOCK.
   for (var block = begin; block < end; block++) {
-    lane_sum += places[block];
+    lane_sum += cell_words[block];
   }
   prefix_sums[lane] = lane_sum;
   for (var stride = 1u; stride < BLOCK; stride *= 2u) {
@@ -157,8 +157,8 @@ fn depth_cells_places(@builtin(local_invocation_index) lane: u32) {
   var cells_before = prefix_sums[lane] - lane_sum;
   // Turns: MAP_BLOCKS / BLOCK.
   for (var block = begin; block < end; block++) {
-    let count = places[block];
-    places[block] = cells_before;
+    let count = cell_words[block];
+    cell_words[block] = cells_before;
     cells_before += count;
   }
   // The last invocation has the sum over all blocks.
@@ -193,12 +193,12 @@ fn depth_cells_list(
     let first_strip = block * BLOCK_STRIPS + lane * RUN;
     var lane_count = 0u;
     for (var strip = 0u; strip < RUN; strip++) {
-      lane_count += places[strip_offsets(first_strip + strip).x];
+      lane_count += cell_words[strip_offsets(first_strip + strip).x];
     }
     first_indices[lane] = lane_count;
     workgroupBarrier();
     if (lane == 0u) {
-      var sum = places[block];
+      var sum = cell_words[block];
       for (var lister = 0u; lister < LISTERS; lister++) {
         let count = first_indices[lister];
         first_indices[lister] = sum;
@@ -213,8 +213,8 @@ fn depth_cells_list(
       let offsets = strip_offsets(first_strip + strip);
       let strip_cells = cells_of_strip(first_strip + strip);
       // Turns: STRIP.
-      for (var row = select(STRIP, 0u, places[offsets.x] > 0u); row < STRIP; row++) {
-        let word = places[offsets.y + row];
+      for (var row = select(STRIP, 0u, cell_words[offsets.x] > 0u); row < STRIP; row++) {
+        let word = cell_words[offsets.y + row];
         // Turns: WORD_CELLS.
         for (
           var remaining = listed_cells(word);

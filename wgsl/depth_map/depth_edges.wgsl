@@ -4,7 +4,7 @@
 // `depth_edges_mark`, an invocation for 16 × 4 samples, reads depths and objects, and writes `edges`, `faint_edges` and
 // `sample_bits`. `depth_edges_continue`, an invocation for a word of 16 samples, runs up to 64 times; two buffers of marks
 // alternate. It only adds marks, so the order of cells does not matter. `depth_edges_count`, workgroups that loop over
-// blocks of cells, reads marks and `sample_bits`. It writes `places` (cell_words.wgsl) for the later passes of
+// blocks of cells, reads marks and `sample_bits`. It writes `cell_words` (cell_words.wgsl) for the later passes of
 // `depth_cells`. A word of marks has 16 samples of a row: in bits 0 to 15 the edges to their right, in bits 16 to 31 the
 // edges below them. Marks are exact (docs/numerics/depth-maps.md, "Exact decisions").
 
@@ -24,9 +24,9 @@ struct DepthEdgeRule {
   // Blocks of 256 words.
   blocks: u32,
   // Bits of the threshold above which every difference is marked.
-  high: u32,
+  high_threshold: u32,
   // Bits of the threshold up to which no difference is marked.
-  low: vec2<u32>,
+  low_thresholds: vec2<u32>,
   // Bits of the factor by which a difference must be larger than the difference beside it.
   slopes: vec2<u32>,
   // Bits of the error that two differences may have: the larger of a constant, and the depth with its exponent lowered by
@@ -164,10 +164,10 @@ fn edge_state(keys: vec4<u32>, level: u32) -> u32 {
   if (SECOND == 2u) {
     state = exceeds_slopes_by_floats(keys, ends, edge_rule.slopes[level]);
   } else {
-    let is_step = exceeds(large, small, edge_rule.low[level]);
+    let is_step = exceeds(large, small, edge_rule.low_thresholds[level]);
     state = select(0u, 1u, is_step);
     if (SECOND == 1u) {
-      let is_decided = !is_step || exceeds(large, small, edge_rule.high);
+      let is_decided = !is_step || exceeds(large, small, edge_rule.high_threshold);
       state = select(exceeds_slopes_by_floats(keys, ends, edge_rule.slopes[level]), state, is_decided);
     }
   }
@@ -239,7 +239,7 @@ fn edge_states(four: FourEdges, level: u32) -> vec4<u32> {
 // Which edges lie between two objects. `sample`: the first sample of the first edge.
 fn are_object_edges(four: FourEdges, sample: vec2<u32>, step: vec2<u32>) -> vec4<bool> {
   var result = vec4<bool>(false);
-  if (OBJECTS && depth_map.objects != 0u) {
+  if (OBJECTS && depth_map.has_objects != 0u) {
     // A loop that is not unrolled has one copy of what it loads.
     for (var row = 0u; row < opaque(STRIP); row++) {
       let first = sample + vec2<u32>(0u, row);

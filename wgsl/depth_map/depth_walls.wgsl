@@ -198,15 +198,15 @@ fn flaps_change(cell: vec2<i32>, fraction: vec2<f32>, depth: f32, is_behind: boo
 
 // The surface that a point in a marked cell belongs to.
 
-// From `contour_walls`: crossings of marked edges on its segments (contour_places.wgsl), in 1/65,536 texel. Positions in
+// From `contour_walls`: crossings of marked edges on its segments (contour_crossings.wgsl), in 1/65,536 texel. Positions in
 // `cells` are in 1/256 texel.
-@group(0) @binding(5) var<storage, read> places: array<u32>;
+@group(0) @binding(5) var<storage, read> crossings: array<u32>;
 
 // The point where the contour crosses an edge of a cell, in texels from the cell's first sample. The middle of an edge that
 // is not marked.
 fn crossing_point(cell: vec2<i32>, edge: u32) -> vec2<f32> {
   let first = first_sample_of_edge(cell, edge);
-  let word = places[u32(first.y) * (depth_map.size.x + 2u) + u32(first.x)];
+  let word = crossings[u32(first.y) * (depth_map.size.x + 2u) + u32(first.x)];
   let crossing = (word >> (16u * (edge & 1u))) & 0xffffu;
   let is_marked = ((load_marks(first) >> (edge & 1u)) & 1u) == 1u;
   let along = select(0.5, f32(crossing) / 65536.0, is_marked);

@@ -5,7 +5,7 @@
 // `object_texture`.
 // A mark depends only on the two samples of the edge, so both cells at an edge agree. A triangle with a marked edge is
 // always drawn: one that is missing would leave a gap in the boundary, one too many changes nothing. Integers decide
-// wherever float rounding might matter. docs/numerics/depth-maps.md, "Triangles left out" and "Exact decisions".
+// wherever float rounding might matter. docs/numerics/depth-maps.md, "Omitted triangles" and "Exact decisions".
 
 #import depth_map/samples
 
@@ -85,7 +85,7 @@ fn is_object_edge(a: vec2<u32>, b: vec2<u32>) -> bool {
 // the right. The keys are of the upper and lower sample on each side. Edges of far samples have no bit: `is_marked` decides
 // them.
 fn object_edge_code_without_left(top_right: vec2<u32>, left_keys: vec2<u32>, right_keys: vec2<u32>) -> u32 {
-  if (depth_map.objects == 0u) {
+  if (depth_map.has_objects == 0u) {
     return 0u;
   }
   let top_left = top_right - vec2<u32>(1u, 0u);
@@ -145,7 +145,7 @@ fn edges_in_and_around(first_sample: vec2<u32>, keys: vec4<u32>) -> u32 {
       end_key = load_key(end_sample);
     }
     var is_edge = is_marked(keys[start], end_key);
-    if (OBJECTS && depth_map.objects != 0u && keys[start] != FAR_KEY && end_key != FAR_KEY) {
+    if (OBJECTS && depth_map.has_objects != 0u && keys[start] != FAR_KEY && end_key != FAR_KEY) {
       is_edge = is_edge || is_object_edge(first_sample + sample_offset(start), end_sample);
     }
     code |= select(0u, 1u << edge, is_edge);

@@ -16,9 +16,12 @@ struct MeshDepthCaster {
   row_0: vec4<f32>,
   row_1: vec4<f32>,
   row_2: vec4<f32>,
-  // x: the offset of vertex 0 in `positions`, in words. y: the stride, in words. z: the first face in `faces`. w: the count
-  // of faces.
-  place: vec4<u32>,
+  // The word of vertex 0 in `positions`, and the words from one vertex to the next.
+  position_offset: u32,
+  position_stride: u32,
+  // The range of its faces in `faces`.
+  first_face: u32,
+  face_count: u32,
 }
 
 // One element. It is an array so that its binding has no dynamic offset.
@@ -33,7 +36,7 @@ struct MeshDepthCaster {
 // The clip position of a vertex of a caster. With the unit matrix only the last sum of a row rounds. So a caster with that
 // transform has the depths of a mesh without one.
 fn light_position(caster: MeshDepthCaster, vertex: u32) -> vec4<f32> {
-  let offset = caster.place.x + vertex * caster.place.y;
+  let offset = caster.position_offset + vertex * caster.position_stride;
   let position = vec3<f32>(positions[offset], positions[offset + 1u], positions[offset + 2u]);
   let from_light = vec3<f32>(
     caster.row_0.x * position.x + caster.row_0.y * position.y + caster.row_0.z * position.z + caster.row_0.w,
@@ -57,8 +60,8 @@ fn scene_depth(
   let chunk = chunks[chunk_index];
   let caster = casters[chunk.x];
   let face = chunk.y + vertex / 3u;
-  if (face >= caster.place.w) {
+  if (face >= caster.face_count) {
     return vec4<f32>(0.0, 0.0, 0.0, 1.0);
   }
-  return light_position(caster, faces[3u * (caster.place.z + face) + vertex % 3u]);
+  return light_position(caster, faces[3u * (caster.first_face + face) + vertex % 3u]);
 }

@@ -26,7 +26,7 @@ struct DepthMapShape {
   // Maps: 1, or 6 for a cube.
   faces: u32,
   // 1: edges between different objects are marked.
-  objects: u32,
+  has_objects: u32,
   // 1: triangles with a sample at the end of a marked edge are drawn, too.
   spread: u32,
   // 0.

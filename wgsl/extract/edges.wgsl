@@ -15,7 +15,7 @@
 @group(0) @binding(2) var<storage, read> facing_masks: array<u32>;
 
 // `counts`: the number of silhouette edges of each light, including those that its list has no room for; then word
-// KEPT_ZEROS (common/casters.wgsl). `entries`: a list a light. An entry is an edge slot with the winding as bit 31.
+// CACHED_ZEROS (common/casters.wgsl). `entries`: a list a light. An entry is an edge slot with the winding as bit 31.
 struct SceneLists {
   counts: array<atomic<u32>, 64>,
   entries: array<u32>,
@@ -56,13 +56,13 @@ fn process_item(slot: u32, index: u32) {
     return;
   }
   let winding = facing_mask(faces.x & ~INCONSISTENT);
-  var silhouette = active_lights();
+  var silhouette = active_bits();
   if (faces.y != NO_FACE) {
     silhouette = winding ^ facing_mask(faces.y);
     if ((faces.x & INCONSISTENT) != 0u) {
       silhouette = ~silhouette;
     }
-    silhouette &= active_lights();
+    silhouette &= active_bits();
   }
   emit(slot, silhouette, winding);
 }
@@ -71,13 +71,13 @@ fn process_item(slot: u32, index: u32) {
 // boundary, and the winding is the bit that face 0 would have. If none remains, the record is no silhouette.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
-  let is_present_0 = active_lights() & ~facing_mask(TWISTED_OFFSET + first);
+  let is_present_0 = active_bits() & ~facing_mask(TWISTED_OFFSET + first);
   let facing_0 = facing_mask(first);
   var is_present_1 = 0u;
   // The bit of face 1 for the direction of face 0: inverted, unless both traverse the edge the same way.
   var aligned_facing_1 = 0u;
   if (faces.y != NO_FACE) {
-    is_present_1 = active_lights() & ~facing_mask(TWISTED_OFFSET + faces.y);
+    is_present_1 = active_bits() & ~facing_mask(TWISTED_OFFSET + faces.y);
     aligned_facing_1 = ~facing_mask(faces.y);
     if ((faces.x & INCONSISTENT) != 0u) {
       aligned_facing_1 = ~aligned_facing_1;

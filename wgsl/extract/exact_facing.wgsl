@@ -112,7 +112,7 @@ fn decide_face(index: u32) -> Signs {
     if (is_first_active_batch()) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    return Signs(0u, active_lights());
+    return Signs(0u, active_bits());
   }
   if (face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x) {
     return Signs(0u, 0u);

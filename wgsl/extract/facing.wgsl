@@ -96,7 +96,7 @@ fn process_item(slot: u32, index: u32) {
   } else if (magnitude >= INFINITE) {
     facing_masks[slot] = updated_bits(facing_masks[slot], 0u);
     if (slot < arrayLength(&excluded_masks)) {
-      excluded_masks[slot] |= active_lights();
+      excluded_masks[slot] |= active_bits();
     }
     if (is_first_active_batch()) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);

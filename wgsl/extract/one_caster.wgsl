@@ -31,11 +31,11 @@ fn scaled_light(light_index: u32) -> vec4<f32> { return batch.lights[light_index
 fn given_light(light_index: u32) -> vec4<u32> { return batch.light_bits[light_index]; }
 fn inexact_w(light_index: u32) -> f32 { return batch.inexact_w[light_index / 4u][light_index % 4u]; }
 fn light_magnitudes() -> vec2<f32> { return batch.magnitudes; }
-fn active_indices() -> u32 { return batch.live; }
-fn active_lights() -> u32 { return batch.live; }
+fn active_indices() -> u32 { return batch.active_bits; }
+fn active_bits() -> u32 { return batch.active_bits; }
 // Only scenes have clusters that decide lights for many faces at once.
 fn tested_indices() -> u32 { return 0xffffffffu; }
-fn lights_of_indices(index_mask: u32) -> u32 { return index_mask & batch.live; }
+fn lights_of_indices(index_mask: u32) -> u32 { return index_mask & batch.active_bits; }
 
 // No mask has bits of an earlier encode: `Extractor::encode` clears the excluded masks before the first stage.
 // `clear_active` is never called.

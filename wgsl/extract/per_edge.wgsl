@@ -47,7 +47,7 @@ fn facing_mask_of(face: FacePlane) -> u32 {
     mask |= select(0u, 4u, is_facing(face, light + 2u)) << light;
     mask |= select(0u, 8u, is_facing(face, light + 3u)) << light;
   }
-  return mask & batch.live;
+  return mask & batch.active_bits;
 }
 
 @compute @workgroup_size(256)
@@ -62,13 +62,13 @@ fn per_edge(@builtin(global_invocation_id) id: vec3<u32>) {
   // The facing mask of face 0 is the winding of the edge's side. An edge without face 1 is a silhouette for every light: the
   // surface that ends there casts a shadow from either side.
   let winding = facing_mask_of(face_plane(a, b, position(corners.z)));
-  var silhouette = batch.live;
+  var silhouette = batch.active_bits;
   if (corners.w != NO_FACE) {
     let d = position(corners.w);
     if ((corners.x & INCONSISTENT) != 0u) {
       // Face 1 traverses the edge the same way, so its front is on the other side of the surface: equal bits are a
       // silhouette.
-      silhouette = ~(winding ^ facing_mask_of(face_plane(a, b, d))) & batch.live;
+      silhouette = ~(winding ^ facing_mask_of(face_plane(a, b, d))) & batch.active_bits;
     } else {
       silhouette = winding ^ facing_mask_of(face_plane(b, a, d));
     }

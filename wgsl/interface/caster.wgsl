@@ -15,7 +15,7 @@
 // * `position_bits(vertex, position_offset(), position_stride()) -> vec3<u32>`: the position of a vertex.
 // Lights:
 // * `light_count() -> u32`: the number of light indices. `lights_of_indices(mask) -> u32`: index mask to bits of lights.
-// * `active_lights() -> u32`: the bits of the lights to compute. `active_indices() -> u32`: their index mask.
+// * `active_bits() -> u32`: the bits of the lights to compute. `active_indices() -> u32`: their index mask.
 // * `tested_indices() -> u32`: the index mask of lights that no cluster decided. Bits past the last index may be set.
 // * `given_light(light_index) -> vec4<u32>`: the light as given, bit for bit. `scaled_light(light_index) -> vec4<f32>`:
 //   scaled by a power of two. `inexact_w(light_index) -> f32`, `light_magnitudes() -> vec2<f32>`: see `LightBatch`.

@@ -9,13 +9,13 @@
 #import common/extraction
 #import extract/results
 #import shadow/caster
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 
 // A group of casters and a light.
 struct OutlinedGroup {
   edge_chunks_offset: u32, // The offset in the table, in vec4s, of the casters of all chunks of edges.
-  relevant_offset: u32, // The offset in `relevant_lights` of the light's batch, for the first caster of the table.
+  relevant_lights_offset: u32, // The offset in `relevant_lights` of the light's batch, for the first caster of the table.
   capacity: u32, // Entries that the list of each light has room for.
   twisted_offset: u32, // The offset of the twisted masks, which lie behind the facing masks. 0: there are none.
   bit: u32, // The light's bit in its batch.
@@ -54,7 +54,7 @@ fn outlined_bits(first: u32, slots: vec2<u32>) -> vec2<bool> {
 fn outlined_record(slot: u32) -> RimlineSilhouette {
   outlined_caster = caster_of_slot(outlined.edge_chunks_offset, slot);
   let range = edge_range(outlined_caster);
-  let is_relevant = ((relevant_lights[outlined.relevant_offset + outlined_caster] >> outlined.bit) & 1u) != 0u;
+  let is_relevant = ((relevant_lights[outlined.relevant_lights_offset + outlined_caster] >> outlined.bit) & 1u) != 0u;
   if (slot - range.x >= range.y || !is_relevant) {
     return RimlineSilhouette(false, 0u, 0u, 0u, false, NO_EDGE);
   }

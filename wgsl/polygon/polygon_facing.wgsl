@@ -143,9 +143,9 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   // Turns: POLYGON_TRIANGLES.
   for (var triangle = boundary.first_triangle; triangle < boundary.end_triangle; triangle++) {
-    facing_masks[triangle] = convex.facing & active_lights();
+    facing_masks[triangle] = convex.facing & active_bits();
   }
-  if ((active_lights() & ~(convex.facing | convex.back_facing)) != 0u) {
+  if ((active_bits() & ~(convex.facing | convex.back_facing)) != 0u) {
     // There is room for a record of every polygon. `polygon_turns` writes the other words.
     let record_index = atomicAdd(&undecided[RECORD_COUNT], 1u);
     atomicStore(&undecided[record_offset(record_index) + POLYGON], id.x);
@@ -284,7 +284,7 @@ fn decided_quad(boundary: PolygonBoundary) -> Decided {
     decided.turn_0 |= combined_bits(positive_0) << light_index;
     decided.turn_1 |= combined_bits(positive_1) << light_index;
   }
-  decided.twisted &= active_lights();
+  decided.twisted &= active_bits();
   return decided;
 }
 
@@ -325,15 +325,15 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let decided = decided_boundary(boundary);
     // Turns: POLYGON_TRIANGLES.
     for (var triangle = boundary.first_triangle; triangle < boundary.end_triangle; triangle++) {
-      facing_masks[triangle] = decided.facing & active_lights();
+      facing_masks[triangle] = decided.facing & active_bits();
     }
-    let undecided_lights = active_lights() & ~(decided.facing | decided.back_facing | decided.twisted);
+    let undecided_lights = active_bits() & ~(decided.facing | decided.back_facing | decided.twisted);
     // If f32 decides all lights, all corners are finite. If a corner is not finite, f32 decides no light: LIGHTS are then
     // all active lights, for `polygon_masks`.
     let is_undecided = (undecided_lights | decided.twisted) != 0u;
     let has_finite_corners = !is_undecided || is_boundary_finite(boundary);
     atomicStore(&undecided[offset + POLYGON], polygon | select(NOT_FINITE, 0u, has_finite_corners));
-    atomicStore(&undecided[offset + LIGHTS], select(active_lights(), undecided_lights, has_finite_corners));
+    atomicStore(&undecided[offset + LIGHTS], select(active_bits(), undecided_lights, has_finite_corners));
     // The words that `polygon_pairs` sets bits in, from IN_HALF_SPACE to OFF_PLANE, before TWISTED_QUAD.
     for (var word = IN_HALF_SPACE; word < TWISTED_QUAD; word++) {
       atomicStore(&undecided[offset + word], 0u);

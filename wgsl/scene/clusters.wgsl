@@ -10,12 +10,12 @@
 #import scene/table
 
 // Stage `clusters`: decides for the active lights of a caster whether all faces of a cluster face a light, or none does. It
-// lists the chunks with a bit that must be tested or changed, with the decided bits. It writes to `kept` what the masks will
-// hold, for `chunks` and the next encode. A decision must agree with exact facing, so bounds must not shrink.
+// lists the chunks with a bit that must be tested or changed, with the decided bits. It writes to `cache` what the masks
+// will hold, for `chunks` and the next encode. A decision must agree with exact facing, so bounds must not shrink.
 
 // SceneDispatch has the offsets: four words for each group and batch, then the listed chunks.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
-@group(0) @binding(6) var<storage, read_write> kept: array<u32>;
+@group(0) @binding(6) var<storage, read_write> cache: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
 // Kinds of bounds, the fourth word of a bound. Kind 1 decides that all faces face a light, or that none does.
 const DECIDES_NOTHING: u32 = 0u; // It decides nothing.
@@ -86,7 +86,7 @@ fn list_face_chunk(chunk: u32, decision: Decision) {
   if ((active_mask & ~decision.decided) != 0u) {
     atomicAdd(&statistics.faces, face_count(chunk));
   } else {
-    atomicAdd(&statistics.spared_faces, face_count(chunk));
+    atomicAdd(&statistics.untested_faces, face_count(chunk));
   }
 }
 
@@ -98,11 +98,11 @@ fn process_cluster(chunk: u32, index: u32) {
   let decision = decide_cluster(caster_part(caster, 7u).w + BOUND_WORDS * index);
   let offset = cached_cluster_offset(chunk);
   var before = Decision(0u, 0u);
-  if (kept[0] == group.structure) {
-    before = Decision(kept[offset], kept[offset + 1u]);
+  if (cache[0] == group.structure) {
+    before = Decision(cache[offset], cache[offset + 1u]);
   }
-  kept[offset] = (before.decided & ~active_mask) | decision.decided;
-  kept[offset + 1u] = (before.facing & ~active_mask) | decision.facing;
+  cache[offset] = (before.decided & ~active_mask) | decision.decided;
+  cache[offset + 1u] = (before.facing & ~active_mask) | decision.facing;
   // True if the masks have these bits already.
   let is_known = (active_mask & ~(decision.decided & before.decided)) == 0u &&
     ((decision.facing ^ before.facing) & active_mask) == 0u;
@@ -110,7 +110,7 @@ fn process_cluster(chunk: u32, index: u32) {
   // Turns: CLUSTER_CHUNKS.
   for (var covered_chunk = chunk; covered_chunk < end; covered_chunk++) {
     if (is_known) {
-      atomicAdd(&statistics.spared_faces, select(0u, face_count(covered_chunk), active_mask != 0u));
+      atomicAdd(&statistics.untested_faces, select(0u, face_count(covered_chunk), active_mask != 0u));
     } else {
       list_face_chunk(covered_chunk, decision);
     }
@@ -119,7 +119,7 @@ fn process_cluster(chunk: u32, index: u32) {
 
 // Processes the cluster that begins with a chunk, or the chunk itself if its caster has no clusters.
 fn process_chunk(chunk: u32) {
-  load_caster(caster_of(group.face_chunks_at, chunk));
+  load_caster(caster_of(group.face_chunks_offset, chunk));
   if (!has_clusters(caster)) {
     if (active_mask != 0u) {
       list_face_chunk(chunk, Decision(0u, 0u));
@@ -144,12 +144,12 @@ fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
 
 // Stage `chunks`: lists chunks of edges of casters with a light whose list is dirty. It skips chunks that have no silhouette
 // by the decisions about clusters. A chunk that may have one must be listed. It also empties lists and statistics for
-// `facing` and later stages, and writes to `kept` the versions of this encode. `reach` and `clusters` compare those of the
+// `facing` and later stages, and writes to `cache` the versions of this encode. `reach` and `clusters` compare those of the
 // encode before. All their dispatches, for all groups and batches, must come before the first of `chunks`.
 
-@group(0) @binding(3) var<storage, read> lit: array<u32>;
-// For each light of the batch the number of its silhouette edges. Then word KEPT_ZEROS: not 0 if a light was in the plane of
-// a face whose bits are cached.
+@group(0) @binding(3) var<storage, read> relevant_lights: array<u32>;
+// For each light of the batch the number of its silhouette edges. Then word CACHED_ZEROS: not 0 if a light was in the
+// plane of a face whose bits are cached.
 @group(0) @binding(5) var<storage, read_write> list_counts: array<u32, 64>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
 // Rules for a chunk to have no silhouette. Rule 1: all its clusters are decided, and its edges lie within clusters. Rule 2:
@@ -161,13 +161,13 @@ const SKIPPED_SAME_FACING: u32 = 2u;
 fn reset_light(light: u32) {
   if (((atomicLoad(&work[group.work_count + 2u]) >> light) & 1u) != 0u) {
     list_counts[light] = 0u;
-    kept[group.lists_at + light] = encode_number();
+    cache[group.lists_offset + light] = encode_number();
   }
-  kept[cached_light_offset(group.batch) + light] = light_version(group.batch, light);
+  cache[cached_light_offset(group.batch) + light] = light_version(group.batch, light);
   if (light == 0u) {
-    kept[0] = group.structure;
-    let zeros = list_counts[KEPT_ZEROS] | atomicLoad(&record.statistics.exact_zeros);
-    list_counts[KEPT_ZEROS] = select(0u, zeros, atomicLoad(&work[group.work_count + 3u]) != 0u);
+    cache[0] = group.structure;
+    let zeros = list_counts[CACHED_ZEROS] | atomicLoad(&record.statistics.exact_zeros);
+    list_counts[CACHED_ZEROS] = select(0u, zeros, atomicLoad(&work[group.work_count + 3u]) != 0u);
     atomicStore(&record.statistics.non_finite_faces, 0u);
     atomicStore(&record.statistics.overflowed_lists, 0u);
     atomicStore(&record.statistics.undecided_pairs, 0u);
@@ -195,26 +195,26 @@ fn is_without_silhouette(caster: u32, chunk: u32, lights_to_list: u32) -> bool {
   // Turns: 2 * CHUNK.
   for (var member = bounds_offset + (begin & offset_mask); member < end; member++) {
     let cluster_offset = cached_cluster_offset(faces.x / CHUNK + CLUSTER_CHUNKS * cluster_words[member]);
-    if ((lights_to_list & ~kept[cluster_offset]) != 0u) {
+    if ((lights_to_list & ~cache[cluster_offset]) != 0u) {
       return false;
     }
-    facing |= kept[cluster_offset + 1u];
-    back_facing |= ~kept[cluster_offset + 1u];
+    facing |= cache[cluster_offset + 1u];
+    back_facing |= ~cache[cluster_offset + 1u];
   }
   return skip_rule == SKIPPED_DECIDED || (lights_to_list & facing & back_facing) == 0u;
 }
 
 // Lists a chunk of edges if it may have a silhouette in a dirty list.
 fn list_edge_chunk(chunk: u32) {
-  let caster = caster_of(group.edge_chunks_at, chunk);
-  let lights_to_list = lit[group.batch * group.casters + caster] & atomicLoad(&work[group.work_count + 2u]);
+  let caster = caster_of(group.edge_chunks_offset, chunk);
+  let lights_to_list = relevant_lights[group.batch * group.casters + caster] & atomicLoad(&work[group.work_count + 2u]);
   if (lights_to_list == 0u) {
     return;
   }
   let edges = caster_part(caster, 6u);
   let count = min(CHUNK, edges.x + edges.y - CHUNK * chunk);
   if (has_clusters(caster) && is_without_silhouette(caster, chunk, lights_to_list)) {
-    atomicAdd(&statistics.spared_edges, count);
+    atomicAdd(&statistics.untested_edges, count);
     return;
   }
   atomicStore(&work[group.edge_work + atomicAdd(&work[group.work_count + 1u], 1u)], chunk);

@@ -22,7 +22,7 @@ fn process_faces(first: u32, step: u32) {
 fn process_face_chunk(item: u32) {
   let entry_offset = group.face_work + FACE_ENTRY * (item / LANES);
   let chunk = work[entry_offset];
-  load_caster(caster_of(group.face_chunks_at, chunk));
+  load_caster(caster_of(group.face_chunks_offset, chunk));
   decided = work[entry_offset + 1u];
   decided_facing = work[entry_offset + 2u];
   tested = work[entry_offset + 3u];
@@ -44,7 +44,7 @@ fn process_edges(first: u32, step: u32) {
 // Processes every LANES-th edge record of a listed chunk, only for lights with a dirty list.
 fn process_edge_chunk(item: u32) {
   let chunk = work[group.edge_work + item / LANES];
-  load_caster(caster_of(group.edge_chunks_at, chunk));
+  load_caster(caster_of(group.edge_chunks_offset, chunk));
   active_mask &= work[group.work_count + 2u];
   let end = min(CHUNK * (chunk + 1u), edge_range.x + edge_range.y);
   // Turns: CHUNK / LANES.

@@ -8,9 +8,9 @@
 #import scene/table
 
 @group(0) @binding(2) var<storage, read> positions: array<u32>;
-// For each batch and caster the active lights of the stage. `edges` binds the relevant lights (`lit` of `reach`) instead,
-// since a dirty list has the edges of all casters.
-@group(0) @binding(3) var<storage, read> taken: array<u32>;
+// The active lights of each batch and caster. `edges` binds the relevant lights instead, since a dirty list has the edges of
+// all casters.
+@group(0) @binding(3) var<storage, read> active_lights: array<u32>;
 
 struct Item {
   exists: bool,
@@ -40,7 +40,7 @@ fn load_caster(index: u32) {
   face_range = caster_part(caster, 5u);
   edge_range = caster_part(caster, 6u);
   lights = caster_lights(caster, group.batch);
-  active_mask = taken[group.batch * group.casters + caster];
+  active_mask = active_lights[group.batch * group.casters + caster];
   decided = 0u;
   decided_facing = 0u;
   tested = 0xffffffffu;
@@ -50,7 +50,7 @@ fn face_slots() -> u32 { return CHUNK * group.face_chunks; }
 
 // The face in a slot. There is none past the last face of the caster, or if the caster has no active light.
 fn load_face(slot: u32) -> Item {
-  load_caster(caster_of(group.face_chunks_at, slot / CHUNK));
+  load_caster(caster_of(group.face_chunks_offset, slot / CHUNK));
   let face = slot - face_range.x;
   return Item(face < face_range.y && active_mask != 0u, slot, face_range.z + face);
 }
@@ -59,7 +59,7 @@ fn load_face(slot: u32) -> Item {
 fn is_first_active_batch() -> bool {
   // Turns: 31.
   for (var batch = 0u; batch < group.batch; batch++) {
-    if (taken[batch * group.casters + caster] != 0u) {
+    if (active_lights[batch * group.casters + caster] != 0u) {
       return false;
     }
   }
@@ -86,13 +86,13 @@ fn inexact_w(light_index: u32) -> f32 {
   return select(bitcast<f32>(w), 0.0, is_zero || (w & 0x7fffffu) == 0u);
 }
 
-fn light_magnitudes() -> vec2<f32> { return lights.reach; }
-fn active_lights() -> u32 { return active_mask; }
+fn light_magnitudes() -> vec2<f32> { return lights.magnitudes; }
+fn active_bits() -> u32 { return active_mask; }
 fn updated_bits(mask: u32, bits: u32) -> u32 { return (mask & ~active_mask) | (bits & ~decided) | decided_facing; }
 fn clear_active(mask: u32) -> u32 { return mask & ~active_mask; }
 
 fn tested_indices() -> u32 { return tested; }
-fn has_stale_exclusions() -> bool { return (caster_flags & GIVEN) == 0u; }
+fn has_stale_exclusions() -> bool { return (caster_flags & GROUP_EXCLUDES) == 0u; }
 fn active_indices() -> u32 { return indices_of_lights(active_mask); }
 
 // The index mask of lights given by their bits.

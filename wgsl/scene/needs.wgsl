@@ -6,56 +6,57 @@
 // into a point, and `reach` culls them. Claim: docs/numerics/scene.md, "Deforming casters that a frame needs".
 
 #import common/casters
+#import shadow/culling
 #import shadow/shadow
-#import shadow/visibility
 
 struct NeedsDispatch {
-  figures: u32, // Deforming casters.
+  casters: u32, // Deforming casters.
   views: u32,
   lights: u32, // Lights of each view, at least 1.
-  parts: u32, // Vec4s of each caster in `figures`.
+  parts: u32, // Vec4s of each caster in `deforming_casters`.
   all: u32, // 1: the frame needs every caster.
   // 1: casters out of a light's range are culled, and shadows that a camera cannot see.
-  skip_unreached: u32,
-  skip_unseen: u32,
+  cull_by_range: u32,
+  cull_by_view: u32,
   reserved: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: NeedsDispatch;
-@group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>;
 // For each caster: xyz the lowest corner of its box, w whether it has one; xyz the highest corner; then the bits of its
 // lights.
-@group(0) @binding(2) var<storage, read> figures: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read> deforming_casters: array<vec4<u32>>;
 // For each caster 1 if it is culled, else 2. 0: this stage never ran.
-@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>;
+@group(0) @binding(3) var<storage, read_write> needed_states: array<u32>;
 
 // Whether a camera may see the shadow of a box from light `light_index` of its view, and the light affects the box. False
 // only if not.
 fn may_shade(view: u32, light_index: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
-  let light = seen[view * frame.lights + light_index].light;
-  let cone = seen[view * frame.lights + light_index].cone;
-  if (frame.skip_unreached != 0u && (is_out_of_range(light, 1.0, low, high) || !may_be_in_cone(cone, low, high, 0.0))) {
+  let light = view_lights[view * frame.lights + light_index].light;
+  let cone = view_lights[view * frame.lights + light_index].cone;
+  if (frame.cull_by_range != 0u && (is_out_of_range(light, 1.0, low, high) || !may_be_in_cone(cone, low, high, 0.0))) {
     return false;
   }
-  return frame.skip_unseen == 0u || !is_volume_outside_view(seen[view * frame.lights + light_index].view, light, low, high);
+  return frame.cull_by_view == 0u ||
+    !is_volume_outside_view(view_lights[view * frame.lights + light_index].view, light, low, high);
 }
 
 fn is_needed(caster: u32) -> bool {
   let offset = frame.parts * caster;
-  let low = bitcast<vec3<f32>>(figures[offset].xyz);
-  let high = bitcast<vec3<f32>>(figures[offset + 1u].xyz);
-  if (frame.all != 0u || figures[offset].w == 0u) {
+  let low = bitcast<vec3<f32>>(deforming_casters[offset].xyz);
+  let high = bitcast<vec3<f32>>(deforming_casters[offset + 1u].xyz);
+  if (frame.all != 0u || deforming_casters[offset].w == 0u) {
     return true;
   }
   // Turns: NEEDS_BOXES / 2.
   for (var view = 0u; view < frame.views; view++) {
-    if (!is_box_outside_view(seen[view * frame.lights].view, low, high)) {
+    if (!is_box_outside_view(view_lights[view * frame.lights].view, low, high)) {
       return true;
     }
     // Turns: NEEDS_BOXES in all.
     for (var light_index = 0u; light_index < frame.lights; light_index++) {
       let word = light_index / 32u;
-      let has_light = ((figures[offset + 2u + word / 4u][word % 4u] >> (light_index % 32u)) & 1u) != 0u;
+      let has_light = ((deforming_casters[offset + 2u + word / 4u][word % 4u] >> (light_index % 32u)) & 1u) != 0u;
       if (has_light && may_shade(view, light_index, low, high)) {
         return true;
       }
@@ -66,7 +67,7 @@ fn is_needed(caster: u32) -> bool {
 
 @compute @workgroup_size(64)
 fn needs(@builtin(global_invocation_id) id: vec3<u32>) {
-  if (id.x < frame.figures) {
-    unneeded[id.x] = select(1u, 2u, is_needed(id.x));
+  if (id.x < frame.casters) {
+    needed_states[id.x] = select(1u, 2u, is_needed(id.x));
   }
 }

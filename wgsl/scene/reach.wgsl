@@ -1,19 +1,19 @@
 // Reach: the first stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
-// lights. It finds the relevant lights of the caster, `lit`: allowed lights that are culled neither by range or cone nor by
-// an occluder. Only casters with a known box (rigid, or stated by the caller) are culled. Among the relevant lights it finds
-// the active ones, `taken`: caster or light changed since their bits were computed. Other bits are cached. `clusters`,
-// `facing` and `exact_facing` read `taken`; `chunks`, `edges`, `bounds` and `choose` read `lit`. The stage also writes which
-// lists are dirty, in `work`, and updates the versions in `kept`. It never culls a light that affects the caster. If numbers
-// are too large or rounding leaves a test open, the light stays. Claims: docs/numerics/scene.md, "Occluders", "Cones of
-// lights" and "Cached results".
+// lights. It finds the relevant lights of the caster: allowed lights that are culled neither by range or cone nor by an
+// occluder. Only casters with a known box (rigid, or stated by the caller) are culled. Among the relevant lights it finds
+// the active ones: caster or light changed since their bits were computed. Other bits are cached. `clusters`, `facing` and
+// `exact_facing` read the active lights; `chunks`, `edges`, `bounds` and `choose` read the relevant ones. The stage also
+// writes which lists are dirty, in `work`, and updates the versions in `cache`. It never culls a light that affects the
+// caster. If numbers are too large or rounding leaves a test open, the light stays. Claims: docs/numerics/scene.md,
+// "Occluders", "Cones of lights" and "Cached results".
 
 #import common/casters
 #import scene/table
 
-@group(0) @binding(3) var<storage, read_write> lit: array<u32>; // The relevant lights of each batch and caster.
+@group(0) @binding(3) var<storage, read_write> relevant_lights: array<u32>; // The relevant lights of each batch and caster.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read_write> taken: array<u32>; // The active lights, likewise.
-@group(0) @binding(6) var<storage, read_write> kept: array<u32>;
+@group(0) @binding(5) var<storage, read_write> active_lights: array<u32>; // The active lights, likewise.
+@group(0) @binding(6) var<storage, read_write> cache: array<u32>;
 @group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
 const TOO_LARGE: f32 = 0x1p60; // Above this size squares may overflow. The light then stays.
 // 32 units in the last place. Rounding, division and root add less to a distance, relative to the largest coordinate.
@@ -71,7 +71,7 @@ fn lights_in_range(caster: u32, batch: u32) -> u32 {
   var offset = lights.first;
   for (var remaining = lights.allowed; remaining != 0u; remaining &= remaining - 1u) {
     let light = firstTrailingBit(remaining);
-    let range = bitcast<f32>(table[group.ranges_at + 8u * batch + light / 4u][light % 4u]);
+    let range = bitcast<f32>(table[group.ranges_offset + 8u * batch + light / 4u][light % 4u]);
     let scaled = bitcast<vec4<f32>>(table[offset + 1u]);
     if (may_be_in_range(scaled, range, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w)) &&
       may_be_in_cone(light_cone(batch, light), box.low, box.high, box.term_bound)) {
@@ -90,7 +90,7 @@ const POSITIONS_MISSING: u32 = 0u;
 
 fn position_state(caster: u32) -> u32 {
   let deforming_index = caster_part(caster, 7u).w;
-  let first_word = table[group.ranges_at + 16u * group.batches].y;
+  let first_word = table[group.ranges_offset + 16u * group.batches].y;
   let is_rigid = (caster_part(caster, 4u).w & RIGID) != 0u;
   if (is_rigid || deforming_index == 0u || first_word == 0u) {
     return POSITIONS_COMPUTED;
@@ -103,7 +103,7 @@ fn unchanged_lights(batch: u32, lights: u32) -> u32 {
   var result = 0u;
   for (var remaining = lights; remaining != 0u; remaining &= remaining - 1u) {
     let light = firstTrailingBit(remaining);
-    if (kept[cached_light_offset(batch) + light] == light_version(batch, light)) {
+    if (cache[cached_light_offset(batch) + light] == light_version(batch, light)) {
       result |= 1u << light;
     }
   }
@@ -124,28 +124,28 @@ fn process_pair(pair: u32, caster: u32, batch: u32) {
   // A list is dirty if bits of a caster in it are computed again, or if a caster leaves it.
   var cached = 0u;
   var dirty = 0xffffffffu;
-  if (group.keeps != 0u && kept[0] == group.structure) {
-    let cached_before = kept[pair_offset + 1u];
-    let has_valid_positions = kept[pair_offset] == version_and_group.x && state != POSITIONS_MISSING;
-    if (has_valid_positions && (caster_part(caster, 4u).w & (CHANGING | GIVEN)) == 0u) {
+  if (group.uses_cache != 0u && cache[0] == group.structure) {
+    let cached_before = cache[pair_offset + 1u];
+    let has_valid_positions = cache[pair_offset] == version_and_group.x && state != POSITIONS_MISSING;
+    if (has_valid_positions && (caster_part(caster, 4u).w & (UNCACHED | GROUP_EXCLUDES)) == 0u) {
       cached = unchanged_lights(batch, relevant & cached_before);
     }
     dirty = (relevant & ~cached) | (cached_before & ~relevant);
   }
-  lit[pair] = relevant;
-  taken[pair] = relevant & ~cached;
-  kept[pair_offset] = select(version_and_group.x, 0u, state == POSITIONS_MISSING);
-  kept[pair_offset + 1u] = relevant;
+  relevant_lights[pair] = relevant;
+  active_lights[pair] = relevant & ~cached;
+  cache[pair_offset] = select(version_and_group.x, 0u, state == POSITIONS_MISSING);
+  cache[pair_offset + 1u] = relevant;
   let words = 4u * (version_and_group.y * group.batches + batch);
   atomicOr(&work[words + 2u], dirty);
   atomicOr(&work[words + 3u], cached);
   atomicAdd(&statistics.pairs, countOneBits(relevant));
-  atomicAdd(&statistics.kept_pairs, countOneBits(cached));
+  atomicAdd(&statistics.cached_pairs, countOneBits(cached));
   let out_of_range = caster_lights(caster, batch).allowed & ~in_range;
-  atomicAdd(&statistics.unreached_pairs, select(countOneBits(out_of_range), 0u, is_culled));
-  atomicAdd(&statistics.occluded_pairs, countOneBits(occluded));
+  atomicAdd(&statistics.pairs_culled_by_range, select(countOneBits(out_of_range), 0u, is_culled));
+  atomicAdd(&statistics.pairs_culled_by_occluders, countOneBits(occluded));
   if (is_culled && batch == 0u) {
-    atomicAdd(&statistics.unneeded, 1u);
+    atomicAdd(&statistics.culled_casters, 1u);
   }
 }
 
@@ -187,7 +187,7 @@ fn oriented_box(caster: u32) -> OrientedBox {
   let middle = 0.5 * low + 0.5 * high;
   let half = 0.5 * high - 0.5 * low;
   // The largest |origin| of a camera. Positions are drawn relative to it.
-  let origin = bitcast<f32>(table[group.ranges_at + 16u * group.batches].z);
+  let origin = bitcast<f32>(table[group.ranges_offset + 16u * group.batches].z);
   let sizes = max(abs(low), abs(high));
   let size = l1_norm(x.xyz * sizes) + l1_norm(y.xyz * sizes) + l1_norm(z.xyz * sizes) + abs(x.w) + abs(y.w) + abs(z.w);
   let half_x = half.x * vec3<f32>(x.x, y.x, z.x);
@@ -267,14 +267,14 @@ fn occluded_lights(caster: u32, batch: u32, lights: u32) -> u32 {
   for (var index = 0u; index < min(group.occluders, MOST_OCCLUDERS); index++) {
     // x: lights that it can hide; y: those of them that see its corners counter-clockwise; z: its caster; w: the offset of
     // its corners.
-    let occluder = table[group.occluders_at + batch * group.occluders + index];
+    let occluder = table[group.occluders_offset + batch * group.occluders + index];
     if (occluder.z == caster) {
       continue;
     }
     // Turns: 32.
     for (var remaining = occluder.x & lights & ~occluded; remaining != 0u; remaining &= remaining - 1u) {
       let light = firstTrailingBit(remaining);
-      let scaled = bitcast<vec4<f32>>(table[group.world_lights_at + 32u * batch + light]);
+      let scaled = bitcast<vec4<f32>>(table[group.world_lights_offset + 32u * batch + light]);
       let side = select(-1.0, 1.0, ((occluder.y >> light) & 1u) != 0u);
       if (is_behind(box, occluder.w, scaled, side)) {
         occluded |= 1u << light;

@@ -14,25 +14,25 @@ struct CasterLights {
   // The bits of the lights that the caster's light mask allows, without those that cannot be moved to its space.
   allowed: u32,
   first: u32, // The offset of its lights in the table: for each the bits as given, then scaled as in LightBatch.
-  reach: vec2<f32>, // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
+  magnitudes: vec2<f32>, // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
 }
 
 // Statistics of an encode of a scene.
 struct SceneStatistics {
   // Relevant pairs of caster and light, and those of them whose bits were cached.
   pairs: atomic<u32>,
-  kept_pairs: atomic<u32>,
+  cached_pairs: atomic<u32>,
   // Pairs of caster and allowed light that are culled by range or cone. Casters that the frame does not need have none.
-  unreached_pairs: atomic<u32>,
+  pairs_culled_by_range: atomic<u32>,
   // Pairs of caster and light that are culled by an occluder between them.
-  occluded_pairs: atomic<u32>,
+  pairs_culled_by_occluders: atomic<u32>,
   // Tested faces, for each batch, and tested edge records.
   faces: atomic<u32>,
   edges: atomic<u32>,
   // Faces and edge records that were not tested, because clusters decided them.
-  spared_faces: atomic<u32>,
-  spared_edges: atomic<u32>,
-  unneeded: atomic<u32>, // Casters that the frame does not need.
+  untested_faces: atomic<u32>,
+  untested_edges: atomic<u32>,
+  culled_casters: atomic<u32>, // Casters that the frame does not need.
 }
 
 // A dispatch over a group of casters for a batch of lights.
@@ -41,13 +41,13 @@ struct SceneDispatch {
   casters: u32,
   batches: u32,
   batch: u32,
-  // The word of `kept` where 32 words of the group and batch begin: for each light the encode that made its list.
-  lists_at: u32,
+  // The word of `cache` where 32 words of the group and batch begin: for each light the encode that made its list.
+  lists_offset: u32,
   // Offsets in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and of its edge chunks.
-  lights_at: u32,
-  ranges_at: u32,
-  face_chunks_at: u32,
-  edge_chunks_at: u32,
+  lights_offset: u32,
+  ranges_offset: u32,
+  face_chunks_offset: u32,
+  edge_chunks_offset: u32,
   // Chunks of the group.
   face_chunks: u32,
   edge_chunks: u32,
@@ -60,12 +60,12 @@ struct SceneDispatch {
   capacity: u32, // Entries that the list of each light has room for.
   // The number of this layout of the scene. Results cached for another one are invalid.
   structure: u32,
-  keeps: u32, // 1: bits of an earlier encode are valid if their versions are.
-  clusters_at: u32, // The word of `kept` where the clusters of the group and batch begin.
+  uses_cache: u32, // 1: bits of an earlier encode are valid if their versions are.
+  clusters_offset: u32, // The word of `cache` where the clusters of the group and batch begin.
   // The offset in the table of the occluders, for each batch and occluder, and their number. Then that of the scaled lights.
-  occluders_at: u32,
+  occluders_offset: u32,
   occluders: u32,
-  world_lights_at: u32,
+  world_lights_offset: u32,
 }
 
 @group(0) @binding(0) var<uniform> group: SceneDispatch;
@@ -79,18 +79,18 @@ fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster +
 // face; the index mask of the lights to test.
 const FACE_ENTRY: u32 = 4u;
 
-fn encode_number() -> u32 { return table[group.ranges_at + 16u * group.batches].x; }
+fn encode_number() -> u32 { return table[group.ranges_offset + 16u * group.batches].x; }
 
 fn light_cone(batch: u32, light: u32) -> LightCone {
-  let offset = group.ranges_at + 16u * group.batches + 1u + 2u * (32u * batch + light);
+  let offset = group.ranges_offset + 16u * group.batches + 1u + 2u * (32u * batch + light);
   return LightCone(bitcast<vec4<f32>>(table[offset]), bitcast<vec4<f32>>(table[offset + 1u]));
 }
 
 fn light_version(batch: u32, light: u32) -> u32 {
-  return table[group.ranges_at + 8u * (group.batches + batch) + light / 4u][light % 4u];
+  return table[group.ranges_offset + 8u * (group.batches + batch) + light / 4u][light % 4u];
 }
 
-// Words of `kept`, the cached results and the versions that they were computed from. Word 0: the number of the layout. From
+// Words of `cache`, the cached results and the versions that they were computed from. Word 0: the number of the layout. From
 // word 4 on: for each batch the versions of its lights. Then for each batch and caster: the caster's version, and the lights
 // whose bits are valid for these versions. Then for all groups and batches: the encodes that made the lists of their lights.
 // Then, again for all, two words for each chunk of faces.
@@ -98,7 +98,7 @@ fn cached_light_offset(batch: u32) -> u32 { return 4u + 32u * batch; }
 fn cached_pair_offset(pair: u32) -> u32 { return 4u + 32u * group.batches + 2u * pair; }
 
 fn caster_lights(caster: u32, batch: u32) -> CasterLights {
-  let words = table[group.lights_at + batch * group.casters + caster];
+  let words = table[group.lights_offset + batch * group.casters + caster];
   return CasterLights(words.x, words.y, bitcast<vec2<f32>>(words.zw));
 }
 
@@ -123,6 +123,6 @@ fn has_clusters(caster: u32) -> bool {
   return caster_part(caster, 7u).w != NO_CLUSTERS && (caster_part(caster, 4u).w & RIGID) != 0u;
 }
 
-// The first of two words of `kept` for a chunk of faces. Only the first chunk of a cluster uses them. They describe the
+// The first of two words of `cache` for a chunk of faces. Only the first chunk of a cluster uses them. They describe the
 // masks: the lights for which all faces of the cluster have the same bit; those of them that the faces face.
-fn cached_cluster_offset(chunk: u32) -> u32 { return group.clusters_at + 2u * chunk; }
+fn cached_cluster_offset(chunk: u32) -> u32 { return group.clusters_offset + 2u * chunk; }

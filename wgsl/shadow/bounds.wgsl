@@ -21,7 +21,7 @@
 // empty box. 6: whether a face with three different vertices has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
-@group(0) @binding(6) var<storage, read> lit: array<u32>; // For each batch and caster the lights that affect the caster.
+@group(0) @binding(6) var<storage, read> relevant_lights: array<u32>; // Of each batch and caster.
 
 // Whether a stage reads any box of the group.
 fn is_any_box_read() -> bool {
@@ -38,7 +38,7 @@ fn has_affecting_light(caster: u32) -> bool {
   var lights = 0u;
   // Turns: 32.
   for (var batch = 0u; batch < shape.batches; batch++) {
-    lights |= lit[batch * shape.casters + caster];
+    lights |= relevant_lights[batch * shape.casters + caster];
   }
   return lights != 0u;
 }
@@ -79,7 +79,7 @@ fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
   }
   // Turns: BOUND_CHUNKS.
   for (var chunk = id.x; chunk * CHUNK < shape.faces; chunk += 64u * groups.x) {
-    let caster = caster_of_slot(shape.face_chunks_at, chunk * CHUNK);
+    let caster = caster_of_slot(shape.face_chunks_offset, chunk * CHUNK);
     let range = face_range(caster);
     let first = chunk * CHUNK - range.x;
     if ((caster_flags(caster) & RIGID) == 0u && first < range.y && has_affecting_light(caster)) {

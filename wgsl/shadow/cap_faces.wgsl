@@ -11,20 +11,20 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 #import shadow/vertices
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: SeenLight; // The light and view of the draw.
+@group(0) @binding(2) var<storage, read> view_light: ViewLight; // The light and view of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> faces: array<u32>;
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> excluded_masks: array<u32>;
 @group(1) @binding(4) var<storage, read> caps_listed: array<u32>;
-override CAP_KIND: u32 = 0u; // The kind of the list that is drawn (shadow/lists.wgsl).
+override CAP_KIND: u32 = 0u; // The kind of the list that is drawn (shadow/draw_lists.wgsl).
 
 // The face of an instance, and view and light for its caster.
 struct CapInstance {
@@ -47,9 +47,9 @@ fn load_cap(instance: u32) -> CapInstance {
     slot = caps_listed[cap_entry_offset(bit, CAP_KIND, instance)];
   }
   var result: CapInstance;
-  result.caster = caster_of_slot(shape.face_chunks_at, slot);
-  result.view = view_for_caster(result.caster, seen.view);
-  result.light = light_for_caster(result.caster, seen.light, draw.light);
+  result.caster = caster_of_slot(shape.face_chunks_offset, slot);
+  result.view = view_for_caster(result.caster, view_light.view);
+  result.light = light_for_caster(result.caster, view_light.light, draw.light);
   result.is_drawn = is_in_count_batch(result.caster, draw.count_batch);
   let range = face_range(result.caster);
   let face = range.z + slot - range.x;

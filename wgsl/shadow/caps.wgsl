@@ -11,13 +11,13 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/culling
+#import shadow/draw_lists
 #import shadow/shadow
-#import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+@group(0) @binding(2) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> positions: array<u32>;
 @group(0) @binding(5) var<storage, read> faces: array<u32>;
@@ -104,7 +104,7 @@ fn list_face(caster: u32, slot: u32, caster_choices: CapChoices) {
   for (var remaining = caster_choices.lights & ~excluded_mask; remaining != 0u; remaining &= remaining - 1u) {
     let bit = firstTrailingBit(remaining);
     let light_index = draw.first_light + bit;
-    let caster_light = light_for_caster(caster, seen[draw.view * shape.lights + light_index].light, light_index);
+    let caster_light = light_for_caster(caster, view_lights[draw.view * shape.lights + light_index].light, light_index);
     var light = with_choices(
       caster_light, bit, caster_choices.words, caster_choices.excludes, caster_choices.words[CHOICE_NEAR_CAP]);
     light.end = load_volume_end(caster, light_index);
@@ -117,7 +117,7 @@ fn list_face(caster: u32, slot: u32, caster_choices: CapChoices) {
     }
     var can_have_near_cap = has_near_cap(light);
     if (light.counting == COUNT_ZP_PLUS) {
-      let view = view_for_caster(caster, seen[draw.view * shape.lights + light_index].view);
+      let view = view_for_caster(caster, view_lights[draw.view * shape.lights + light_index].view);
       can_have_near_cap = !is_outside_pyramid(view, light, a, b, c);
     }
     if (can_have_near_cap) {
@@ -137,7 +137,7 @@ fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
   // Turns: ITEMS.
   for (var item = id.x; item < shape.faces / CHUNK * LANES; item += 256u * groups.x) {
     let first = item / LANES * CHUNK;
-    let caster = caster_of_slot(shape.face_chunks_at, first);
+    let caster = caster_of_slot(shape.face_chunks_offset, first);
     let caster_choices = load_choices(caster);
     if (caster_choices.lights != 0u) {
       let end = min(first + CHUNK, face_range(caster).x + face_range(caster).y);

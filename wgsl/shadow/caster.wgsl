@@ -47,7 +47,7 @@ fn light_for_caster(caster: u32, light: ShadowLight, light_index: u32) -> Shadow
     return light;
   }
   // x: the caster's lights in the batch, a bit each. y: offset of these lights in the table, two vec4s a light.
-  let lights = table[shape.lights_at + light_index / 32u * shape.casters + caster];
+  let lights = table[shape.lights_offset + light_index / 32u * shape.casters + caster];
   let rank = countOneBits(lights.x & ((1u << (light_index % 32u)) - 1u));
   let in_table = bitcast<vec4<f32>>(table[lights.y + 2u * rank]);
   var result = light;
@@ -70,7 +70,7 @@ fn caster_box(caster: u32) -> CasterBox {
   if (is_in_mesh_space(caster)) {
     let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
     let high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
-    return CasterBox(low, high, low.x > high.x, (caster_flags(caster) & HOLED) != 0u);
+    return CasterBox(low, high, low.x > high.x, (caster_flags(caster) & NON_FINITE) != 0u);
   }
   let offset = 7u * caster;
   let low = unordered(~vec3<u32>(boxes[offset], boxes[offset + 1u], boxes[offset + 2u]));

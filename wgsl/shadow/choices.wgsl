@@ -51,7 +51,7 @@ fn with_choices(light: ShadowLight, bit: u32, words: vec4<u32>, excludes: u32, n
   if (((words[CHOICE_CASTS] >> bit) & 1u) == 0u) {
     return result;
   }
-  result.casting = select(CAST_AVERTED, CAST_EVERY, ((words[CHOICE_EVERY_FACE] >> bit) & 1u) != 0u);
+  result.casting = select(CAST_BACK_FACING, CAST_EVERY, ((words[CHOICE_EVERY_FACE] >> bit) & 1u) != 0u);
   result.excludes = (excludes >> bit) & 1u;
   let has_near_cap = ((near_caps >> bit) & 1u) != 0u;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
@@ -66,7 +66,7 @@ fn with_choices(light: ShadowLight, bit: u32, words: vec4<u32>, excludes: u32, n
 
 // Four of the eight words of a caster's choices, from the table: words 0 to 3 (`part` 0) or 4 to 7 (`part` 1).
 fn choice_part(caster: u32, batch: u32, view: u32, part: u32) -> vec4<u32> {
-  return table[shape.choices_at + 2u * choice_index(caster, batch, view) + part];
+  return table[shape.choices_offset + 2u * choice_index(caster, batch, view) + part];
 }
 
 // The light with all choices for a caster and a view, from the table.
@@ -82,7 +82,7 @@ fn with_stored_choices(caster: u32, light: ShadowLight, light_index: u32, view: 
   result.end = 0.0;
   if (has_measures()) {
     let index = measure_index(caster, light_index, view);
-    let pair = table[shape.measures_at + index / 2u];
+    let pair = table[shape.measures_offset + index / 2u];
     let measures = bitcast<vec2<f32>>(select(pair.xy, pair.zw, (index & 1u) != 0u));
     result.end = measures.x;
     result.frustum_near = measures.y;

@@ -12,19 +12,19 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
+#import shadow/culling
 #import shadow/shadow
-#import shadow/visibility
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+@group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // For each group and batch the lights for which a polygon of its only caster is L-twisted: its boundary crosses itself as
 // seen from light L. 0 for casters of triangles.
-@group(0) @binding(4) var<storage, read> twisted: array<u32>;
+@group(0) @binding(4) var<storage, read> twisted_lights: array<u32>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then their measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
-@group(0) @binding(7) var<storage, read> lit: array<u32>; // For each batch and caster the lights that affect the caster.
+@group(0) @binding(7) var<storage, read> relevant_lights: array<u32>; // Of each batch and caster.
 
 // Whether the box may meet the box around the near rectangle, in the camera frame.
 fn can_meet_near_rectangle(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
@@ -89,7 +89,7 @@ fn frustum_near_end(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<
 
 // Whether a polygon of the caster is L-twisted for a light. Such a polygon is excluded, so the caster is not closed.
 fn has_twisted_polygon(caster: u32, light_index: u32) -> bool {
-  return ((twisted[caster_part(caster, 7u).y * shape.batches + light_index / 32u] >> (light_index % 32u)) & 1u) != 0u;
+  return ((twisted_lights[caster_part(caster, 7u).y * shape.batches + light_index / 32u] >> (light_index % 32u)) & 1u) != 0u;
 }
 
 // The light with the choices that the caster's box allows, `low` to `high`, in the space of its positions. `scale` is at
@@ -110,21 +110,21 @@ fn choose_by_box(
   light.counting = COUNT_Z_PASS;
   light.end = 0.0;
   light.excludes = 0u;
-  if (shape.skip_unreached != 0u && is_out_of_range(light, scale, low, high)) {
-    atomicAdd(&shadow_statistics.unreached, 1u);
+  if (shape.cull_by_range != 0u && is_out_of_range(light, scale, low, high)) {
+    atomicAdd(&shadow_statistics.culled_by_range, 1u);
     return light;
   }
-  if (shape.skip_unseen != 0u && is_volume_outside_view(view, light, low, high)) {
+  if (shape.cull_by_view != 0u && is_volume_outside_view(view, light, low, high)) {
     return light;
   }
   let is_light_inside = can_contain_light(light, low, high);
   // A light in the box may be in the plane of a face. Facing would tell, but this stage does not wait for it.
-  light.excludes = select(0u, 1u, has_holes || has_twisted || is_light_inside || (flags & EXCLUDING) != 0u);
+  light.excludes = select(0u, 1u, has_holes || has_twisted || is_light_inside || (flags & EXCLUDES) != 0u);
   // Back-facing faces suffice for a closed caster if light and eye are outside it. A caster with holes is not closed.
   // docs/numerics/casting-faces.md, "Which faces cast".
-  let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
+  let is_closed = shape.allow_back_facing != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
   let is_outside = !can_meet_near_rectangle(view, low, high) && !is_light_inside;
-  light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !has_twisted && is_outside);
+  light.casting = select(CAST_EVERY, CAST_BACK_FACING, is_closed && !has_holes && !has_twisted && is_outside);
   light.counting = shape.counting;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
     light.frustum_near = frustum_near_end(view, light, scale, low, high);
@@ -171,25 +171,25 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
       atomicAnd(&choices[choices_offset + word], ~light_mask);
     }
   }
-  if ((lit[light_index / 32u * shape.casters + caster] & light_mask) == 0u) {
+  if ((relevant_lights[light_index / 32u * shape.casters + caster] & light_mask) == 0u) {
     return;
   }
   let flags = caster_flags(caster);
   let bounding_box = caster_box(caster);
-  let is_excluding = (flags & EXCLUDING) != 0u;
+  let is_excluding = (flags & EXCLUDES) != 0u;
   let entry = view_index * shape.lights + light_index;
   // Entries of unused views are zeros, and so are those of unused light indices, which a caster with all lights still has.
-  if (seen[entry].view.near_w == 0.0) {
+  if (view_lights[entry].view.near_w == 0.0) {
     return;
   }
   if (!is_dirty) {
     count_cached_choices(choices_offset, light_mask, measures_offset);
     return;
   }
-  let view = view_for_caster(caster, seen[entry].view);
+  let view = view_for_caster(caster, view_lights[entry].view);
   let scale = bitcast<f32>(caster_part(caster, 3u).w);
-  let receivers_offset = seen[entry].version.y;
-  var light = light_for_caster(caster, seen[entry].light, light_index);
+  let receivers_offset = view_lights[entry].version.y;
+  var light = light_for_caster(caster, view_lights[entry].light, light_index);
   light.casting = CAST_NOTHING;
   if (!bounding_box.is_empty) {
     light = choose_by_box(
@@ -204,7 +204,7 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
     if (light.casting != CAST_NOTHING && receivers_offset != 0u &&
       is_volume_without_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset)) {
       light.casting = CAST_NOTHING;
-      atomicAdd(&shadow_statistics.hidden, 1u);
+      atomicAdd(&shadow_statistics.culled_by_receivers, 1u);
     }
   }
   if (light.casting == CAST_NOTHING) {

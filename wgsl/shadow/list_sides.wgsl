@@ -13,7 +13,7 @@
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
@@ -29,7 +29,7 @@
 
 // Appends the side of the edge in a slot to a list, as often as its weight says. If the list is full, only its count grows.
 fn list_edge(slot: u32, bit: u32) {
-  let caster = caster_of_slot(shape.edge_chunks_at, slot);
+  let caster = caster_of_slot(shape.edge_chunks_offset, slot);
   let range = edge_range(caster);
   let edge = slot - range.x;
   // The last chunk of a caster may have slots past its edges.
@@ -54,8 +54,8 @@ fn has_all_silhouettes(bit: u32) -> bool {
   // Words 4 to 7 of the first caster's choices.
   let group_words = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
   // Whether any light lies in the plane of a face. If not, a light in the box of a caster excludes no face. Word 3 is
-  // `exact_zeros`. It does not count cached facing, for which KEPT_ZEROS tells.
-  let has_zeros = extraction_statistics[3] != 0u || silhouette_counts[KEPT_ZEROS] != 0u;
+  // `exact_zeros`. It does not count cached facing, for which CACHED_ZEROS tells.
+  let has_zeros = extraction_statistics[3] != 0u || silhouette_counts[CACHED_ZEROS] != 0u;
   let excluding_lights = group_words[CHOICE_DOES_EXCLUDE - 4u] |
     select(0u, group_words[CHOICE_MAY_EXCLUDE - 4u], has_zeros);
   return silhouette_counts[bit] <= shape.capacity && ((excluding_lights >> bit) & 1u) == 0u;

@@ -1,6 +1,6 @@
 // Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of an L-twisted polygon
 // crosses itself as seen from light L. A piece is a segment of the border between its lit and dark parts
-// (shadow/lists.wgsl).
+// (shadow/draw_lists.wgsl).
 // The indirect draws of `piece_arguments` have an instance for each piece that `cut_edges` or `cut_quads` listed for the
 // only caster of the group. A piece and the middle of its polygon make a front-facing triangle, whose caps are drawn.
 // At its two other edges a triangle meets the triangles of other pieces, which count there with the opposite sign. So
@@ -9,13 +9,13 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 #import shadow/vertices
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: SeenLight; // The light and view of the draw.
+@group(0) @binding(2) var<storage, read> view_light: ViewLight; // The light and view of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> pieces: array<u32>;
 
@@ -40,8 +40,8 @@ fn load_piece(instance: u32) -> PieceInstance {
   let c = select(end, begin, is_mirrored);
   var result: PieceInstance;
   result.is_drawn = is_in_count_batch(caster, draw.count_batch);
-  result.view = view_for_caster(caster, seen.view);
-  result.light = with_stored_choices(caster, light_for_caster(caster, seen.light, draw.light), draw.light, draw.view);
+  result.view = view_for_caster(caster, view_light.view);
+  result.light = with_stored_choices(caster, light_for_caster(caster, view_light.light, draw.light), draw.light, draw.view);
   result.face = CapFace(bitcast<vec3<f32>>(middle), bitcast<vec3<f32>>(b), bitcast<vec3<f32>>(c), vec3<u32>(0u, 1u, 2u));
   return result;
 }

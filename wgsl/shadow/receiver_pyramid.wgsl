@@ -53,7 +53,7 @@ fn farthest_key(tile: vec2<u32>) -> u32 {
 fn write_tile(index: u32) {
   let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
   if (index < tiles.x * tiles.y) {
-    receivers[receiver_view.at + RECEIVERS_HEAD + index] = farthest_key(vec2<u32>(index % tiles.x, index / tiles.x));
+    receivers[receiver_view.offset + RECEIVERS_HEAD + index] = farthest_key(vec2<u32>(index % tiles.x, index / tiles.x));
   }
 }
 
@@ -119,7 +119,7 @@ fn extend_box_by_cell(cell: vec2<u32>, size: u32, key: u32) {
 
 @compute @workgroup_size(256)
 fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
-  let head = receiver_view.at;
+  let head = receiver_view.offset;
   let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
   if (thread < 6u) {
     atomicStore(&box_keys[thread], 0u);

@@ -3,7 +3,7 @@
 // The first level of the pyramid has the farthest receiver of each tile of 8 x 8 pixels. Each further level has that of
 // four cells, up to one cell for all. The head has a box around all rays from the near rectangle to the receivers. The
 // near rectangle is what the camera sees of the near plane.
-// `receiver_depth` and `receiver_pyramid` write, `choose` reads through shadow/visibility.wgsl. Keys have exactly the
+// `receiver_depth` and `receiver_pyramid` write, `choose` reads through shadow/culling.wgsl. Keys have exactly the
 // order of depths. A depth computed from a key is never nearer than the receiver. docs/numerics/receivers.md, "Volumes
 // without a receiver".
 
@@ -14,7 +14,7 @@ struct ReceiverView {
   near_max: vec3<f32>, // Highest corner of the box.
   sky_receives: u32, // 1: pixels at the cleared depth are receivers.
   pixels: vec2<u32>,
-  at: u32, // The offset of the view's words in `receivers`.
+  offset: u32, // The offset of the view's words in `receivers`.
   reserved: u32,
 }
 

@@ -3,8 +3,8 @@
 // cached and drawn again.
 // Dispatched before `bounds`, one workgroup for each group, light batch (up to 32 lights) and view; an invocation is a
 // light.
-// Reads: the encodes that made the silhouettes (`kept`), and the camera's version, which also changes with the receivers.
-// Writes: `listed`, the versions from which lists are made; CHOICE_DIRTY, for `bounds`, `choose`, `caps` and
+// Reads: the encodes that made the silhouettes (`cache`), and the camera's version, which also changes with the receivers.
+// Writes: `list_versions`, the versions from which lists are made; CHOICE_DIRTY, for `bounds`, `choose`, `caps` and
 // `list_sides`. It clears the exclusion bits of dirty lights.
 // Versions are on the GPU beside the lists, so an encoder that is dropped changes neither. docs/numerics/scene.md,
 // "Cached results".
@@ -14,13 +14,13 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
-// Versions of the scene. A version is the number of an encode, a call of `Scene::encode`. From `shape.lists_at` on it has
-// the encode that made the silhouette list of each light of the batch.
-@group(0) @binding(3) var<storage, read> kept: array<u32>;
+@group(0) @binding(2) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
+// Versions of the scene. A version is the number of an encode, a call of `Scene::encode`. From `shape.lists_offset` on it
+// has the encode that made the silhouette list of each light of the batch.
+@group(0) @binding(3) var<storage, read> cache: array<u32>;
 // For each group, batch, view and light what its lists were made from. x: the encode of its silhouettes. y: the camera's
 // version.
-@group(0) @binding(4) var<storage, read_write> listed: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read_write> list_versions: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> sides: array<u32>;
 @group(0) @binding(7) var<storage, read_write> caps_listed: array<u32>;
@@ -34,19 +34,19 @@ fn relist(@builtin(local_invocation_index) bit: u32) {
   }
   workgroupBarrier();
   let entry = draw.view * shape.lights + draw.first_light + bit;
-  let versions = vec2<u32>(kept[shape.lists_at + bit], seen[entry].version.x);
-  let index = 32u * (shape.part * shape.views + draw.view) + bit;
-  if (shape.keeps == 0u || any(listed[index] != versions)) {
+  let versions = vec2<u32>(cache[shape.lists_offset + bit], view_lights[entry].version.x);
+  let index = 32u * (shape.group_and_batch * shape.views + draw.view) + bit;
+  if (shape.uses_cache == 0u || any(list_versions[index] != versions)) {
     atomicOr(&dirty_lights, 1u << bit);
-    listed[index] = versions;
+    list_versions[index] = versions;
     sides[2u * bit] = 0u;
     sides[2u * bit + 1u] = 0u;
     // Turns: 4.
     for (var kind = 0u; kind < 4u; kind++) {
       caps_listed[4u * bit + kind] = 0u;
     }
-  } else if (any(seen[entry].light.light != vec4<f32>(0.0))) {
-    atomicAdd(&shadow_statistics.kept_lists, 1u);
+  } else if (any(view_lights[entry].light.light != vec4<f32>(0.0))) {
+    atomicAdd(&shadow_statistics.cached_lists, 1u);
   }
   workgroupBarrier();
   if (bit == 0u) {

@@ -12,16 +12,16 @@
 struct ShadowStatistics {
   skipped: atomic<u32>, // Pairs whose light affects the caster, but whose volume is culled.
   every_face: atomic<u32>, // Pairs for which every face casts.
-  capped: atomic<u32>, // Lists of a light, a group of casters and a view that have near caps.
+  near_capped: atomic<u32>, // Lists of a light, a group of casters and a view that have near caps.
   overflowed_caps: atomic<u32>, // The same lists, where cap faces overflowed.
   overflowed_sides: atomic<u32>, // The same lists, where sides overflowed.
   ended: atomic<u32>, // Pairs whose volume ends, at the range of the light or behind all receivers.
   // An upper bound of all stencil counts of any light. 0 unless the caller asks for it.
   count_bound: atomic<u32>,
-  may_wrap: atomic<u32>, // Lights, one for each view, whose bound exceeds `ShadowShape::most_count`.
-  kept_lists: atomic<u32>, // Lists of a light, a group of casters and a view that are cached.
-  hidden: atomic<u32>, // Pairs culled by receivers: no receiver can lie in the volume.
-  unreached: atomic<u32>, // Pairs culled by light range.
+  may_wrap: atomic<u32>, // Lights, one for each view, whose bound exceeds `ShadowShape::largest_count`.
+  cached_lists: atomic<u32>, // Lists of a light, a group of casters and a view that are cached.
+  culled_by_receivers: atomic<u32>, // Pairs culled by receivers: no receiver can lie in the volume.
+  culled_by_range: atomic<u32>, // Pairs culled by light range.
   lost_pieces: atomic<u32>, // Pieces of L-twisted polygons that the list has no room for. Shadows are wrong there.
   most_pieces: atomic<u32>, // The most pieces of a caster for a light, including those without room.
 }
@@ -56,7 +56,7 @@ struct ShadowLight {
   // * Light at infinity: it is the position plus 1 / end times the direction away from the light.
   end: f32,
   // 1: the caster may have excluded faces for this light. These are faces with the light in their plane, faces that are not
-  // finite, L-twisted polygons (shadow/lists.wgsl), and faces that the caller excludes.
+  // finite, L-twisted polygons (shadow/draw_lists.wgsl), and faces that the caller excludes.
   excludes: u32,
   scale: f32, // The caster's light in the scene table, times `scale`, is `light` (`light_for_caster`).
   // Rows x, y and w of the matrix of the light's frustum, for ZP+ as published. It maps (position in the camera frame, 1).
@@ -66,7 +66,7 @@ struct ShadowLight {
 }
 
 // A light and a view. Its 512 bytes are a multiple of 256, at which bindings begin.
-struct SeenLight {
+struct ViewLight {
   view: ShadowView,
   light: ShadowLight,
   // x: the version of the camera, the number of the first encode that had it as it is. y: the offset of the view's
@@ -88,29 +88,29 @@ struct ShadowShape {
   side_capacity: u32,
   near_capacity: u32,
   far_capacity: u32,
-  averted: u32, // 1: back-facing faces alone may cast. 0: the caller asks for every face.
+  allow_back_facing: u32, // 1: back-facing faces alone may cast. 0: the caller asks for every face.
   counting: u32, // One of the constants COUNT_….
-  skip_unreached: u32, // 1: cull casters by light range.
-  skip_unseen: u32, // 1: cull volumes by view.
+  cull_by_range: u32, // 1: cull casters by light range.
+  cull_by_view: u32, // 1: cull volumes by view.
   end_at_range: u32, // 1: volumes end at the range of their light.
   // Offsets in the table, in vec4s: choices and measures (shadow/choices.wgsl), lights of casters, casters of the chunks of
   // face slots and of edge slots.
-  choices_at: u32,
-  measures_at: u32,
-  lights_at: u32,
-  face_chunks_at: u32,
-  edge_chunks_at: u32,
+  choices_offset: u32,
+  measures_offset: u32,
+  lights_offset: u32,
+  face_chunks_offset: u32,
+  edge_chunks_offset: u32,
   views: u32,
   count_batches: u32, // Casters are counted in this many count batches, one after the other.
   proxies: u32, // 1: some casters of the group are not in the depth buffer.
-  part: u32, // The index of the group and batch: group * batches + batch.
+  group_and_batch: u32, // The index of group and light batch: group * batches + batch.
   first_caster: u32, // The first caster of the group.
-  lists_at: u32, // The offset in `kept` of the encodes that made the silhouette lists of the batch, one for each light.
-  keeps: u32, // 1: lists of sides and caps are cached.
+  lists_offset: u32, // The offset in `cache` of the encodes that made the silhouette lists of the batch, one for each light.
+  uses_cache: u32, // 1: lists of sides and caps are cached.
   needs_boxes: u32, // 1: boxes are read by stages after `choose`, too.
   used_lights: u32, // The index of the last light that is used, plus 1.
   has_receivers: u32, // 1: views may have receivers. Volumes may then end behind all of them.
-  most_count: u32, // The largest count that the counting bits of the stencil hold.
+  largest_count: u32, // The largest count that the counting bits of the stencil hold.
   piece_capacity: u32, // Pieces of L-twisted polygons that the list of one light has room for.
 }
 
@@ -123,7 +123,7 @@ struct ShadowDraw {
 }
 
 const CAST_NOTHING: u32 = 0u;
-const CAST_AVERTED: u32 = 1u; // Back-facing faces cast.
+const CAST_BACK_FACING: u32 = 1u; // Back-facing faces cast.
 const CAST_EVERY: u32 = 2u; // Every face casts.
 const COUNT_Z_PASS: u32 = 0u;
 const COUNT_ZP_PLUS: u32 = 1u;

@@ -3,14 +3,14 @@
 // Dispatched for each group of casters, light batch (up to 32 lights) and view, one workgroup; an invocation is a light.
 // `shadow_arguments` follows `list_sides`. `piece_arguments` follows it for groups whose only caster is a mesh of
 // polygons.
-// Reads: the counts of lists (shadow/lists.wgsl), and choices. Writes: `shadow_draws` for sides and caps, `piece_draws`
+// Reads: the counts of lists (shadow/draw_lists.wgsl), and choices. Writes: `shadow_draws` for sides and caps, `piece_draws`
 // for pieces.
 // The vertex shaders of sides.wgsl, cap_faces.wgsl and pieces.wgsl derive list entries from instance indices as they are
 // counted here: change both together.
 
 #import common/extraction
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 
 // Stage `shadow_arguments`: from the counts of `list_sides` and `caps`. If a list overflowed, its draw has an instance for
@@ -54,7 +54,7 @@ fn instances_of_lists(first: u32, second: u32, capacity: u32, all: u32) -> vec2<
 fn write_arguments(bit: u32) {
   let plain = sides[2u * bit];
   let clipped = sides[2u * bit + 1u];
-  // The counts of cap faces by kind (shadow/lists.wgsl).
+  // The counts of cap faces by kind (shadow/draw_lists.wgsl).
   let cap_counts = vec4<u32>(
     caps_listed[4u * bit], caps_listed[4u * bit + 1u], caps_listed[4u * bit + 2u], caps_listed[4u * bit + 3u]);
   if (plain + clipped > shape.side_capacity) {
@@ -64,7 +64,7 @@ fn write_arguments(bit: u32) {
     atomicAdd(&shadow_statistics.overflowed_caps, 1u);
   }
   if (cap_counts.x + cap_counts.y > 0u) {
-    atomicAdd(&shadow_statistics.capped, 1u);
+    atomicAdd(&shadow_statistics.near_capped, 1u);
   }
   // Two instances an edge, since a side may have the weight 2.
   let side_instances = instances_of_lists(plain, clipped, shape.side_capacity, 2u * shape.edges);
@@ -94,7 +94,7 @@ fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
 }
 
 // Stage `piece_arguments`: from the counts of `cut_edges` and `cut_quads`, which list pieces of L-twisted polygons
-// (shadow/lists.wgsl), and from the choices for the only caster of the group.
+// (shadow/draw_lists.wgsl), and from the choices for the only caster of the group.
 
 // The draws of the pieces of one light.
 struct PieceDraws {
@@ -106,7 +106,7 @@ struct PieceDraws {
   dark_cap: DrawArguments,
 }
 
-@group(0) @binding(6) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+@group(0) @binding(6) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(7) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(8) var<storage, read> pieces: array<u32>;
 @group(0) @binding(9) var<storage, read_write> piece_draws: array<PieceDraws>;
@@ -118,10 +118,10 @@ fn draw_arguments_if(is_drawn: bool, vertices: u32, instances: u32) -> DrawArgum
 fn write_piece_arguments(bit: u32) {
   let light_index = draw.first_light + bit;
   let entry = draw.view * shape.lights + light_index;
-  let light = with_stored_choices(shape.first_caster, seen[entry].light, light_index, draw.view);
+  let light = with_stored_choices(shape.first_caster, view_lights[entry].light, light_index, draw.view);
   var draws = PieceDraws();
   // Entries of unused views are zeros.
-  if (seen[entry].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
+  if (view_lights[entry].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
     let count = min(pieces[bit], shape.piece_capacity);
     if (pieces[bit] > count) {
       atomicAdd(&shadow_statistics.lost_pieces, pieces[bit] - count);

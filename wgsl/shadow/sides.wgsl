@@ -11,13 +11,13 @@
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
+#import shadow/draw_lists
 #import shadow/shadow
 #import shadow/vertices
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: SeenLight; // The light and view of the draw.
+@group(0) @binding(2) var<storage, read> view_light: ViewLight; // The light and view of the draw.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> edge_vertices: array<vec2<u32>>;
@@ -47,12 +47,12 @@ fn load_side(instance: u32, kind: u32) -> SideInstance {
     entry = sides[side_entry_offset(bit, kind, instance)];
   }
   let slot = entry & ~WINDING;
-  let caster = caster_of_slot(shape.edge_chunks_at, slot);
+  let caster = caster_of_slot(shape.edge_chunks_offset, slot);
   let range = edge_range(caster);
   let record = range.z + slot - range.x;
   var result: SideInstance;
-  result.view = view_for_caster(caster, seen.view);
-  result.light = light_for_caster(caster, seen.light, draw.light);
+  result.view = view_for_caster(caster, view_light.view);
+  result.light = light_for_caster(caster, view_light.light, draw.light);
   result.is_drawn = is_in_count_batch(caster, draw.count_batch);
   var winding = entry >= WINDING;
   if (is_overflowed || has_measures()) {

@@ -2,26 +2,26 @@
 // it where the counting bits of the stencil may wrap around.
 // Dispatched last, if the caller asks for a bound: a workgroup for each light and view, an invocation a count batch. A
 // count batch is casters that the stencil counts together.
-// Reads: rows of bins (shadow/pencil.wgsl), from `stencil_pencil`, `stencil_crossings` and `piece_crossings`.
+// Reads: rows of bins (shadow/half_plane_bins.wgsl), from `stencil_pencil`, `stencil_crossings` and `piece_crossings`.
 // Writes: statistics.
 // A bound may be too large, never too small. docs/numerics/receivers.md, "Bound on counts".
 
-#import shadow/pencil
+#import shadow/half_plane_bins
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> crossings: array<u32>; // The rows of all pencils.
+@group(0) @binding(2) var<storage, read> bin_rows: array<u32>; // The rows of all pencils.
 @group(0) @binding(3) var<storage, read_write> shadow_statistics: ShadowStatistics;
 var<workgroup> largest_bound: atomic<u32>; // Over the count batches of the light.
 
 // Adds four bins to a prefix sum. x: the sum of all words so far, which is the weight that crosses the half planes of the
 // last bin. y: the largest of these sums.
 fn add_four_bins(sums: vec2<u32>, offset: u32) -> vec2<u32> {
-  let one = sums.x + crossings[offset];
-  let two = one + crossings[offset + 1u];
-  let three = two + crossings[offset + 2u];
-  let four = three + crossings[offset + 3u];
+  let one = sums.x + bin_rows[offset];
+  let two = one + bin_rows[offset + 1u];
+  let three = two + bin_rows[offset + 2u];
+  let four = three + bin_rows[offset + 3u];
   return vec2<u32>(four, max(max(sums.y, one), max(two, max(three, four))));
 }
 
@@ -39,7 +39,7 @@ fn bound_of_row(row: u32) -> u32 {
     crossing_weight = sums.x;
     largest_crossing_weight = sums.y;
   }
-  return min(crossings[row + ALL_FACES], (largest_crossing_weight + 1u) / 2u + crossings[row + AXIS_FACES]);
+  return min(bin_rows[row + ALL_FACES], (largest_crossing_weight + 1u) / 2u + bin_rows[row + AXIS_FACES]);
 }
 
 @compute @workgroup_size(64)
@@ -52,7 +52,7 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
   let bound = atomicLoad(&largest_bound);
   if (thread == 0u && bound > 0u) {
     atomicMax(&shadow_statistics.count_bound, bound);
-    if (bound > shape.most_count) {
+    if (bound > shape.largest_count) {
       atomicAdd(&shadow_statistics.may_wrap, 1u);
     }
   }

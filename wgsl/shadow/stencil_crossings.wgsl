@@ -1,17 +1,17 @@
 // Stages `stencil_crossings` and `piece_crossings`: add the sides of shadow volumes to the bins of half planes that they
-// may cross (shadow/pencil.wgsl), for `stencil_bound`.
+// may cross (shadow/half_plane_bins.wgsl), for `stencil_bound`.
 // Dispatched after `stencil_pencil`, if the caller asks for a bound, for each group of casters, light batch (up to 32
 // lights) and view. `piece_crossings` follows for groups whose only caster is a mesh of polygons. A row of workgroups
 // shares the lists of a light.
-// Reads: pencils, lists of sides or pieces, positions, boxes, choices. Writes: `crossings`.
+// Reads: pencils, lists of sides or pieces, positions, boxes, choices. Writes: `bin_rows`.
 // If a list overflowed, more is added than crosses: bounds may be too large, never too small. Rows are sums of integers,
 // so the result does not depend on the order of invocations. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/extraction
 #import shadow/caster
 #import shadow/choices
-#import shadow/lists
-#import shadow/pencil
+#import shadow/draw_lists
+#import shadow/half_plane_bins
 #import shadow/shadow
 
 // Stage `stencil_crossings`: adds the sides of edges, from the lists of `list_sides`. If the lists of a light overflowed, it
@@ -25,7 +25,7 @@
 @group(0) @binding(5) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> sides: array<u32>;
 @group(0) @binding(7) var<storage, read> pencils: array<StencilPencil>;
-@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of all pencils.
+@group(0) @binding(8) var<storage, read_write> bin_rows: array<atomic<u32>>; // The rows of all pencils.
 
 // The largest weight that the side of an edge may have, for a caster and a light.
 fn largest_weight(caster: u32, light_index: u32) -> u32 {
@@ -37,7 +37,7 @@ fn largest_weight(caster: u32, light_index: u32) -> u32 {
 // Adds the side of the edge in a slot. An entry of a list has the weight 1, since a side of weight 2 has two entries.
 // Casters that the axis of the pencil may meet are left out: `stencil_pencil` counts all their faces instead.
 fn add_slot(pencil: StencilPencil, light_index: u32, slot: u32, is_listed: bool) {
-  let caster = caster_of_slot(shape.edge_chunks_at, slot);
+  let caster = caster_of_slot(shape.edge_chunks_offset, slot);
   let range = edge_range(caster);
   let edge = slot - range.x;
   if (edge >= range.y) {
@@ -49,7 +49,7 @@ fn add_slot(pencil: StencilPencil, light_index: u32, slot: u32, is_listed: bool)
   }
   if (pencil.kind == PENCIL_AROUND) {
     let world_box = caster_world_box(caster);
-    if (can_axis_meet_box(pencil.place, axis_of_pencil(pencil), world_box.low, world_box.high)) {
+    if (can_axis_meet_box(pencil.light_position, axis_of_pencil(pencil), world_box.low, world_box.high)) {
       return;
     }
   }
@@ -86,7 +86,7 @@ fn stencil_crossings(
   }
 }
 
-// Stage `piece_crossings`: adds the sides of pieces of L-twisted polygons (shadow/lists.wgsl), each with the weight 1. If
+// Stage `piece_crossings`: adds the sides of pieces of L-twisted polygons (shadow/draw_lists.wgsl), each with the weight 1. If
 // the list of a light overflowed, all its pieces count in every bin.
 
 @group(0) @binding(4) var<storage, read> pieces: array<u32>;
@@ -111,7 +111,7 @@ fn piece_crossings(
   let pencil = pencils[draw.view * shape.lights + light_index];
   if (pencil.kind == PENCIL_AROUND) {
     let world_box = caster_world_box(caster);
-    if (can_axis_meet_box(pencil.place, axis_of_pencil(pencil), world_box.low, world_box.high)) {
+    if (can_axis_meet_box(pencil.light_position, axis_of_pencil(pencil), world_box.low, world_box.high)) {
       return;
     }
   }

@@ -1,5 +1,5 @@
 // Stage `stencil_pencil`: chooses a pencil of half planes for each light and view, from which `stencil_bound` bounds
-// stencil counts (shadow/pencil.wgsl).
+// stencil counts (shadow/half_plane_bins.wgsl).
 // Dispatched after `shadow_arguments`, if the caller asks for a bound: a workgroup for each light and view, which shares
 // all casters.
 // Reads: choices, and boxes of the casters that cast for the light and view.
@@ -10,16 +10,16 @@
 #import common/casters
 #import shadow/caster
 #import shadow/choices
-#import shadow/pencil
+#import shadow/half_plane_bins
 #import shadow/shadow
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+@group(0) @binding(2) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> boxes: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pencils: array<StencilPencil>;
-@group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>; // The rows of all pencils.
+@group(0) @binding(6) var<storage, read_write> bin_rows: array<atomic<u32>>; // The rows of all pencils.
 const THREADS: u32 = 256u;
 // The world-space box around all casters that cast: keys of the lowest corner, inverted, then of the highest. Keys are
 // integers with the order of floats.
@@ -38,12 +38,12 @@ fn pencil_of_outer_light(light: vec4<f32>, low: vec3<f32>, high: vec3<f32>) -> S
   pencil.forward = -light.xyz;
   pencil.kind = PENCIL_PARALLEL;
   if (light.w > 0.0) {
-    pencil.place = light.xyz / light.w;
-    pencil.forward = clamp(pencil.place, low, high) - pencil.place;
+    pencil.light_position = light.xyz / light.w;
+    pencil.forward = clamp(pencil.light_position, low, high) - pencil.light_position;
     pencil.kind = PENCIL_FAN;
   }
   let size = max(max(abs(pencil.forward.x), abs(pencil.forward.y)), abs(pencil.forward.z));
-  if (pencil.kind == PENCIL_FAN && size <= box_slack(pencil.place, low, high)) {
+  if (pencil.kind == PENCIL_FAN && size <= box_slack(pencil.light_position, low, high)) {
     pencil.kind = PENCIL_AROUND;
     return pencil;
   }
@@ -57,14 +57,14 @@ fn pencil_of_outer_light(light: vec4<f32>, low: vec3<f32>, high: vec3<f32>) -> S
   } else if (a.z <= a.x) {
     pencil.aside = vec3<f32>(pencil.forward.y, -pencil.forward.x, 0.0);
   }
-  pencil.first = half_plane_key(pencil, low);
-  var last = pencil.first;
+  pencil.first_key = half_plane_key(pencil, low);
+  var last = pencil.first_key;
   for (var index = 1u; index < 8u; index++) {
     let key = half_plane_key(pencil, box_corner(low, high, index));
-    pencil.first = min(pencil.first, key);
+    pencil.first_key = min(pencil.first_key, key);
     last = max(last, key);
   }
-  pencil.scale = f32(BINS) / max(last - pencil.first, 1e-30);
+  pencil.bins_per_key = f32(BINS) / max(last - pencil.first_key, 1e-30);
   return pencil;
 }
 
@@ -72,9 +72,9 @@ fn pencil_of_outer_light(light: vec4<f32>, low: vec3<f32>, high: vec3<f32>) -> S
 fn pencil_around_axis(light_position: vec3<f32>) -> StencilPencil {
   let faces = vec3<u32>(atomicLoad(&axis_faces[0]), atomicLoad(&axis_faces[1]), atomicLoad(&axis_faces[2]));
   var pencil = StencilPencil();
-  pencil.place = light_position;
+  pencil.light_position = light_position;
   pencil.kind = PENCIL_AROUND;
-  pencil.scale = f32(BINS) / 4.0;
+  pencil.bins_per_key = f32(BINS) / 4.0;
   if (faces.y <= faces.x && faces.y <= faces.z) {
     pencil.forward.z = 1.0;
     pencil.aside.x = 1.0;
@@ -105,36 +105,36 @@ fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
       atomicMax(&box_keys[4], highest.y);
       atomicMax(&box_keys[5], highest.z);
       let row = row_offset(view, light_index, caster % shape.count_batches);
-      atomicAdd(&crossings[row + ALL_FACES], face_range(caster).y);
+      atomicAdd(&bin_rows[row + ALL_FACES], face_range(caster).y);
     }
   }
   workgroupBarrier();
   let low = unordered(~vec3<u32>(atomicLoad(&box_keys[0]), atomicLoad(&box_keys[1]), atomicLoad(&box_keys[2])));
   let high = unordered(vec3<u32>(atomicLoad(&box_keys[3]), atomicLoad(&box_keys[4]), atomicLoad(&box_keys[5])));
   // If no caster casts, the box has no meaning, and no bin gets a weight.
-  var pencil = pencil_of_outer_light(seen[view * shape.lights + light_index].light.light, low, high);
+  var pencil = pencil_of_outer_light(view_lights[view * shape.lights + light_index].light.light, low, high);
   // Turns: PENCIL_CASTERS.
   for (var caster = thread; pencil.kind == PENCIL_AROUND && caster < shape.casters; caster += THREADS) {
     if (is_casting(caster, light_index, view)) {
       let world_box = caster_world_box(caster);
       let faces = face_range(caster).y;
-      atomicAdd(&axis_faces[0], select(0u, faces, can_axis_meet_box(pencil.place, 0u, world_box.low, world_box.high)));
-      atomicAdd(&axis_faces[1], select(0u, faces, can_axis_meet_box(pencil.place, 1u, world_box.low, world_box.high)));
-      atomicAdd(&axis_faces[2], select(0u, faces, can_axis_meet_box(pencil.place, 2u, world_box.low, world_box.high)));
+      atomicAdd(&axis_faces[0], select(0u, faces, can_axis_meet_box(pencil.light_position, 0u, world_box.low, world_box.high)));
+      atomicAdd(&axis_faces[1], select(0u, faces, can_axis_meet_box(pencil.light_position, 1u, world_box.low, world_box.high)));
+      atomicAdd(&axis_faces[2], select(0u, faces, can_axis_meet_box(pencil.light_position, 2u, world_box.low, world_box.high)));
     }
   }
   workgroupBarrier();
   if (pencil.kind == PENCIL_AROUND) {
-    pencil = pencil_around_axis(pencil.place);
+    pencil = pencil_around_axis(pencil.light_position);
   }
   let axis = axis_of_pencil(pencil);
   // Turns: PENCIL_CASTERS.
   for (var caster = thread; pencil.kind == PENCIL_AROUND && caster < shape.casters; caster += THREADS) {
     if (is_casting(caster, light_index, view)) {
       let world_box = caster_world_box(caster);
-      if (can_axis_meet_box(pencil.place, axis, world_box.low, world_box.high)) {
+      if (can_axis_meet_box(pencil.light_position, axis, world_box.low, world_box.high)) {
         let row = row_offset(view, light_index, caster % shape.count_batches);
-        atomicAdd(&crossings[row + AXIS_FACES], face_range(caster).y);
+        atomicAdd(&bin_rows[row + AXIS_FACES], face_range(caster).y);
       }
     }
   }

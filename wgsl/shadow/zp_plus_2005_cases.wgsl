@@ -12,7 +12,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> seen: array<SeenLight>; // For each view all lights.
+@group(0) @binding(2) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> positions: array<u32>;
 @group(0) @binding(5) var<storage, read> edge_vertices: array<vec2<u32>>;
@@ -30,7 +30,7 @@ fn is_case_d(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -
 }
 
 // Whether the side of the edge in a slot is case D.
-fn is_slot_case_d(caster: u32, slot: u32, light_and_view: SeenLight, light_index: u32) -> bool {
+fn is_slot_case_d(caster: u32, slot: u32, light_and_view: ViewLight, light_index: u32) -> bool {
   let range = edge_range(caster);
   let edge = slot - range.x;
   if (edge >= range.y) {
@@ -50,7 +50,7 @@ fn zp_plus_2005_cases(
 ) {
   let bit = group.y;
   let light_index = draw.first_light + bit;
-  let light_and_view = seen[draw.view * shape.lights + light_index];
+  let light_and_view = view_lights[draw.view * shape.lights + light_index];
   let count = silhouette_counts[bit];
   // If the list overflowed, the silhouettes are not known, and any edge may set the case. z-fail is right for every caster.
   let is_overflowed = count > shape.capacity;
@@ -61,7 +61,7 @@ fn zp_plus_2005_cases(
     if (!is_overflowed) {
       slot = silhouettes[bit * shape.capacity + entry] & ~WINDING;
     }
-    let caster = caster_of_slot(shape.edge_chunks_at, slot);
+    let caster = caster_of_slot(shape.edge_chunks_offset, slot);
     let offset = CHOICE_WORDS * choice_index(caster, draw.first_light / 32u, draw.view) + CHOICE_NEAR_CAP;
     if (((atomicLoad(&choices[offset]) >> bit) & 1u) != 0u && is_slot_case_d(caster, slot, light_and_view, light_index)) {
       atomicAnd(&choices[offset], ~(1u << bit));

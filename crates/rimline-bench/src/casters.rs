@@ -126,7 +126,7 @@ impl<'a> Devices<'a> {
 /// Options of a scene that computes everything in each frame, or what changed only.
 fn options(keep_bits: bool) -> SceneOptions {
     let mut options = SceneOptions::default();
-    options.measuring.set(Measuring::BITS, !keep_bits);
+    options.measuring.set(Measuring::CACHED_BITS, !keep_bits);
     options
 }
 

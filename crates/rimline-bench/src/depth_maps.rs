@@ -3,8 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::engine::Metric;
-use crate::row::{Entry, Row, Section, Variant};
-use crate::text::grouped;
+use crate::row::{Entry, Row, Section, Variant, grouped};
 
 const FORMAT: &str = "rimline-depth-map-casters";
 

@@ -1,7 +1,7 @@
 //! How wrong an extraction is: bits that differ from exact arithmetic, and vertices at which loops stay open.
 
 use rimline::internals::cpu;
-use rimline::internals::layout::{EdgeMasks, live_bits};
+use rimline::internals::layout::{EdgeMasks, low_bits};
 use rimline::internals::light::batches;
 use rimline::mesh::{EdgeKind, Mesh};
 
@@ -74,7 +74,7 @@ impl Score {
 
         let mut score = Self { facing_bits: faces * lights, silhouette_bits: edges * lights, ..Self::default() };
         for word in 0..batches(lights) {
-            let live = live_bits(lights - 32 * word);
+            let live = low_bits(lights - 32 * word);
             let right = plane(&exact.facing, word, faces);
             let masks = plane(candidate.masks, word, edges);
             let count = |wrong: u32| (wrong & live).count_ones() as usize;

@@ -39,8 +39,6 @@ mod host;
 pub mod record;
 #[cfg(feature = "measure")]
 pub mod row;
-#[cfg(feature = "measure")]
-mod text;
 
 #[cfg(feature = "report")]
 mod casters;
@@ -66,6 +64,8 @@ mod shadows;
 mod skipping;
 #[cfg(feature = "report")]
 mod summary;
+#[cfg(feature = "report")]
+mod text;
 
 #[cfg(feature = "measure")]
 pub use {error::Error, host::Host};

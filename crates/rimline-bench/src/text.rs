@@ -1,17 +1,6 @@
 //! Numbers as text.
 
-/// 1048576 as `1,048,576`.
-pub(crate) fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
+pub(crate) use crate::row::grouped;
 
 /// Three figures that count.
 pub(crate) fn figures(number: f64) -> String {

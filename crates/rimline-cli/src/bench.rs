@@ -18,11 +18,11 @@ use crate::bench_args::{BenchArgs, Number};
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Input, Scene, Shape};
-use crate::input_args::TakenPolygons;
 use crate::output::{self, Folder, Output, is_interrupted, note, print};
 use crate::progress::Progress;
 use crate::target::{check_ending, check_folder};
 use crate::{origin, source};
+use rimline_files::Polygons;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if args.schema {
@@ -93,7 +93,7 @@ fn options(args: &BenchArgs, wanted: &Wanted) -> Result<Options, Failure> {
 
 /// The user's model at rest, with the lights of the command line.
 fn model(file: &Path, args: &BenchArgs) -> Result<Model, Failure> {
-    let mut input = Input::read(file, args.load.options(Weld::Data), TakenPolygons::Triangles)?;
+    let mut input = Input::read(file, args.load.options(Weld::Data), Polygons::Triangles)?;
     origin::settle(std::slice::from_mut(&mut input), &[Vec::new()], 0.0)?;
     let Scene { mesh, shape } = input.scene(&[], 0.0, false)?;
     let positions = match &shape {

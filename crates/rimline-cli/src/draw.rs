@@ -100,7 +100,7 @@ fn draw(
         let none = if scene.mesh.faces().is_empty() { InputError::NoArea } else { InputError::NoFiniteFace };
         let bounds = Bounds::of(corners()).ok_or_else(|| failed(none))?;
         check_bounds(&bounds).map_err(&failed)?;
-        let view = args.view.relative_to(posed.input.origin);
+        let view = args.view.relative_to(posed.input.origin());
         let camera =
             Camera::new(&view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
 

@@ -66,7 +66,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     };
     let work = |device: &Device, times: &mut Times| job.find(device, times, args.json);
     let (adapter, found, mut times) = posed.work((&progress, "extracting"), &times, work)?;
-    let (mesh, origin) = (&scene.mesh, posed.input.origin);
+    let (mesh, origin) = (&scene.mesh, posed.input.origin());
     times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found, origin)))?;
     let names = [adapter, value_name(&args.method), value_name(&named)];
     let report = Report { mesh, lights: lights.len(), found: &found, names, origin, times };

@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use rimline::{CameraError, LightError, MeshError};
+use rimline_files::npz::NpzError;
+use rimline_files::size::size;
+use rimline_files::{FileError, FormatError};
 
-use crate::input_args::size;
-use crate::npz::NpzError;
-use crate::obj::ObjError;
 use crate::shadow::given_map_error::GivenMapError;
-use crate::source::FormatError;
 use crate::spec::SpecError;
 
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
@@ -64,10 +63,8 @@ pub(crate) enum Failure {
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    #[error(
-        "cannot read {what}: use .glb, .gltf, .obj or .npz; Blender and `assimp export IN OUT.glb` convert most others"
-    )]
-    Format { what: String },
+    #[error(transparent)]
+    File(#[from] FileError),
     #[error(transparent)]
     Foreign(#[from] FormatError),
     #[error(transparent)]
@@ -77,17 +74,10 @@ pub(crate) enum InputError {
          a larger --memory-limit", size(*.needed), size(*.limit)
     )]
     TooLarge { what: String, needed: u64, limit: u64 },
-    #[error(
-        "{place}: {uri:?} leads to {}, outside the file's folder, and is not read; if you trust the file, give \
-         --allow-outside", .path.display()
-    )]
-    Outside { place: String, uri: String, path: PathBuf },
     #[error(transparent)]
     Model(#[from] rimline::ModelError),
     #[error(transparent)]
     Npz(#[from] NpzError),
-    #[error(transparent)]
-    Obj(#[from] ObjError),
     #[error(transparent)]
     DepthMap(#[from] GivenMapError),
     #[cfg(feature = "bench")]
@@ -245,8 +235,13 @@ pub(crate) enum UsageError {
     DepthLightApart { given: String, map: String },
     #[error("{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format", .out.display())]
     LinesFormat { out: PathBuf },
-    #[error("--scale needs an orthographic view; leave out --fov, or give --ortho with --eye")]
-    ScaleOfPerspective,
+    #[error("{option} needs an orthographic view; leave out --fov, or give --ortho with --eye")]
+    ScaleOfPerspective { option: &'static str },
+    #[error(
+        "{} looks like a file, but with --frames --out is the folder for numbered drawings; give the name of a folder, and the \
+         format by --format", .out.display()
+    )]
+    DrawingsFolderEnding { out: PathBuf },
     #[error(
         "at this scale the drawing takes {width}x{height} mm, and at most 100 m each way are drawn; give a smaller --scale"
     )]

@@ -8,8 +8,8 @@ use rimline::gpu::{DeformError, DeviceError, ExtractorError, MAX_BOUNDARY_EDGES,
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
-use crate::input_args::size;
 use crate::shadow::given_map_error::GivenMapError;
+use rimline_files::size::size;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum GpuError {

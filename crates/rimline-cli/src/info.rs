@@ -9,22 +9,23 @@ mod text;
 use polygons::PolygonReport;
 use report::MeshReport;
 use rimline::{Light, Origin};
+pub(crate) use seams::Seams;
 use serde_json::{Value, json};
 use text::Text;
 
 use crate::args::InfoArgs;
 use crate::coordinates::{add_origin, origin_text};
 use crate::failure::{Failure, InputError};
-use crate::input::{Input, Source};
-use crate::input_args::TakenPolygons;
+use crate::input::Input;
 use crate::origin;
 use crate::output::print;
 use crate::report::Times;
 use crate::shown::Line;
+use rimline_files::Polygons;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let taken = match args.model.polygons.taken() {
-        TakenPolygons::Triangles => TakenPolygons::Described,
+        Polygons::Triangles => Polygons::Described,
         taken => taken,
     };
     let mut input = Input::read(&args.model.file, args.model.options(), taken)?;
@@ -47,7 +48,7 @@ struct Report {
 impl Report {
     fn new(input: &Input, lights: &[Light]) -> Result<Self, Failure> {
         // Meshes of a glTF file have spaces of their own, and others are in the world.
-        let own = if let Source::Gltf(_) = input.source { Origin::ZERO } else { input.origin };
+        let own = if input.asset().is_some() { Origin::ZERO } else { input.origin() };
         let geometries = input.model().geometries().iter().enumerate();
         let meshes = geometries
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), own))
@@ -62,7 +63,7 @@ impl Report {
             mesh => mesh?,
         };
         let positions = shape.on_cpu(&mut Times::default())?;
-        let placed = MeshReport::of_mesh(&mesh, &positions, input.origin);
+        let placed = MeshReport::of_mesh(&mesh, &positions, input.origin());
         let polygons = match input.described() {
             Some(given) => PolygonReport::of_mesh(&given.mesh, &given.positions, lights),
             None => PolygonReport::of_mesh(&mesh, &positions, lights),
@@ -80,8 +81,8 @@ impl Report {
             "placed": report::mesh(&self.placed),
             "polygons": self.polygons.as_ref().map(PolygonReport::json),
         });
-        add_origin(&mut value, input.origin);
-        if let (Source::Gltf(asset), Value::Object(value)) = (&input.source, &mut value) {
+        add_origin(&mut value, input.origin());
+        if let (Some(asset), Value::Object(value)) = (input.asset(), &mut value) {
             asset::json(asset, &asset::lights(asset, input)?, value);
             let warnings: Vec<String> = asset.warnings().iter().map(ToString::to_string).collect();
             value.insert("hidden_nodes".into(), asset.hidden_nodes().into());
@@ -94,10 +95,10 @@ impl Report {
         let mut text = Text::titled(&Line(input.file.display()));
         text.line("meshes", self.meshes.len());
         text.line("instances", input.model().instances().len());
-        if let Some(origin) = origin_text(input.origin) {
+        if let Some(origin) = origin_text(input.origin()) {
             text.line("origin", origin);
         }
-        if let Source::Gltf(asset) = &input.source {
+        if let Some(asset) = input.asset() {
             asset::text(asset, &asset::lights(asset, input)?, &mut text);
         }
         for (index, mesh) in self.meshes.iter().enumerate() {

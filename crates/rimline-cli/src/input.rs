@@ -1,56 +1,42 @@
 //! The model file, whatever its format, and the mesh it makes at one posed.
 
 use std::borrow::Cow;
-use std::io::{BufRead, BufReader, Cursor, Read, Seek};
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions, SceneLight};
+use rimline::gltf::{GltfError, SceneLight};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::light::check_lights;
-use rimline::mesh::{Weld, WeldCounts, WeldDistance};
-use rimline::{
-    Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model,
-    ModelError, Origin, Pose,
-};
+use rimline::mesh::Weld;
+use rimline::{Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model, ModelError, Pose};
+pub(crate) use rimline_files::resting;
+use rimline_files::{File, FileError, Polygons, ReadOptions, read_bytes};
 
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input_args::{ModelArgs, TakenPolygons};
+use crate::input_args::ModelArgs;
 use crate::output::note;
 use crate::report::Times;
 use crate::shown::listed;
-use crate::source::{Begins, begins};
+use crate::source;
 use crate::spec::LightSpec;
-use crate::{npz, obj, source};
 
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
-    pub(crate) source: Source,
-    /// Origin of positions and lights: the file's own at first, the run's once the file has moved there.
-    pub(crate) origin: Origin,
+    pub(crate) content: File,
+}
+
+impl Deref for Input {
+    type Target = File;
+
+    fn deref(&self) -> &File {
+        &self.content
+    }
 }
 
 pub(crate) struct ChosenLight {
     pub(crate) light: Light,
     /// The light in the file, if it comes from the file.
     pub(crate) own: Option<SceneLight>,
-}
-
-pub(crate) enum Source {
-    Gltf(Box<Asset>),
-    /// World-space positions less the origin, welded: one geometry, one instance.
-    World {
-        model: Model,
-        weld: WeldCounts,
-        /// The mesh, if polygons are taken whole. The model has their triangles.
-        polygons: Option<Box<Mesh>>,
-        /// Polygons that are taken as triangles, as they are in the file, where a description is wanted.
-        described: Option<Box<GivenPolygons>>,
-    },
-}
-
-pub(crate) struct GivenPolygons {
-    pub(crate) mesh: Mesh,
-    pub(crate) positions: Vec<[f32; 3]>,
 }
 
 /// The input at one posed.
@@ -83,93 +69,54 @@ impl Input {
         Self::read(&args.file, args.options(), args.polygons.taken())
     }
 
-    pub(crate) fn read(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<Self, Failure> {
-        let (source, origin) = open(file, options, taken).map_err(Failure::input(file))?;
-        let input = Self { file: file.to_owned(), source, origin };
+    pub(crate) fn read(file: &Path, options: ReadOptions, polygons: Polygons) -> Result<Self, Failure> {
+        let options = ReadOptions { polygons, ..options };
+        let content = if source::is_stdin(file) {
+            source::read(file).map_err(FileError::from).and_then(|bytes| read_bytes(&bytes, None, &options))
+        } else {
+            rimline_files::read(file, &options)
+        };
+        let input =
+            Self { file: file.to_owned(), content: content.map_err(|error| Failure::input(file)(error.into()))? };
         input.note_warnings();
-        input.note_non_finite();
+        input.warn(input.non_finite());
         if let Weld::Distance(distance) = options.weld {
-            input.note_wide_groups(distance);
+            input.warn(input.wide_groups(distance));
         }
         Ok(input)
     }
 
-    /// A chain of vertices, each near the next, becomes one point.
-    fn note_wide_groups(&self, distance: WeldDistance) {
-        let counts = (0..self.model().geometries().len()).map(|geometry| self.weld_counts(geometry));
-        let count = counts.map(|counts| counts.wide).sum::<usize>();
-        if count > 0 {
-            let (groups, are, theirs) =
-                if count == 1 { ("group", "is", "it lies") } else { ("groups", "are", "they lie") };
-            note(&format!(
-                "warning: {}: {count} {groups} of vertices joined by --weld-distance {:e} {are} wider than 10 times that, since \
-                 {theirs} in chains; each is one point now, so give a smaller distance if that is not meant",
-                self.file.display(),
-                distance.get()
-            ));
+    fn warn(&self, warning: Option<String>) {
+        if let Some(warning) = warning {
+            note(&format!("warning: {}: {warning}", self.file.display()));
         }
     }
 
     /// Prints the warnings about contents that the reader of glTF skips or changes.
     fn note_warnings(&self) {
         const SHOWN: usize = 20;
-        let Source::Gltf(asset) = &self.source else { return };
-        // Positions that are not finite are told for every format.
-        let is_told = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
-        let file = self.file.display();
-        let warnings: Vec<&GltfWarning> = asset.warnings().iter().filter(is_told).collect();
-        for warning in warnings.iter().take(SHOWN) {
-            note(&format!("warning: {file}: {warning}"));
-        }
-        if warnings.len() > SHOWN {
-            note(&format!(
-                "warning: {file}: {} more warnings; `rimline info --json` lists them",
-                warnings.len() - SHOWN
-            ));
-        }
-    }
-
-    /// Every subcommand takes positions that are infinite or NaN alike, so it is said where every one reads its model.
-    fn note_non_finite(&self) {
-        let is_finite = |position: &&[f32; 3]| position.iter().all(|c| c.is_finite());
-        let positions = self.model().geometries().iter().flat_map(Geometry::positions);
-        let count = positions.filter(|position| !is_finite(position)).count();
-        if count > 0 {
-            let (vertices, are, their) =
-                if count == 1 { ("vertex", "is", "its") } else { ("vertices", "are", "their") };
-            note(&format!(
-                "warning: {}: {count} {vertices} {are} infinite or NaN; {their} faces face no light, cast no shadow and are \
-                 not drawn",
-                self.file.display()
-            ));
-        }
+        self.warnings().take(SHOWN).for_each(|warning| self.warn(Some(warning.to_string())));
+        let more = self.warnings().count().saturating_sub(SHOWN);
+        self.warn((more > 0).then(|| format!("{more} more warnings; `rimline info --json` lists them")));
     }
 
     /// The file, and those that it names, textures included.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        let named = if let Source::Gltf(asset) = &self.source { asset.named_files() } else { &[] };
-        std::iter::once(&*self.file).chain(named.iter().map(PathBuf::as_path))
-    }
-
-    pub(crate) fn model(&self) -> &Model {
-        match &self.source {
-            Source::Gltf(asset) => asset.model(),
-            Source::World { model, .. } => model,
-        }
-    }
-
-    /// Result of welding one of the model's geometries.
-    pub(crate) fn weld_counts(&self, geometry: usize) -> WeldCounts {
-        match &self.source {
-            Source::Gltf(asset) => asset.weld_counts(geometry).unwrap_or_default(),
-            Source::World { weld, .. } => *weld,
-        }
+        std::iter::once(&*self.file).chain(self.named_files().iter().map(PathBuf::as_path))
     }
 
     /// Why there is no pose: the file is damaged, or the command line asks for what cannot be.
     pub(crate) fn not_posed(&self, error: GltfError) -> Failure {
         match error {
             GltfError::SameProperty { .. } => UsageError::Together { file: self.file.clone(), error }.into(),
+            error => self.failed(FileError::Gltf(error)),
+        }
+    }
+
+    /// The same, where something else may be wrong.
+    pub(crate) fn failed(&self, error: FileError) -> Failure {
+        match error {
+            FileError::Gltf(error @ GltfError::SameProperty { .. }) => self.not_posed(error),
             error => Failure::input(&self.file)(error.into()),
         }
     }
@@ -182,36 +129,21 @@ impl Input {
 
     /// The shape at one posed, without a mesh of all instances.
     pub(crate) fn shape(&self, animations: &[usize], time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
-        let pose = match &self.source {
-            Source::Gltf(asset) => {
-                return match asset.pose(animations.iter().copied(), time_s) {
-                    Ok(pose) => Ok(Shape::Posed { model: asset.model(), pose }),
-                    Err(error) => Err(self.not_posed(error)),
-                };
+        match self.world_positions() {
+            Some(_) if displaced && self.polygons().is_some() => {
+                Err(Failure::input(&self.file)(InputError::PolygonsDisplaced))
             }
-            Source::World { polygons: Some(_), .. } if displaced => Err(InputError::PolygonsDisplaced),
-            Source::World { model, .. } if !displaced => return Ok(Shape::World(model.geometries()[0].positions())),
-            Source::World { .. } => resting().map_err(InputError::from),
-        };
-        let pose = pose.map_err(Failure::input(&self.file))?;
-        Ok(Shape::Posed { model: self.model(), pose })
-    }
-
-    /// The mesh, if the file has polygons that are taken whole.
-    pub(crate) fn polygons(&self) -> Option<&Mesh> {
-        let Source::World { polygons, .. } = &self.source else { return None };
-        polygons.as_deref()
-    }
-
-    /// The polygons of a file that are taken as triangles, if they were to be described.
-    pub(crate) fn described(&self) -> Option<&GivenPolygons> {
-        let Source::World { described, .. } = &self.source else { return None };
-        described.as_deref()
+            Some(positions) if !displaced => Ok(Shape::World(positions)),
+            _ => {
+                let pose = self.pose(animations, time_s).map_err(|error| self.failed(error))?;
+                Ok(Shape::Posed { model: self.model(), pose })
+            }
+        }
     }
 
     /// The mesh that all instances make.
     pub(crate) fn mesh(&self, shape: &Shape<'_>) -> Result<Mesh, Failure> {
-        if let (Source::World { polygons: Some(mesh), .. }, Shape::World(_)) = (&self.source, shape) {
+        if let (Some(mesh), Shape::World(_)) = (self.polygons(), shape) {
             return Ok(Mesh::clone(mesh));
         }
         let mesh = match shape {
@@ -226,10 +158,10 @@ impl Input {
 
     /// Why there is no mesh, in words for the whole file.
     pub(crate) fn no_mesh(&self, error: MeshError) -> InputError {
-        match (&self.source, error) {
-            (Source::Gltf(_), MeshError::NoFaces) => InputError::EmptyScene,
-            (Source::World { polygons: Some(_), .. }, MeshError::NoFaces) => InputError::NoArea,
-            (_, error) => error.into(),
+        match error {
+            MeshError::NoFaces if self.asset().is_some() => InputError::EmptyScene,
+            MeshError::NoFaces if self.polygons().is_some() => InputError::NoArea,
+            error => error.into(),
         }
     }
 
@@ -245,15 +177,15 @@ impl Input {
         animations: &[usize],
         time_s: f32,
     ) -> Result<Vec<ChosenLight>, Failure> {
-        let own = match &self.source {
-            Source::Gltf(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
+        let own = match self.asset() {
+            Some(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
                 let lights = asset.each_light(animations.iter().copied(), time_s);
                 let names = asset.light_names().into_iter().map(|name| name.map(str::to_owned));
                 names.zip(lights.map_err(|error| self.not_posed(error))?).collect()
             }
             _ => Vec::new(),
         };
-        let origin = self.origin;
+        let origin = self.origin();
         let of_file = |(_, own): &(Option<String>, Result<SceneLight, GltfError>)| match own {
             Ok(own) => Ok(ChosenLight { light: own.light, own: Some(own.clone()) }),
             Err(error) => Err(self.not_posed(error.clone())),
@@ -287,108 +219,4 @@ impl Input {
             Err(error) => Err(Failure::input(&self.file)(InputError::Lights(error))),
         }
     }
-}
-
-/// Opens a file by how it begins, or, where that says nothing, by its ending.
-fn open(file: &Path, options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
-    if source::is_stdin(file) {
-        return open_stdin(options, taken);
-    }
-    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    let mut reader = source::open(file)?;
-    match (begins(&mut reader)?, ending.as_deref()) {
-        (Begins::Archive, _) | (Begins::Unknown, Some("npz")) => open_npz(reader, options),
-        (Begins::Glb, _) | (Begins::Json, Some("obj" | "npz")) => open_gltf(file, options),
-        (Begins::Obj, Some("gltf" | "glb" | "npz")) | (_, Some("obj")) => {
-            of_arrays(read_obj(BufReader::new(reader), options, taken)?, options, taken)
-        }
-        (_, Some("gltf" | "glb")) => open_gltf(file, options),
-        // Any text may begin like an OBJ.
-        (_, _) => {
-            let what = ending.map_or_else(|| "a file of this format".to_owned(), |ending| format!(".{ending}"));
-            Err(InputError::Format { what })
-        }
-    }
-}
-
-fn open_stdin(options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
-    let bytes = source::read(Path::new("-"))?;
-    match begins(&mut Cursor::new(&bytes))? {
-        Begins::Archive => open_npz(Cursor::new(bytes), options),
-        Begins::Glb | Begins::Json => {
-            let asset = Asset::from_slice(&bytes, None, options);
-            asset.map(of_asset).map_err(|error| of_gltf(Path::new("-"), error))
-        }
-        Begins::Obj => of_arrays(read_obj(&*bytes, options, taken)?, options, taken),
-        Begins::Unknown => Err(InputError::Format { what: "a file of this format".to_owned() }),
-    }
-}
-
-fn open_gltf(file: &Path, options: LoadOptions) -> Result<(Source, Origin), InputError> {
-    Asset::open(file, options).map(of_asset).map_err(|error| of_gltf(file, error))
-}
-
-fn of_asset(asset: Asset) -> (Source, Origin) {
-    (Source::Gltf(Box::new(asset)), Origin::ZERO)
-}
-
-/// Converts an error of a glTF, with advice for users of the command.
-fn of_gltf(file: &Path, error: GltfError) -> InputError {
-    match error {
-        // The file is named already; only other files that it names need to be.
-        GltfError::Read { path, source } if path == file => {
-            InputError::Read(std::io::Error::new(source.kind(), source))
-        }
-        // The advice is to give the options of the command.
-        GltfError::TooLarge { what, needed, limit } => {
-            let is_whole = Path::new(&what) == file;
-            InputError::TooLarge { what: if is_whole { "the file".into() } else { what }, needed, limit }
-        }
-        GltfError::Outside { json_path, uri, path } => InputError::Outside { place: json_path, uri, path },
-        error => error.into(),
-    }
-}
-
-fn read_obj(reader: impl BufRead, options: LoadOptions, taken: TakenPolygons) -> Result<npz::Arrays, InputError> {
-    Ok(obj::read(reader, options.memory_limit, taken != TakenPolygons::Triangles)?)
-}
-
-fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<(Source, Origin), InputError> {
-    of_arrays(npz::read(reader, options.memory_limit)?, options, TakenPolygons::Whole)
-}
-
-fn of_arrays(arrays: npz::Arrays, options: LoadOptions, taken: TakenPolygons) -> Result<(Source, Origin), InputError> {
-    let npz::Arrays { positions, mut faces, polygons, origin } = arrays;
-    let by_loop =
-        |polygons: &npz::PolygonArrays| Mesh::from_polygons_by_loop(&positions, polygons.loops(), options.weld);
-    let (mut described, mut collapsed) = (None, 0);
-    match (polygons, taken) {
-        (None, _) => {}
-        (Some(polygons), TakenPolygons::Whole) => {
-            let mesh = by_loop(&polygons)?;
-            drop(polygons);
-            let geometry = Geometry::new(positions, mesh.faces().to_vec(), GeometryOptions::default())?;
-            let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-            let (weld, polygons) = (mesh.weld_counts(), Some(Box::new(mesh)));
-            return Ok((Source::World { model, weld, polygons, described }, origin));
-        }
-        (Some(polygons), taken) => {
-            if taken == TakenPolygons::Described {
-                described = Some(Box::new(GivenPolygons { mesh: by_loop(&polygons)?, positions: positions.clone() }));
-            }
-            let (triangles, counts) = polygons.loops().triangulate(&positions, options.weld)?;
-            (faces, collapsed) = (triangles, counts.collapsed);
-        }
-    }
-    let geometry = Geometry::new(positions, faces, GeometryOptions::default())?;
-    let (geometry, mut weld) = geometry.welded(options.weld);
-    weld.collapsed += collapsed;
-    let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-    Ok((Source::World { model, weld, polygons: None, described }, origin))
-}
-
-/// Everything where it is.
-pub(crate) fn resting() -> Result<Pose, ModelError> {
-    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    Ok(Pose::new(vec![InstancePose::new(vec![identity], Vec::new())?]))
 }

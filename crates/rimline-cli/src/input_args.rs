@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use rimline::Origin;
-use rimline::gltf::LoadOptions;
 use rimline::mesh::{Weld, WeldDistance};
+use rimline_files::size::bytes;
+use rimline_files::{Format, Polygons, ReadOptions};
 
 use crate::coordinates::{Coordinate, relative};
 use crate::spec;
@@ -13,7 +14,7 @@ use crate::spec;
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
-    /// A .gltf, .glb, .obj or .npz file, or - for standard input. Faces of an .obj may have any number of corners. An .npz
+    /// A .gltf, .glb, .obj, .ply, .stl or .npz file, or - for standard input. Faces of an .obj or .ply may have any number of corners. An .npz
     /// contains `positions` (V,3) float32 and `faces` (F,3) of any integer type. Faces at infinite or NaN positions face no
     /// light, cast no shadow and are not drawn; a warning counts the positions
     pub(crate) file: PathBuf,
@@ -31,7 +32,7 @@ pub(crate) struct ModelArgs {
 /// Options for polygons.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct PolygonArgs {
-    /// Take each polygon of an .obj as one face, after Bergeron (1986): its outline decides whether it faces a light or the
+    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a light or the
     /// eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn is what is decided.
     /// Pictures show triangles in any case. With this option these pixels may not fit a polygon that is not planar: its own,
     /// those of what is within its hull, and those from which an even number of its triangles hide the light: they are lit.
@@ -42,8 +43,8 @@ pub(crate) struct PolygonArgs {
 }
 
 impl PolygonArgs {
-    pub(crate) fn taken(self) -> TakenPolygons {
-        if self.whole { TakenPolygons::Whole } else { TakenPolygons::Triangles }
+    pub(crate) fn taken(self) -> Polygons {
+        if self.whole { Polygons::Whole } else { Polygons::Triangles }
     }
 }
 
@@ -175,7 +176,7 @@ enum WeldArg {
 }
 
 impl ModelArgs {
-    pub(crate) fn options(&self) -> LoadOptions {
+    pub(crate) fn options(&self) -> ReadOptions {
         self.load.options(self.weld.weld())
     }
 }
@@ -188,101 +189,45 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     pub(crate) memory_limit: u64,
 
+    /// The format of the file, where neither its content nor its name tells it
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    input_format: Option<FormatArg>,
+
     /// Allow a glTF file to read buffers outside its folder, through `..`, an absolute path or a symbolic link
     #[arg(long)]
     allow_outside: bool,
 }
 
+/// A format that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum FormatArg {
+    Gltf,
+    Obj,
+    Ply,
+    Stl,
+    Npz,
+}
+
+impl From<FormatArg> for Format {
+    fn from(format: FormatArg) -> Self {
+        match format {
+            FormatArg::Gltf => Self::Gltf,
+            FormatArg::Obj => Self::Obj,
+            FormatArg::Ply => Self::Ply,
+            FormatArg::Stl => Self::Stl,
+            FormatArg::Npz => Self::Npz,
+        }
+    }
+}
+
 impl LoadArgs {
-    pub(crate) fn options(self, weld: Weld) -> LoadOptions {
-        LoadOptions { weld, memory_limit: self.memory_limit, allow_outside: self.allow_outside }
-    }
-}
-
-/// How polygons of an .obj are taken. Polygons of an .npz are always taken whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TakenPolygons {
-    /// Triangles, which are drawn.
-    Triangles,
-    /// Triangles, and polygons to describe.
-    Described,
-    /// Each is one face.
-    Whole,
-}
-
-/// Units of sizes, and how many bits to shift by.
-const UNITS: [(&str, u32); 4] = [("KiB", 10), ("MiB", 20), ("GiB", 30), ("TiB", 40)];
-
-/// A number of bytes, or of one of [`UNITS`].
-fn bytes(text: &str) -> Result<u64, String> {
-    let digits = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-    let (number, unit) = text.split_at(digits);
-    let shift = match unit.trim_start() {
-        "" => Some(0),
-        unit => UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).map(|(_, shift)| *shift),
-    };
-    let size = shift.zip(number.parse::<u64>().ok()).and_then(|(shift, number)| number.checked_mul(1 << shift));
-    let size = size.filter(|&size| size > 0);
-    size.ok_or_else(|| {
-        "a size is a whole number of bytes, KiB, MiB, GiB or TiB, such as 512MiB, from 1 byte to less than 16777216TiB"
-            .to_owned()
-    })
-}
-
-/// A number of bytes for people: in the largest unit of which there is one, rounded up to a tenth.
-pub(crate) fn size(bytes: u64) -> String {
-    match UNITS.iter().rev().find(|(_, shift)| bytes >> shift > 0) {
-        Some((name, shift)) => {
-            let tenths = (u128::from(bytes) * 10).div_ceil(1 << shift);
-            match tenths % 10 {
-                0 => format!("{} {name}", tenths / 10),
-                tenth => format!("{}.{tenth} {name}", tenths / 10),
-            }
+    pub(crate) fn options(self, weld: Weld) -> ReadOptions {
+        ReadOptions {
+            format: self.input_format.map(Format::from),
+            weld,
+            memory_limit: self.memory_limit,
+            allow_outside: self.allow_outside,
+            ..ReadOptions::default()
         }
-        None => format!("{bytes} bytes"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_read() {
-        for (text, expected) in [
-            ("1", 1),
-            ("1000", 1000),
-            ("1KiB", 1024),
-            ("4GiB", 4 << 30),
-            ("4 gib", 4 << 30),
-            ("3TiB", 3 << 40),
-            ("18446744073709551615", u64::MAX),
-        ] {
-            assert_eq!(bytes(text), Ok(expected), "{text}");
-        }
-        for text in ["", "0", "0GiB", "GiB", "-1", "1.5GiB", "4GB", "4g", "1 2", "18446744073709551616", "16777216TiB"]
-        {
-            assert!(bytes(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn sizes_are_written() {
-        for (bytes, expected) in [
-            (0, "0 bytes"),
-            (1023, "1023 bytes"),
-            (1024, "1 KiB"),
-            (1025, "1.1 KiB"),
-            (4 << 30, "4 GiB"),
-            ((9 << 30) + (1 << 29), "9.5 GiB"),
-            (u64::MAX, "16777216 TiB"),
-        ] {
-            assert_eq!(size(bytes), expected);
-        }
-    }
-
-    #[test]
-    fn the_default_is_the_library_s() {
-        assert_eq!(bytes("4GiB"), Ok(LoadOptions::DEFAULT_MEMORY_LIMIT));
     }
 }

@@ -40,7 +40,6 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use log::Level;
-use rimline_cli::{npz, obj};
 
 use crate::args::Command;
 use crate::failure::Failure;

@@ -9,7 +9,7 @@ use rimline::{Displacement, Light, wgpu};
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
-use crate::input::{Input, Scene, Shape, Source};
+use crate::input::{Input, Scene, Shape};
 use crate::input_args::{ModelArgs, MomentArgs, PoseArgs};
 use crate::output::note;
 use crate::progress::Progress;
@@ -113,13 +113,13 @@ pub(crate) fn animations(inputs: &[Input], args: &PoseArgs) -> Result<Vec<Vec<us
 
 /// The animations of a file that one `--animation` names, by their numbers: one, or all.
 fn named(input: &Input, wanted: &str) -> Result<Vec<usize>, Failure> {
-    let (found, there) = match &input.source {
-        Source::Gltf(asset) if wanted == "all" => (0..asset.animations().len(), listed_animations(asset)),
-        Source::Gltf(asset) => {
+    let (found, there) = match input.asset() {
+        Some(asset) if wanted == "all" => (0..asset.animations().len(), listed_animations(asset)),
+        Some(asset) => {
             let found = asset.animation_index(wanted).map_or(0..0, |index| index..index + 1);
             (found, listed_animations(asset))
         }
-        Source::World { .. } => (0..0, "the file has none".to_owned()),
+        None => (0..0, "the file has none".to_owned()),
     };
     if found.is_empty() {
         return Err(UsageError::Animation { wanted: wanted.to_owned(), there }.into());
@@ -128,9 +128,9 @@ fn named(input: &Input, wanted: &str) -> Result<Vec<usize>, Failure> {
 }
 
 fn check(input: &Input, animations: &[usize]) -> Result<(), Failure> {
-    match &input.source {
+    match input.asset() {
         // An error at one time occurs at all times.
-        Source::Gltf(asset) if !animations.is_empty() => {
+        Some(asset) if !animations.is_empty() => {
             asset.each_light(animations.iter().copied(), 0.0).map(drop).map_err(|error| input.not_posed(error))
         }
         _ => Ok(()),

@@ -18,7 +18,6 @@ use crate::device::Device;
 use crate::extract::arrays::write_lights;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::Scene;
-use crate::npz::{self, ElementType, NpzWriter, write_origin};
 use crate::output::{Output, note, print};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
@@ -26,6 +25,7 @@ use crate::report::{self, Lines, Times, first_lights, per_light};
 use crate::shown::Line;
 use crate::source;
 use crate::target::{Inputs, check_ending};
+use rimline_files::npz::{self, ElementType, NpzWriter, write_origin};
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     check_ending(&args.out, "npz")?;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let lights = posed.lights(&args.lights)?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
     progress.step("reading the points");
-    let (limit, origin) = (args.model.options().memory_limit, posed.input.origin);
+    let (limit, origin) = (args.model.options().memory_limit, posed.input.origin());
     let given = times.measure("points", || read_points(&args.points, limit))?;
     let scene = times.measure("topology", || posed.scene())?;
     given.check_faces(scene.mesh.faces().len()).map_err(|error| Failure::input(&args.points)(error.into()))?;
@@ -72,8 +72,9 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
 }
 
 fn read_points(file: &Path, memory_limit: u64) -> Result<npz::PointArrays, Failure> {
-    let read =
-        || -> Result<_, InputError> { Ok(npz::read_points(source::archive(source::open(file)?)?, memory_limit)?) };
+    let read = || -> Result<_, InputError> {
+        Ok(npz::read_points(rimline_files::archive(source::open(file)?)?, memory_limit)?)
+    };
     read().map_err(Failure::input(file))
 }
 

@@ -1,14 +1,11 @@
-//! Input files. They are regular files, or standard input as `-`: a pipe or device given by name may never end. Formats are
-//! recognised by their first bytes, because an ending is a name that anybody may give.
+//! Input files. They are regular files, or standard input as `-`: a pipe or device given by name may never end.
 
 use std::fs::{File, Metadata};
 use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use zip::ZipArchive;
-
-use crate::obj;
+use rimline_files::open_regular;
 
 const MAX_STDIN_BYTES: u64 = 1 << 32;
 
@@ -25,7 +22,7 @@ pub(crate) fn open(file: &Path) -> io::Result<Box<dyn ReadSeek>> {
     if is_stdin(file) {
         return Ok(Box::new(Cursor::new(stdin()?)));
     }
-    Ok(Box::new(BufReader::with_capacity(1 << 18, regular(file)?)))
+    Ok(Box::new(BufReader::with_capacity(1 << 18, open_regular(file)?)))
 }
 
 pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
@@ -33,7 +30,7 @@ pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
         return stdin();
     }
     let mut bytes = Vec::new();
-    regular(file)?.read_to_end(&mut bytes)?;
+    open_regular(file)?.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
@@ -51,20 +48,6 @@ pub(crate) fn metadata(file: &Path) -> io::Result<Metadata> {
     std::fs::metadata(file)
 }
 
-fn regular(file: &Path) -> io::Result<File> {
-    let there = std::fs::metadata(file)?;
-    if there.is_dir() {
-        return Err(io::Error::other("it is a folder; give a file"));
-    }
-    if !there.is_file() {
-        return Err(io::Error::other("it is not a regular file; give one, or `-` for standard input"));
-    }
-    if there.len() == 0 {
-        return Err(io::Error::other("it is empty"));
-    }
-    File::open(file)
-}
-
 fn stdin() -> io::Result<Vec<u8>> {
     static IS_TAKEN: AtomicBool = AtomicBool::new(false);
     if IS_TAKEN.swap(true, Ordering::SeqCst) {
@@ -79,209 +62,4 @@ fn stdin() -> io::Result<Vec<u8>> {
         return Err(io::Error::other("it is empty"));
     }
     Ok(bytes)
-}
-
-/// Formats that are read, where the file says which one it has.
-pub(crate) enum Begins {
-    Glb,
-    Archive,
-    /// Text that is a glTF if it is a model at all.
-    Json,
-    /// Text that is an OBJ if it is a model at all.
-    Obj,
-    /// It says nothing, so the ending decides.
-    Unknown,
-}
-
-/// A format that is not read, with advice for the user.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("it is {what}, which is not read here; {advice}")]
-pub(crate) struct Foreign {
-    what: &'static str,
-    advice: &'static str,
-}
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum FormatError {
-    #[error("cannot be read: {0}")]
-    Read(#[from] io::Error),
-    #[error(transparent)]
-    Foreign(#[from] Foreign),
-}
-
-const FAR: u64 = 1 << 16;
-
-const SURFACE: &str = "convert it to .glb or .obj, in Blender or by Python: \
-                       `import trimesh; trimesh.load(\"IN\").export(\"OUT.glb\")`";
-const SCENE: &str = "convert it to .glb, in Blender or by `assimp export IN OUT.glb`";
-const BLENDER: &str = "open it in Blender and export it as .glb";
-const UNPACK: &str = "unpack it and give the model file in it";
-const ARCHIVE: &str = "give an .npz, as `numpy.savez` writes it";
-const NO_MODEL: &str = "give a .glb, .gltf, .obj or .npz";
-
-const FIRST_BYTES: &[(&[u8], &str, &str)] = &[
-    (b"Kaydara FBX Binary", "an FBX file", SCENE),
-    (b"BLENDER", "a Blender file", BLENDER),
-    (b"PXR-USDC", "a USD file", BLENDER),
-    (b"Ogawa", "an Alembic file", BLENDER),
-    (
-        b"\x93NUMPY",
-        "a single array (.npy)",
-        "put it into an .npz by its name: `numpy.savez(\"FILE.npz\", NAME=numpy.load(\"FILE.npy\"))`",
-    ),
-    (b"DRACO", "a Draco file", "decode it to .obj by `draco_decoder -i IN -o OUT.obj`"),
-    (b"\x1f\x8b", "compressed by gzip", UNPACK),
-    (b"\x28\xb5\x2f\xfd", "compressed by Zstandard (as Blender compresses its files)", UNPACK),
-    (b"\xfd7zXZ\0", "compressed by xz", UNPACK),
-    (b"BZh", "compressed by bzip2", UNPACK),
-    (b"7z\xbc\xaf\x27\x1c", "a 7z archive", UNPACK),
-    (b"Rar!", "a RAR archive", UNPACK),
-    (b"\x89PNG", "a picture", NO_MODEL),
-    (b"\xff\xd8\xff", "a picture", NO_MODEL),
-    (b"%PDF", "a PDF", NO_MODEL),
-];
-
-/// First words of other files of text, in small letters.
-const FIRST_WORDS: &[(&[u8], &str, &str)] = &[
-    (b"; fbx", "an FBX file", SCENE),
-    (b"#usda", "a USD file", BLENDER),
-    (b"#vrml", "a VRML file", SCENE),
-    (b"iso-10303-21", "a STEP file", "mesh it in a CAD program, and export that as .glb or .obj"),
-    (b"# vtk datafile", "a VTK file", SURFACE),
-    (b"off\n", "an OFF file", SURFACE),
-    (b"off\r", "an OFF file", SURFACE),
-    (
-        b"version https://git-lfs.github.com/",
-        "a pointer of Git LFS, not the file itself",
-        "fetch the file by `git lfs pull`",
-    ),
-];
-
-/// Finds the format of a file by its first bytes, and leaves the reader at its start.
-///
-/// # Errors
-/// [`FormatError::Foreign`] for a file that is certainly of another kind.
-pub(crate) fn begins(reader: &mut (impl Read + Seek)) -> Result<Begins, FormatError> {
-    let start = first_bytes(reader)?;
-    if start.starts_with(b"glTF") {
-        return Ok(Begins::Glb);
-    }
-    let is_zip = start.starts_with(b"PK\x03\x04") || start.starts_with(b"PK\x05\x06");
-    if let Some(foreign) = if is_zip { in_zip(reader)? } else { foreign(&start, length(reader)?) } {
-        return Err(foreign.into());
-    }
-    Ok(match text(&start) {
-        _ if is_zip => Begins::Archive,
-        text if text.starts_with(b"{") => Begins::Json,
-        _ if obj::begins_like(&start) => Begins::Obj,
-        _ => Begins::Unknown,
-    })
-}
-
-/// Refuses what is certainly no archive of arrays, where nothing else is read.
-pub(crate) fn archive<R: Read + Seek>(mut reader: R) -> Result<R, FormatError> {
-    match begins(&mut reader) {
-        Err(FormatError::Foreign(foreign)) if [SURFACE, SCENE, BLENDER, NO_MODEL].contains(&foreign.advice) => {
-            Err(Foreign { advice: ARCHIVE, ..foreign }.into())
-        }
-        Ok(Begins::Glb | Begins::Json) => Err(Foreign { what: "a glTF", advice: ARCHIVE }.into()),
-        Ok(Begins::Obj) => Err(Foreign { what: "an OBJ file", advice: ARCHIVE }.into()),
-        found => found.map(|_| reader),
-    }
-}
-
-fn first_bytes(reader: &mut (impl Read + Seek)) -> io::Result<Vec<u8>> {
-    let mut start = Vec::new();
-    reader.by_ref().take(FAR).read_to_end(&mut start)?;
-    reader.rewind()?;
-    Ok(start)
-}
-
-fn length(reader: &mut impl Seek) -> io::Result<u64> {
-    let length = reader.seek(io::SeekFrom::End(0))?;
-    reader.rewind()?;
-    Ok(length)
-}
-
-/// Text without a byte order mark and blanks before it.
-fn text(start: &[u8]) -> &[u8] {
-    start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start()
-}
-
-/// Finds a format that is not read, by the first bytes and the length of the file.
-fn foreign(start: &[u8], length: u64) -> Option<Foreign> {
-    let of = |what, advice| Some(Foreign { what, advice });
-    if let Some(&(_, what, advice)) = FIRST_BYTES.iter().find(|(first, ..)| start.starts_with(first)) {
-        return of(what, advice);
-    }
-    if is_utf16(start) {
-        return of("text in UTF-16 or UTF-32", "save it as UTF-8, or by `iconv -f UTF-16 -t UTF-8 IN > OUT`");
-    }
-    // A binary STL is a header of 80 bytes, a count, and 50 bytes a triangle. Some tools write a little behind them.
-    let count = start.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
-    let fits = |count: u32| (0..=512).contains(&length.wrapping_sub(84 + 50 * u64::from(count)));
-    if count.is_some_and(|count| count > 0 && fits(count)) {
-        return of("an STL file", SURFACE);
-    }
-    // A chunk that is as long as the file.
-    let chunk = start.get(2..6).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
-    if start.starts_with(b"MM") && chunk.is_some_and(|chunk| u64::from(chunk) == length) {
-        return of("a 3DS file", SCENE);
-    }
-    let text = text(start).to_ascii_lowercase();
-    let contains = |word: &[u8]| text.windows(word.len()).any(|window| window == word);
-    if let Some(&(_, what, advice)) = FIRST_WORDS.iter().find(|(first, ..)| text.starts_with(first)) {
-        return of(what, advice);
-    }
-    if text.starts_with(b"solid") && (contains(b"facet") || contains(b"endsolid")) {
-        return of("an STL file", SURFACE);
-    }
-    if [&b"ply\n"[..], b"ply\r"].iter().any(|first| text.starts_with(first)) && contains(b"format") {
-        return of("a PLY file", SURFACE);
-    }
-    match text.first() {
-        Some(b'<') if contains(b"<collada") => of("a COLLADA file", SCENE),
-        Some(b'<') if contains(b"<x3d") => of("an X3D file", SCENE),
-        Some(b'<') if contains(b"<html") || contains(b"<!doctype html") => {
-            of("a page of the web (HTML)", "download the model itself; the page may hold a link to it, or say why not")
-        }
-        Some(b'<') if contains(b"<?xml") || contains(b"xmlns") => of("an XML file", NO_MODEL),
-        _ => None,
-    }
-}
-
-/// A byte order mark, or a zero beside each of the first letters.
-fn is_utf16(start: &[u8]) -> bool {
-    let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | b' '..=b'~');
-    let (pairs, _) = start.get(..8).unwrap_or_default().as_chunks::<2>();
-    let marks = [&b"\xff\xfe"[..], b"\xfe\xff", b"\0\0\xfe\xff"];
-    marks.iter().any(|mark| start.starts_with(mark))
-        || !pairs.is_empty()
-            && (pairs.iter().all(|[low, high]| is_text(low) && *high == 0)
-                || pairs.iter().all(|[high, low]| is_text(low) && *high == 0))
-}
-
-/// Finds the format of an archive without arrays, by the names of its entries. Returns `None` for any other archive,
-/// readable or not: the reader of arrays then says what is missing.
-fn in_zip(reader: &mut (impl Read + Seek)) -> Result<Option<Foreign>, FormatError> {
-    let archive = ZipArchive::new(&mut *reader);
-    let of = |what, advice| Some(Foreign { what, advice });
-    let found = archive.ok().and_then(|archive| {
-        let names: Vec<String> =
-            archive.file_names().filter_map(|name| Some(name.ok()?.to_ascii_lowercase())).collect();
-        let has = |endings: &[&str]| names.iter().any(|name| endings.iter().any(|ending| name.ends_with(ending)));
-        if has(&[".npy"]) {
-            None
-        } else if has(&["3d/3dmodel.model"]) {
-            of("a 3MF file", SURFACE)
-        } else if has(&[".usdc", ".usda", ".usd"]) {
-            of("a USDZ file", BLENDER)
-        } else if has(&[".glb", ".gltf", ".obj", ".npz"]) {
-            of("a ZIP archive with a model in it", UNPACK)
-        } else {
-            None
-        }
-    });
-    reader.rewind()?;
-    Ok(found)
 }

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use rimline::mesh::WeldCounts;
 use rimline::{Geometry, GeometryOptions, Instance, Light, Model, Origin, ShadowCamera};
+use rimline_files::File;
 
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::On as _;
-use crate::input::{Input, Scene, Shape, Source, resting};
+use crate::input::{Input, Scene, Shape, resting};
 use crate::shadow::casters;
 use crate::shadow::casting::CastInputs;
 use crate::shadow::posed_model::PosedModel;
@@ -42,11 +42,7 @@ pub(crate) fn shadow_stages(
     (seen, lights): (&[PosedModel<'_>], &[Light]),
 ) -> Result<(), Failure> {
     let Some(model) = triangle() else { return Ok(()) };
-    let input = Input {
-        file: PathBuf::from("triangle"),
-        source: Source::World { model, weld: WeldCounts::default(), polygons: None, described: None },
-        origin: Origin::ZERO,
-    };
+    let input = Input { file: PathBuf::from("triangle"), content: File::in_world(model, Origin::ZERO) };
     let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
     let mut shadows = casters::shadows(gpu, pipelines, lights.len()).on(gpu)?;
     shadows.place(&body)?;

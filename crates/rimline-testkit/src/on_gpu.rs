@@ -3,7 +3,7 @@
 use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowError, ShadowPipelines, View};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::{
-    DrawArguments, EdgeMasks, ExtractionStatistics, SeenLight, ShadowDraws, ShadowLight, ShadowStatistics,
+    DrawArguments, EdgeMasks, ExtractionStatistics, ShadowDraws, ShadowLight, ShadowStatistics, ViewLight,
 };
 use rimline::{Light, Mesh, Model, Pose, ShadowCamera};
 
@@ -101,8 +101,8 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
 /// The lights of the only caster of a scene's last encode, with what was chosen for them.
 pub fn chosen(gpu: &Gpu, frame: &OneFrame, lights: usize) -> Result<Vec<ShadowLight>, String> {
     let results = frame.frame.results().map_err(text)?;
-    let (seen, shape) = results.seen.ok_or("no view")?;
-    let seen: Vec<SeenLight> = gpu.read(seen, lights)?;
+    let (seen, shape) = results.view_lights.ok_or("no view")?;
+    let seen: Vec<ViewLight> = gpu.read(seen, lights)?;
     let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;
     Ok(choices::chosen(&shape, &seen, &words))
 }

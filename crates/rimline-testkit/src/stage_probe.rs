@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::internals::layout::{SeenLight, ShadowLight, ShadowView};
+use rimline::internals::layout::{ShadowLight, ShadowView, ViewLight};
 use rimline::internals::stages::Stage;
 
 use crate::device::Gpu;
@@ -30,7 +30,7 @@ impl Probe {
             let own = if takes_light { "let own = probe_seen[probe_inputs[probe_first].w];" } else { "" };
             let source = format!(
                 "{}
-@group(0) @binding({SEEN}) var<storage, read> probe_seen: array<SeenLight>;
+@group(0) @binding({SEEN}) var<storage, read> probe_seen: array<ViewLight>;
 @group(0) @binding({}) var<storage, read> probe_inputs: array<vec4<u32>>;
 @group(0) @binding({}) var<storage, read_write> probe_found: array<vec4<f32>>;
 var<private> probe_first: u32;
@@ -67,7 +67,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
         if inputs.is_empty() {
             return Ok(Vec::new());
         }
-        let seen: Vec<SeenLight> = seen.iter().map(|(view, light)| seen_light(*view, *light)).collect();
+        let seen: Vec<ViewLight> = seen.iter().map(|(view, light)| seen_light(*view, *light)).collect();
         let words = inputs.iter().flat_map(|(seen, places)| {
             places.map(|place| {
                 let [x, y, z] = place.map(f32::to_bits);
@@ -85,6 +85,6 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
 }
 
 /// A light that a camera sees.
-pub fn seen_light(view: ShadowView, light: ShadowLight) -> SeenLight {
-    SeenLight { view, light, ..bytemuck::Zeroable::zeroed() }
+pub fn seen_light(view: ShadowView, light: ShadowLight) -> ViewLight {
+    ViewLight { view, light, ..bytemuck::Zeroable::zeroed() }
 }

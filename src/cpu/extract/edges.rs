@@ -3,7 +3,7 @@
 //! A face that is L-twisted counts nowhere: its edges are boundaries of its neighbours.
 
 use crate::cpu::common::parallel::Threads;
-use crate::layout::{EdgeMasks, live_bits};
+use crate::layout::{EdgeMasks, low_bits};
 use crate::light;
 use crate::mesh::{EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 
@@ -70,7 +70,7 @@ fn fill<T: Send>(
     let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
     let planes = planes.chunks_mut(records.len().max(1)).zip(faces.facing.chunks(face_count.max(1)));
     for (batch, (plane, facing)) in planes.enumerate() {
-        let live = live_bits(light_count - 32 * batch);
+        let live = low_bits(light_count - 32 * batch);
         let twisted = faces.twisted.get(face_count * batch..face_count * (batch + 1)).unwrap_or_default();
         threads.share(plane, |first, words| {
             let records = words.iter_mut().zip(&records.packed_faces()[first..]);

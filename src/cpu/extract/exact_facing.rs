@@ -3,7 +3,7 @@
 use crate::cpu::common::exact_sign::exact_sign;
 use crate::cpu::common::fixed_sign::FixedFace;
 use crate::cpu::common::positions::{is_finite, position};
-use crate::layout::live_bits;
+use crate::layout::low_bits;
 use crate::light::Light;
 use crate::mesh::is_degenerate;
 
@@ -18,7 +18,7 @@ pub fn excluded(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) ->
     let mask = |face: &[u32; 3], lights: &[Light]| {
         let [a, b, c] = face.map(|vertex| position(positions, vertex));
         if ![a, b, c].into_iter().all(is_finite) {
-            return live_bits(lights.len());
+            return low_bits(lights.len());
         }
         if is_degenerate(*face) {
             return 0;

@@ -257,7 +257,7 @@ impl Face {
     fn filter_lights(&self, light_batch: &LightBatch) -> Decision {
         let Self { a, b, c, .. } = *self;
         let largest = [a, b, c].iter().flatten().fold(0.0_f32, |largest, coordinate| largest.max(coordinate.abs()));
-        let mut decision = Decision { facing: 0, undecided: light_batch.live };
+        let mut decision = Decision { facing: 0, undecided: light_batch.active_bits };
         if largest >= filter::LARGE {
             return decision;
         }
@@ -266,7 +266,7 @@ impl Face {
         let [u, v] = [u.map(f32::abs), v.map(f32::abs)];
         let n_abs = [u[1] * v[2] + u[2] * v[1], u[2] * v[0] + u[0] * v[2], u[0] * v[1] + u[1] * v[0]];
         let underflow = filter::underflow_bound(largest);
-        for light in bits(light_batch.live) {
+        for light in bits(light_batch.active_bits) {
             let l = light_batch.lights[light];
             let d = local_form(n, a, l);
             let inexact_w = light_batch.inexact_w[light / 4][light % 4];

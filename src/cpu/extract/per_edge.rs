@@ -62,8 +62,8 @@ fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], light_batch: &Ligh
     let (a, b) = (position(a & !INCONSISTENT_BIT), position(b));
     let winding = mask(a, b, position(c));
     let silhouette = match d {
-        NO_FACE => light_batch.live,
-        _ if is_inconsistent => !(winding ^ mask(a, b, position(d))) & light_batch.live,
+        NO_FACE => light_batch.active_bits,
+        _ if is_inconsistent => !(winding ^ mask(a, b, position(d))) & light_batch.active_bits,
         _ => winding ^ mask(b, a, position(d)),
     };
     EdgeMasks { silhouette, winding }

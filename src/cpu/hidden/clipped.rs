@@ -6,7 +6,7 @@ use super::plane::Plane;
 const MOST: usize = 10;
 /// The most cuts, each of which adds rounding.
 const CUTS: u8 = 64;
-/// Places are off by so much of the face's largest coordinate, at most. A cut adds three roundings.
+/// The largest error of a corner, relative to the face's largest coordinate. A cut adds three roundings.
 const SLACK: f64 = 4.0 * CUTS as f64 * f64::EPSILON;
 
 /// A convex polygon that contains a part of a face.
@@ -79,8 +79,8 @@ impl Clipped {
     }
 
     fn push(&mut self, corner: [f64; 3]) {
-        if let Some(place) = self.corners.get_mut(usize::from(self.count)) {
-            *place = corner;
+        if let Some(next) = self.corners.get_mut(usize::from(self.count)) {
+            *next = corner;
             self.count += 1;
         }
     }

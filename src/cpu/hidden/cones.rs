@@ -6,19 +6,19 @@ use super::plane::Plane;
 use super::tree::Face;
 use crate::light::Light;
 
-/// Cones of so many faces are not split.
+/// The most faces of a cone that is not split.
 const SMALL: usize = 2048;
 
 /// The directions on one side of each of some planes through the light.
 pub(crate) struct Cone {
     pub(crate) planes: Vec<(Plane, i32)>,
-    /// The faces that reach it, in their order.
+    /// The faces that may be in it, in their order.
     pub(crate) faces: Vec<usize>,
 }
 
-/// Cones that have all directions together. A face is in each cone that it reaches. All have the order of `order`.
+/// Cones that together contain all directions. A face is listed in each cone that it may be in, in the order of `order`.
 pub(crate) fn cones(faces: &[Face], order: Vec<usize>, light: Light) -> Vec<Cone> {
-    let middles: Vec<DVec3> = faces.iter().map(|face| seen(middle(face), light)).collect();
+    let middles: Vec<DVec3> = faces.iter().map(|face| direction_key(middle(face), light)).collect();
     let (mut waiting, mut cones) = (vec![Cone { planes: Vec::new(), faces: order }], Vec::new());
     while let Some(cone) = waiting.pop() {
         match split(faces, &middles, &cone, light) {
@@ -35,9 +35,9 @@ fn middle(face: &Face) -> DVec3 {
 
 /// The coordinates by which directions to points are compared: the direction. A light at infinity takes the point along two
 /// axes.
-fn seen(place: DVec3, light: Light) -> DVec3 {
+fn direction_key(point: DVec3, light: Light) -> DVec3 {
     let (l, w) = (DVec3::from(light.xyz.map(f64::from)), f64::from(light.w));
-    if w > 0.0 { (place - l / w).normalize_or_zero() } else { place - place.dot(l) / l.length_squared() * l }
+    if w > 0.0 { (point - l / w).normalize_or_zero() } else { point - point.dot(l) / l.length_squared() * l }
 }
 
 /// The parts of a cone on both sides of a plane, if they are smaller.
@@ -75,11 +75,11 @@ fn split(faces: &[Face], middles: &[DVec3], Cone { planes, faces: cone }: &Cone,
     (above.len() <= most && below.len() <= most).then(|| [part(above, 1), part(below, -1)])
 }
 
-/// About the plane through the light and a place whose normal is nearest to an axis.
-fn through(place: DVec3, axis: DVec3, light: Light) -> Option<Plane> {
+/// About the plane through the light and a point whose normal is nearest to an axis.
+fn through(point: DVec3, axis: DVec3, light: Light) -> Option<Plane> {
     let (l, w) = (DVec3::from(light.xyz.map(f64::from)), f64::from(light.w));
-    let away = if w > 0.0 { place - l / w } else { l };
-    let other = place + away.cross(axis) * if w > 0.0 { 1.0 } else { place.length().max(1e-30) / l.length_squared() };
-    let [a, b] = [place, other].map(|place| place.to_array().map(|c| c as f32));
+    let away = if w > 0.0 { point - l / w } else { l };
+    let other = point + away.cross(axis) * if w > 0.0 { 1.0 } else { point.length().max(1e-30) / l.length_squared() };
+    let [a, b] = [point, other].map(|point| point.to_array().map(|c| c as f32));
     a.into_iter().chain(b).all(f32::is_finite).then(|| Plane::of_edge(a, b, light))
 }

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use super::cones::cones;
 use super::options::HiddenOptions;
 use super::order::order;
-use super::outline::Outline;
 use super::search::search;
+use super::silhouette::Silhouette;
 use super::tree::Face;
 use crate::cpu::common::positions::{is_finite, position};
 use crate::cpu::error::CpuError;
@@ -31,22 +31,22 @@ pub struct HiddenCaster<'a> {
 /// Counts of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HiddenStatistics {
-    /// Faces that were tried: all but those that are not finite, and polygons that are not exactly planar and strictly convex as
-    /// seen from the light.
+    /// Faces that were searched: all finite ones, but for polygons that are not exactly planar and strictly convex as seen from
+    /// the light.
     pub tried: usize,
     /// Faces that are hidden.
     pub hidden: usize,
     /// Hidden faces that are left out.
     pub left_out: usize,
-    /// Sides of all casters' volumes with all faces, where of closed meshes the averted ones cast: edges of silhouettes, each as
-    /// often as its side is drawn.
+    /// Sides of all casters' volumes with all faces, where back-facing faces of closed meshes cast. An edge counts as often as
+    /// its side is drawn.
     pub sides: usize,
     /// The same without the faces left out. It is at most [`Self::sides`], but for [`HiddenOptions::leave_out_all`].
     pub sides_left: usize,
-    /// Faces that stay since they met the bound on steps. Here and in the next, a face counts in each cone of directions that it
-    /// reaches, and a polygon by its triangles.
+    /// Faces that still cast because they exceeded [`HiddenOptions::max_steps`]. Here and in `without_room`, a face counts in each
+    /// cone of directions that it is in, and a polygon by its triangles.
     pub undecided: usize,
-    /// Faces that stay and hide nothing new, since the tree was full.
+    /// Faces that still cast and occlude nothing more, because the tree was full.
     pub without_room: usize,
     /// Nodes of all trees.
     pub nodes: usize,
@@ -96,17 +96,17 @@ impl HiddenFaces {
                 let given = caster.positions.len();
                 return Err(CpuError::TooFewCasterPositions { caster: number, given, needed });
             }
-            let found = participants(caster, light);
+            let participants = participants(caster, light);
             let mut is_facing = vec![false; caster.mesh.face_count()];
-            for (number, face) in &found {
+            for (number, face) in &participants {
                 if let Some(is_facing) = is_facing.get_mut(*number as usize) {
                     *is_facing = face.side > 0;
                 }
             }
             facing.push(is_facing);
-            owners.extend(found.iter().map(|&(face, _)| (number, face)));
-            tried += found.chunk_by(|(before, _), (face, _)| before == face).count();
-            faces.extend(found.into_iter().map(|(_, face)| face));
+            owners.extend(participants.iter().map(|&(face, _)| (number, face)));
+            tried += participants.chunk_by(|(before, _), (face, _)| before == face).count();
+            faces.extend(participants.into_iter().map(|(_, face)| face));
         }
         let mut of_casters: Vec<HiddenOfCaster> = casters
             .iter()
@@ -126,11 +126,11 @@ impl HiddenFaces {
             ..Default::default()
         };
         let mut staying = searched.staying.into_iter().peekable();
-        for (number, &(caster, own)) in owners.iter().enumerate() {
-            if staying.next_if_eq(&number).is_none()
+        for (index, &(caster, face)) in owners.iter().enumerate() {
+            if staying.next_if_eq(&index).is_none()
                 && let Some(of_caster) = of_casters.get_mut(caster)
             {
-                of_caster.faces.push(own);
+                of_caster.faces.push(face);
             }
         }
         for ((caster, facing), of_caster) in casters.iter().zip(&facing).zip(&mut of_casters) {
@@ -139,13 +139,13 @@ impl HiddenFaces {
             }
             of_caster.faces = whole(caster.mesh, std::mem::take(&mut of_caster.faces));
             statistics.hidden += of_caster.faces.len();
-            let outline = Outline { mesh: caster.mesh, facing };
-            statistics.sides += outline.sides(&[]);
+            let silhouette = Silhouette { mesh: caster.mesh, facing };
+            statistics.sides += silhouette.sides(&[]);
             if !options.leave_out_all {
-                of_caster.faces = outline.shortest(&of_caster.faces);
+                of_caster.faces = silhouette.shortest(&of_caster.faces);
             }
             statistics.left_out += of_caster.faces.len();
-            statistics.sides_left += outline.sides(&of_caster.faces);
+            statistics.sides_left += silhouette.sides(&of_caster.faces);
         }
         Ok(Self { light, casters: of_casters, statistics })
     }
@@ -172,11 +172,11 @@ impl HiddenFaces {
     }
 }
 
-/// The faces of a caster that take part, with their numbers, ascending. A polygon takes part as a fan of triangles.
+/// The faces of a caster that are searched, with their indices, ascending. A polygon is searched as a fan of triangles.
 fn participants(caster: &HiddenCaster<'_>, light: Light) -> Vec<(u32, Face)> {
     let is_closed = caster.mesh.is_closed();
-    let may_hide = |side: i32| side < 0 || (side > 0 && !is_closed);
-    let face = |corners: [[f32; 3]; 3], side: i32| Face { corners, side, may_hide: may_hide(side) };
+    let may_occlude = |side: i32| side < 0 || (side > 0 && !is_closed);
+    let face = |corners: [[f32; 3]; 3], side: i32| Face { corners, side, may_occlude: may_occlude(side) };
     let triangle = |(number, of): (u32, &[u32; 3])| {
         let corners = of.map(|vertex| position(caster.positions, vertex));
         if is_degenerate(*of) || !corners.into_iter().all(is_finite) {
@@ -191,8 +191,8 @@ fn participants(caster: &HiddenCaster<'_>, light: Light) -> Vec<(u32, Face)> {
     };
     let mut participants = Vec::new();
     for number in 0..polygons.len() {
-        let Some(outline) = single_loop(polygons, number) else { continue };
-        let corners: Vec<[f32; 3]> = outline.iter().map(|&vertex| position(caster.positions, vertex)).collect();
+        let Some(corners) = single_loop(polygons, number) else { continue };
+        let corners: Vec<[f32; 3]> = corners.iter().map(|&vertex| position(caster.positions, vertex)).collect();
         let side = planar_and_convex(&corners, light);
         if let (Some(&first), true) = (corners.first(), side != 0) {
             let fan = corners.windows(2).skip(1).take(corners.len() - 2);
@@ -219,7 +219,7 @@ fn planar_and_convex(corners: &[[f32; 3]], light: Light) -> i32 {
     }
 }
 
-/// The faces of which each triangle is among the hidden, ascending.
+/// The faces all of whose triangles are occluded, ascending.
 fn whole(mesh: &Mesh, mut hidden: Vec<u32>) -> Vec<u32> {
     hidden.sort_unstable();
     let Some(polygons) = mesh.polygons() else { return hidden };

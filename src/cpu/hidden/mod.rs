@@ -1,4 +1,4 @@
-//! Faces hidden by faces: those whose shadow lies wholly in the shadow of others; docs/numerics/hidden-faces.md.
+//! Occluded faces: their shadow lies wholly in the shadow of other faces; docs/numerics/hidden-faces.md.
 
 pub(crate) mod clipped;
 pub(crate) mod cones;
@@ -6,7 +6,7 @@ pub(crate) mod hidden_faces;
 pub(crate) mod min_cut;
 pub(crate) mod options;
 pub(crate) mod order;
-pub(crate) mod outline;
 pub(crate) mod plane;
 pub(crate) mod search;
+pub(crate) mod silhouette;
 pub(crate) mod tree;

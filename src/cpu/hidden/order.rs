@@ -1,19 +1,19 @@
-//! The order in which faces are taken: about front to back. Any order is right.
+//! The order in which faces are searched: about front to back. Any order is right.
 
 use glam::DVec3;
 
 use super::tree::Face;
 use crate::light::Light;
 
-/// Steps of distance, within which larger faces come first.
+/// Steps of distance. Within a step, larger faces come first.
 const STEPS: f64 = 64.0;
 
-/// The numbers of the faces in their order.
+/// The indices of the faces in their order.
 pub(crate) fn order(faces: &[Face], light: Light) -> Vec<usize> {
     let near: Vec<f64> = faces.iter().map(|face| nearest(face, light)).collect();
     let finite = || near.iter().copied().filter(|distance| distance.is_finite());
     let (low, high) = finite().fold((f64::MAX, f64::MIN), |(low, high), d| (low.min(d), high.max(d)));
-    // The conversion saturates, and takes what is no number to 0.
+    // The conversion saturates and maps NaN to 0.
     let step = |distance: f64| (STEPS * (distance - low) / (high - low)) as u32;
     let mut keys: Vec<(u32, i32, u64, usize)> = faces
         .iter()
@@ -25,8 +25,8 @@ pub(crate) fn order(faces: &[Face], light: Light) -> Vec<usize> {
     keys.into_iter().map(|(.., number)| number).collect()
 }
 
-/// The distance of the face from the light, or a number that grows with it. The corners alone would put a large wall behind
-/// what it hides.
+/// The distance of the face from the light, or a number that grows with it. The distance of the corners alone would put a
+/// large wall behind the faces that it occludes.
 fn nearest(face: &Face, light: Light) -> f64 {
     let (l, w) = (DVec3::from(light.xyz.map(f64::from)), f64::from(light.w));
     let corners = face.corners.map(|corner| DVec3::from(corner.map(f64::from)));
@@ -60,7 +60,7 @@ fn size(face: &Face) -> i32 {
     extent(a, b).max(extent(a, c)).log2() as i32
 }
 
-/// Neighbours in a mesh come at random, so that the tree stays flat.
+/// A hash, so that neighbours in a mesh are far apart in the order and the tree stays flat.
 fn mix(number: u64) -> u64 {
     let mixed = (number ^ number >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (mixed ^ mixed >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)

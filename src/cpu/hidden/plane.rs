@@ -1,4 +1,4 @@
-//! Planes, and the exact side of a place. A filter in `f64` comes first.
+//! Planes, and the exact side of a point. A filter in `f64` comes first.
 
 use crate::cpu::extract::exact_facing::exact_facing;
 use crate::light::Light;
@@ -6,7 +6,7 @@ use crate::light::Light;
 /// More than the eight roundings of a determinant, and those of the bound itself: sixteen units of `f64`.
 const BOUND: f64 = 16.0 * f64::EPSILON / 2.0;
 
-/// The sign of a determinant of two fixed vectors and the vector from `from` to a place.
+/// The sign of a determinant of two fixed vectors and the vector from `from` to a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
     normal: [f64; 3],
@@ -54,25 +54,25 @@ impl Plane {
         Self { normal, sizes, from: a, to: b, third: Third::Corner(c) }
     }
 
-    /// The value at a place that is off by so much along each axis, and the error's bound.
-    pub(crate) fn value(&self, place: [f64; 3], off: f64) -> (f64, f64) {
-        let x: [f64; 3] = std::array::from_fn(|axis| place[axis] - f64::from(self.from[axis]));
+    /// The value at a point that is off by so much along each axis, and the error's bound.
+    pub(crate) fn value(&self, point: [f64; 3], off: f64) -> (f64, f64) {
+        let x: [f64; 3] = std::array::from_fn(|axis| point[axis] - f64::from(self.from[axis]));
         let value: f64 = self.normal.iter().zip(x).map(|(n, x)| n * x).sum();
         let error: f64 = self.sizes.iter().zip(x).map(|(size, x)| size * (BOUND * x.abs() + off)).sum();
         (value, 2.0 * error)
     }
 
-    /// The exact side of a finite place: 1, 0 or −1.
-    pub(crate) fn side(&self, place: [f32; 3]) -> i32 {
-        let x = apart(self.from, place);
+    /// The exact side of a finite point: 1, 0 or −1.
+    pub(crate) fn side(&self, point: [f32; 3]) -> i32 {
+        let x = apart(self.from, point);
         let sum = |of: [f64; 3], x: [f64; 3]| of[0] * x[0] + of[1] * x[1] + of[2] * x[2];
         let (value, size) = (sum(self.normal, x), sum(self.sizes, x.map(f64::abs)));
         if value.abs() > BOUND * size {
             return if value > 0.0 { 1 } else { -1 };
         }
-        let [x, y, z] = place;
+        let [x, y, z] = point;
         match self.third {
-            Third::Light(light) => exact_facing(self.from, self.to, place, light),
+            Third::Light(light) => exact_facing(self.from, self.to, point, light),
             Third::Corner(c) => exact_facing(self.from, self.to, c, [x, y, z, 1.0]),
         }
     }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::cones::Cone;
 use super::options::HiddenOptions;
-use super::tree::{Face, Found, Tree};
+use super::tree::{Decision, Face, Tree};
 use crate::light::Light;
 
 /// Faces from one call of the progress to the next.
@@ -14,7 +14,7 @@ const STRIDE: usize = 256;
 /// The result of searching some faces.
 #[derive(Default)]
 pub(crate) struct Searched {
-    /// Faces that are not occluded in some cone, in no order.
+    /// Faces that are not occluded in some cone, ascending.
     pub(crate) staying: Vec<usize>,
     pub(crate) undecided: usize,
     pub(crate) without_room: usize,
@@ -83,11 +83,10 @@ impl Work<'_> {
                 }
                 for &number in faces {
                     let Some(face) = self.faces.get(number) else { continue };
-                    let found = tree.take(face);
-                    match found {
-                        Found::Hidden => continue,
-                        Found::Undecided => searched.undecided += 1,
-                        Found::Seen => searched.without_room += usize::from(face.may_hide && tree.is_full()),
+                    match tree.decide(face) {
+                        Decision::Occluded => continue,
+                        Decision::Undecided => searched.undecided += 1,
+                        Decision::Visible => searched.without_room += usize::from(face.may_occlude && tree.is_full()),
                     }
                     searched.staying.push(number);
                 }

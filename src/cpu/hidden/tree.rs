@@ -4,69 +4,69 @@ use super::clipped::Clipped;
 use super::plane::Plane;
 use crate::light::Light;
 
-/// A face that may be hidden.
+/// A face that may be occluded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face {
     pub(crate) corners: [[f32; 3]; 3],
     /// The side of its plane that the light is on: 1 or −1, or 0 if the light is in it.
     pub(crate) side: i32,
-    /// Whether it may hide others. The light is off its plane then.
-    pub(crate) may_hide: bool,
+    /// Whether it may occlude others. The light is then not in its plane.
+    pub(crate) may_occlude: bool,
 }
 
 /// The result for one face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Found {
-    Hidden,
-    Seen,
+pub(crate) enum Decision {
+    Occluded,
+    Visible,
     /// The bound on steps or nodes was met, so the face stays.
     Undecided,
 }
 
-/// Where an edge of the tree leads.
+/// A child of a node, or the root.
 #[derive(Clone, Copy, Debug)]
-enum Place {
-    /// No hider is known here.
-    Out,
-    /// All directions of the leaf meet this hider.
-    In(u32),
+enum Child {
+    /// A leaf without an occluder.
+    Open,
+    /// A leaf whose directions all meet this occluder.
+    Occluded(u32),
     Node(u32),
     /// Outside of the cone of this tree.
-    Elsewhere,
+    OutsideCone,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     plane: u32,
-    /// Where the plane's side is positive, and where it is negative. Each contains the plane.
-    sides: [Place; 2],
+    /// The children on the positive and the negative side of the plane. Both contain the plane.
+    sides: [Child; 2],
 }
 
-/// A hider: its plane, and the side of it that the light is on.
+/// A occluder: its plane, and the side of it that the light is on.
 #[derive(Clone, Copy, Debug)]
-struct Hider {
+struct Occluder {
     plane: Plane,
     side: i32,
 }
 
-/// The link that leads to a place: the root, or a side of a node.
+/// The link to a child: `None` for the root, else a node and its side.
 type Link = Option<(u32, usize)>;
 
 pub(crate) struct Tree {
     light: Light,
-    root: Place,
+    root: Child,
     nodes: Vec<Node>,
     planes: Vec<Plane>,
-    hiders: Vec<Hider>,
+    occluders: Vec<Occluder>,
     /// The first nodes, which bound the cone.
     cone: usize,
     max_nodes: usize,
     max_steps: usize,
-    /// Places that the current face still has to visit, with its edges that are on planes passed, as bits. It is kept, so that
-    /// it is allocated once.
+    /// Children that the current face has yet to visit, with its edges that lie in planes of visited nodes, as bits. A field, so
+    /// that it is allocated once.
     waiting: Vec<(Link, u8, Clipped)>,
-    /// Leaves that are out which the current face reached.
-    outs: Vec<(Link, u8)>,
+    /// Open leaves that the current face is in.
+    open_leaves: Vec<(Link, u8)>,
 }
 
 impl Tree {
@@ -74,21 +74,21 @@ impl Tree {
     pub(crate) fn new(light: Light, cone: &[(Plane, i32)], max_nodes: usize, max_steps: usize) -> Self {
         let node = |(number, &(_, side)): (usize, &(Plane, i32))| {
             let is_last = number + 1 == cone.len();
-            let next = if is_last { Place::Out } else { Place::Node(number as u32 + 1) };
-            let sides = if side > 0 { [next, Place::Elsewhere] } else { [Place::Elsewhere, next] };
+            let next = if is_last { Child::Open } else { Child::Node(number as u32 + 1) };
+            let sides = if side > 0 { [next, Child::OutsideCone] } else { [Child::OutsideCone, next] };
             Node { plane: number as u32, sides }
         };
         Self {
             light,
-            root: if cone.is_empty() { Place::Out } else { Place::Node(0) },
+            root: if cone.is_empty() { Child::Open } else { Child::Node(0) },
             nodes: cone.iter().enumerate().map(node).collect(),
             planes: cone.iter().map(|(plane, _)| *plane).collect(),
             cone: cone.len(),
-            hiders: Vec::new(),
+            occluders: Vec::new(),
             max_nodes: max_nodes.min(u32::MAX as usize / 4),
             max_steps,
             waiting: Vec::new(),
-            outs: Vec::new(),
+            open_leaves: Vec::new(),
         }
     }
 
@@ -96,38 +96,38 @@ impl Tree {
         self.nodes.len() - self.cone
     }
 
-    /// Tells whether a face is hidden. If it is not, and may hide others, the tree grows by it.
-    pub(crate) fn take(&mut self, face: &Face) -> Found {
-        let found = self.find(face);
-        if found == Found::Seen && face.may_hide && !self.outs.is_empty() {
+    /// Decides whether a face is occluded. If it is not and may occlude others, the tree grows by it.
+    pub(crate) fn decide(&mut self, face: &Face) -> Decision {
+        let decision = self.find(face);
+        if decision == Decision::Visible && face.may_occlude && !self.open_leaves.is_empty() {
             self.insert(face);
         }
-        found
+        decision
     }
 
-    fn place(&self, link: Link) -> Option<Place> {
+    fn child(&self, link: Link) -> Option<Child> {
         match link {
             None => Some(self.root),
             Some((node, side)) => self.nodes.get(node as usize)?.sides.get(side).copied(),
         }
     }
 
-    /// Visits all leaves that the face may reach, and lists those that are out.
-    fn find(&mut self, face: &Face) -> Found {
-        self.outs.clear();
+    /// Visits all leaves that the face may be in, and lists the open ones.
+    fn find(&mut self, face: &Face) -> Decision {
+        self.open_leaves.clear();
         self.waiting.clear();
         self.waiting.push((None, 0, Clipped::whole(face.corners)));
-        let (mut steps, mut is_hidden) = (0, true);
+        let (mut steps, mut is_occluded) = (0, true);
         while let Some((link, edges, part)) = self.waiting.pop() {
             steps += 1;
             if steps > self.max_steps {
-                return Found::Undecided;
+                return Decision::Undecided;
             }
-            match self.place(link) {
-                Some(Place::Node(number)) => {
+            match self.child(link) {
+                Some(Child::Node(number)) => {
                     let Some(plane) = self.nodes.get(number as usize).and_then(|n| self.planes.get(n.plane as usize))
                     else {
-                        return Found::Undecided;
+                        return Decision::Undecided;
                     };
                     let sides = face.corners.map(|corner| plane.side(corner));
                     let on = |edge: usize| sides[edge] == 0 && sides[(edge + 1) % 3] == 0;
@@ -141,58 +141,58 @@ impl Tree {
                         }
                     }
                 }
-                Some(Place::In(hider)) => is_hidden &= self.is_behind(face, &part, hider),
-                Some(Place::Out) => {
-                    is_hidden = false;
-                    self.outs.push((link, edges));
+                Some(Child::Occluded(occluder)) => is_occluded &= self.is_behind(face, &part, occluder),
+                Some(Child::Open) => {
+                    is_occluded = false;
+                    self.open_leaves.push((link, edges));
                 }
-                Some(Place::Elsewhere) => {}
-                None => return Found::Undecided,
+                Some(Child::OutsideCone) => {}
+                None => return Decision::Undecided,
             }
         }
-        if is_hidden { Found::Hidden } else { Found::Seen }
+        if is_occluded { Decision::Occluded } else { Decision::Visible }
     }
 
-    /// Whether no part of the face that is in the leaf is in front of the hider's plane, as seen from the light.
-    fn is_behind(&self, face: &Face, part: &Clipped, hider: u32) -> bool {
-        self.hiders.get(hider as usize).is_some_and(|Hider { plane, side }| {
+    /// Whether no part of the face that is in the leaf is in front of the occluder's plane, as seen from the light.
+    fn is_behind(&self, face: &Face, part: &Clipped, occluder: u32) -> bool {
+        self.occluders.get(occluder as usize).is_some_and(|Occluder { plane, side }| {
             part.is_on(plane, -side) || face.corners.iter().all(|&corner| plane.side(corner) != *side)
         })
     }
 
-    /// Grows the leaves that are out and that the face reached, as long as there is room for nodes.
+    /// Replaces the open leaves that the face is in by nodes, as long as there is room.
     fn insert(&mut self, face: &Face) {
         let [a, b, c] = face.corners;
         let first_plane = self.planes.len() as u32;
-        let hider = self.hiders.len() as u32;
+        let occluder = self.occluders.len() as u32;
         self.planes.extend([(a, b), (b, c), (c, a)].map(|(from, to)| Plane::of_edge(from, to, self.light)));
-        self.hiders.push(Hider { plane: Plane::of_face(face.corners), side: face.side });
+        self.occluders.push(Occluder { plane: Plane::of_face(face.corners), side: face.side });
         // The third corner is on this side of an edge's plane.
         let inner = usize::from(face.side < 0);
-        for (link, edges) in std::mem::take(&mut self.outs) {
-            // An edge on a plane that was passed needs no plane of its own: the face is on the side that was taken.
+        for (link, edges) in std::mem::take(&mut self.open_leaves) {
+            // An edge in the plane of a visited node needs no node: the face is on the visited side.
             if self.is_full() {
                 break;
             }
-            let mut place = Place::In(hider);
+            let mut child = Child::Occluded(occluder);
             for edge in (0..3).filter(|edge| edges >> edge & 1 == 0) {
-                let mut sides = [Place::Out; 2];
-                sides[inner] = place;
-                place = Place::Node(self.nodes.len() as u32);
+                let mut sides = [Child::Open; 2];
+                sides[inner] = child;
+                child = Child::Node(self.nodes.len() as u32);
                 self.nodes.push(Node { plane: first_plane + edge, sides });
             }
             match link {
-                None => self.root = place,
+                None => self.root = child,
                 Some((node, side)) => {
                     if let Some(side) = self.nodes.get_mut(node as usize).and_then(|node| node.sides.get_mut(side)) {
-                        *side = place;
+                        *side = child;
                     }
                 }
             }
         }
     }
 
-    /// Whether there is no room for another hider.
+    /// Whether there is no room for another occluder.
     pub(crate) fn is_full(&self) -> bool {
         self.nodes() + 3 > self.max_nodes
     }

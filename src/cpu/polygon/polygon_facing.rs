@@ -1,13 +1,13 @@
 //! Polygon facing: for each polygon and light whether it faces the light, and whether it is L-twisted.
 
-use super::boundary::Boundary;
 use super::orientation::Orientation;
 use super::polygon_masks::{PolygonMasks, polygon_masks};
+use super::polygon_pairs::Boundary;
 use super::turns_batch::{Decided, turns_batch};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::extract::facing::{FacingStatistics, largest_magnitude};
-use crate::layout::{LightBatch, live_bits};
+use crate::layout::{LightBatch, low_bits};
 use crate::light;
 use crate::mesh::Polygons;
 
@@ -65,7 +65,7 @@ fn decide(
     }
     let Some(boundary) = Boundary::new(boundary, positions) else {
         statistics.non_finite_faces += 1;
-        masks.excluded = live_bits(lights.len());
+        masks.excluded = low_bits(lights.len());
         return;
     };
     let asked = lights.iter().enumerate().filter(|(bit, _)| undecided >> bit & 1 != 0);

@@ -72,7 +72,7 @@ pub(crate) fn turns_batch(
         }
     }
     decide(&mut waiting, &mut turns);
-    let live = light_batch.live;
+    let live = light_batch.active_bits;
     turns.into_iter().zip(range).map(move |(turns, polygon)| {
         let [once, twice, thrice] = turns.positive.map(|lights| lights & live);
         if !turns.are_certain {

@@ -1,9 +1,9 @@
-//! A map as stages and draws bind it.
+//! Bindings of a map.
 
 use crate::gpu::common::bindings::{Resource, texture, uniform};
 use crate::layout::{ContourShape, DepthMapShape};
 
-/// The bindings of the map for stages and draws.
+/// The resources of a map that stages and draws bind.
 pub(super) struct Bound<'a> {
     /// The map, and its objects.
     pub(super) textures: [&'a wgpu::TextureView; 2],
@@ -14,7 +14,7 @@ pub(super) struct Bound<'a> {
 
 impl Bound<'_> {
     pub(super) fn has_objects(&self) -> bool {
-        self.shape.objects == 1
+        self.shape.has_objects == 1
     }
 
     pub(super) fn get(&self, name: &str) -> Option<Resource<'_>> {

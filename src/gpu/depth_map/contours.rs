@@ -13,30 +13,30 @@ use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::wanted::Wanted;
 use crate::layout::{ContourShape, DepthMapView};
-use crate::stages::{CONTOUR_MARKS, CONTOUR_PLACES, CONTOUR_TILES, CONTOUR_WALLS};
+use crate::stages::{CONTOUR_CROSSINGS, CONTOUR_MARKS, CONTOUR_TILES, CONTOUR_WALLS};
 
-/// Cells along the side of a tile, and invocations that walk in it.
+/// Cells along the side of a tile, and invocations that trace contours in it.
 const TILE: u32 = 16;
 const WALKERS: u64 = 64;
-/// Samples that a word has marks for.
+/// Samples whose marks one word has.
 const WORD_SAMPLES: u32 = 16;
 /// Words before the list of walls, and of a wall.
 const HEAD_WORDS: u64 = 4;
 const WALL_WORDS: u64 = 12;
-/// The range of device depths, in the units of distances.
+/// The range of device depths, in units of distances.
 const RANGE: f64 = (1_u32 << 29) as f64;
-/// A jump of as many thresholds is one, whatever is behind it.
-const SURE: f64 = 16.0;
-/// Units that a tolerance has at least, if it has as many: it and distances are moved down by what it has more.
+/// A difference above this many thresholds is a jump, even beside large slopes.
+const CERTAIN_THRESHOLDS: f64 = 16.0;
+/// Bits of a tolerance, less one, after the shift. Tolerances of fewer bits are not shifted.
 const TOLERANCE_BITS: u32 = 3;
-/// The largest share that the stages calculate with.
-const MOST_SHARE: f64 = 4095.0;
+/// The largest `noise_share` of the stages.
+const MAX_NOISE_SHARE: f64 = 4095.0;
 
 /// Stages and buffers for the contours of a map.
 #[derive(Debug)]
 pub(super) struct Contours {
     mark: ObjectStage,
-    /// Find tiles, list them, places, count, scan, list.
+    /// In order: find tiles, list them, find crossings, count walls, scan the counts, list walls.
     stages: [Pipeline; 6],
     pub(super) shape: ContourShape,
     pub(super) buffers: ContourBuffers,
@@ -46,11 +46,11 @@ pub(super) struct Contours {
 #[derive(Debug)]
 pub(super) struct ContourBuffers<B = wgpu::Buffer> {
     marks: B,
-    places: B,
+    crossings: B,
     counts: B,
     pub(super) walls: B,
     pub(super) draws: B,
-    /// Workgroups of the stages that go over places, and of those that walk.
+    /// Workgroups of the stage that finds crossings, and of those that walk along contours.
     workgroups: B,
 }
 
@@ -62,7 +62,7 @@ impl<B> ContourBuffers<B> {
         let walls = HEAD_WORDS + WALL_WORDS * u64::from(shape.capacity);
         Self {
             marks: make(Wanted::new("marks of contours", 4 * u64::from(shape.words) * down)),
-            places: make(Wanted::new("places of contours", 4 * across * down)),
+            crossings: make(Wanted::new("crossings of contours", 4 * across * down)),
             counts: make(Wanted::new("counts of walls", 4 * (tiles * (2 + WALKERS) + 1))),
             walls: make(Wanted::new("walls", 4 * walls)),
             draws: make(Wanted::new("draws of walls", 32).indirect()),
@@ -76,8 +76,8 @@ fn distance(depth: f64) -> i32 {
     (depth * RANGE).round().clamp(0.0, RANGE) as i32
 }
 
-/// The parameters of the contours of maps of a size. `None`: there are none. Options are refused that contours cannot be traced
-/// with.
+/// The parameters of contours for maps of `size` texels. `None`: the method has no contours. Refuses pipelines of several
+/// bits.
 pub(super) fn contour_shape(
     pipelines: &DepthMapPipelines,
     size: [u32; 2],
@@ -91,9 +91,9 @@ pub(super) fn contour_shape(
     let threshold = f64::from(threshold);
     let limits = DispatchLimits::new(&pipelines.shared().device().limits());
     let tiles = size.map(|texels| (texels + 1).div_ceil(TILE));
-    let all = u64::from(tiles[0]) * u64::from(tiles[1]);
+    let tile_count = u64::from(tiles[0]) * u64::from(tiles[1]);
     let words = (size[0] + 2).div_ceil(WORD_SAMPLES);
-    // A wall for each fourth cell. Contours of pictures have far fewer.
+    // A wall for each fourth cell: far more than pictures have.
     let cells = (u64::from(size[0]) + 1) * (u64::from(size[1]) + 1);
     let default = (cells / 4).max(1024);
     let fitting = (limits.binding / 4).saturating_sub(HEAD_WORDS) / WALL_WORDS;
@@ -101,64 +101,64 @@ pub(super) fn contour_shape(
     let tolerance = distance(f64::from(depth));
     let shift = tolerance.checked_ilog2().unwrap_or(0).saturating_sub(TOLERANCE_BITS);
     Ok(Some(ContourShape {
-        tiles: [tiles[0], all as u32],
+        tiles: [tiles[0], tile_count as u32],
         words,
         capacity,
         threshold: distance(threshold),
-        sure: distance(threshold * SURE),
+        certain_threshold: distance(threshold * CERTAIN_THRESHOLDS),
         sideways: (f64::from(sideways) * 256.0).round() as i32,
         tolerance: tolerance >> shift,
         shift,
         slope_bias: 0,
-        share: 0,
-        constant: 0,
+        noise_share: 0,
+        noise_constant: 0,
     }))
 }
 
 impl Contours {
-    /// The stages, with buffers that are made.
+    /// Makes the stages for these buffers.
     pub(super) fn new(
         pipelines: &DepthMapPipelines,
         shape: ContourShape,
         buffers: ContourBuffers,
     ) -> Result<Self, DepthMapError> {
         let shared = pipelines.shared();
-        // Here rather than in a draw, which would wait for the compiler.
+        // Compiles them here, so that no draw waits for the compiler.
         pipelines.walls()?;
-        let most = shared.device().limits().max_compute_workgroups_per_dimension;
-        let most = [("MOST_WORKGROUPS", f64::from(most))];
+        let max_workgroups = shared.device().limits().max_compute_workgroups_per_dimension;
+        let limits = [("MOST_WORKGROUPS", f64::from(max_workgroups))];
         let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
         let stages = [
             shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),
-            shared.compute(&CONTOUR_TILES, "contour_tiles_list", &most),
-            shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
-            shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(false)),
-            shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
-            shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
+            shared.compute(&CONTOUR_TILES, "contour_tiles_list", &limits),
+            shared.compute(&CONTOUR_CROSSINGS, "contour_crossings", &[]),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_trace", &lists(false)),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_scan", &[]),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_trace", &lists(true)),
         ];
         Ok(Self { mark: ObjectStage::new(shared, &CONTOUR_MARKS, "contour_marks", &[]), stages, shape, buffers })
     }
 
-    /// Marks, places and counts.
-    pub(super) fn tested(&self) -> [&wgpu::Buffer; 3] {
-        [&self.buffers.marks, &self.buffers.places, &self.buffers.counts]
+    /// The buffers of marks, crossings and counts.
+    pub(super) fn drawn_buffers(&self) -> [&wgpu::Buffer; 3] {
+        [&self.buffers.marks, &self.buffers.crossings, &self.buffers.counts]
     }
 
     /// The stages, bound.
     pub(super) fn steps(&self, shared: &Pipelines, bound: &Bound<'_>) -> Vec<Step> {
         let device = shared.device();
         let over = |items: u64| Workgroups::over(device, items.div_ceil(u64::from(WORKGROUP)) as u32);
-        // Contours cross few of all tiles, and a workgroup costs a CPU more than a turn.
-        let written = |at: u64| Workgroups::Written(self.buffers.workgroups.clone(), at);
-        let alone = || Workgroups::Known([1, 1]);
+        // Contours cross few tiles, and on a CPU a workgroup costs more than an iteration of a loop.
+        let indirect = |offset: u64| Workgroups::Written(self.buffers.workgroups.clone(), offset);
+        let one = || Workgroups::Known([1, 1]);
         let workgroups = [
             over(self.buffers.marks.size() / 4),
             over(u64::from(self.shape.tiles[1])),
-            alone(),
-            written(0),
-            written(12),
-            alone(),
-            written(12),
+            one(),
+            indirect(0),
+            indirect(12),
+            one(),
+            indirect(12),
         ];
         let stages = [self.mark.get(shared, bound.has_objects())].into_iter().chain(self.stages.iter().cloned());
         let get = |name: &str| self.get(name).or_else(|| bound.get(name));
@@ -169,10 +169,10 @@ impl Contours {
     }
 
     fn get(&self, name: &str) -> Option<Resource<'_>> {
-        let ContourBuffers { marks, places, counts, walls, draws, workgroups } = &self.buffers;
+        let ContourBuffers { marks, crossings, counts, walls, draws, workgroups } = &self.buffers;
         Some(whole(match name {
             "marks" => marks,
-            "places" => places,
+            "crossings" => crossings,
             "counts" => counts,
             "walls" => walls,
             "draws" => draws,
@@ -181,21 +181,21 @@ impl Contours {
         }))
     }
 
-    /// The uniform of an encode whose surfaces move as the view says.
+    /// The uniform of an encode, with the bias of `view`.
     pub(super) fn uniform(&self, device: &wgpu::Device, view: &DepthMapView) -> wgpu::Buffer {
         let [slope_bias, share, constant, _] = view.bias.map(f64::from);
         let shape = ContourShape {
             slope_bias: (slope_bias * 256.0).round() as i32,
-            share: (share * RANGE).round().min(MOST_SHARE) as i32,
-            constant: (constant * RANGE).ceil().min(RANGE) as i32,
+            noise_share: (share * RANGE).round().min(MAX_NOISE_SHARE) as i32,
+            noise_constant: (constant * RANGE).ceil().min(RANGE) as i32,
             ..self.shape
         };
         filled(device, "contours", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM)
     }
 
-    /// Bound to draws besides what all draws have: places, the uniform, counts and marks.
-    pub(super) fn of_draws<'a>(&'a self, contour: &'a wgpu::Buffer) -> [(u32, Resource<'a>); 4] {
-        let ContourBuffers { marks, places, counts, .. } = &self.buffers;
-        [(5, whole(places)), (6, whole(contour)), (7, whole(counts)), (9, whole(marks))]
+    /// Further bindings of draws: crossings, the uniform, counts and marks.
+    pub(super) fn draw_bindings<'a>(&'a self, contour: &'a wgpu::Buffer) -> [Resource<'a>; 4] {
+        let ContourBuffers { marks, crossings, counts, .. } = &self.buffers;
+        [crossings, contour, counts, marks].map(whole)
     }
 }

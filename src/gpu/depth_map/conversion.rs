@@ -12,9 +12,10 @@ use crate::stages::DEPTH_METRIC;
 /// Makes a depth map from a map of distances, as ray-marched distance fields and range images have them.
 ///
 /// The result is a map of `R32Float` with the device depths of the map's camera, to be given to
-/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes) with the same camera, to [`DepthMapMerge`](crate::gpu::depth_map::DepthMapMerge), or
-/// as a map of a cube. Set [`DepthMapOptions::metric`](crate::gpu::depth_map::DepthMapOptions::metric) to the same metric, so that the
-/// boundary moves by what the conversion may be off.
+/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes) with the same camera, to
+/// [`DepthMapMerge`](crate::gpu::depth_map::DepthMapMerge), or as a map of a cube. Set
+/// [`DepthMapOptions::metric`](crate::gpu::depth_map::DepthMapOptions::metric) to the same metric, so that the boundary
+/// moves by the error of the conversion.
 ///
 /// ```no_run
 /// use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DepthMetric};
@@ -53,9 +54,9 @@ impl DepthMapConversion {
         })
     }
 
-    /// Records the stage. `map` has distances of `metric`, in a texture of `R32Float`, and the camera that they were measured
-    /// for; its objects do not matter. With [`DepthMetric::Device`] it has any format of a map, and the result has its depths, clamped. Draws of volumes
-    /// read the result, too, so record them before the next conversion.
+    /// Records the stage. `map` has distances of `metric` in a texture of `R32Float`, and the camera that they were measured
+    /// for; its objects are ignored. With [`DepthMetric::Device`] it may have any format of a map, and the result has its
+    /// depths, clamped. Draws of volumes read the result, too, so record them before the next conversion.
     ///
     /// # Errors
     /// [`DepthMapError`] if the texture or the camera is refused. Nothing is recorded then.
@@ -81,13 +82,13 @@ impl DepthMapConversion {
     ) -> Result<(), DepthMapError> {
         let format = self.converted.check(map.texture, "the map")?;
         if metric != DepthMetric::Device && format != wgpu::TextureFormat::R32Float {
-            let taken = "R32Float for distances, or `DepthMetric::Device` for device depths";
-            return Err(DepthMapError::MapFormat { map: "the map".to_owned(), format, taken });
+            let accepted = "R32Float for distances, or `DepthMetric::Device` for device depths";
+            return Err(DepthMapError::MapFormat { map: "the map".to_owned(), format, accepted });
         }
         let view = metric_view(&map.light, self.converted.size(), metric)?;
         let maps = [("depth_texture", map.texture)];
-        let further = Some(("metric_view", bytemuck::bytes_of(&view)));
-        self.converted.record(encoder, map.light.depth, (&maps, "converted_texture"), further, timer)
+        let uniform = Some(("metric_view", bytemuck::bytes_of(&view)));
+        self.converted.record(encoder, map.light.depth, (&maps, "converted_texture"), uniform, timer)
     }
 
     /// The converted map: a view of `R32Float`.

@@ -10,7 +10,7 @@ use super::pipelines::DepthMapPipelines;
 use super::recording::Inputs;
 use super::stage::ObjectStage;
 use super::texture::{check_objects, check_texture, written_texture};
-use super::volumes::{DepthMapVolumes, MOST_CELLS};
+use super::volumes::{DepthMapVolumes, MAX_CELLS};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
@@ -23,16 +23,16 @@ use crate::layout::DepthMapShape;
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_CUBE;
 
-/// Shadow volumes of all that a light sees around it, from six depth maps. It is [`DepthMapVolumes`] without an outside.
+/// Shadow volumes of casters all around a light, from six depth maps.
 ///
 /// The middles of a map's outermost texels lie on the edges of the cube, so neighbouring maps have samples there on the same
-/// rays. Where their depths differ, the nearest is taken for all. A map sees slightly more than 90°: [`Self::cameras`] makes
-/// cameras that do.
+/// rays. Where their depths differ, all get the nearest one. A map has a field of view slightly above 90°, as the cameras of
+/// [`Self::cameras`] have.
 ///
-/// Each map is an upright picture of its camera, with row 0 at the top. The faces of cube textures of graphics APIs are mirrored or
-/// turned against it, so draw each map with its camera of [`Self::cameras`].
+/// Each map is an upright picture of its camera, with row 0 at the top. The faces of cube textures of graphics APIs are
+/// mirrored or rotated against it, so draw each map with its camera of [`Self::cameras`].
 ///
-/// A map that is not there casts nothing, and shadows of the others end at its edges, as at the border of a single map.
+/// A missing map casts nothing, and shadows of the others end at its edges, as at the border of a single map.
 #[derive(Debug)]
 pub struct DepthMapCube {
     shared: Pipelines,
@@ -45,27 +45,27 @@ pub struct DepthMapCube {
     no_objects: wgpu::TextureView,
     /// Bound in place of the objects of all maps, where there are none.
     unwritten_objects: wgpu::TextureView,
-    /// The objects of all maps, from the first encode with some on.
+    /// The objects of all maps. Made in the first encode with objects.
     objects: Option<wgpu::TextureView>,
-    /// Bytes of all else, and the limit of all.
+    /// Bytes of everything but `objects`, and the limit.
     memory: (u64, Option<u64>),
 }
 
 impl DepthMapCube {
-    /// Cameras at `place` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the map along
-    /// +y, and −z for the one along −y.
+    /// Cameras at `position` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the
+    /// map along +y, and −z for the one along −y.
     ///
     /// # Errors
-    /// [`DepthMapError`] if `side` is below 3, the place or a distance is not finite, `near` is not above 0, or `far` not
+    /// [`DepthMapError`] if `side` is below 3, the position or a distance is not finite, `near` is not above 0, or `far` not
     /// above `near`; and where they are so extreme that rounding to floats leaves no cameras that meet.
     pub fn cameras(
-        place: [f32; 3],
+        position: [f32; 3],
         near: f32,
         far: Option<f32>,
         depth: DepthDirection,
         side: u32,
     ) -> Result<[ShadowCamera; 6], DepthMapError> {
-        cameras(place, near, far, depth, side)
+        cameras(position, near, far, depth, side)
     }
 
     /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`.
@@ -88,15 +88,15 @@ impl DepthMapCube {
             return Err(DepthMapError::OneBit(pipelines.bits().len() as u32));
         }
         let cells = u64::from(side - 1).pow(2).saturating_mul(6);
-        if cells > MOST_CELLS {
+        if cells > MAX_CELLS {
             return Err(DepthMapError::Cells(side));
         }
         let shared = pipelines.shared().clone();
         let device = shared.device();
-        let most = device.limits().max_texture_dimension_2d;
+        let max_side = device.limits().max_texture_dimension_2d;
         let size = [side.saturating_mul(3), side.saturating_mul(2)];
-        if size[0] > most {
-            return Err(DepthMapError::Texture { size, most });
+        if size[0] > max_side {
+            return Err(DepthMapError::Texture { size, max_side });
         }
         let texels = u64::from(size[0]) * u64::from(size[1]);
         let texture = Allocation { label: "cube of depth maps", bytes: 4 * texels };
@@ -121,8 +121,8 @@ impl DepthMapCube {
         Ok(Self { stage, volumes, shape, view, nothing, no_objects, unwritten_objects, objects: None, memory, shared })
     }
 
-    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. Frames of earlier encodes can no longer
-    /// be drawn. The first encode with objects makes a texture and a pipeline for them.
+    /// Records the stages that merge the six maps and find their edges. `camera` is the eye's. Frames of earlier encodes can
+    /// no longer be drawn. The first encode with objects makes a texture and a pipeline for them.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture or a camera is refused, the maps of the cameras do not meet, or the first objects do not fit.
@@ -149,7 +149,7 @@ impl DepthMapCube {
     ) -> Result<DepthMapFrame, DepthMapError> {
         let side = self.shape.size[0];
         check_meeting(&maps.lights, side)?;
-        // One that is not there has any.
+        // A missing map may have any format.
         let mut formats = [wgpu::TextureFormat::R32Float; 6];
         for (face, (map, format)) in maps.textures.iter().zip(&mut formats).enumerate() {
             if let Some(map) = map {
@@ -158,7 +158,7 @@ impl DepthMapCube {
         }
         self.check_objects(maps)?;
         check_alive(self.shared.device())?;
-        let has_objects = self.volumes.takes_objects && maps.objects != [None; 6];
+        let has_objects = self.volumes.uses_objects && maps.objects != [None; 6];
         if has_objects && self.objects.is_none() {
             self.objects = Some(self.object_texture()?);
         }
@@ -170,17 +170,17 @@ impl DepthMapCube {
             let shape = DepthMapShape { is_reversed, ..*shape };
             let uniforms = filled(device, "depth map", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM);
             let get = |name: &str| {
-                let numbered = |prefix: &str| name.strip_prefix(prefix)?.parse::<usize>().ok();
+                let index_after = |prefix: &str| name.strip_prefix(prefix)?.parse::<usize>().ok();
                 let map = |map: usize| texture(maps.textures.get(map).copied().flatten().unwrap_or(nothing));
                 Some(match name {
                     "depth_map" => uniform::<DepthMapShape>(&uniforms, 0),
                     "depth_texture" => map(0),
                     "cube_texture" => texture(view),
                     "cube_objects" => texture(objects.unwrap_or(unwritten_objects)),
-                    _ => match (numbered("texture_"), numbered("objects_")) {
-                        (Some(number), _) => map(number),
-                        (_, Some(number)) => {
-                            let given = maps.objects.get(number).copied().flatten().filter(|_| has_objects);
+                    _ => match (index_after("texture_"), index_after("objects_")) {
+                        (Some(index), _) => map(index),
+                        (_, Some(index)) => {
+                            let given = maps.objects.get(index).copied().flatten().filter(|_| has_objects);
                             texture(given.unwrap_or(no_objects))
                         }
                         _ => return None,
@@ -194,7 +194,7 @@ impl DepthMapCube {
         self.volumes.record(encoder, &inputs, before, timer)
     }
 
-    /// Refuses objects that do not fit the maps.
+    /// Refuses objects of another size, or for some maps only.
     fn check_objects(&self, maps: &DepthCubeMaps<'_>) -> Result<(), DepthMapError> {
         if maps.objects == [None; 6] {
             return Ok(());
@@ -216,15 +216,16 @@ impl DepthMapCube {
     fn object_texture(&self) -> Result<wgpu::TextureView, DepthMapError> {
         let (size, label) = ([3, 2].map(|maps| maps * self.shape.size[0]), "objects of a cube");
         let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
-        let own = [Allocation { label: "all else of a cube", bytes: self.memory.0 }, Allocation { label, bytes }];
-        check(&own, u64::MAX, self.memory.1)?;
+        let allocations =
+            [Allocation { label: "everything else of a cube", bytes: self.memory.0 }, Allocation { label, bytes }];
+        check(&allocations, u64::MAX, self.memory.1)?;
         let device = self.shared.device();
         let texture = guarded(device, bytes, || written_texture(device, label, size, wgpu::TextureFormat::R32Uint))?;
         Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 
-    /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the
-    /// map before.
+    /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of
+    /// the map before.
     pub fn cells(&self) -> &wgpu::Buffer {
         self.volumes.cells()
     }

@@ -1,4 +1,5 @@
-//! Methods that look at more than the ends of an edge, or continue edges: marks of all edges, which the cells are decided from.
+//! Detectors that read more than the two samples of an edge, or continue edges. They mark all edges, and cells are decided
+//! from the marks.
 
 use super::options::{DanglingEdges, DepthMapMethod};
 use super::stage::ObjectStage;
@@ -18,22 +19,22 @@ pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
     if faces > 1 { [3 * width, 2 * height] } else { [width + 2, height + 2] }
 }
 
-/// Samples of a row that one word tells about.
+/// Samples of a row whose marks one word has.
 const WORD_SAMPLES: u32 = 16;
 
-/// Words below each other that one invocation marks.
+/// Rows of words that one invocation marks.
 const STRIP: u32 = 4;
 
 /// Invocations of a workgroup that marks.
 const MARKERS: u64 = 64;
 
-/// A share of the depth whose exponent is so much less is what floats are off by: four steps of up to 2⁻²³ of it.
+/// The error of a float, four steps of up to 2⁻²³ of it, has an exponent that is smaller by this than that of the float.
 const FLOAT_EXPONENTS: u32 = 21;
 
-/// How many times the differences beside it a difference is, where `DepthMapMethod::Automatic` takes it for an edge.
+/// `DepthMapMethod::Automatic` marks differences above so many times the differences beside them.
 const SLOPES: f32 = 2.0;
 
-/// How a detector that needs marks decides.
+/// A detector that needs marks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Detector {
     rule: DepthEdgeRule,
@@ -43,13 +44,13 @@ pub(super) struct Detector {
     rings: u32,
 }
 
-/// Bits of a threshold. One that a device may flush is none.
+/// Bits of a threshold. Subnormal thresholds, which a device may flush, count as 0.
 pub(super) fn threshold_bits(threshold: f32) -> u32 {
     if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() }
 }
 
 impl Detector {
-    /// `None`: edges are decided by their ends alone. The thresholds have been checked.
+    /// `None`: an edge is decided by its two samples alone. The options have been checked.
     pub(super) fn new(method: DepthMapMethod, bits: u32, faces: u32, size: [u32; 2]) -> Option<Self> {
         let dangling = method.dangling();
         let (second, low, high) = match method {
@@ -68,32 +69,32 @@ impl Detector {
         let rule = DepthEdgeRule {
             words,
             blocks: (u64::from(words[0]) * u64::from(words[1])).div_ceil(u64::from(WORKGROUP)) as u32,
-            high: threshold_bits(high),
-            low: [low, low * share].map(threshold_bits),
+            high_threshold: threshold_bits(high),
+            low_thresholds: [low, low * share].map(threshold_bits),
             slopes: [slopes, slopes * share].map(threshold_bits),
             noise: 0,
             noise_exponents: 0,
         };
-        // Left out steep surfaces are moved by half a texel across and down, and by as much again for the parts of a texel of
-        // several bits.
+        // Triangles on slopes are omitted, and the boundary is off by half a texel there. Jitter of several bits adds as
+        // much.
         let rings = u32::from(second > 0) + u32::from(bits > 1);
         Some(Self { rule, second, dangling, rings })
     }
 
-    /// Words side by side, and the strips of them.
+    /// The count of strips of words.
     fn strips(&self) -> u64 {
         let [across, down] = self.rule.words;
         u64::from(across) * u64::from(down.div_ceil(STRIP))
     }
 
-    /// Buffers of marks, of those that may be continued, of faint ones, and of what is known about samples.
+    /// The fields of [`EdgeStages::buffers`].
     pub(super) fn buffers<B>(&self, make: &mut impl FnMut(Wanted<'static>) -> B) -> [B; 4] {
         let words = u64::from(self.rule.words[0]) * u64::from(self.rule.words[1]);
-        let further = if self.dangling.is_some() { words } else { 1 };
+        let continued_words = if self.dangling.is_some() { words } else { 1 };
         [
             make(Wanted::new("edges of a depth map", 4 * words)),
-            make(Wanted::new("continued edges of a depth map", 4 * further)),
-            make(Wanted::new("faint edges of a depth map", 4 * further)),
+            make(Wanted::new("continued edges of a depth map", 4 * continued_words)),
+            make(Wanted::new("faint edges of a depth map", 4 * continued_words)),
             make(Wanted::new("samples of a depth map", 4 * words)),
         ]
     }
@@ -106,13 +107,13 @@ pub(super) struct EdgeStages {
     mark: ObjectStage,
     /// Continue, count.
     stages: [Pipeline; 2],
-    /// Two of marks, that take turns, the faint ones, and what is known about samples.
+    /// Marks, and marks after a pass that continues them, which are swapped each pass; faint edges; bits of samples.
     buffers: [wgpu::Buffer; 4],
 }
 
 impl EdgeStages {
     pub(super) fn new(shared: &Pipelines, detector: Detector, buffers: [wgpu::Buffer; 4]) -> Self {
-        // Each pass has its own constants, so that more of them are shared.
+        // Each pass has only its constants, so that more pipelines are shared.
         let mark = [("SECOND", detector.second), ("CONTINUES", u32::from(detector.dangling.is_some()))];
         let count = [("RINGS", f64::from(detector.rings))];
         let passes = [("depth_edges_continue", &[][..]), ("depth_edges_count", &count)];
@@ -137,7 +138,7 @@ impl EdgeStages {
         rule
     }
 
-    /// Marks, continues, counts. `get`: what all stages of cells read. `few`: workgroups that take blocks in turn.
+    /// Marks, continues, counts. `get`: what all stages of cells read. `few`: workgroups that loop over blocks.
     pub(super) fn steps<'a>(
         &'a self,
         shared: &Pipelines,
@@ -149,7 +150,7 @@ impl EdgeStages {
         let rules = filled(device, "edges of a depth map", bytemuck::bytes_of(rule), wgpu::BufferUsages::UNIFORM);
         let continued = self.detector.dangling.map_or(0, |dangling| dangling.cells as usize);
         let bind = |stage: &Pipeline, count: u32, out: usize| -> Dispatch {
-            let own = |name: &str| {
+            let resource = |name: &str| {
                 Some(match name {
                     "edge_rule" => uniform::<DepthEdgeRule>(&rules, 0),
                     "edges_before" => whole(&self.buffers[1 - out]),
@@ -159,14 +160,14 @@ impl EdgeStages {
                     _ => return get(name),
                 })
             };
-            stage.dispatch(device, Workgroups::over(device, count), own)
+            stage.dispatch(device, Workgroups::over(device, count), resource)
         };
         let (mark, [forward, count]) = (self.mark.get(shared, has_objects), &self.stages);
         let marking = self.detector.strips().div_ceil(MARKERS) as u32;
         let mut steps = vec![mark.pass([bind(&mark, marking, 0)])];
         if continued > 0 {
-            let turns = [0, 1].map(|out| bind(forward, rule.blocks, out));
-            steps.push(forward.pass((1..=continued).map(|pass| turns[pass % 2].clone())));
+            let passes = [0, 1].map(|out| bind(forward, rule.blocks, out));
+            steps.push(forward.pass((1..=continued).map(|pass| passes[pass % 2].clone())));
         }
         steps.push(count.pass([bind(count, few, 1 - continued % 2)]));
         steps

@@ -3,20 +3,21 @@
 use std::ops::Range;
 
 use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::memory::any_error;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::{CameraError, DepthDirection};
 
-/// Why depth maps, their volumes or what draws them cannot be made, recorded or drawn.
+/// Why a depth map, its volumes or its pipelines cannot be made, recorded or drawn.
 ///
 /// `map` names a texture: the map, its objects, the map of a cube or of a merge.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapError {
-    /// The device lacks something, is lost, or is not that of the others. Or buffers or textures do not fit it, or the positions
-    /// of a mesh cannot be read.
+    /// The device lacks something, is lost, or is another one. Or buffers or textures do not fit it, or the positions of a
+    /// mesh cannot be read.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The device cannot draw into the attachments, or a handle is of another scene or names what was removed.
+    /// The device cannot draw into the attachments, or a handle is of another scene or was removed.
     #[error(transparent)]
     Shadow(ShadowError),
     /// The camera of the eye is refused.
@@ -27,14 +28,14 @@ pub enum DepthMapError {
     Light(#[from] CameraError),
     /// The device refuses a texture, a pipeline or a bind group.
     #[error(
-        "the device refuses what depth maps need: {message}; give two-dimensional views of one layer and aspect, and buffers that \
+        "the device refuses a resource of depth maps: {message}; give two-dimensional views of one layer and aspect, and buffers that \
          are not destroyed, all on the same device"
     )]
     Refused {
         /// The message of the device.
         message: String,
     },
-    /// The depth directions of two things differ that are used together.
+    /// Two things that are used together have different depth directions.
     #[error("{what} has {given:?} depth, and {made:?} is needed; give both the same `DepthDirection`")]
     Depth {
         /// Which of them is wrong.
@@ -53,24 +54,24 @@ pub enum DepthMapError {
     Bits(Range<u32>),
     /// Volumes of meshes count in the bit.
     #[error(
-        "bit {bit} of the stencil is one of the {count_bits} that counts own (`ShadowFormat::count_bits`); take a higher one \
-         for parity, or let counts own fewer, in the format of all pipelines and in `SceneOptions::stencil`"
+        "bit {bit} of the stencil is one of the {count_bits} bits of counts (`ShadowFormat::count_bits`); take a higher bit \
+         for parity, or fewer bits of counts, in the format of all pipelines and in `SceneOptions::stencil`"
     )]
     Counted {
         /// The lowest bit given.
         bit: u32,
-        /// Low bits that counts own.
+        /// Low bits of counts.
         count_bits: u32,
     },
 
     /// The map has no texel, or too many.
     #[error(
-        "a map of {0} × {1} texels cannot be taken; it has at least one texel, and at most 2²⁹ cells: (width + 1) × (height + 1)"
+        "a map of {0} × {1} texels is refused; a map has at least one texel, and at most 2²⁹ cells: (width + 1) × (height + 1)"
     )]
     Size(u32, u32),
     /// The device has no texture of this size.
     #[error(
-        "the device has textures of up to {most} texels a side, and one of {} × {} is needed; take a smaller map, or a device \
+        "the device has textures of up to {max_side} texels a side, and one of {} × {} is needed; take a smaller map, or a device \
          with a larger `max_texture_dimension_2d`",
         .size[0], .size[1]
     )]
@@ -78,9 +79,9 @@ pub enum DepthMapError {
         /// Texels that the texture needs.
         size: [u32; 2],
         /// Largest side of textures on the device.
-        most: u32,
+        max_side: u32,
     },
-    /// A number of [`DepthMapOptions`](crate::gpu::depth_map::DepthMapOptions), its method or a cube is out of range.
+    /// A value of [`DepthMapOptions`](crate::gpu::depth_map::DepthMapOptions), its method or a cube is out of range.
     #[error("`{name}` is {given}; take {range}")]
     Option {
         /// Name of the field.
@@ -90,15 +91,15 @@ pub enum DepthMapError {
         /// The allowed values.
         range: &'static str,
     },
-    /// No map is rounded to the format.
+    /// `rounded_to` is not a format of maps.
     #[error(
-        "`rounded_to` is {0:?}, which is no format of a depth map; take Depth16Unorm, Depth24Plus, Depth32Float, or R32Float"
+        "`rounded_to` is {0:?}, which is not a format of depth maps; take Depth16Unorm, Depth24Plus, Depth32Float, or R32Float"
     )]
     RoundedTo(wgpu::TextureFormat),
-    /// Contours and cubes have one bit.
+    /// Contours and cubes need pipelines of one bit.
     #[error("pipelines of {0} bits; contours and cubes take those of one bit")]
     OneBit(u32),
-    /// Maps of a cube take triangles.
+    /// A cube cannot have contours.
     #[error("`DepthMapMethod::Contours` of a cube; take another method")]
     CubeContours,
 
@@ -111,9 +112,9 @@ pub enum DepthMapError {
          most 9,459"
     )]
     Cells(u32),
-    /// The light of a cube is nowhere.
+    /// The position of the light of a cube is not finite.
     #[error("the light is at {0:?}; take finite coordinates")]
-    Place([f32; 3]),
+    Position([f32; 3]),
     /// The far plane is not behind the near plane.
     #[error("`far` is {far} and `near` {near}; take a finite distance above `near`, or `None` for no far plane")]
     Far {
@@ -125,32 +126,32 @@ pub enum DepthMapError {
     /// A camera of a cube is refused.
     #[error("the light of map {face}: {error}")]
     CubeLight {
-        /// Number of the map.
+        /// Index of the map.
         face: usize,
         /// Why.
         error: CameraError,
     },
     /// A camera of a cube is orthographic.
-    #[error("the camera of map {face} is orthographic; a light in a cube is at a place")]
+    #[error("the camera of map {face} is orthographic; a light in a cube has a position")]
     Parallel {
-        /// Number of the map.
+        /// Index of the map.
         face: usize,
     },
     /// A map of a cube does not meet its neighbours.
     #[error(
-        "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all \
+        "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or rotate them all \
          together"
     )]
     Apart {
-        /// Number of the map.
+        /// Index of the map.
         face: usize,
-        /// In what it differs.
+        /// What differs.
         what: &'static str,
     },
 
-    /// A texture is of another size than what takes it was made for.
+    /// A texture has another size than its user was made for.
     #[error(
-        "{map} has {} × {} texels, and {} × {} are needed; give textures of the size that `new` was given, or make it anew",
+        "{map} has {} × {} texels, and {} × {} are needed; give textures of the size that was given to `new`, or call `new` again",
         .given[0], .given[1], .made[0], .made[1]
     )]
     MapSize {
@@ -161,17 +162,17 @@ pub enum DepthMapError {
         /// The size that is needed.
         made: [u32; 2],
     },
-    /// A texture holds nothing that is known.
-    #[error("{map} has {format:?}; take {taken}")]
+    /// A texture has a format that is not accepted.
+    #[error("{map} has {format:?}; take {accepted}")]
     MapFormat {
         /// Which texture.
         map: String,
         /// Its format.
         format: wgpu::TextureFormat,
-        /// Formats that it may have.
-        taken: &'static str,
+        /// Formats that are accepted.
+        accepted: &'static str,
     },
-    /// A texture cannot be read.
+    /// A texture has several samples a texel.
     #[error("{map} has {samples} samples a texel; resolve it, or render it with one")]
     Samples {
         /// Which texture.
@@ -179,7 +180,7 @@ pub enum DepthMapError {
         /// Its samples.
         samples: u32,
     },
-    /// A texture has several levels. wgpu does not tell which of them a view shows, and so of which size it is.
+    /// A texture has several levels. wgpu does not say which one a view shows.
     #[error("{map} has {levels} mip levels; give a texture of one, for example a copy of that level")]
     MipLevels {
         /// Which texture.
@@ -193,32 +194,32 @@ pub enum DepthMapError {
     /// A map of a cube has no objects, and another has.
     #[error("map {face} of the cube has no texture of objects; give one for each map that is there, or none")]
     NoObjects {
-        /// Number of the map.
+        /// Index of the map.
         face: usize,
     },
     /// The map is the result that is written.
     #[error("a map is the result of the same merge or conversion; give it to another one")]
     OwnResult,
-    /// Some depths of the map lie behind infinity.
+    /// Some depths of the map lie beyond infinity.
     #[error(
         "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near \
          distance"
     )]
     FarPlane,
-    /// Distances cannot be told apart in the map's range of depths.
+    /// The planes of the camera are out of the range for which distances are converted.
     #[error(
         "distances are not converted for a camera with its near plane at {near} and its far plane at {far}, or as wide or as \
          far aside; the planes are from 2⁻¹⁰⁰ to 2¹⁰⁰ units away and not within a thousandth of each other, and rays at most 1000 \
          times longer than the way along the axis"
     )]
     Distances {
-        /// Distance of the near plane, as the metric has it.
+        /// Distance of the near plane, in the metric.
         near: f64,
         /// Distance of the far plane.
         far: f64,
     },
 
-    /// The formats of the eye's depth differ, and so does what the boundary is moved by.
+    /// The formats of the eye's depth differ, so the bias of the boundary is wrong.
     #[error(
         "the volumes were made for an eye's depth of {volumes:?}, and the pipelines have {pipelines:?}; use the same \
          `ShadowFormat::depth_stencil`"
@@ -229,7 +230,7 @@ pub enum DepthMapError {
         /// Format of the pipelines.
         pipelines: wgpu::TextureFormat,
     },
-    /// The numbers of bits differ.
+    /// The counts of bits differ.
     #[error("the volumes were made with {volumes} bits, and the pipelines have {pipelines}; take the same pipelines")]
     DrawBits {
         /// Bits of the pipelines that the volumes were made with.
@@ -243,7 +244,7 @@ pub enum DepthMapError {
     )]
     StaleFrame,
 
-    /// The format of a map that is drawn holds no depth.
+    /// The format of a map to draw into has no depth.
     #[error("{0:?} has no depth; take a depth format, such as Depth32Float")]
     NoDepth(wgpu::TextureFormat),
     /// One draw cannot have so many vertices.
@@ -251,8 +252,13 @@ pub enum DepthMapError {
     Faces(usize),
 }
 
+/// Calls `make`. An error of the device within it is [`DepthMapError::Refused`].
+pub(super) fn guard<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, DepthMapError> {
+    any_error(device, make).map_err(|message| DepthMapError::Refused { message })
+}
+
 impl From<ShadowError> for DepthMapError {
-    /// A device is refused by the same case, whoever finds it.
+    /// An error of the device has one variant, whichever check finds it.
     fn from(error: ShadowError) -> Self {
         match error {
             ShadowError::Device(error) => Self::Device(error),

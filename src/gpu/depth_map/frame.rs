@@ -1,4 +1,4 @@
-//! An encode of volumes from a depth map, to be drawn.
+//! The result of an encode of volumes from a depth map, and its draws.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -8,15 +8,15 @@ use super::pipelines::DepthMapPipelines;
 use crate::gpu::common::requirements::check_same;
 use crate::shadow::DepthDirection;
 
-/// Whether a near cap is drawn: where the eye's near rectangle is in shadow. It is a pass over the whole picture, so it is left
-/// out where no place of the near rectangle can be.
+/// Whether the near cap is drawn, which inverts the stencil bit where the eye's near rectangle is in shadow. It covers the
+/// whole picture, so it is skipped where the whole near rectangle is lit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DepthMapNearCap {
-    /// The near rectangle is in light as a whole, whatever is in the map. Nothing is drawn.
-    Lit,
-    /// The arguments of its draw, for the GPU to tell: 3 vertices if the samples of the map around the near rectangle say that it
-    /// may be in shadow, else 0. Then 1, 0 and 0.
-    Told(wgpu::Buffer),
+    /// The whole near rectangle is lit for any depths of the map. Nothing is drawn.
+    Skipped,
+    /// Arguments of its draw, which the GPU writes: 3 vertices if samples around the near rectangle show that it may be in
+    /// shadow, else 0. Then 1, 0 and 0.
+    Indirect(wgpu::Buffer),
     /// It is drawn.
     Drawn,
 }
@@ -24,8 +24,8 @@ pub enum DepthMapNearCap {
 impl DepthMapNearCap {
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
         match self {
-            Self::Lit => {}
-            Self::Told(draw) => {
+            Self::Skipped => {}
+            Self::Indirect(draw) => {
                 pass.set_pipeline(pipeline);
                 pass.draw_indirect(draw, 0);
             }
@@ -37,7 +37,7 @@ impl DepthMapNearCap {
     }
 }
 
-/// The volumes of one encode. They are drawn after it, in the same encoder or a later one.
+/// The volumes of one encode. Draw them after it, in the same encoder or a later one.
 #[derive(Clone, Debug)]
 pub struct DepthMapFrame {
     pub(super) device: wgpu::Device,
@@ -47,10 +47,10 @@ pub struct DepthMapFrame {
     /// Whether walls are drawn. Then there is one bit.
     pub(super) has_walls: bool,
     pub(super) draws: wgpu::Buffer,
-    /// Cells or walls: their number, then they themselves.
+    /// The count of cells or walls, then the cells or walls.
     pub(super) list: wgpu::Buffer,
     pub(super) capacity: u32,
-    /// The format of the eye's depth. It decides how far the boundary moves away from the eye.
+    /// The format of the eye's depth. The boundary moves away from the eye by its errors.
     pub(super) format: wgpu::TextureFormat,
     pub(super) depth: DepthDirection,
     pub(super) encodes: Arc<AtomicU64>,
@@ -58,39 +58,37 @@ pub struct DepthMapFrame {
 }
 
 impl DepthMapFrame {
-    /// Draws into a pass with the attachments of `pipelines`: turns their bit of the stencil round wherever the surface
-    /// that is seen is in shadow, or each of their bits for the boundary moved by its part of a texel.
-    /// The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the pipeline and bind group
-    /// 0 of the pass.
+    /// Draws into a pass with the attachments of `pipelines`. It inverts their stencil bit wherever the visible surface is
+    /// in shadow; with several bits, each bit for the boundary moved by its part of a texel. The depth attachment holds the
+    /// visible surfaces, and may be read-only; the stencil may not. The pipeline and bind group 0 of the pass change.
     ///
     /// # Errors
     /// [`DepthMapError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         self.check(pipelines)?;
         if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
-            let (walls, own) = pipelines.walls()?;
+            let (walls, bit) = pipelines.walls()?;
             pass.set_bind_group(0, group, &[]);
             pass.set_pipeline(walls);
             pass.draw_indirect(&self.draws, 0);
-            pass.set_pipeline(&own.surface);
+            pass.set_pipeline(&bit.surface);
             pass.draw_indirect(&self.draws, 16);
-            self.near_cap.draw(pass, &own.near_cap);
+            self.near_cap.draw(pass, &bit.near_cap);
             return Ok(());
         }
-        for (group, own) in self.groups.iter().zip(&pipelines.draws) {
+        for (group, bit) in self.groups.iter().zip(&pipelines.draws) {
             pass.set_bind_group(0, group, &[]);
-            pass.set_pipeline(&own.surface);
+            pass.set_pipeline(&bit.surface);
             pass.draw_indirect(&self.draws, 0);
-            self.near_cap.draw(pass, &own.near_cap);
+            self.near_cap.draw(pass, &bit.near_cap);
         }
         Ok(())
     }
 
-    /// The arguments of its indirect draws, as the GPU wrote them: vertices, instances, first vertex, first instance. There are
-    /// six vertices for each listed cell, and for each cell of the map if the list overflowed. With
-    /// [`DepthMapMethod::Contours`](crate::gpu::depth_map::DepthMapMethod::Contours) six for each wall, or 0 if the list
-    /// overflowed; then the arguments of a second draw follow, with six for each cell of the map, or 0 if it did not. Usage
-    /// `COPY_SRC`.
+    /// The arguments of its indirect draws, which the GPU writes: vertices, instances, first vertex, first instance. There
+    /// are six vertices for each listed cell, or for each cell of the map if the list overflowed. With
+    /// [`DepthMapMethod::Contours`](crate::gpu::depth_map::DepthMapMethod::Contours) there are two draws: of walls, with 0
+    /// vertices if their list overflowed, then of all cells, with 0 vertices if it did not. The buffer has usage `COPY_SRC`.
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.draws
     }

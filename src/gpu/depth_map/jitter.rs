@@ -1,7 +1,7 @@
-//! Jitter: by how much the boundary is moved for each bit of the stencil. The paper (section 8.3) takes rooks that do not attack
-//! each other: then an edge along either axis has as many levels as there are bits.
+//! Jitter: the offset of the boundary for each bit of the stencil. Offsets are the squares of rooks that do not attack each
+//! other (section 8.3 of the paper), so an edge along either axis has as many levels as there are bits.
 
-/// For each number of bits the row of each column.
+/// The row of the rook in each column, for 1 to 8 bits.
 const ROOKS: [&[u32]; 8] = [
     &[0],
     &[1, 0],
@@ -13,21 +13,21 @@ const ROOKS: [&[u32]; 8] = [
     &[3, 7, 2, 6, 1, 5, 0, 4],
 ];
 
-/// Parts of a texel across and down for each of `bits`, from 1 to 8. Each is below a half.
+/// The offset for each of `bits`, from 1 to 8: across and down, in texels. Offsets are below a half.
 pub(super) fn jitters(bits: u32) -> Vec<[f64; 2]> {
     let rooks = ROOKS.get((bits as usize).saturating_sub(1)).copied().unwrap_or(&[0]);
-    let part = |place: u32| (f64::from(place) + 0.5) / rooks.len() as f64 - 0.5;
-    (0..).zip(rooks).map(|(column, &row)| [part(column), part(row)]).collect()
+    let offset = |index: u32| (f64::from(index) + 0.5) / rooks.len() as f64 - 0.5;
+    (0..).zip(rooks).map(|(column, &row)| [offset(column), offset(row)]).collect()
 }
 
-/// The largest part in either direction.
-pub(super) fn reach(bits: u32) -> f64 {
+/// The largest offset in either direction, in texels.
+pub(super) fn max_jitter(bits: u32) -> f64 {
     0.5 - 0.5 / f64::from(bits.max(1))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{jitters, reach};
+    use super::{jitters, max_jitter};
 
     #[test]
     fn rooks_do_not_attack_each_other() {
@@ -39,7 +39,9 @@ mod tests {
                 parts.sort_by(f64::total_cmp);
                 let step = 1.0 / f64::from(bits);
                 assert!(parts.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-12), "{parts:?}");
-                assert!((parts[0] + reach(bits)).abs() < 1e-12 && (parts[0] + parts[parts.len() - 1]).abs() < 1e-12);
+                assert!(
+                    (parts[0] + max_jitter(bits)).abs() < 1e-12 && (parts[0] + parts[parts.len() - 1]).abs() < 1e-12
+                );
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The cameras of a cube of six maps: making them, and whether given ones meet. docs/numerics/depth-maps.md.
+//! Makes and checks the cameras of a cube of six maps. docs/numerics/depth-maps.md.
 
 use glam::{DMat4, DVec3, DVec4, Mat4};
 
@@ -6,11 +6,10 @@ use super::error::DepthMapError;
 use crate::ShadowCamera;
 use crate::shadow::DepthDirection;
 
-/// How far cameras may be off: rounding of their matrices. A map of 4,096 texels a side is off by less than a hundredth of a
-/// texel.
+/// The largest error of a camera, from rounding of its matrix: below a hundredth of a texel of a map of 4,096 texels a side.
 const TOLERANCE: f64 = 1.0 / 1_048_576.0;
 
-/// Where each map looks, what is to its right, and what is up, along the axes of the cube.
+/// Forward, right and up of each map, along the axes of the cube.
 const AXES: [[DVec3; 3]; 6] = [
     [DVec3::X, DVec3::Z, DVec3::Y],
     [DVec3::NEG_X, DVec3::NEG_Z, DVec3::Y],
@@ -26,7 +25,7 @@ fn tangent(side: u32) -> f64 {
 }
 
 pub(super) fn cameras(
-    place: [f32; 3],
+    position: [f32; 3],
     near: f32,
     far: Option<f32>,
     depth: DepthDirection,
@@ -35,8 +34,8 @@ pub(super) fn cameras(
     if side < 3 {
         return Err(DepthMapError::Side(side));
     }
-    if !place.iter().all(|coordinate| coordinate.is_finite()) {
-        return Err(DepthMapError::Place(place));
+    if !position.iter().all(|coordinate| coordinate.is_finite()) {
+        return Err(DepthMapError::Position(position));
     }
     if !(near.is_finite() && near > 0.0) {
         return Err(DepthMapError::Option { name: "near", given: near, range: "a finite distance above 0" });
@@ -57,25 +56,25 @@ pub(super) fn cameras(
             (DepthDirection::Standard, Some(far)) => (w - DVec4::W * near) * (far / (far - near)),
         };
         let rows = DMat4::from_cols((scale * right).extend(0.0), (scale * up).extend(0.0), z, w);
-        ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: place, depth }
+        ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: position, depth }
     });
     check_meeting(&cameras, side)?;
     Ok(cameras)
 }
 
-/// A camera as its rows say it.
-struct Seen {
-    /// Unit vectors, if the camera is one of a cube: where it looks, right, up.
+/// A camera, from the rows of its matrix.
+struct CubeCamera {
+    /// Forward, right and up: unit vectors for a camera of a cube.
     axes: [DVec3; 3],
-    place: DVec3,
-    /// How w grows with the distance.
+    position: DVec3,
+    /// Clip w for a distance of 1.
     scale: f64,
-    /// Depth at infinity, and how much of depth × distance there is.
+    /// The depth at infinity, and the difference from it at a distance of 1.
     depths: [f64; 2],
     near: f64,
 }
 
-fn seen(face: usize, camera: &ShadowCamera, side: u32) -> Result<Seen, DepthMapError> {
+fn cube_camera(face: usize, camera: &ShadowCamera, side: u32) -> Result<CubeCamera, DepthMapError> {
     camera.check_any_hand().map_err(|error| DepthMapError::CubeLight { face, error })?;
     let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
@@ -84,51 +83,52 @@ fn seen(face: usize, camera: &ShadowCamera, side: u32) -> Result<Seen, DepthMapE
         return Err(DepthMapError::Parallel { face });
     }
     let origin = DVec3::from_array(camera.origin.map(f64::from));
-    // The place where x, y and w are 0.
+    // The point where x, y and w are 0.
     let rows = glam::DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
     let from = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
     let at_infinity = z.truncate().dot(w.truncate()) / (scale * scale);
     let share = z.dot(from.extend(1.0)) / scale;
     let near_depth = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
     let tangent = tangent(side);
-    Ok(Seen {
+    Ok(CubeCamera {
         axes: [w, x * tangent, y * tangent].map(|row| row.truncate() / scale),
-        place: from + origin,
+        position: from + origin,
         scale,
         depths: [at_infinity, share],
         near: share / (near_depth - at_infinity),
     })
 }
 
-/// Whether the maps of these cameras have their outermost samples on the same rays, with the same depths.
+/// Refuses cameras whose maps do not have their outermost samples on the same rays, with the same depths.
 pub(super) fn check_meeting(cameras: &[ShadowCamera; 6], side: u32) -> Result<(), DepthMapError> {
-    let seen = |face: usize| seen(face, &cameras[face], side);
-    let first = seen(0)?;
-    let frame = glam::DMat3::from_cols(first.axes[0], seen(2)?.axes[0], seen(4)?.axes[0]);
+    let camera = |face: usize| cube_camera(face, &cameras[face], side);
+    let first = camera(0)?;
+    let frame = glam::DMat3::from_cols(first.axes[0], camera(2)?.axes[0], camera(4)?.axes[0]);
     let apart = |face, what| Err(DepthMapError::Apart { face, what });
-    let is_off = |value: f64, most: f64| value.is_nan() || value > most;
+    let is_off = |value: f64, limit: f64| value.is_nan() || value > limit;
     for (face, axes) in AXES.into_iter().enumerate() {
         if cameras[face].depth != cameras[0].depth {
             return apart(face, "its depth direction differs");
         }
-        let own = seen(face)?;
+        let other = camera(face)?;
         let [forward, right, up] =
-            [0, 1, 2].map(|axis| is_off((own.axes[axis] - frame * axes[axis]).length(), TOLERANCE));
-        let lengths = [1, 2].map(|axis| is_off((own.axes[axis].length() - 1.0).abs(), TOLERANCE));
+            [0, 1, 2].map(|axis| is_off((other.axes[axis] - frame * axes[axis]).length(), TOLERANCE));
+        let lengths = [1, 2].map(|axis| is_off((other.axes[axis].length() - 1.0).abs(), TOLERANCE));
         if lengths != [false; 2] {
             return apart(face, "the middles of its outermost texels are not 45° from its middle");
         }
-        let is_skew = is_off(own.axes[0].dot(own.axes[1]).abs().max(own.axes[0].dot(own.axes[2]).abs()), TOLERANCE);
+        let is_skew =
+            is_off(other.axes[0].dot(other.axes[1]).abs().max(other.axes[0].dot(other.axes[2]).abs()), TOLERANCE);
         if forward || right || up || is_skew {
-            return apart(face, "it does not look along its axis of the cube, or is turned");
+            return apart(face, "it does not look along its axis of the cube, or is rotated");
         }
-        // Rounding of an origin or a translation is that of its size.
-        if is_off((own.place - first.place).length(), TOLERANCE * (first.place.length() + first.near)) {
-            return apart(face, "it is at another place");
+        // The rounding of an origin or a translation grows with its size.
+        if is_off((other.position - first.position).length(), TOLERANCE * (first.position.length() + first.near)) {
+            return apart(face, "it is at another position");
         }
-        let scale = is_off((own.scale / first.scale - 1.0).abs(), TOLERANCE);
-        let infinity = is_off((own.depths[0] - first.depths[0]).abs(), TOLERANCE);
-        if scale || infinity || is_off((own.depths[1] / first.depths[1] - 1.0).abs(), TOLERANCE) {
+        let scale = is_off((other.scale / first.scale - 1.0).abs(), TOLERANCE);
+        let infinity = is_off((other.depths[0] - first.depths[0]).abs(), TOLERANCE);
+        if scale || infinity || is_off((other.depths[1] / first.depths[1] - 1.0).abs(), TOLERANCE) {
             return apart(face, "its near or far distance, or the scale of its matrix, differs");
         }
     }

@@ -1,4 +1,4 @@
-//! How distances become device depths, in `f64`, rounded once, and how far the result may be off. docs/numerics/depth-maps.md,
+//! How distances become device depths, in `f64`, rounded once, and the error of the result. docs/numerics/depth-maps.md,
 //! "Maps of distances".
 
 use bytemuck::Zeroable;
@@ -12,27 +12,26 @@ use crate::shadow::DepthDirection;
 
 /// The quantity in the texels of an `R32Float` map.
 ///
-/// Distances are in the units of the positions that the light's camera takes. A distance that is infinite, NaN, or at the far
-/// plane or beyond it casts nothing. Without a far plane, a distance of 2¹²⁰ units or more along the axis casts nothing. A
-/// distance nearer than the near plane counts as one at the near plane. So does a negative one, minus infinity included.
-/// A distance also casts nothing if its device depth rounds to that of the far end, as in any map of device depths. Reversed
-/// depth has no such distances.
+/// Distances are in the units of positions. A distance casts nothing if it is infinite, NaN, at the far plane or beyond it;
+/// without a far plane, if it is 2¹²⁰ units or more along the axis. It also casts nothing if its device depth rounds to that
+/// of the far end, which cannot happen with reversed depth. A negative distance, or one before the near plane, counts as one
+/// at the near plane.
 ///
-/// A distance is taken to be right to one unit in its last place. Add to it by how much a caller's own errors may make it too
-/// short, such as the tolerance at which a marched ray stops before a surface: a boundary that is nearer to the light than the
-/// surface shows as specks of shadow on it.
+/// Distances must be right to one unit in their last place. Add other errors that may make them too short, such as the
+/// tolerance at which a marched ray stops before a surface. A boundary that is nearer to the light than the surface shows as
+/// specks of shadow on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DepthMetric {
     /// Device depths, as a depth attachment has them: clip z over clip w.
     #[default]
     Device,
-    /// Distances along the axis of view. A perspective camera has them from the plane through the light at right angles to the
-    /// axis: clip w over the length by which it grows for each unit. An orthographic matrix does not tell where a camera is, so
-    /// there they are from the near plane, at right angles to it.
+    /// Distances along the axis of view. A perspective camera has them from the plane through the light at right angles to
+    /// the axis: clip w over the length by which it grows for each unit. An orthographic matrix has no position, so there
+    /// they are from the near plane, at right angles to it.
     AlongAxis,
-    /// Distances along the ray through the middle of the texel. A perspective camera has them from the light, where all rays meet.
-    /// An orthographic one has them from the near plane, along the direction of its rays.
+    /// Distances along the ray through the middle of the texel. A perspective camera has them from the light, where all rays
+    /// meet. An orthographic one has them from the near plane, along the direction of its rays.
     AlongRay,
 }
 
@@ -42,19 +41,20 @@ const U: f64 = 1.0 / 8_388_608.0;
 const RANGE: [f64; 2] = [1.0 / (1_u128 << 100) as f64, (1_u128 << 100) as f64];
 /// The distance from which on nothing casts without a far plane.
 const NOTHING: f64 = (1_u128 << 120) as f64;
-/// The most by which a factor may enlarge errors.
-const MOST_GROWTH: f64 = 1024.0;
-/// The largest share of a depth that is a share in the bias. The rest is part of the constant.
-const MOST_SHARE: f64 = 56.0 * U;
+/// The largest factor by which errors may grow.
+const MAX_GROWTH: f64 = 1024.0;
+/// The largest share of a depth in the bias. A larger share adds to the constant.
+const MAX_SHARE: f64 = 56.0 * U;
 
 /// The rays and planes of a camera. Nearness is 1 at the near plane and 0 at the far end.
 struct Planes {
-    /// How the ray through a place changes with x, with y, and at the middle. Empty if rays are parallel.
+    /// The change of the ray with x and with y, and the ray in the middle. `None` if rays are parallel.
     rays: Option<[DVec3; 3]>,
-    /// How nearness at infinity changes with x and y.
+    /// The change of nearness at infinity with x and y.
     tilt: [f64; 2],
     near: f64,
-    /// The far distance, and what is left of the way to it times this is nearness, times the distance if rays meet.
+    /// The far distance, and a scale: nearness is the scale times the way to the far plane, divided by the distance if rays
+    /// meet.
     far: Option<[f64; 2]>,
     /// Nearness times distance, without a far plane.
     product: f64,
@@ -69,14 +69,14 @@ impl Planes {
             Some(at_infinity) => Self::meeting(light, &matrix, &inverse, at_infinity),
             None => Self::parallel(&matrix, &inverse, metric),
         };
-        let [least, most] = RANGE;
+        let [min_distance, max_distance] = RANGE;
         let far = planes.far.map_or(planes.near, |[far, _]| far);
         // If rays meet: the near distance for each unit between the planes, and the sums of rays.
         let close = if planes.rays.is_some() { planes.far.map_or(0.0, |[_, scale]| scale) } else { 0.0 };
         let stretch = planes.rays.map_or(0.0, |rays| stretch(&rays));
-        let is_in_range = planes.near <= most && far >= least && far <= most;
-        let has_near = planes.rays.is_none() || planes.near >= least;
-        if is_in_range && has_near && close <= MOST_GROWTH && stretch <= MOST_GROWTH {
+        let is_in_range = planes.near <= max_distance && (min_distance..=max_distance).contains(&far);
+        let has_near = planes.rays.is_none() || planes.near >= min_distance;
+        if is_in_range && has_near && close <= MAX_GROWTH && stretch <= MAX_GROWTH {
             Ok(planes)
         } else {
             Err(DepthMapError::Distances { near: planes.near, far: planes.far.map_or(f64::INFINITY, |[far, _]| far) })
@@ -91,8 +91,8 @@ impl Planes {
         // Clip w is the distance along the axis times this.
         let growth = matrix.row(3).truncate().length();
         let product = 1.0 / (inverse.z_axis.w * growth).abs();
-        let place = inverse.z_axis.truncate() / inverse.z_axis.w;
-        let ray = |of: DVec4| growth * (of.truncate() - of.w * place);
+        let position = inverse.z_axis.truncate() / inverse.z_axis.w;
+        let ray = |of: DVec4| growth * (of.truncate() - of.w * position);
         let behind = -nearness.z;
         Self {
             rays: Some([ray(inverse.x_axis), ray(inverse.y_axis), ray(inverse.w_axis)]),
@@ -113,12 +113,12 @@ impl Planes {
     }
 }
 
-/// At most by how much the terms that a ray adds up from are longer than the ray.
+/// A bound of the sum of the lengths of a ray's terms, as a multiple of the ray's length.
 fn stretch(rays: &[DVec3; 3]) -> f64 {
     rays.iter().map(|ray| ray.length()).sum()
 }
 
-/// How distances of a metric become device depths, for a map of `size` texels.
+/// The parameters that convert distances of a metric to device depths, for a map of `size` texels.
 pub(crate) fn metric_view(
     light: &ShadowCamera,
     size: [u32; 2],
@@ -132,18 +132,18 @@ pub(crate) fn metric_view(
     let [across, down, middle] = planes.rays.unwrap_or([DVec3::ZERO; 3]);
     let f32s = |ray: DVec3, tilt: f64| ray.extend(tilt).as_vec4().to_array();
     let [far, scale] = planes.far.unwrap_or([planes.product, 1.0]);
-    let head = far as f32;
-    let rest = if planes.far.is_some() { (far - f64::from(head)) as f32 } else { 0.0 };
+    let rounded_far = far as f32;
+    let far_remainder = if planes.far.is_some() { (far - f64::from(rounded_far)) as f32 } else { 0.0 };
     Ok(DepthMetricView {
         across: f32s(across / width, planes.tilt[0] / width),
         down: f32s(-down / height, -planes.tilt[1] / height),
         middle: f32s(middle, 0.0),
-        head,
-        rest,
+        far: rounded_far,
+        far_remainder,
         has_far: f32::from(u8::from(planes.far.is_some())),
         scale: scale as f32,
-        least: (planes.near / 2.0) as f32,
-        most: (if planes.far.is_some() { 2.0 * far } else { NOTHING }) as f32,
+        min_distance: (planes.near / 2.0) as f32,
+        max_distance: (if planes.far.is_some() { 2.0 * far } else { NOTHING }) as f32,
         metric: match (metric, planes.rays) {
             (DepthMetric::AlongRay, Some(_)) => 2,
             _ => 1,
@@ -152,7 +152,7 @@ pub(crate) fn metric_view(
     })
 }
 
-/// How far depths of a converted map may be off: a share of the depth, which may be negative, and a constant.
+/// The error of the depths of a converted map: a share of the depth, which may be negative, and a constant.
 pub(crate) fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapError> {
     if metric == DepthMetric::Device {
         return Ok([0.0; 2]);
@@ -169,7 +169,7 @@ pub(crate) fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<
         }
     };
     Ok(match light.depth {
-        DepthDirection::Reversed => [share.min(MOST_SHARE), constant + (share - MOST_SHARE).max(0.0)],
-        DepthDirection::Standard => [-share.min(MOST_SHARE), constant + share + U / 2.0],
+        DepthDirection::Reversed => [share.min(MAX_SHARE), constant + (share - MAX_SHARE).max(0.0)],
+        DepthDirection::Standard => [-share.min(MAX_SHARE), constant + share + U / 2.0],
     })
 }

@@ -1,17 +1,17 @@
-//! Shadows of what has no mesh, from depth maps of a light (feature `depth-map`). The boundary between light and shadow is
-//! rebuilt from what the light sees, after Michael `McCool` (2000).
+//! Shadows of casters without a mesh, from depth maps of a light (feature `depth-map`). The boundary between light and shadow
+//! is rebuilt from the depths that the light sees, after Michael `McCool` (2000).
 //!
-//! Whatever writes depth casts: distance fields, alpha-tested leaves, points. [`DepthMapVolumes`] takes a map and draws;
-//! [`DepthMapCube`] takes six maps around a light, [`DepthMapMerge`] makes two maps one, [`DepthMapConversion`] takes distances, and
-//! [`MeshDepth`] and [`SceneDepth`] draw a mesh or a scene into a map.
+//! Everything that writes depth casts a shadow: distance fields, alpha-tested leaves, points. [`DepthMapVolumes`] draws the
+//! shadows of one map, [`DepthMapCube`] those of six maps around a light. [`DepthMapMerge`] merges two maps, and
+//! [`DepthMapConversion`] converts distances. [`MeshDepth`] and [`SceneDepth`] draw a mesh or a scene into a map.
 //!
 //! ```no_run
 //! use rimline::gpu::ShadowFormat;
 //! use rimline::gpu::depth_map::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 //! use rimline::{ShadowCamera, wgpu};
 //!
-//! /// Call this once for each size of map. A draw turns bit 0 of the stencil round where there is shadow. Where volumes of
-//! /// meshes count in the same stencil, take `DepthMapPipelines::beside_meshes`.
+//! /// Call this once for each size of map. A draw inverts bit 0 of the stencil where there is shadow. Where volumes of meshes
+//! /// count in the same stencil, use `DepthMapPipelines::beside_meshes`.
 //! fn prepare(
 //!     device: &wgpu::Device,
 //!     format: &ShadowFormat,
@@ -21,14 +21,14 @@
 //!     Ok((pipelines, volumes))
 //! }
 //!
-//! /// Call this every frame, after whatever draws the map.
+//! /// Call this every frame, after the map is drawn.
 //! fn shadows(
 //!     volumes: &mut DepthMapVolumes,
 //!     encoder: &mut wgpu::CommandEncoder,
 //!     map: &DepthMap<'_>,
 //!     eye: &ShadowCamera,
 //! ) -> Result<DepthMapFrame, Box<dyn std::error::Error>> {
-//!     // `DepthMapFrame::draw` then draws into a pass that has your depth and a stencil of 0.
+//!     // Then call `DepthMapFrame::draw` in a pass with your depth buffer and a stencil cleared to 0.
 //!     Ok(volumes.encode(encoder, map, eye)?)
 //! }
 //! ```

@@ -1,5 +1,5 @@
-//! Whether the near rectangle of an eye may be in shadow. The CPU finds, in `f64`, which samples of the map decide this, and
-//! a stage reads them. docs/numerics/depth-maps.md, "Near caps".
+//! Whether the near rectangle of an eye may be in shadow. The CPU finds, in `f64`, the samples of the map that decide this,
+//! and a stage reads them. docs/numerics/depth-maps.md, "Near caps".
 
 use glam::DVec4;
 
@@ -8,72 +8,73 @@ use crate::ShadowCamera;
 use crate::layout::DepthNearBox;
 use crate::shadow::DepthDirection;
 
-/// By how much the near rectangle is widened: a share of it.
-const WIDER: f64 = 1e-4;
-/// The distance that rounding to floats may move a point by: a share of the terms that add up to it.
+/// The near rectangle is widened by this share of its size.
+const WIDENING: f64 = 1e-4;
+/// Rounding to floats moves a coordinate by at most this share of the sum of its terms' absolute values.
 const ROUNDING: f64 = 1e-5;
-/// The largest share that distances from the light may be off by, for anything to be told.
-const MOST_ROUNDING: f64 = 1e-3;
-/// By how much a surface has to be behind it: a share of the depth, and with standard depth a constant.
+/// If distances from the light may be off by a larger share, the result is unknown.
+const MAX_ROUNDING: f64 = 1e-3;
+/// A surface is behind the rectangle if it is farther by this share of the depth; with standard depth, by this constant as
+/// well.
 const BEHIND: f64 = 1e-5;
-/// Samples around it: a cell on each side, and one for boundaries that are moved by parts of a texel.
+/// Samples around the rectangle: a cell on each side, and one for jitter.
 const MARGIN: f64 = 2.0;
-/// Cells along the side of a tile of contours, and samples beyond it up to which the flaps of its walls reach.
+/// Cells along the side of a tile of contours, and samples by which flaps of walls extend beyond it.
 const TILE: f64 = 16.0;
 const FLAP: f64 = 2.0;
-/// Samples that are looked at.
-const MOST_SAMPLES: u64 = 1 << 16;
-/// The range of device depths, in the units of distances, and what these may be off by.
+/// The most samples that the stage reads.
+const MAX_SAMPLES: u64 = 1 << 16;
+/// The range of device depths, in units of distances, and the error of a distance.
 const RANGE: f64 = (1_u32 << 29) as f64;
 const DISTANCE_SLACK: i32 = 8;
 
-/// The part of a map that decides whether a near rectangle is in shadow.
+/// The samples of a map that decide whether a near rectangle is in shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum NearReach {
-    /// No place of it is behind a surface.
+pub(crate) enum NearShadow {
+    /// No point of the rectangle is behind a surface, for any depths.
     Lit,
-    /// Only these samples matter.
+    /// These samples decide.
     Samples(DepthNearBox),
-    /// It has to be looked at.
+    /// The near cap has to be drawn.
     Unknown,
 }
 
-/// The cameras of one map or of six, texels of each across and down, and the format of the eye's depth. Where contours have walls,
-/// all that reaches into a tile matters.
-pub(crate) fn near_reach(
+/// Finds the samples that decide. `lights`: the cameras of one map or of six, of `size` texels each. `format`: that of the
+/// eye's depth. `has_walls`: the method has contours, so walls and flaps of whole tiles count.
+pub(crate) fn near_shadow(
     lights: &[ShadowCamera],
     size: [u32; 2],
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
     has_walls: bool,
-) -> NearReach {
+) -> NearShadow {
     let placing = |border| Placing { border, jitter: [0.0; 2], slope_bias: 0.0 };
-    let of = |light: &ShadowCamera, border| {
+    let project = |light: &ShadowCamera, border| {
         let columns = near_columns((light, size), (eye, format), &placing(border));
         Rectangle::project(columns, light.depth)
     };
     if let [light] = lights {
-        return match of(light, 1.0) {
-            Found::Behind => NearReach::Lit,
-            Found::Unknown => NearReach::Unknown,
-            Found::Ahead(rectangle) => {
+        return match project(light, 1.0) {
+            Projection::Behind => NearShadow::Lit,
+            Projection::Unknown => NearShadow::Unknown,
+            Projection::Ahead(rectangle) => {
                 let rectangle = if has_walls { rectangle.with_tiles() } else { rectangle };
-                rectangle.reach([0, 0], size.map(|texels| texels + 1), light.depth)
+                rectangle.samples([0, 0], size.map(|texels| texels + 1), light.depth)
             }
         };
     }
-    // Where it is within one map of a cube, the others do not matter.
-    let most = size.map(|texels| texels.saturating_sub(1));
+    // If the rectangle is within one map of a cube, the others do not affect it.
+    let last = size.map(|texels| texels.saturating_sub(1));
     for (face, light) in (0..).zip(lights) {
-        let Found::Ahead(rectangle) = of(light, 0.0) else { continue };
-        if rectangle.is_within(most) {
+        let Projection::Ahead(rectangle) = project(light, 0.0) else { continue };
+        if rectangle.is_within(last) {
             let corner = [face % 3 * size[0], face / 3 * size[1]];
-            return rectangle.reach(corner, most, light.depth);
+            return rectangle.samples(corner, last, light.depth);
         }
     }
-    NearReach::Unknown
+    NearShadow::Unknown
 }
 
-/// A near rectangle on the lattice of a map, all of it before the light.
+/// The box of a near rectangle on the lattice of a map. The whole rectangle is before the light.
 #[derive(Clone, Copy, Debug)]
 struct Rectangle {
     low: [f64; 2],
@@ -82,7 +83,7 @@ struct Rectangle {
     farthest: f64,
 }
 
-enum Found {
+enum Projection {
     /// All of it is beside or behind the light.
     Behind,
     Ahead(Rectangle),
@@ -90,78 +91,78 @@ enum Found {
 }
 
 impl Rectangle {
-    fn project([across, up, middle]: [DVec4; 3], depth: DepthDirection) -> Found {
+    fn project([across, up, middle]: [DVec4; 3], depth: DepthDirection) -> Projection {
         let error = ROUNDING * (across.abs() + up.abs() + middle.abs());
-        let corner = |x: f64, y: f64| (1.0 + WIDER) * (x * across + y * up) + middle;
+        let corner = |x: f64, y: f64| (1.0 + WIDENING) * (x * across + y * up) + middle;
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         if !corners.iter().all(|corner| corner.is_finite()) {
-            return Found::Unknown;
+            return Projection::Unknown;
         }
         if corners.iter().all(|corner| corner.w < -error.w) {
-            return Found::Behind;
+            return Projection::Behind;
         }
-        let least = corners.iter().map(|corner| corner.w).fold(f64::INFINITY, f64::min) - error.w;
-        if least <= 0.0 || error.w > MOST_ROUNDING * least {
-            return Found::Unknown;
+        let min_w = corners.iter().map(|corner| corner.w).fold(f64::INFINITY, f64::min) - error.w;
+        if min_w <= 0.0 || error.w > MAX_ROUNDING * min_w {
+            return Projection::Unknown;
         }
-        // Projected, with what rounding may move it by.
+        // The box of the corners, widened by rounding.
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in corners {
             for axis in 0..3 {
-                let at = corner[axis] / corner.w;
-                let by = (error[axis] + at.abs() * error.w) / least;
-                low[axis] = low[axis].min(at - by);
-                high[axis] = high[axis].max(at + by);
+                let coordinate = corner[axis] / corner.w;
+                let rounding = (error[axis] + coordinate.abs() * error.w) / min_w;
+                low[axis] = low[axis].min(coordinate - rounding);
+                high[axis] = high[axis].max(coordinate + rounding);
             }
         }
         let farthest = if depth == DepthDirection::Reversed { low[2] } else { high[2] };
-        Found::Ahead(Self { low: [low[0], low[1]], high: [high[0], high[1]], farthest })
+        Projection::Ahead(Self { low: [low[0], low[1]], high: [high[0], high[1]], farthest })
     }
 
-    /// Enlarged to all tiles whose flaps may be before it, with the samples that these reach to.
+    /// Enlarged to all tiles whose flaps may cover it, and to the samples of those flaps.
     fn with_tiles(self) -> Self {
         let low = self.low.map(|at| ((at - FLAP) / TILE).floor() * TILE - FLAP);
         let high = self.high.map(|at| ((at + FLAP) / TILE).floor() * TILE + TILE + FLAP);
         Self { low, high, ..self }
     }
 
-    /// Whether it is between the samples from 0 to `most`.
-    fn is_within(&self, most: [u32; 2]) -> bool {
-        (0..2).all(|axis| self.low[axis] > MARGIN && self.high[axis] < f64::from(most[axis]) - MARGIN)
+    /// Whether it is between sample 0 and sample `last`.
+    fn is_within(&self, last: [u32; 2]) -> bool {
+        (0..2).all(|axis| self.low[axis] > MARGIN && self.high[axis] < f64::from(last[axis]) - MARGIN)
     }
 
-    /// `corner` is sample 0 of the map, which has samples up to `most`.
-    fn reach(&self, corner: [u32; 2], most: [u32; 2], depth: DepthDirection) -> NearReach {
-        if (0..2).any(|axis| self.high[axis] < -MARGIN || self.low[axis] > f64::from(most[axis]) + MARGIN) {
-            return NearReach::Lit;
+    /// `corner`: sample 0 of the map. `last`: its last sample, counted from there.
+    fn samples(&self, corner: [u32; 2], last: [u32; 2], depth: DepthDirection) -> NearShadow {
+        if (0..2).any(|axis| self.high[axis] < -MARGIN || self.low[axis] > f64::from(last[axis]) + MARGIN) {
+            return NearShadow::Lit;
         }
         let (key, distance) = match limit(self.farthest, depth) {
-            Limit::BeforeAll => return NearReach::Lit,
-            Limit::Unknown => return NearReach::Unknown,
+            Limit::BeforeAll => return NearShadow::Lit,
+            Limit::Unknown => return NearShadow::Unknown,
             Limit::Behind { key, distance } => (key, distance),
         };
         let range = [0, 1].map(|axis| {
-            let most = f64::from(most[axis]);
-            let first = (self.low[axis] - MARGIN).floor().clamp(0.0, most) as u32;
-            let last = (self.high[axis] + MARGIN).ceil().clamp(0.0, most) as u32;
+            let last_sample = f64::from(last[axis]);
+            let first = (self.low[axis] - MARGIN).floor().clamp(0.0, last_sample) as u32;
+            let last = (self.high[axis] + MARGIN).ceil().clamp(0.0, last_sample) as u32;
             [first, last - first + 1]
         });
         let size = range.map(|[_, count]| count);
-        if u64::from(size[0]) * u64::from(size[1]) > MOST_SAMPLES {
-            return NearReach::Unknown;
+        if u64::from(size[0]) * u64::from(size[1]) > MAX_SAMPLES {
+            return NearShadow::Unknown;
         }
         let first = [0, 1].map(|axis| corner[axis] + range[axis][0]);
-        NearReach::Samples(DepthNearBox { first, size, key, distance, unused: [0; 2] })
+        NearShadow::Samples(DepthNearBox { first, size, key, distance, unused: [0; 2] })
     }
 }
 
 /// The depth that samples are compared with.
 enum Limit {
-    /// It is nearer to the light than any sample.
+    /// The rectangle is nearer to the light than any sample.
     BeforeAll,
-    /// A surface that is not nearer than the key, or the distance, is behind it.
+    /// A surface with a larger key or distance is behind the rectangle.
     Behind { key: u32, distance: i32 },
-    /// It may be behind the far end of the depths.
+    /// The rectangle may be beyond the far end of the depths.
     Unknown,
 }
 

@@ -1,4 +1,4 @@
-//! Render pipelines that turn a bit of the stencil round at each triangle of the boundary.
+//! Render pipelines that invert a bit of the stencil at each triangle of the boundary.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::error::DepthMapError;
-use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, Resource, UINT_TEXTURE, UNIFORM, entries};
+use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, UINT_TEXTURE, UNIFORM, entries};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::drawing::Drawn;
 use crate::gpu::common::memory::any_error;
@@ -18,22 +18,22 @@ use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::{check, check_count_bits};
 use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 
-/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some.
+/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one or several bits of the stencil.
 #[derive(Debug)]
 pub struct DepthMapPipelines {
     shared: Pipelines,
     format: ShadowFormat,
     bits: Range<u32>,
-    /// For each bit.
+    /// One for each bit.
     pub(super) draws: Vec<BitPipelines>,
-    /// Made with the first volumes that have walls, or for the first draw of others' volumes.
+    /// Made with the first volumes that have walls, or for the first draw of such volumes.
     walls: OnceLock<(wgpu::RenderPipeline, BitPipelines)>,
 }
 
 /// The pipelines of a bit.
 #[derive(Debug)]
 pub(super) struct BitPipelines {
-    /// With walls it draws every cell where their list overflowed.
+    /// With walls it draws every cell if their list overflowed.
     pub(super) surface: wgpu::RenderPipeline,
     pub(super) near_cap: wgpu::RenderPipeline,
 }
@@ -46,7 +46,7 @@ impl BitPipelines {
         layout: &wgpu::BindGroupLayout,
         behind: EntryPoint,
     ) -> Self {
-        let make = |entry_points, compare| make(shared, format, turned(bit), layout, entry_points, compare);
+        let make = |entry_points, compare| make(shared, format, inverted(bit), layout, entry_points, compare);
         Self {
             surface: make([SURFACE, NOTHING], format.nearer()),
             near_cap: make([NEAR_CAP, behind], CompareFunction::Always),
@@ -55,15 +55,15 @@ impl BitPipelines {
 }
 
 impl DepthMapPipelines {
-    /// Makes the pipelines. They count by parity in bit `bit` of the stencil, and leave the other bits as they are. A draw
-    /// turns the bit round at each pixel that is in shadow.
+    /// Makes pipelines that count by parity in bit `bit` of the stencil, and do not change the other bits. A draw inverts
+    /// the bit at each pixel that is in shadow.
     ///
-    /// This is for maps alone. **Where volumes of meshes count in the same stencil, take [`Self::beside_meshes`].** A
-    /// format with all 8 [`ShadowFormat::count_bits`], the default, is taken here to have no counts beside, so that any bit will
-    /// do. With fewer, a bit that they own is refused.
+    /// It is for maps alone. **Where volumes of meshes count in the same stencil, use [`Self::beside_meshes`].** If `format`
+    /// has 8 [`ShadowFormat::count_bits`], the default, nothing else may count in the stencil, and any bit is allowed. With
+    /// fewer, bits of counts are refused.
     ///
-    /// `format.front_face` and `format.has_far_plane` do not matter. With several samples a pixel, the adapter must have
-    /// [`wgpu::DownlevelFlags::MULTISAMPLED_SHADING`], because the near rectangle is looked up at each sample.
+    /// `format.front_face` and `format.has_far_plane` are ignored. With several samples a pixel, the adapter must have
+    /// [`wgpu::DownlevelFlags::MULTISAMPLED_SHADING`], because the near cap reads the map at each sample.
     ///
     /// # Errors
     /// [`DepthMapError`] if the device lacks what they need or cannot draw into the attachments, or there is no
@@ -72,12 +72,12 @@ impl DepthMapPipelines {
         Self::antialiased(pipelines, format, bit..bit.saturating_add(1))
     }
 
-    /// Makes pipelines that count by parity in each of `bits`, as [`Self::antialiased`] does, beside volumes of meshes that count
-    /// in the same stencil. `format` is theirs, whose counts own the bits below: `count_bits` of 7 and bits from 7 to 8, for
-    /// example. Neither then changes the bits of the other, and a place is dark where any bit is set.
+    /// Makes pipelines like [`Self::antialiased`], for a stencil in which volumes of meshes count, too. `format` is that of
+    /// the volumes of meshes, whose counts have the bits below `bits`: for example `count_bits` of 7, and bits from 7 to 8.
+    /// A pixel is in shadow if any bit of the stencil is set.
     ///
     /// # Errors
-    /// [`DepthMapError`], as for [`Self::antialiased`], or if counts own one of the bits. They own all 8 by default.
+    /// [`DepthMapError`], as for [`Self::antialiased`], or if counts have one of the bits. They have all 8 by default.
     pub fn beside_meshes(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
@@ -90,11 +90,11 @@ impl DepthMapPipelines {
         Self::antialiased(pipelines, format, bits)
     }
 
-    /// Makes pipelines that count by parity in each of `bits`. Each bit takes the boundary moved sideways by another part of a
-    /// texel, so borders of shadows have as many levels of grey, and one more: [`Self::lit_share`] resolves them. The surface
-    /// moves away from the light by up to as much again, and volumes are drawn as often. After section 8.3 of the paper.
+    /// Makes pipelines that count by parity in each of `bits`. For each bit the boundary is moved sideways by another part of
+    /// a texel (section 8.3 of the paper). So borders of shadows have a level of grey more than there are bits;
+    /// [`Self::lit_share`] resolves them. Volumes are drawn once for each bit, and the slope bias is up to twice as large.
     ///
-    /// Where volumes of meshes count in the same stencil, take [`Self::beside_meshes`], as for [`Self::new`].
+    /// Where volumes of meshes count in the same stencil, use [`Self::beside_meshes`].
     ///
     /// # Errors
     /// [`DepthMapError`], as for [`Self::new`].
@@ -124,13 +124,13 @@ impl DepthMapPipelines {
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Self {
-        let layout = layout(&shared);
-        let of_bit = |bit| BitPipelines::new(&shared, format, bit, &layout, BEHIND_TRIANGLES);
-        let draws = bits.clone().map(of_bit).collect();
+        let layout = surface_layout(&shared);
+        let pipelines_of_bit = |bit| BitPipelines::new(&shared, format, bit, &layout, BEHIND_TRIANGLES);
+        let draws = bits.clone().map(pipelines_of_bit).collect();
         Self { shared, format: format.clone(), bits, draws, walls: OnceLock::new() }
     }
 
-    /// The pipelines of walls, and what is drawn beside them. They are in the first bit.
+    /// The pipelines of walls, and those drawn beside them, for the first bit.
     pub(super) fn walls(&self) -> Result<&(wgpu::RenderPipeline, BitPipelines), DeviceError> {
         if let Some(made) = self.walls.get() {
             return Ok(made);
@@ -138,7 +138,7 @@ impl DepthMapPipelines {
         let Self { shared, format, bits, .. } = self;
         let made = any_error(shared.device(), || {
             let layout = wall_layout(shared);
-            let walls = make(shared, format, turned(bits.start), &layout, [WALLS, NOTHING], format.nearer());
+            let walls = make(shared, format, inverted(bits.start), &layout, [WALLS, NOTHING], format.nearer());
             (walls, BitPipelines::new(shared, format, bits.start, &layout, BEHIND_CONTOURS))
         });
         let made = made.map_err(|message| DeviceError::Refused { message })?;
@@ -154,9 +154,9 @@ impl DepthMapPipelines {
         self.bits.clone()
     }
 
-    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel. A test of the stencil tells
-    /// no shares, so light is to be added by a later pass that reads the stencil as a texture. In WGSL, of a texture of
-    /// the stencil aspect and with `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
+    /// The share of light at a pixel, from 0 to 1, by its stencil value: the share of bits that are 0. A stencil test cannot
+    /// tell shares, so add light in a later pass that reads the stencil as a texture. In WGSL, with a texture of the stencil
+    /// aspect and `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
     /// f32(countOneBits(mask))`.
     pub fn lit_share(&self, stencil: u8) -> f32 {
         let dark = self.bits().filter(|bit| stencil >> bit & 1 == 1).count();
@@ -182,17 +182,17 @@ const BEHIND_CONTOURS: EntryPoint = (&DEPTH_WALLS, "depth_walls_near_cap_fragmen
 /// Map, texture, cells, view, objects.
 const SURFACE_BINDINGS: [(u32, wgpu::BindingType); 5] =
     [(0, UNIFORM), (1, FLOAT_TEXTURE), (2, READ), (3, READ), (4, UINT_TEXTURE)];
-/// Places, contours, counts, marks.
-const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, READ), (6, UNIFORM), (7, READ), (9, READ)];
+/// Crossings, contours, counts, marks.
+const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, READ), (6, UNIFORM), (7, READ), (8, READ)];
 
-/// Turns a bit round.
-fn turned(bit: u32) -> wgpu::StencilState {
+/// A stencil state that inverts a bit.
+fn inverted(bit: u32) -> wgpu::StencilState {
     let face = wgpu::StencilFaceState { pass_op: StencilOperation::Invert, ..wgpu::StencilFaceState::IGNORE };
     wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 1 << bit }
 }
 
 /// The layout of the bind group of the draws.
-pub(super) fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
+pub(super) fn surface_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
     pipelines.layout("depth surface", entries(wgpu::ShaderStages::VERTEX_FRAGMENT, SURFACE_BINDINGS))
 }
 
@@ -202,19 +202,8 @@ pub(super) fn wall_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
     pipelines.layout("depth walls", entries(wgpu::ShaderStages::VERTEX_FRAGMENT, all))
 }
 
-/// The bind group of the draws of walls.
-pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, Resource<'_>)>) -> wgpu::BindGroup {
-    let bound = resources.into_iter().map(|(binding, resource)| (binding, resource.bound));
-    let entries: Vec<_> = bound.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    pipelines.device().create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("depth walls"),
-        layout: &wall_layout(pipelines),
-        entries: &entries,
-    })
-}
-
-/// The text of a stage that is drawn with as many samples a pixel. With one it is the middle of the pixel, and the text names no
-/// sample: an adapter without `DownlevelFlags::MULTISAMPLED_SHADING` refuses a module that does, whatever the pipeline.
+/// The text of a stage for draws with `samples` a pixel. With one sample it does not name samples, because an adapter without
+/// `DownlevelFlags::MULTISAMPLED_SHADING` refuses every module that does.
 pub(crate) fn drawn_wgsl(stage: &Stage, samples: u32) -> String {
     let wgsl = stage.wgsl();
     if samples > 1 { wgsl } else { wgsl.replace("@interpolate(linear, sample)", "@interpolate(linear)") }

@@ -1,23 +1,23 @@
-//! Encodes of volumes: what their stages and draws are bound to, and the passes.
+//! Encodes of volumes: the passes, and the bindings of stages and draws.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::bound::Bound;
-use super::error::DepthMapError;
+use super::error::{DepthMapError, guard};
 use super::frame::{DepthMapFrame, DepthMapNearCap};
-use super::jitter::{jitters, reach};
+use super::jitter::{jitters, max_jitter};
 use super::metric::metric_steps;
-use super::near::{NearReach, near_reach};
+use super::near::{NearShadow, near_shadow};
 use super::options::DepthMap;
-use super::pipelines::{layout, wall_group};
+use super::pipelines::{surface_layout, wall_layout};
 use super::texture::{check_objects, check_texture};
 use super::view::{Placing, depth_map_view};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
-use crate::gpu::common::memory::{any_error, filled};
+use crate::gpu::common::memory::filled;
 use crate::gpu::common::pass::{Step, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, group};
 use crate::gpu::common::requirements::{check_alive, check_timer};
@@ -37,8 +37,8 @@ pub(super) struct Inputs<'a> {
 }
 
 impl DepthMapVolumes {
-    /// Records the stages: finds the edges of `map`, for `camera`. Frames of earlier
-    /// encodes can no longer be drawn. The first encode with objects compiles a pipeline for them.
+    /// Records the stages that find the edges of `map`. `camera` is the eye's. Frames of earlier encodes can no longer be
+    /// drawn. The first encode with objects compiles a pipeline for them.
     ///
     /// # Errors
     /// [`DepthMapError`] if a texture or a camera is refused. Nothing is recorded then.
@@ -72,8 +72,8 @@ impl DepthMapVolumes {
         self.record(encoder, &inputs, || None, timer)
     }
 
-    /// Records the stages, after one that makes the texture. Each encode has uniforms of its own, so encodes may follow each
-    /// other.
+    /// Records the stages after `before`, which writes the texture. Each encode has new uniforms, so one encoder may hold
+    /// several encodes.
     pub(super) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -86,17 +86,17 @@ impl DepthMapVolumes {
         let views = self.views(inputs)?;
         check_alive(device)?;
         let depth = inputs.lights.first().map_or(DepthDirection::Reversed, |light| light.depth);
-        let objects = inputs.objects.filter(|_| self.takes_objects);
+        let objects = inputs.objects.filter(|_| self.uses_objects);
         let is_reversed = u32::from(depth == DepthDirection::Reversed);
-        let shape = DepthMapShape { is_reversed, objects: u32::from(objects.is_some()), ..self.shape };
+        let shape = DepthMapShape { is_reversed, has_objects: u32::from(objects.is_some()), ..self.shape };
         let bind = || {
             let uniform = |label, bytes: &[u8]| filled(device, label, bytes, wgpu::BufferUsages::UNIFORM);
             let contour = self.contours.as_ref().zip(views.first().and_then(|views| views.first()));
             let bound = Bound {
-                textures: [inputs.texture, objects.unwrap_or(&self.nothing)],
+                textures: [inputs.texture, objects.unwrap_or(&self.no_objects)],
                 shape,
                 map: uniform("depth map", bytemuck::bytes_of(&shape)),
-                contour: contour.map(|(own, view)| own.uniform(device, view)),
+                contour: contour.map(|(contours, view)| contours.uniform(device, view)),
             };
             let mut steps: Vec<_> = before().into_iter().collect();
             steps.extend(self.steps(&bound, inputs, depth));
@@ -105,15 +105,14 @@ impl DepthMapVolumes {
             steps.extend(near);
             (steps, draws, near_cap)
         };
-        let (steps, groups, near_cap) =
-            any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
+        let (steps, groups, near_cap) = guard(device, bind)?;
         record(&steps, encoder, 0..1, timer);
         Ok(DepthMapFrame {
             device: device.clone(),
             groups,
             near_cap,
             has_walls: self.contours.is_some(),
-            draws: self.contours.as_ref().map_or(&self.buffers.draws, |own| &own.buffers.draws).clone(),
+            draws: self.contours.as_ref().map_or(&self.buffers.draws, |contours| &contours.buffers.draws).clone(),
             list: self.cells().clone(),
             capacity: self.capacity(),
             format: self.eye.0,
@@ -123,33 +122,33 @@ impl DepthMapVolumes {
         })
     }
 
-    /// For each bit the views of the maps, moved by parts of a texel. All move by the errors of the coarsest, because maps of a
-    /// cube share samples on their borders.
+    /// The views of the maps for each bit, moved by the bit's jitter. All maps of a cube have the bias of the coarsest
+    /// format, because they share samples on their borders.
     fn views(&self, inputs: &Inputs<'_>) -> Result<Vec<Vec<DepthMapView>>, DepthMapError> {
         if inputs.eye.depth != self.eye.1 {
             return Err(DepthMapError::Depth { what: "the eye", given: inputs.eye.depth, made: self.eye.1 });
         }
         // A cube has no border.
         let border = if self.shape.faces > 1 { 0.0 } else { 1.0 };
-        let slope_bias = f64::from(self.slope_bias) * (0.5 + reach(self.bits));
+        let slope_bias = f64::from(self.slope_bias) * (0.5 + max_jitter(self.bits));
         let view = |light: &ShadowCamera, jitter| {
             let mut formats = inputs.formats.iter().copied().chain(self.rounded_to);
             let off = metric_steps(light, self.metric)?;
             let placing = Placing { border, jitter, slope_bias };
             depth_map_view((light, self.shape.size), (off, &mut formats), (inputs.eye, self.eye.0), &placing)
         };
-        let of_bit = |jitter| inputs.lights.iter().map(|light| view(light, jitter)).collect();
-        jitters(self.bits).into_iter().map(of_bit).collect()
+        let views_of_bit = |jitter| inputs.lights.iter().map(|light| view(light, jitter)).collect();
+        jitters(self.bits).into_iter().map(views_of_bit).collect()
     }
 
-    /// The near cap, and the stage that tells about it, if one has to.
+    /// Whether the near cap is drawn, and the stage that decides it unless the CPU can.
     fn near_cap(&self, bound: &Bound<'_>, inputs: &Inputs<'_>) -> (DepthMapNearCap, Option<Step>) {
         let Some(stage) = &self.near else { return (DepthMapNearCap::Drawn, None) };
         let eye = (inputs.eye, self.eye.0);
-        let near = match near_reach(inputs.lights, self.shape.size, eye, self.contours.is_some()) {
-            NearReach::Lit => return (DepthMapNearCap::Lit, None),
-            NearReach::Unknown => return (DepthMapNearCap::Drawn, None),
-            NearReach::Samples(near) => near,
+        let near = match near_shadow(inputs.lights, self.shape.size, eye, self.contours.is_some()) {
+            NearShadow::Lit => return (DepthMapNearCap::Skipped, None),
+            NearShadow::Unknown => return (DepthMapNearCap::Drawn, None),
+            NearShadow::Samples(near) => near,
         };
         let device = self.shared.device();
         let rectangle = filled(device, "near rectangle", bytemuck::bytes_of(&near), wgpu::BufferUsages::UNIFORM);
@@ -160,7 +159,7 @@ impl DepthMapVolumes {
             _ => bound.get(name),
         });
         let step = stage.pass([dispatch]);
-        (DepthMapNearCap::Told(draw), Some(step))
+        (DepthMapNearCap::Indirect(draw), Some(step))
     }
 
     fn steps(&self, bound: &Bound<'_>, inputs: &Inputs<'_>, depth: DepthDirection) -> Vec<Step> {
@@ -170,15 +169,16 @@ impl DepthMapVolumes {
             return contours.steps(&self.shared, bound);
         }
         let blocks = bound.shape.blocks;
-        // Workgroups cost a CPU more than turns, so few take the blocks in turn. Several bits take many turns each.
+        // On a CPU a workgroup costs more than an iteration of a loop, so few workgroups loop over blocks. With several bits
+        // a block has many iterations.
         let few = loops(device, blocks.saturating_mul(WORKGROUP));
         let get = |name: &str| match name {
-            "places" => Some(whole(&self.buffers.places)),
+            "cell_words" => Some(whole(&self.buffers.words)),
             "cells" => Some(whole(&self.buffers.cells)),
             "draws" => Some(whole(&self.buffers.draws)),
             _ => bound.get(name),
         };
-        let of_cells =
+        let cell_step =
             |stage: &Pipeline, count: u32| stage.pass([stage.dispatch(device, Workgroups::over(device, count), get)]);
         let mut steps = Vec::new();
         if let Some(edges) = &self.edges {
@@ -188,23 +188,23 @@ impl DepthMapVolumes {
         }
         if let Some(count) = &self.count {
             let workgroups = if bound.shape.spread == 0 { few } else { blocks };
-            steps.push(of_cells(&count.get(&self.shared, has_objects), workgroups));
+            steps.push(cell_step(&count.get(&self.shared, has_objects), workgroups));
         }
-        steps.extend(self.stages.iter().zip([1, few]).map(|(stage, count)| of_cells(stage, count)));
+        steps.extend(self.stages.iter().zip([1, few]).map(|(stage, count)| cell_step(stage, count)));
         steps
     }
 
-    /// The draw of a bit.
+    /// The bindings of the draw of a bit.
     fn bind_draw(&self, bound: &Bound<'_>, views: &[DepthMapView]) -> wgpu::BindGroup {
         let device = self.shared.device();
         let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
         let [map, objects] = bound.textures;
-        let resources = [whole(&bound.map), texture(map), whole(self.cells()), whole(&view), texture(objects)];
-        match (&self.contours, &bound.contour) {
-            (Some(contours), Some(contour)) => {
-                wall_group(&self.shared, (0..).zip(resources).chain(contours.of_draws(contour)).collect())
-            }
-            _ => group(device, "depth surface", &layout(&self.shared), &resources),
+        let mut resources = vec![whole(&bound.map), texture(map), whole(self.cells()), whole(&view), texture(objects)];
+        let mut layout = surface_layout(&self.shared);
+        if let (Some(contours), Some(contour)) = (&self.contours, &bound.contour) {
+            resources.extend(contours.draw_bindings(contour));
+            layout = wall_layout(&self.shared);
         }
+        group(device, "draw of a depth map", &layout, &resources)
     }
 }

@@ -2,35 +2,33 @@
 
 use glam::{DMat4, DVec3};
 
-use super::error::DepthMapError;
-use super::mesh_depth::{UNMOVED, depth_layout, depth_pipeline, placed, storage};
+use super::error::{DepthMapError, guard};
+use super::mesh_depth::{DepthPipeline, UNIT, caster_of, check_depth_format, light_view, storage};
 use super::view::{matrix, origin};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, any_error, check};
+use crate::gpu::common::memory::{Allocation, check};
 use crate::gpu::common::pipelines::{Pipelines, group};
-use crate::gpu::common::requirements::{Subject, check_alive};
+use crate::gpu::common::requirements::Subject;
 use crate::gpu::scene::depths::{DepthCaster, DepthGroup, SceneDepthCasters};
 use crate::gpu::scene::scene::Scene;
-use crate::layout::{CHUNK, MeshDepthCaster, MeshDepthView};
+use crate::layout::{CHUNK, MeshDepthCaster};
 use crate::shadow::DepthDirection;
 
-/// Draws the depth of casters of a [`Scene`] into a depth map, for [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes).
-/// Front and back faces are drawn alike, and faces that are excluded or
-/// hidden for a light are drawn, too. The same pass may hold several draws, and anything else that writes depth.
+/// Draws the depth of casters of a [`Scene`] into a depth map, for
+/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Both front and back faces are drawn, and faces that are
+/// excluded or occluded for a light are drawn, too. The same pass may hold several draws, and anything else that writes
+/// depth.
 ///
-/// Casters with the same source of positions are drawn together: one draw for those that are rigid, and one for each buffer of
-/// positions, times the pages of topology that their meshes are in, which are few. Casters whose box is outside of what the light
-/// sees are left out.
+/// For each page of topology there is one draw for rigid casters, and one for each buffer of positions. Casters whose box is
+/// outside of the light's view are culled.
 #[derive(Debug)]
 pub struct SceneDepth {
-    shared: Pipelines,
-    pipeline: wgpu::RenderPipeline,
-    depth: DepthDirection,
+    pipeline: DepthPipeline,
 }
 
-/// Counts of a draw of [`SceneDepth`].
+/// Counts of a call of [`SceneDepth::draw`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SceneDepthCounts {
     /// Casters that were drawn.
@@ -45,13 +43,13 @@ pub struct SceneDepthCounts {
 /// Bindings of a draw: view, positions, casters, faces, chunks.
 const BINDINGS: u32 = 5;
 
-/// The most that clip coordinates of the shader may be off, as a share of the sum of their terms' absolute values: twelve
-/// roundings of 2⁻²³, and what `f64` rounds. docs/numerics/depth-maps.md, "Depth of scenes".
-const OFF: f64 = 16.0 / 8_388_608.0;
+/// The largest error of the shader's clip coordinates, as a share of the sum of their terms' absolute values: twelve
+/// roundings of 2⁻²³, and those of `f64`. docs/numerics/depth-maps.md, "Depth of scenes".
+const CLIP_ERROR: f64 = 16.0 / 8_388_608.0;
 
 impl SceneDepth {
-    /// Makes what draws into attachments of `format`, without color and with one sample. `depth` tells which depth is near, as
-    /// [`ShadowCamera::depth`] of the light does.
+    /// Makes the pipeline that draws into attachments of `format`, without color and with one sample. `depth` is the
+    /// [`ShadowCamera::depth`] of the light.
     ///
     /// # Errors
     /// [`DepthMapError`] if `format` has no depth, or the device lacks something or refuses it.
@@ -60,26 +58,21 @@ impl SceneDepth {
         format: wgpu::TextureFormat,
         depth: DepthDirection,
     ) -> Result<Self, DepthMapError> {
-        if !format.has_depth_aspect() {
-            return Err(DepthMapError::NoDepth(format));
-        }
+        check_depth_format(format)?;
         let shared = pipelines.into();
         shared.clone().construct(Subject::DepthMap, || {
-            let layout = depth_layout(&shared, BINDINGS);
-            let make = || depth_pipeline(&shared, "scene_depth", &layout, format, depth);
-            let pipeline = any_error(shared.device(), make);
-            Ok(Self { pipeline: pipeline.map_err(|message| DepthMapError::Refused { message })?, depth, shared })
+            Ok(Self { pipeline: DepthPipeline::new(shared, ("scene_depth", BINDINGS), format, depth)? })
         })
     }
 
-    /// Draws casters of `scene` as they are now, as `light` sees them: rigid ones by the positions of their mesh and their
-    /// transform, others from their buffers, which hold at the time of the draw what was written before the pass. The scene
-    /// need not be encoded. Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
+    /// Draws the current casters of `scene` as `light` sees them. Rigid ones have the positions of their mesh and their
+    /// transform; others have the positions that are in their buffers when the pass runs. The scene need not be encoded.
+    /// Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
     ///
-    /// The draw reads the scene's pages, so what [`Scene::remove_mesh`] says of encodes holds for it.
+    /// The draw reads the scene's pages, so [`Scene::remove_mesh`] treats it like an encode.
     ///
-    /// With the unit matrix as their transform, and with positions in a buffer, casters have the same depths bit for bit as
-    /// [`MeshDepth::draw`](crate::gpu::depth_map::MeshDepth::draw) gives their positions.
+    /// Casters with the unit matrix as their transform, and casters with positions in a buffer, have the same depths bit for
+    /// bit as with [`MeshDepth::draw`](crate::gpu::depth_map::MeshDepth::draw).
     ///
     /// # Errors
     /// [`DepthMapError`] if a handle or the light is refused, or the device refuses a buffer. Nothing is drawn then.
@@ -90,21 +83,15 @@ impl SceneDepth {
         casters: SceneDepthCasters<'_>,
         light: &ShadowCamera,
     ) -> Result<SceneDepthCounts, DepthMapError> {
-        light.check_any_hand()?;
-        if light.depth != self.depth {
-            return Err(DepthMapError::Depth { what: "the light", given: light.depth, made: self.depth });
-        }
-        let device = self.shared.device();
-        check_alive(device)?;
-        let seen = Seen { matrix: matrix(light), origin: origin(light) };
+        self.pipeline.check(light)?;
+        let view_volume = LightView { matrix: matrix(light), origin: origin(light) };
         let mut counts = SceneDepthCounts::default();
         let mut bound = Vec::new();
-        let view = any_error(device, || {
-            storage(device, bytemuck::bytes_of(&MeshDepthView { columns: light.view_projection }))
-        });
-        let view = view.map_err(|message| DepthMapError::Refused { message })?;
+        let device = self.pipeline.shared.device();
+        let view = guard(device, || light_view(device, light))?;
         for group in scene.depth_groups(casters)? {
-            let (drawn, outside): (Vec<_>, Vec<_>) = group.casters.iter().partition(|caster| !seen.is_outside(caster));
+            let (drawn, outside): (Vec<_>, Vec<_>) =
+                group.casters.iter().partition(|caster| !view_volume.is_outside(caster));
             counts.drawn += drawn.len();
             counts.outside += outside.len();
             if !drawn.is_empty() {
@@ -112,7 +99,7 @@ impl SceneDepth {
             }
         }
         counts.draws = bound.len();
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.pipeline.pipeline);
         for (group, chunks) in bound {
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3 * CHUNK, 0..chunks);
@@ -120,20 +107,20 @@ impl SceneDepth {
         Ok(counts)
     }
 
-    /// Binds casters of a group. Returns the number of their chunks, too.
+    /// Binds casters of a group. Also returns the count of their chunks.
     fn bind(
         &self,
         view: &wgpu::Buffer,
-        of: &DepthGroup<'_>,
+        depth_group: &DepthGroup<'_>,
         drawn: &[DepthCaster],
         light: &ShadowCamera,
     ) -> Result<(wgpu::BindGroup, u32), DepthMapError> {
-        let device = self.shared.device();
+        let device = self.pipeline.shared.device();
         let casters: Vec<MeshDepthCaster> =
-            drawn.iter().map(|caster| placed(caster.rows.unwrap_or(UNMOVED), light, caster.place)).collect();
+            drawn.iter().map(|caster| caster_of(caster.rows.unwrap_or(UNIT), light, caster.layout)).collect();
         let chunks: Vec<[u32; 2]> = (0..)
             .zip(drawn)
-            .flat_map(|(number, caster)| (0..caster.place[3]).step_by(CHUNK as usize).map(move |face| [number, face]))
+            .flat_map(|(index, caster)| (0..caster.layout[3]).step_by(CHUNK as usize).map(move |face| [index, face]))
             .collect();
         let limits = DispatchLimits::new(&device.limits());
         let allocations = [
@@ -141,49 +128,48 @@ impl SceneDepth {
             Allocation { label: "chunks of a depth map", bytes: size_of_val(&chunks[..]) as u64 },
         ];
         check(&allocations, limits.binding, None)?;
-        let group = any_error(device, || {
-            let [own, chunks] = [bytemuck::cast_slice(&casters), bytemuck::cast_slice(&chunks)];
-            let [own, chunks] = [own, chunks].map(|contents| storage(device, contents));
-            let positions = part(of.positions, of.range.clone());
-            let resources = [whole(view), positions, whole(&own), whole(of.faces), whole(&chunks)];
-            group(device, "scene depth", &depth_layout(&self.shared, BINDINGS), &resources)
-        });
-        let group = group.map_err(|message| DepthMapError::Refused { message })?;
+        let group = guard(device, || {
+            let [casters, chunks] = [bytemuck::cast_slice(&casters), bytemuck::cast_slice(&chunks)];
+            let [casters, chunks] = [casters, chunks].map(|contents| storage(device, contents));
+            let positions = part(depth_group.positions, depth_group.range.clone());
+            let resources = [whole(view), positions, whole(&casters), whole(depth_group.faces), whole(&chunks)];
+            group(device, "scene depth", &self.pipeline.layout, &resources)
+        })?;
         Ok((group, u32::try_from(chunks.len()).unwrap_or(u32::MAX)))
     }
 }
 
-/// The light view.
-struct Seen {
+/// The light's camera, in `f64`.
+struct LightView {
     matrix: DMat4,
     origin: DVec3,
 }
 
-impl Seen {
-    /// Whether no texel can have a depth of the caster: all of its box is clipped by one plane of the light's clip space,
-    /// whatever the shader rounds.
+impl LightView {
+    /// Whether no texel can have a depth of the caster: one plane of the light's clip space clips its whole box, despite the
+    /// shader's rounding.
     fn is_outside(&self, caster: &DepthCaster) -> bool {
         let Some(bounds) = caster.bounds else { return false };
-        let rows = caster.rows.unwrap_or(UNMOVED).map(|row| row.map(f64::from));
+        let rows = caster.rows.unwrap_or(UNIT).map(|row| row.map(f64::from));
         let [low, high] = bounds.map(|corner| corner.map(f64::from));
         let largest: [f64; 3] = std::array::from_fn(|axis| low[axis].abs().max(high[axis].abs()));
         let sizes = DVec3::from_array(std::array::from_fn(|axis| {
             let [x, y, z, shift] = rows[axis].map(f64::abs);
             x * largest[0] + y * largest[1] + z * largest[2] + shift + self.origin[axis].abs()
         }));
-        let off = |number: usize| {
-            let row = self.matrix.row(number).abs();
-            OFF * (row.truncate().dot(sizes) + row.w)
+        let error = |axis: usize| {
+            let row = self.matrix.row(axis).abs();
+            CLIP_ERROR * (row.truncate().dot(sizes) + row.w)
         };
-        let clip = |number: usize| {
+        let clip = |corner_index: usize| {
             let corner: [f64; 3] =
-                std::array::from_fn(|axis| if number >> axis & 1 == 0 { low[axis] } else { high[axis] });
+                std::array::from_fn(|axis| if corner_index >> axis & 1 == 0 { low[axis] } else { high[axis] });
             let [x, y, z] = rows.map(|row| row[0] * corner[0] + row[1] * corner[1] + row[2] * corner[2] + row[3]);
             self.matrix * (DVec3::new(x, y, z) - self.origin).extend(1.0)
         };
         let corners: [_; 8] = std::array::from_fn(clip);
-        let [x, y, z, w] = [0, 1, 2, 3].map(off);
-        let is_beyond = |height: &dyn Fn(glam::DVec4) -> f64, off: f64| corners.iter().all(|&at| height(at) < -off);
+        let [x, y, z, w] = [0, 1, 2, 3].map(error);
+        let is_beyond = |height: &dyn Fn(glam::DVec4) -> f64, error: f64| corners.iter().all(|&at| height(at) < -error);
         is_beyond(&|at| at.w + at.x, w + x)
             || is_beyond(&|at| at.w - at.x, w + x)
             || is_beyond(&|at| at.w + at.y, w + y)

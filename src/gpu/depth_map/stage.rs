@@ -1,11 +1,12 @@
-//! Stages that edges of objects are a part of.
+//! Stages with a variant that marks edges between objects.
 
 use std::sync::OnceLock;
 
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::stages::Stage;
 
-/// A stage with and without edges of objects. A pipeline without them is smaller, and the other is made with the first objects.
+/// A stage with and without edges between objects. The pipeline without them is smaller; the other is made for the first
+/// objects.
 #[derive(Debug)]
 pub(super) struct ObjectStage {
     stage: &'static Stage,
@@ -22,9 +23,9 @@ impl ObjectStage {
         constants: &[(&'static str, u32)],
     ) -> Self {
         let constants = constants.iter().map(|&(name, value)| (name, f64::from(value))).collect();
-        let own = Self { stage, entry_point, constants, made: [const { OnceLock::new() }; 2] };
-        own.get(shared, false);
-        own
+        let stage = Self { stage, entry_point, constants, made: [const { OnceLock::new() }; 2] };
+        stage.get(shared, false);
+        stage
     }
 
     pub(super) fn get(&self, shared: &Pipelines, objects: bool) -> Pipeline {

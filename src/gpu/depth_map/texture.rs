@@ -1,8 +1,8 @@
-//! Textures that are taken as depth maps.
+//! Checks of textures that are depth maps or objects, and textures that stages write.
 
 use super::error::DepthMapError;
 
-/// The formats of maps.
+/// The formats of depth maps.
 pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
     wgpu::TextureFormat::Depth16Unorm,
     wgpu::TextureFormat::Depth24Plus,
@@ -12,17 +12,17 @@ pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
     wgpu::TextureFormat::R32Float,
 ];
 
-/// Whether a texture can be taken as a map of `made` texels; its format.
+/// Refuses a texture that is no depth map of `made` texels. Returns its format.
 pub(super) fn check_texture(
     map: &wgpu::Texture,
     made: [u32; 2],
     name: &str,
 ) -> Result<wgpu::TextureFormat, DepthMapError> {
-    let taken = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
-    check_read(map, made, name, (MAP_FORMATS.contains(&map.format()), taken))
+    let accepted = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
+    check_read(map, made, name, (MAP_FORMATS.contains(&map.format()), accepted))
 }
 
-/// Whether a texture can be taken as the objects of a map of `made` texels.
+/// Refuses a texture that has no objects for a map of `made` texels.
 pub(super) fn check_objects(objects: &wgpu::Texture, made: [u32; 2], name: &str) -> Result<(), DepthMapError> {
     check_read(objects, made, name, (objects.format() == wgpu::TextureFormat::R32Uint, "R32Uint")).map(|_| ())
 }
@@ -31,18 +31,18 @@ fn check_read(
     given: &wgpu::Texture,
     made: [u32; 2],
     name: &str,
-    (has_format, taken): (bool, &'static str),
+    (has_format, accepted): (bool, &'static str),
 ) -> Result<wgpu::TextureFormat, DepthMapError> {
     let (format, samples, levels) = (given.format(), given.sample_count(), given.mip_level_count());
     let size = [given.width(), given.height()];
     let map = || name.to_owned();
     if !has_format {
-        return Err(DepthMapError::MapFormat { map: map(), format, taken });
+        return Err(DepthMapError::MapFormat { map: map(), format, accepted });
     }
     if samples != 1 {
         return Err(DepthMapError::Samples { map: map(), samples });
     }
-    // A view does not tell its level, and so not its size.
+    // wgpu does not say which level a view shows, and so which size it has.
     if levels != 1 {
         return Err(DepthMapError::MipLevels { map: map(), levels });
     }
@@ -61,7 +61,7 @@ pub(super) fn texture(
     label: &'static str,
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
-    further: wgpu::TextureUsages,
+    other_usages: wgpu::TextureUsages,
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
@@ -70,7 +70,7 @@ pub(super) fn texture(
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | further,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | other_usages,
         view_formats: &[],
     })
 }

@@ -1,4 +1,4 @@
-//! A depth map as a camera sees it: the matrices, in `f64`, rounded once. docs/numerics/depth-maps.md.
+//! The matrices from a depth map to a camera, in `f64`, rounded once. docs/numerics/depth-maps.md.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 
@@ -7,8 +7,7 @@ use crate::ShadowCamera;
 use crate::layout::DepthMapView;
 use crate::shadow::DepthDirection;
 
-/// The distances by which depths in a format may be off: a share of the depth, and a constant. Four steps between
-/// neighbouring depths.
+/// The error of depths in a format, four steps between neighbouring depths: a share of the depth, and a constant.
 pub(super) fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
     use wgpu::TextureFormat::{Depth16Unorm, Depth32Float, Depth32FloatStencil8, R32Float};
     let is_float = matches!(format, Depth32Float | Depth32FloatStencil8 | R32Float);
@@ -28,7 +27,7 @@ pub(super) fn origin(camera: &ShadowCamera) -> DVec3 {
     Vec3::from_array(camera.origin).as_dvec3()
 }
 
-/// The eye's matrix, with depths moved away by what its depth buffer may be off.
+/// The eye's matrix, with depths moved away by the error of its depth buffer.
 fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
     let [share, constant] = steps(format, eye.depth);
     let mut rows = matrix(eye).transpose();
@@ -39,7 +38,8 @@ fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
     rows.transpose()
 }
 
-/// The depth at infinity of a perspective map, for x, y and a constant in device coordinates. `None` for a parallel light.
+/// The depth at infinity of a perspective map: factors of x and y in device coordinates, and a constant. `None` for a light
+/// at infinity.
 pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapError> {
     if matrix(light).row(3).truncate() == DVec3::ZERO {
         return Ok(None);
@@ -54,8 +54,8 @@ pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<D
     let w = inverse.row(3);
     let depth = -DVec3::new(w.x, w.y, w.w) / w.z;
     let is_behind = |[x, y]: [f64; 2]| {
-        let at = depth.dot(DVec3::new(x, y, 1.0));
-        !(if light.depth == DepthDirection::Reversed { at < far } else { at > far })
+        let at_infinity = depth.dot(DVec3::new(x, y, 1.0));
+        !(if light.depth == DepthDirection::Reversed { at_infinity < far } else { at_infinity > far })
     };
     if [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().any(is_behind) {
         return Err(DepthMapError::FarPlane);
@@ -63,25 +63,26 @@ pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<D
     Ok(Some(depth))
 }
 
-/// Where the boundary of a map is drawn.
+/// How the boundary of a map is moved.
 #[derive(Clone, Copy, Debug)]
 pub struct Placing {
     /// Rows of the lattice before the first texel.
     pub border: f64,
-    /// Texels by which the boundary is moved across and down.
+    /// The offset across and down, in texels.
     pub jitter: [f64; 2],
-    /// How far it moves away from the light: multiples of the depth difference over a texel in each direction.
+    /// The bias away from the light, in multiples of the depth difference over a texel in each direction.
     pub slope_bias: f64,
 }
 
-/// The light's matrix, of the boundary moved by parts of a texel.
+/// The light's matrix, moved by the jitter.
 fn moved_matrix(light: &ShadowCamera, size: [u32; 2], placing: &Placing) -> DMat4 {
     let ([width, height], [across, down]) = (size.map(f64::from), placing.jitter);
     let jitter = DVec3::new(2.0 * across / width, -2.0 * down / height, 0.0);
     DMat4::from_translation(-jitter) * matrix(light)
 }
 
-/// Columns from x and y on the near rectangle of an eye, from -1 to 1, to the lattice of a map and the depth in it: homogeneous.
+/// Columns from x and y on the near rectangle of an eye, from -1 to 1, to the lattice of a map and the depth in it:
+/// homogeneous.
 pub(super) fn near_columns(
     (light, size): (&ShadowCamera, [u32; 2]),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
@@ -101,8 +102,8 @@ pub(super) fn near_columns(
     [near.x_axis, near.y_axis, near_z * near.z_axis + near.w_axis]
 }
 
-/// The view of a map of `size` texels, whose depths were rounded to `formats` and are `off` by more, for an eye whose depth
-/// buffer has the format `format`.
+/// The view of a map of `size` texels, for an eye whose depth buffer has the format `format`. Depths of the map were rounded
+/// to `formats`, and have the further error `off`.
 pub(crate) fn depth_map_view(
     (light, size): (&ShadowCamera, [u32; 2]),
     (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
@@ -116,7 +117,7 @@ pub(crate) fn depth_map_view(
     let inverse = to_light.inverse();
     let infinity = infinity(light, &inverse)?;
     let between = DMat4::from_translation(origin(light) - origin(eye));
-    let place = to_eye * between * inverse;
+    let to_clip = to_eye * between * inverse;
     // Directions do not depend on the origins.
     let ray = |depth: f64, of: DVec4| to_eye * (of + depth * inverse.z_axis).truncate().extend(0.0);
     let [far_across, far_down, far_middle] = if let Some(depth) = infinity {
@@ -128,14 +129,14 @@ pub(crate) fn depth_map_view(
     let [near_across, near_up, near_middle] = near_columns((light, size), (eye, format), placing);
     let f32s = |column: DVec4| column.as_vec4().to_array();
     let rounded = formats.map(|format| steps(format, light.depth));
-    let most = rounded.fold([0.0; 2], |most: [f64; 2], steps| [0, 1].map(|at| most[at].max(steps[at])));
-    let [share, constant] = [0, 1].map(|at| (most[at] + off[at]) as f32);
+    let coarsest = rounded.fold([0.0; 2], |max: [f64; 2], steps| [0, 1].map(|index| max[index].max(steps[index])));
+    let [share, constant] = [0, 1].map(|index| (coarsest[index] + off[index]) as f32);
     let depth = infinity.unwrap_or(DVec3::ZERO);
     Ok(DepthMapView {
-        across: f32s(place.x_axis / width),
-        down: f32s(-place.y_axis / height),
-        depth: f32s(place.z_axis),
-        middle: f32s(place.w_axis),
+        across: f32s(to_clip.x_axis / width),
+        down: f32s(-to_clip.y_axis / height),
+        depth: f32s(to_clip.z_axis),
+        middle: f32s(to_clip.w_axis),
         far_across: f32s(far_across),
         far_down: f32s(far_down),
         far_middle: f32s(far_middle),

@@ -20,17 +20,16 @@ use crate::layout::{ContourShape, DepthMapShape};
 use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_CELLS, DEPTH_NEAR, DEPTH_NEAR_WALLS};
 
-/// The largest number of cells: entries have as many bits for it.
-pub(super) const MOST_CELLS: u64 = 1 << 29;
+/// The largest count of cells: entries have 29 bits for the index.
+pub(super) const MAX_CELLS: u64 = 1 << 29;
 
 /// Cells of a strip across and down. Each of its rows has a word.
 const STRIP: [u64; 2] = [8, 4];
 /// Strips of a block.
 const BLOCK: u64 = 64;
 
-/// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
-/// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads
-/// nothing back.
+/// Shadow volumes of casters without a mesh, from the depth map of a light. It finds the edges of the map, and draws the
+/// boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
 ///
 /// docs/numerics/depth-maps.md has the method and its source.
 ///
@@ -71,35 +70,35 @@ const BLOCK: u64 = 64;
 #[derive(Debug)]
 pub struct DepthMapVolumes {
     pub(super) shared: Pipelines,
-    /// Decides about cells from the samples alone, and counts them.
+    /// Decides cells from samples alone, and counts them.
     pub(super) count: Option<ObjectStage>,
-    /// Decides about them from marks of edges.
+    /// Decides cells from marks of edges.
     pub(super) edges: Option<EdgeStages>,
-    /// Places of cells, and their list. None if there are contours.
+    /// Scan the counts of cells, and list cells. Empty with contours.
     pub(super) stages: Vec<Pipeline>,
     pub(super) contours: Option<Contours>,
-    /// Tells whether near caps are drawn. `None`: they always are.
+    /// Decides whether near caps are drawn. `None`: they always are.
     pub(super) near: Option<Pipeline>,
     pub(super) shape: DepthMapShape,
     /// Bytes of all buffers.
     pub(super) bytes: u64,
-    /// Whether edges of objects are more than the method takes.
-    pub(super) takes_objects: bool,
+    /// Whether the method marks edges between objects.
+    pub(super) uses_objects: bool,
     pub(super) slope_bias: f32,
     pub(super) bits: u32,
     pub(super) rounded_to: Option<wgpu::TextureFormat>,
     pub(super) metric: DepthMetric,
     pub(super) eye: (wgpu::TextureFormat, DepthDirection),
-    /// Bound where there are no objects.
-    pub(super) nothing: wgpu::TextureView,
+    /// Bound in place of missing objects.
+    pub(super) no_objects: wgpu::TextureView,
     pub(super) buffers: CellBuffers,
     pub(super) encodes: Arc<AtomicU64>,
 }
 
-/// The buffers of cells. Contours have others, so theirs are empty.
+/// The buffers of cells. With contours they are empty.
 #[derive(Debug)]
 pub(super) struct CellBuffers<B = wgpu::Buffer> {
-    pub(super) places: B,
+    pub(super) words: B,
     pub(super) cells: B,
     pub(super) draws: B,
 }
@@ -119,10 +118,10 @@ impl<B> Buffers<B> {
         make: &mut impl FnMut(Wanted<'static>) -> B,
     ) -> Self {
         let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, shape.blocks) };
-        let places = (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1);
+        let words = (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1);
         Self {
             cells: CellBuffers {
-                places: make(Wanted::new("places of depth cells", 4 * places)),
+                words: make(Wanted::new("words of depth cells", 4 * words)),
                 cells: make(Wanted::new("depth cells", 4 + 4 * u64::from(listed))),
                 draws: make(Wanted::new("draws of depth cells", 16).indirect()),
             },
@@ -133,7 +132,8 @@ impl<B> Buffers<B> {
 }
 
 impl DepthMapVolumes {
-    /// Makes buffers for maps of `size` texels, on the device of `pipelines`, and for draws by them or others with as many bits.
+    /// Makes buffers for maps of `size` texels, on the device of `pipelines`. Frames can be drawn by `pipelines`, or by
+    /// others of the same format and number of bits.
     ///
     /// # Errors
     /// [`DepthMapError`] if the size or an option is refused, or the buffers do not fit the device.
@@ -141,7 +141,7 @@ impl DepthMapVolumes {
         pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, size, (1, &[]), options))
     }
 
-    /// Makes buffers for a map, or for the six of a cube, whose textures are yet to be made.
+    /// Makes buffers for one map, or for the six of a cube. `textures`: what the caller allocates beside them.
     pub(super) fn with(
         pipelines: &DepthMapPipelines,
         size: [u32; 2],
@@ -153,9 +153,9 @@ impl DepthMapVolumes {
         let bits = pipelines.bits().len() as u32;
         let DepthMapOptions { method, capacity, slope_bias, rounded_to, metric, memory_limit, .. } = options;
         // A cube has no border.
-        let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
-        let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
-        if size.contains(&0) || count > MOST_CELLS {
+        let cells_along = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
+        let count = size.map(cells_along).into_iter().fold(u64::from(faces), u64::saturating_mul);
+        if size.contains(&0) || count > MAX_CELLS {
             return Err(DepthMapError::Size(size[0], size[1]));
         }
         options.check()?;
@@ -163,96 +163,96 @@ impl DepthMapVolumes {
         let limits = DispatchLimits::new(&device.limits());
         let cells = count as u32;
         let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
-        let [across, down] = size.map(cells_of);
+        let [across, down] = size.map(cells_along);
         let strips = across.div_ceil(STRIP[0]) * down.div_ceil(STRIP[1]) * u64::from(faces);
         let blocks = strips.div_ceil(BLOCK) as u32;
         let detector = Detector::new(method, bits, faces, size);
-        // Where cells are not decided by a threshold alone, a list that overflows is that of every cell.
+        // If the list overflows, draws can decide cells by a threshold alone; otherwise they draw every cell.
         let threshold = match method {
             DepthMapMethod::Differences { threshold, .. } | DepthMapMethod::Contours { threshold, .. } => {
                 Some(threshold).filter(|_| detector.is_none())
             }
             _ => None,
         };
-        let room = capacity.unwrap_or(cells).min(cells).min(fitting);
+        let cell_capacity = capacity.unwrap_or(cells).min(cells).min(fitting);
         let shape = DepthMapShape {
             size,
             cells,
             blocks,
-            capacity: contours.as_ref().map_or(room, |contours| contours.capacity),
+            capacity: contours.as_ref().map_or(cell_capacity, |contours| contours.capacity),
             every_cell: u32::from(threshold.is_none()),
             threshold: threshold_bits(threshold.unwrap_or(0.0)),
             is_reversed: 0,
             faces,
-            objects: 0,
+            has_objects: 0,
             spread: u32::from(bits > 1),
             unused: 0,
         };
-        let mut all = Vec::new();
+        let mut allocations = Vec::new();
         Buffers::plan(&shape, detector.as_ref(), contours.as_ref(), &mut |Wanted { label, bytes, .. }| {
-            all.push(Allocation { label, bytes });
+            allocations.push(Allocation { label, bytes });
         });
-        check_bindings(&all, limits.binding)?;
-        check(&all, limits.buffer, None)?;
+        check_bindings(&allocations, limits.binding)?;
+        check(&allocations, limits.buffer, None)?;
         // Textures have limits of their own.
-        check(&[&all[..], textures].concat(), u64::MAX, memory_limit)?;
-        let bytes = all.iter().map(|allocation| allocation.bytes).sum();
-        let Buffers { cells: buffers, edges: of_edges, contours: of_contours } = guarded(device, bytes, || {
-            Buffers::plan(&shape, detector.as_ref(), contours.as_ref(), &mut |wanted| wanted.make(device))
-        })?;
-        let contours = contours.zip(of_contours);
+        check(&[&allocations[..], textures].concat(), u64::MAX, memory_limit)?;
+        let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
+        let Buffers { cells: buffers, edges: edge_buffers, contours: contour_buffers } =
+            guarded(device, bytes, || {
+                Buffers::plan(&shape, detector.as_ref(), contours.as_ref(), &mut |wanted| wanted.make(device))
+            })?;
+        let contours = contours.zip(contour_buffers);
         let contours = contours.map(|(shape, buffers)| Contours::new(pipelines, shape, buffers)).transpose()?;
         let near =
             if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
-        let edges = detector.zip(of_edges).map(|(detector, buffers)| EdgeStages::new(shared, detector, buffers));
-        let (numbers, further) = (wgpu::TextureFormat::R32Uint, wgpu::TextureUsages::empty());
-        let nothing = texture(device, "no objects", [1, 1], numbers, further);
+        let edges = detector.zip(edge_buffers).map(|(detector, buffers)| EdgeStages::new(shared, detector, buffers));
+        let no_objects =
+            texture(device, "no objects", [1, 1], wgpu::TextureFormat::R32Uint, wgpu::TextureUsages::empty());
         let spreads = [("SPREADS", shape.spread)];
-        let is_counted = edges.is_none() && contours.is_none();
-        let of_cells = ["depth_cells_places", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
+        let counts_cells = edges.is_none() && contours.is_none();
+        let cell_stages = ["depth_cells_scan", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
         Ok(Self {
-            count: is_counted.then(|| ObjectStage::new(shared, &DEPTH_CELLS, "depth_cells_count", &spreads)),
+            count: counts_cells.then(|| ObjectStage::new(shared, &DEPTH_CELLS, "depth_cells_count", &spreads)),
             edges,
-            stages: of_cells.map(|name| shared.compute(&DEPTH_CELLS, name, &[])).collect(),
+            stages: cell_stages.map(|name| shared.compute(&DEPTH_CELLS, name, &[])).collect(),
             near: options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[])),
             contours,
             shape,
             bytes,
-            takes_objects: method != DepthMapMethod::EveryCell,
+            uses_objects: method != DepthMapMethod::EveryCell,
             slope_bias,
             bits,
             rounded_to,
             metric,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
-            nothing: nothing.create_view(&wgpu::TextureViewDescriptor::default()),
+            no_objects: no_objects.create_view(&wgpu::TextureViewDescriptor::default()),
             buffers,
             encodes: Arc::default(),
             shared: shared.clone(),
         })
     }
 
-    /// Cells, or walls and flaps, that the list has room for. With a larger number at the begin of [`Self::cells`], every cell is
+    /// Cells, or walls and flaps, that the list has room for. If [`Self::cells`] begins with a larger count, every cell is
     /// drawn.
     pub fn capacity(&self) -> u32 {
-        self.contours.as_ref().map_or(self.shape.capacity, |own| own.shape.capacity)
+        self.contours.as_ref().map_or(self.shape.capacity, |contours| contours.shape.capacity)
     }
 
-    /// The listed cells, on the GPU: their number, then an entry for each. Strips of eight cells across and four down follow each
-    /// other, and so do the rows of a strip. An entry has the number of its cell in 29 bits. Bit 29 tells that the cell is split
-    /// from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two triangles are drawn. With a number larger than
-    /// [`Self::capacity`] the entries are not complete, and every cell is drawn.
+    /// The listed cells, on the GPU: their count, then an entry for each. They are in order of strips of eight cells across
+    /// and four down, then of rows, then of columns. The lower 29 bits of an entry are the index of the cell. Bit 29 is set
+    /// if the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 if its first and its second triangle are
+    /// drawn. If the count exceeds [`Self::capacity`], the list is incomplete, and every cell is drawn.
     ///
-    /// With [`DepthMapMethod::Contours`], the quadrilaterals: their number,
-    /// three times 0, then twelve words for each. They are four vertices of three words: its place across and down the lattice,
-    /// whose sample (1, 1) is texel (0, 0), in parts of 256 of a texel, and its distance from the near plane, in units of 2⁻²⁹ of
-    /// the range of depths, or 2³¹ − 1 where it is far.
+    /// With [`DepthMapMethod::Contours`] it lists walls and flaps: their count, three words of 0, then twelve words for
+    /// each. These are four vertices of three words: x and y on the lattice, in 1/256 texel, and the distance from the near
+    /// plane. Sample (1, 1) of the lattice is texel (0, 0). Distances are in 2⁻²⁹ of the range of depths; 2³¹ − 1 is far.
     pub fn cells(&self) -> &wgpu::Buffer {
-        self.contours.as_ref().map_or(&self.buffers.cells, |own| &own.buffers.walls)
+        self.contours.as_ref().map_or(&self.buffers.cells, |contours| &contours.buffers.walls)
     }
 
-    /// Marks of edges that contours cross, the places where they do, and counts of walls: the buffers that draws of walls read.
+    /// Marks of edges that contours cross, the crossings, and counts of walls: the buffers that draws of walls read.
     #[doc(hidden)]
     pub fn contour_buffers(&self) -> Option<[&wgpu::Buffer; 3]> {
-        self.contours.as_ref().map(Contours::tested)
+        self.contours.as_ref().map(Contours::drawn_buffers)
     }
 }

@@ -1,11 +1,11 @@
-//! A map that a stage writes, texel by texel: a texture of `R32Float`, and the dispatch.
+//! A map that a stage writes: a texture of `R32Float`, and the dispatch.
 
 use bytemuck::Zeroable;
 
-use super::error::DepthMapError;
+use super::error::{DepthMapError, guard};
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
-use crate::gpu::common::memory::{any_error, filled, guarded};
+use crate::gpu::common::memory::{filled, guarded};
 use crate::gpu::common::pass::{Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{check_alive, check_timer};
@@ -34,18 +34,18 @@ impl WrittenMap {
         label: &'static str,
         size: [u32; 2],
     ) -> Result<Self, DepthMapError> {
-        let most = shared.device().limits().max_texture_dimension_2d;
+        let max_side = shared.device().limits().max_texture_dimension_2d;
         if size.contains(&0) {
             return Err(DepthMapError::Size(size[0], size[1]));
         }
-        if size.into_iter().any(|side| side > most) {
-            return Err(DepthMapError::Texture { size, most });
+        if size.into_iter().any(|side| side > max_side) {
+            return Err(DepthMapError::Texture { size, max_side });
         }
         let texels = u64::from(size[0]) * u64::from(size[1]);
         let texture = guarded(shared.device(), 4 * texels, || {
             written_texture(shared.device(), label, size, wgpu::TextureFormat::R32Float)
         })?;
-        // Textures have at most 2²⁸ texels or so; a device with larger ones walks along the blocks all the same.
+        // Fits: textures have at most about 2²⁸ texels.
         let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape { size, blocks, faces: 1, ..DepthMapShape::zeroed() };
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -60,20 +60,20 @@ impl WrittenMap {
         self.shape.size
     }
 
-    /// Whether a map can be read: its format.
+    /// Refuses a map that cannot be read. Returns its format.
     pub(super) fn check(&self, map: &wgpu::TextureView, name: &str) -> Result<wgpu::TextureFormat, DepthMapError> {
         let format = check_texture(map.texture(), self.shape.size, name)?;
         if *map.texture() == self.texture { Err(DepthMapError::OwnResult) } else { Ok(format) }
     }
 
-    /// Records the stage. `maps` are the names of the textures that it reads, `written` that of the map, `further` the bytes of
-    /// another uniform.
+    /// Records the stage. `maps`: the textures that it reads, by name. `written`: the name of the map. `uniform`: name and
+    /// bytes of another uniform.
     pub(super) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         depth: DepthDirection,
         (maps, written): (&[(&str, &wgpu::TextureView)], &str),
-        further: Option<(&str, &[u8])>,
+        other_uniform: Option<(&str, &[u8])>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), DepthMapError> {
         let device = self.shared.device();
@@ -82,20 +82,20 @@ impl WrittenMap {
         let is_reversed = u32::from(depth == DepthDirection::Reversed);
         let shape = DepthMapShape { is_reversed, ..self.shape };
         let bind = || {
-            let uniforms = |bytes: &[u8]| filled(device, "depth map", bytes, wgpu::BufferUsages::UNIFORM);
-            let own = uniforms(bytemuck::bytes_of(&shape));
-            let further = further.map(|(name, bytes)| (name, uniforms(bytes)));
+            let buffer = |bytes: &[u8]| filled(device, "depth map", bytes, wgpu::BufferUsages::UNIFORM);
+            let shape_buffer = buffer(bytemuck::bytes_of(&shape));
+            let other = other_uniform.map(|(name, bytes)| (name, buffer(bytes)));
             self.stage.dispatch(device, Workgroups::over(device, shape.blocks), |name| {
-                let map = maps.iter().find(|(own, _)| *own == name);
-                let further = further.as_ref().filter(|(own, _)| *own == name);
+                let map = maps.iter().find(|(of, _)| *of == name);
+                let other = other.as_ref().filter(|(of, _)| *of == name);
                 match name {
-                    "depth_map" => Some(uniform::<DepthMapShape>(&own, 0)),
+                    "depth_map" => Some(uniform::<DepthMapShape>(&shape_buffer, 0)),
                     _ if name == written => Some(texture(&self.view)),
-                    _ => map.map(|(_, map)| texture(map)).or_else(|| further.map(|(_, buffer)| whole(buffer))),
+                    _ => map.map(|(_, map)| texture(map)).or_else(|| other.map(|(_, buffer)| whole(buffer))),
                 }
             })
         };
-        let dispatch = any_error(device, bind).map_err(|message| DepthMapError::Refused { message })?;
+        let dispatch = guard(device, bind)?;
         record([&self.stage.pass([dispatch])], encoder, 0..1, timer);
         Ok(())
     }

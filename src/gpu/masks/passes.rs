@@ -14,26 +14,26 @@ pub(super) struct Attachment {
     format: wgpu::TextureFormat,
     samples: u32,
     pub(super) view: wgpu::TextureView,
-    /// Reads it, if it has colours.
+    /// The bind group of a colour attachment.
     pub(super) group: Option<wgpu::BindGroup>,
 }
 
 impl Attachment {
-    /// The attachment that is kept, or another one if it is not like this.
+    /// The cached attachment, or a new one if it has other properties.
     pub(super) fn of(
-        kept: &mut Option<Self>,
+        cached: &mut Option<Self>,
         shared: &Pipelines,
         size: [u32; 2],
         format: wgpu::TextureFormat,
         samples: u32,
     ) -> Result<Self, MaskError> {
-        let is_kept = |own: &Self| (own.size, own.format, own.samples) == (size, format, samples);
-        let own = match kept.take().filter(is_kept) {
-            Some(own) => own,
+        let is_same = |made: &Self| (made.size, made.format, made.samples) == (size, format, samples);
+        let attachment = match cached.take().filter(is_same) {
+            Some(attachment) => attachment,
             None => any_error(shared.device(), || Self::new(shared, size, format, samples))
                 .map_err(|message| refused(shared.device(), "textures of masks", message))?,
         };
-        Ok(kept.insert(own).clone())
+        Ok(cached.insert(attachment).clone())
     }
 
     fn new(shared: &Pipelines, size: [u32; 2], format: wgpu::TextureFormat, samples: u32) -> Self {
@@ -73,7 +73,7 @@ fn zero(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
-/// Begins a pass that writes a layer of the target, from 0 on.
+/// Begins a pass that clears and writes a layer of the target.
 pub(super) fn draw_into<'e>(encoder: &'e mut wgpu::CommandEncoder, view: &wgpu::TextureView) -> wgpu::RenderPass<'e> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("masks"),
@@ -82,7 +82,7 @@ pub(super) fn draw_into<'e>(encoder: &'e mut wgpu::CommandEncoder, view: &wgpu::
     })
 }
 
-/// Begins the pass of a group of lights, with bits and stencil at 0. The first group has no depth yet, and the last one leaves none.
+/// Begins the pass of a group of lights, with bits and stencil at 0. The first group clears the depth, and the last one discards it.
 pub(super) fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     bits: Option<&wgpu::TextureView>,

@@ -8,7 +8,7 @@ use crate::gpu::shadow::pipelines::Convention;
 use crate::gpu::shadow::{ShadowFormat, ShadowPipelines};
 use crate::stages::{MASK_SAMPLES, SHADOW_MASKS};
 
-/// All that pipelines of a pass of volumes depend on.
+/// The settings of the pipelines of a pass of volumes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Setting {
     pub(super) convention: Convention,
@@ -52,7 +52,7 @@ impl Counting {
             stencil,
             bias: wgpu::DepthBiasState::default(),
         };
-        // Where the stencil is not 0, the reference, it is 0 afterwards.
+        // Draws where the stencil is not 0, the reference, and sets it to 0.
         let dark = wgpu::StencilFaceState {
             compare: wgpu::CompareFunction::NotEqual,
             pass_op: wgpu::StencilOperation::Zero,
@@ -94,7 +94,7 @@ pub(super) fn layout(shared: &Pipelines, is_sampled: bool) -> wgpu::BindGroupLay
     shared.layout("mask", entries(wgpu::ShaderStages::FRAGMENT, [(0, source)]))
 }
 
-/// A pipeline that draws over the whole picture, and reads a texture with one sample or several.
+/// A pipeline for a full-screen draw that reads a texture with one sample or several.
 pub(super) fn pipeline(
     shared: &Pipelines,
     is_sampled: bool,

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::errors::{MaskError, refused};
+use super::light_bounds::affected_pixels;
 use super::passes::{Attachment, around, begin, draw_into, layer_view, scissor};
 use super::pipelines::{Counting, Setting, layout, pipeline};
-use super::reach::reached;
 use crate::gpu::common::bindings::texture;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::{Pipelines, group};
@@ -18,9 +18,9 @@ const GROUP: usize = 32;
 
 /// Pipelines, and a depth and stencil buffer that Rimline owns, for [`SceneFrame::write_masks`].
 ///
-/// Pipelines are made when they are first needed: by the first call, and by the first with other formats or another camera's depth
-/// direction. Textures are made anew when the size of the picture changes. For pictures of several sizes in turn, take a value for each.
-/// They take 5 to 13 bytes for each sample of each pixel. The depth and the target of the last call stay alive.
+/// The first call makes pipelines, and so does the first call with other formats or another depth direction. A change of the image
+/// size makes new textures, so use one value for each size. Textures take 5 to 13 bytes for each sample of each pixel. The depth and
+/// the target of the last call stay alive.
 ///
 /// ```no_run
 /// # use rimline::gpu::{LightHandle, MaskError, MaskInputs, SceneFrame, ShadowMasks};
@@ -29,7 +29,7 @@ const GROUP: usize = 32;
 /// #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), MaskError> {
 /// // Once:
 /// let mut masks = ShadowMasks::new(device)?;
-/// // Every frame, after the depth was drawn. Bit `i` of a pixel of `target`, an `R32Uint` texture, is 1 where `lights[i]` is in shadow:
+/// // Every frame, after the depth was drawn. `target` is an `R32Uint` texture. Bit `i` of a pixel is 1 if `lights[i]` is in shadow:
 /// frame.write_masks(encoder, &mut masks, &MaskInputs { depth, view: 0, lights, target })?;
 /// # Ok(()) }
 /// ```
@@ -39,8 +39,7 @@ pub struct ShadowMasks {
     pub trim: bool,
     shared: Pipelines,
     counting: Vec<(Setting, Arc<Counting>)>,
-    /// Pipelines that write targets: the format, the shader, whether bits have several samples.
-    writing: Vec<((wgpu::TextureFormat, &'static str, bool), wgpu::RenderPipeline)>,
+    writing: Vec<(Writing, wgpu::RenderPipeline)>,
     depth_stencil: Option<Attachment>,
     /// The bits of up to 8 lights, and of more.
     bits: [Option<Attachment>; 2],
@@ -50,24 +49,32 @@ pub struct ShadowMasks {
     target: Option<(wgpu::Texture, Vec<wgpu::TextureView>)>,
 }
 
+/// The settings of a pipeline that writes targets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Writing {
+    target: wgpu::TextureFormat,
+    entry_point: &'static str,
+    /// Whether the bits have several samples.
+    is_sampled: bool,
+}
+
 /// The inputs of [`SceneFrame::write_masks`].
 #[derive(Clone, Copy, Debug)]
 pub struct MaskInputs<'a> {
-    /// The depth of the surfaces that get the light, drawn by the camera of the view, as when the commands run. It is a view of level 0 of
-    /// one layer with the depth aspect only, of a texture with usage `TEXTURE_BINDING`. Any depth format and any number of samples a
-    /// pixel will do. `Depth32Float` needs a device with
-    /// [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8).
+    /// The depth of the surfaces that get the light, drawn by the camera of the view before the commands run: a view of the depth
+    /// aspect, of level 0 of one layer, of a texture with usage `TEXTURE_BINDING`. Any depth format and number of samples works.
+    /// `Depth32Float` needs a device with [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8).
     pub depth: &'a wgpu::TextureView,
     /// The view of the frame, counted from 0.
     pub view: usize,
     /// The lights, in the order of their bits.
     pub lights: &'a [LightHandle],
-    /// The masks. A texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. Level 0 is written, of as many layers
-    /// as the lights need:
+    /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level 0 of as many
+    /// layers as the lights need:
     ///
     /// * `R8Uint`, `R32Uint`: a bit a light, 8 or 32 of them in a layer. Light `i` is bit `i mod 8` of layer `i div 8`, or bit
-    ///   `i mod 32` of layer `i div 32`. It is 1 where the light is in shadow. The bits that are left are 0. Of depth with several
-    ///   samples, sample 0 counts.
+    ///   `i mod 32` of layer `i div 32`. It is 1 if the light is in shadow. Other bits are 0. With several samples, sample 0
+    ///   counts.
     /// * `R8Unorm`: a layer a light, the share of the samples of a pixel that are in shadow: 0 or 1, or antialiased if the
     ///   depth has several samples.
     pub target: &'a wgpu::Texture,
@@ -113,7 +120,7 @@ impl ShadowMasks {
         entry_point: &'static str,
         is_sampled: bool,
     ) -> Result<wgpu::RenderPipeline, MaskError> {
-        let key = (target, entry_point, is_sampled);
+        let key = Writing { target, entry_point, is_sampled };
         if let Some((_, made)) = self.writing.iter().find(|(made, _)| *made == key) {
             return Ok(made.clone());
         }
@@ -126,9 +133,9 @@ impl ShadowMasks {
     }
 
     /// The bind group of a depth.
-    fn given(&mut self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
-        let made = if let Some(kept) = self.depth.take().filter(|(own, _)| own == depth) {
-            kept
+    fn depth_group(&mut self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
+        let made = if let Some(cached) = self.depth.take().filter(|(cached, _)| cached == depth) {
+            cached
         } else {
             let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
             let layout = layout(&self.shared, is_sampled);
@@ -149,14 +156,14 @@ impl ShadowMasks {
 
     /// Views of the first layers of a target that a pass can draw into.
     fn layers(&mut self, target: &wgpu::Texture, layers: u32) -> Result<Vec<wgpu::TextureView>, MaskError> {
-        let is_kept = |(own, views): &(wgpu::Texture, Vec<_>)| own == target && views.len() >= layers as usize;
-        let made = if let Some(kept) = self.target.take().filter(is_kept) {
-            kept
+        let is_same = |(cached, views): &(wgpu::Texture, Vec<_>)| cached == target && views.len() >= layers as usize;
+        let made = if let Some(cached) = self.target.take().filter(is_same) {
+            cached
         } else {
             let device = self.shared.device();
             let made = any_error(device, || {
                 let views: Vec<_> = (0..layers).map(|layer| layer_view(target, layer)).collect();
-                // A texture that is destroyed or of another device makes an encoder of the caller useless. This one is tried.
+                // A destroyed texture, or one of another device, would spoil the caller's encoder. Try it in this one.
                 let mut tried = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 for view in &views {
                     drop(draw_into(&mut tried, view));
@@ -171,7 +178,7 @@ impl ShadowMasks {
     }
 }
 
-/// The format that depth is copied to: one that holds every depth as it is loaded, if the device has it.
+/// The format of the copy of the depth: one that holds every loaded depth exactly, if the device has it.
 fn depth_stencil(format: wgpu::TextureFormat, features: wgpu::Features) -> Result<wgpu::TextureFormat, MaskError> {
     let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
     match format {
@@ -192,7 +199,7 @@ impl MaskInputs<'_> {
         }
     }
 
-    /// Refuses textures that do not go together, as far as they tell. Returns the layers that are written.
+    /// Refuses textures that do not match. Returns the number of layers to write.
     fn check(&self) -> Result<u32, MaskError> {
         let (map, target) = (self.depth.texture(), self.target);
         let format = map.format();
@@ -218,19 +225,18 @@ impl MaskInputs<'_> {
 }
 
 impl SceneFrame {
-    /// Writes which lights are in shadow at each pixel, for renderers without a stencil: from the depth that the caller drew, a bit
-    /// or a share for each light.
+    /// Writes which lights are in shadow at each pixel, from the depth that the caller drew, for renderers without a stencil: a bit or
+    /// a share for each light.
     ///
-    /// A mask has no meaning where nothing was drawn, where the light does not reach because of its range or cone, and on the side
-    /// of a surface that is turned away from it: nothing is to be lit there. Masks of lights that do not reach the view cost nothing.
-    /// Masks that reach a part of the picture are 0 in the rest of it.
+    /// A mask has no meaning at pixels where nothing was drawn, out of the light's range or cone, and on back-facing surfaces: add no
+    /// light there. A light out of the view costs nothing. A mask is 0 outside a rectangle around the light's range and cone.
     ///
-    /// The value that `textureLoad` gives of the depth is the value that volumes are compared with, to the bit, on devices with
-    /// [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8). Without it, depth of 16 and 24 bits is stored in 24 bits
-    /// again, and may be off by one unit of the last place where the device rounds. [`Counting::ZFail`](crate::Counting::ZFail) compares
-    /// caps with surfaces at the same depth, so casters with an open surface need `Depth32Float` for it.
+    /// On devices with [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8), volumes are compared with exactly the
+    /// depth that `textureLoad` returns. Without it, depth of 16 and 24 bits is stored in 24 bits again, and may differ by one unit in
+    /// the last place if the device rounds. [`Counting::ZFail`](crate::Counting::ZFail) compares caps with surfaces at the same depth, so
+    /// with it casters with an open surface need `Depth32Float`.
     ///
-    /// It records one pass for each 32 lights, and one for each layer of the target. One encoder may hold several calls.
+    /// The call records one pass for each 32 lights, and one for each layer of the target. One encoder may hold several calls.
     ///
     /// # Errors
     /// [`MaskError`] if the frame is out of date, an input is refused, or the device lacks something. Nothing is recorded then.
@@ -247,8 +253,8 @@ impl SceneFrame {
         let layers = inputs.check()?;
         let map = depth.texture();
         let (size, samples) = ([map.width(), map.height()], map.sample_count());
-        let reach = lights.iter().zip(&encoded).map(|(&light, of)| (light, reached(camera, of, size)));
-        let reach: Vec<_> = reach.collect();
+        let bounds = lights.iter().zip(&encoded).map(|(&handle, light)| (handle, affected_pixels(camera, light, size)));
+        let bounds: Vec<_> = bounds.collect();
         let mut setting = Setting {
             convention,
             is_in_batches: self.count_batches > 1,
@@ -264,7 +270,7 @@ impl SceneFrame {
         } else {
             let entry_point = match target.format() {
                 wgpu::TextureFormat::R8Unorm => "mask_share",
-                // The other channels of textures with one are no bits.
+                // Textures with one channel have no other bits.
                 wgpu::TextureFormat::R32Uint if lights.len() > 8 => "mask_word",
                 _ => "mask_byte",
             };
@@ -274,24 +280,23 @@ impl SceneFrame {
             writing = Some((masks.writing(target.format(), entry_point, samples > 1)?, bits));
         }
         let stencil = Attachment::of(&mut masks.depth_stencil, &masks.shared, size, setting.depth_stencil, samples)?;
-        let given = masks.given(depth)?;
+        let depth_group = masks.depth_group(depth)?;
         let views = masks.layers(target, layers)?;
         let counting = masks.counting(setting)?;
 
-        // Elsewhere there is no volume and no bit.
-        let Some(all) = reach.iter().filter_map(|(_, pixels)| *pixels).reduce(around) else {
+        // Outside of it no light has volumes or bits.
+        let Some(all) = bounds.iter().filter_map(|(_, pixels)| *pixels).reduce(around) else {
             for view in &views {
                 drop(draw_into(encoder, view));
             }
             return Ok(());
         };
-        let of_layer = inputs.lights_a_layer()?;
-        let groups = reach.chunks(GROUP).zip(views.chunks(GROUP / of_layer));
+        let groups = bounds.chunks(GROUP).zip(views.chunks(GROUP / inputs.lights_a_layer()?));
         let last = groups.len() - 1;
         for (number, (lights, views)) in groups.enumerate() {
             let color = writing.as_ref().map(|(_, bits)| &bits.view).or(views.first());
             let mut pass = begin(encoder, color, &stencil.view, convention.depth, [number == 0, number == last]);
-            pass.set_bind_group(0, &given, &[]);
+            pass.set_bind_group(0, &depth_group, &[]);
             if number == 0 {
                 scissor(&mut pass, all);
                 pass.set_pipeline(&counting.depth);
@@ -302,7 +307,7 @@ impl SceneFrame {
                 scissor(&mut pass, pixels);
                 self.record(&mut pass, &counting.volumes, view, light);
                 pass.set_pipeline(&counting.bit);
-                pass.set_bind_group(0, &given, &[]);
+                pass.set_bind_group(0, &depth_group, &[]);
                 pass.draw(0..3, bit..bit + 1);
             }
             drop(pass);

@@ -1,4 +1,4 @@
-//! The buffers of a scene beside its pages. They are kept while they are large enough.
+//! The buffers of a scene beside its pages. A new layout reuses them if they are large enough.
 
 use super::layout::Group;
 use super::options::SceneOptions;
@@ -18,9 +18,9 @@ pub(crate) const LISTS_HEAD: u64 = 256;
 /// The buffers of a group of casters for a batch of lights.
 #[derive(Clone, Debug)]
 pub(crate) struct GroupBuffers<B = wgpu::Buffer> {
-    /// One `u32` a face slot: the lights that the face faces.
+    /// Facing masks, one `u32` a face slot.
     pub(crate) facing: B,
-    /// One `u32` a face slot: the lights for which the face is excluded.
+    /// Excluded masks, one `u32` a face slot.
     pub(crate) excluded: B,
     /// A `FacingRecord`: statistics, and the undecided faces.
     pub(crate) record: B,
@@ -37,14 +37,15 @@ pub(crate) struct GroupBuffers<B = wgpu::Buffer> {
 pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
     /// A [`LightBatch`].
     pub(crate) lights: B,
-    /// Boundaries that are left to decide, and the arguments of dispatches over them.
+    /// Undecided polygons.
     pub(crate) undecided: B,
+    /// The arguments of dispatches over them.
     pub(crate) arguments: B,
     /// Pieces of L-twisted polygons.
     pub(crate) pieces: B,
 }
 
-/// The bytes of each buffer of a group, and what they have room for.
+/// The bytes of each buffer of a group, and the capacities that follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GroupSizes {
     pub(crate) masks: u64,
@@ -102,18 +103,18 @@ fn default_capacity(group: &Group, lights: u32) -> u64 {
     (counts.boundary + counts.inconsistent + consistent) as u64
 }
 
-/// The buffers of all groups and batches, and those that they share.
+/// The buffers of all groups and batches, and the shared ones.
 #[derive(Clone, Debug)]
 pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// For each group and batch.
     pub(crate) groups: Vec<Vec<GroupBuffers<B>>>,
-    /// For each batch and caster the lights that matter.
-    pub(crate) lit: B,
-    /// For each batch and caster those of them whose bits are computed.
-    pub(crate) taken: B,
-    /// The inputs of the bits in the masks: `wgsl/scene/table.wgsl`. It goes with the masks and lists: a new one comes with
-    /// new masks and lists.
-    pub(crate) kept: B,
+    /// The relevant lights of each batch and caster.
+    pub(crate) relevant_lights: B,
+    /// The active lights of each batch and caster.
+    pub(crate) active_lights: B,
+    /// The versions that masks and lists were computed from, see `wgsl/scene/table.wgsl`. A new buffer comes with new masks and
+    /// lists.
+    pub(crate) cache: B,
     /// For each group and batch four words, then the lists of chunks.
     pub(crate) work: B,
     /// [`SceneStatistics`].
@@ -122,13 +123,13 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     pub(crate) bytes: u64,
 }
 
-/// The needs that decide the sizes of buffers.
+/// The counts that decide the sizes of buffers.
 #[derive(Clone, Copy)]
 pub(crate) struct Sizes<'a> {
     /// The sizes of each group and batch.
     pub(crate) groups: &'a [Vec<GroupSizes>],
-    /// Words for the lights of casters.
-    pub(crate) lit: u64,
+    /// Pairs of batch and caster.
+    pub(crate) pairs: u64,
     pub(crate) batches: usize,
     /// Face chunks of all groups.
     pub(crate) face_chunks: u64,
@@ -140,10 +141,10 @@ pub(crate) struct Sizes<'a> {
 }
 
 impl Sizes<'_> {
-    /// Bytes of what is kept.
-    fn kept(&self) -> u64 {
+    /// Bytes of the cache.
+    fn cache(&self) -> u64 {
         let (batches, groups) = (self.batches as u64, self.groups.len() as u64);
-        4 * (4 + 32 * batches + 2 * self.lit + batches * (32 * groups + CLUSTER_WORDS as u64 * self.face_chunks))
+        4 * (4 + 32 * batches + 2 * self.pairs + batches * (32 * groups + u64::from(CLUSTER_WORDS) * self.face_chunks))
     }
 }
 
@@ -153,7 +154,7 @@ fn fits(old: &wgpu::Buffer, bytes: u64) -> bool {
 }
 
 impl Buffers {
-    /// Makes what is wanted, or takes `old` where it is large enough.
+    /// Makes buffers, or reuses those of `old`.
     pub(crate) fn new(
         device: &wgpu::Device,
         old: Option<&Self>,
@@ -163,7 +164,7 @@ impl Buffers {
         let groups = || sizes.groups.iter().flatten();
         let undecided = |sizes: &GroupSizes| sizes.polygons.map_or(0, |polygons| polygons.undecided_bytes());
         for (what, bytes) in [
-            ("versions of casters", sizes.kept()),
+            ("versions of casters", sizes.cache()),
             ("lists of chunks", 4 * sizes.work),
             ("facing masks", groups().map(GroupSizes::facing).max().unwrap_or(0)),
             ("undecided boundaries", groups().map(undecided).max().unwrap_or(0)),
@@ -176,8 +177,8 @@ impl Buffers {
         with_headroom.or_else(|_| Self::make(device, old, sizes, limits, 0))
     }
 
-    /// `headroom` is the largest size that a buffer may take beyond its need, when it replaces one that became too small: a
-    /// scene that grows caster by caster does not make its buffers anew in each frame.
+    /// A buffer that replaces one that became too small gets a quarter more, up to `headroom` bytes. A scene that grows caster
+    /// by caster then makes new buffers only now and then.
     fn make(
         device: &wgpu::Device,
         old: Option<&Self>,
@@ -185,8 +186,8 @@ impl Buffers {
         limits: &DispatchLimits,
         headroom: u64,
     ) -> Result<Self, DeviceError> {
-        let takes_old = old.is_some_and(|old| fits(&old.kept, sizes.kept()));
-        // If old buffers are not taken, they only tell what may be needed soon.
+        // With a new cache, all buffers are new. The old sizes then still tell how much may be needed soon.
+        let reuses = old.is_some_and(|old| fits(&old.cache, sizes.cache()));
         let sized = |wanted: Wanted<'static>, old: Option<&wgpu::Buffer>| {
             let bytes = match old {
                 Some(old) if fits(old, wanted.bytes) => old.size(),
@@ -203,7 +204,7 @@ impl Buffers {
         account.all.push(Allocation { label: "pages and table", bytes: sizes.others });
         let all = check(&account.all, u64::MAX, sizes.memory_limit)?;
         let take = |wanted: Wanted<'static>, old: Option<&wgpu::Buffer>| match old {
-            Some(old) if takes_old && fits(old, wanted.bytes) => old.clone(),
+            Some(old) if reuses && fits(old, wanted.bytes) => old.clone(),
             _ => sized(wanted, old).make(device),
         };
         guarded(device, all, || Self { bytes, ..Self::plan(old, sizes, take) })
@@ -211,7 +212,7 @@ impl Buffers {
 }
 
 impl<B> Buffers<B> {
-    /// `make` gets the old buffer, too.
+    /// Calls `make` for each buffer, with the old one.
     fn plan(
         old: Option<&Buffers>,
         sizes: &Sizes<'_>,
@@ -236,17 +237,17 @@ impl<B> Buffers<B> {
                 }
             }),
         };
-        let mut of_group = |(number, batches): (usize, &Vec<GroupSizes>)| {
+        let mut group_batches = |(number, batches): (usize, &Vec<GroupSizes>)| {
             let old = old.and_then(|old| old.groups.get(number));
             let batches = batches.iter().enumerate();
             batches.map(|(batch, sizes)| group(sizes, old.and_then(|old| old.get(batch)))).collect()
         };
         let statistics = size_of::<SceneStatistics>() as u64;
         Self {
-            groups: sizes.groups.iter().enumerate().map(&mut of_group).collect(),
-            lit: make(Wanted::new("lights of casters", 4 * sizes.lit), old.map(|old| &old.lit)),
-            taken: make(Wanted::new("taken lights of casters", 4 * sizes.lit), old.map(|old| &old.taken)),
-            kept: make(Wanted::new("versions of casters", sizes.kept()), old.map(|old| &old.kept)),
+            groups: sizes.groups.iter().enumerate().map(&mut group_batches).collect(),
+            relevant_lights: make(Wanted::new("relevant lights", 4 * sizes.pairs), old.map(|old| &old.relevant_lights)),
+            active_lights: make(Wanted::new("active lights", 4 * sizes.pairs), old.map(|old| &old.active_lights)),
+            cache: make(Wanted::new("versions of casters", sizes.cache()), old.map(|old| &old.cache)),
             work: make(Wanted::new("lists of chunks", 4 * sizes.work), old.map(|old| &old.work)),
             statistics: make(Wanted::new("scene statistics", statistics), old.map(|old| &old.statistics)),
             bytes: 0,
@@ -254,33 +255,33 @@ impl<B> Buffers<B> {
     }
 }
 
-/// The words of the work lists where a group and batch have their parts: four words, and the two lists.
+/// Words of the work lists of a group and batch: the first of its four counts, and of its two lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct WorkPlace {
+pub(crate) struct WorkOffsets {
     pub(crate) count: u64,
     pub(crate) faces: u64,
     pub(crate) edges: u64,
 }
 
-/// Words of a group and batch before the lists: the numbers of face chunks and edge chunks, the lights whose lists are made
-/// anew, and those of which bits are kept.
+/// Words of a group and batch before the lists: the numbers of listed face chunks and edge chunks, the lights with dirty lists,
+/// and the lights with cached bits.
 pub(crate) const WORK_WORDS: u64 = 4;
 
-/// Words that are kept for each chunk of faces and batch: the lights for which all faces of its cluster have one bit, and
-/// these bits.
-pub(crate) const CLUSTER_WORDS: usize = 2;
+/// Words of the cache for each chunk of faces and batch: the lights for which all faces of its cluster have one bit, and these
+/// bits.
+pub(crate) const CLUSTER_WORDS: u32 = 2;
 
-/// The places of all groups and batches, and the number of words. Counts come first, so that they are cleared together.
-pub(crate) fn work_places(groups: &[Group], batches: usize) -> (Vec<Vec<WorkPlace>>, u64) {
+/// The offsets of all groups and batches, and the number of words. Counts come first, so that one command clears them.
+pub(crate) fn work_offsets(groups: &[Group], batches: usize) -> (Vec<Vec<WorkOffsets>>, u64) {
     let mut next = WORK_WORDS * (groups.len() * batches) as u64;
     let mut count = 0;
-    let mut place = |group: &Group| {
+    let mut offsets = |group: &Group| {
         let faces = next;
         let edges = faces + u64::from(FACE_ENTRY * (group.face_slots() / CHUNK));
         next = edges + u64::from(group.edge_slots() / CHUNK);
         count += WORK_WORDS;
-        WorkPlace { count: count - WORK_WORDS, faces, edges }
+        WorkOffsets { count: count - WORK_WORDS, faces, edges }
     };
-    let places = groups.iter().map(|group| (0..batches).map(|_| place(group)).collect()).collect();
-    (places, next)
+    let all = groups.iter().map(|group| (0..batches).map(|_| offsets(group)).collect()).collect();
+    (all, next)
 }

@@ -1,4 +1,4 @@
-//! Casters: what a caller gives, and what the scene keeps of it.
+//! Casters: the caller's description, and the scene's records.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use slotmap::DefaultKey;
 use super::handles::{LightHandle, MeshHandle};
 use super::lights::Lights;
 use super::mask::LightMask;
-use super::pages::Run;
+use super::pages::Region;
 use super::topology::SlotOrder;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::extract::of_scene::PolygonMesh;
@@ -19,15 +19,15 @@ use crate::{Light, Matrix3x4, Mesh, Transform};
 /// A mesh instance that throws shadows, for [`Scene::insert`](crate::gpu::Scene::insert).
 #[derive(Clone, Debug)]
 pub struct Caster {
-    /// The mesh. Many casters may have the same.
+    /// The mesh. Many casters may share it.
     pub mesh: MeshHandle,
-    /// Where its vertices are.
+    /// The positions of its vertices.
     pub positions: CasterPositions,
     /// The lights for which it throws shadows.
     pub lights: LightMask,
-    /// Whether the surface is in the depth buffer that shadows are drawn against. False for a proxy, a simpler mesh in
-    /// place of what is drawn: every face of it casts, and z-pass and ZP+ draw its light caps, too, because the eye may see
-    /// through its faces. Receivers that lie in its faces exactly may be lit or not.
+    /// Whether the surface is in the depth buffer that shadows are drawn against. Set it to false for a proxy, a simpler mesh
+    /// instead of the drawn one. Then every face casts, and z-pass and ZP+ draw light caps, too, because the eye may see through
+    /// its faces. Receivers exactly in its faces may be lit or not.
     pub in_depth: bool,
 }
 
@@ -50,21 +50,22 @@ impl From<PositionBuffer<'_>> for CasterPositions {
     }
 }
 
-/// Where the vertices of a caster are.
+/// The positions of the vertices of a caster.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum CasterPositions {
-    /// At the positions that were given with the mesh, placed in world space by this transform. Lights
-    /// are moved to mesh space instead, as [`Light::to_mesh_space`](crate::Light::to_mesh_space) does. A caster with a
-    /// singular transform, or one that is not finite, casts nothing.
+    /// The positions of the mesh, moved to world space by this transform. Silhouettes are found in mesh space, to which lights
+    /// are moved as by [`Light::to_mesh_space`](crate::Light::to_mesh_space). A caster with a singular transform, or one that is
+    /// not finite, casts nothing.
     ///
-    /// A vertex less the camera's origin is at `row.xyz · position + (row.w − origin)` for each axis, by [`Transform::rows`],
-    /// with products added from x to z. With z-fail a depth pass must compute the same bits; see [`Counting`](crate::Counting).
+    /// The volumes compute a vertex less the camera's origin as `row.xyz · position + (row.w − origin)` for each axis, by
+    /// [`Transform::rows`], with products added from x to z. With z-fail a depth pass must compute the same bits; see
+    /// [`Counting`](crate::Counting).
     Rigid(Transform),
-    /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode,
-    /// unless [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed.
-    /// Casters with the same buffer are drawn together, so keep many in one buffer. A model with poses is easier by
-    /// [`Scene::insert_model`](crate::gpu::Scene::insert_model).
+    /// Positions in the caller's buffer, in world space, for each source vertex of the mesh. Each encode reads them, unless
+    /// [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed. Casters with the same
+    /// buffer are drawn together, so keep many in one buffer. [`Scene::insert_model`](crate::gpu::Scene::insert_model) is easier
+    /// for a model with poses.
     Buffer {
         /// The buffer, with usage `STORAGE`.
         buffer: wgpu::Buffer,
@@ -78,7 +79,7 @@ pub enum CasterPositions {
 /// The scene's record of a mesh.
 #[derive(Debug)]
 pub(crate) struct MeshEntry {
-    pub(crate) run: Run,
+    pub(crate) region: Region,
     pub(crate) vertices: u32,
     pub(crate) faces: u32,
     pub(crate) counts: EdgeCounts,
@@ -86,18 +87,18 @@ pub(crate) struct MeshEntry {
     /// The box of the faces whose corners are finite. Low is above high if there is none.
     pub(crate) low: [f32; 3],
     pub(crate) high: [f32; 3],
-    /// Whether another face has a corner that is not finite.
+    /// Whether another face has a vertex that is not finite.
     pub(crate) is_holed: bool,
-    /// The contents of its slots if they are in clusters. `None`: they have the order of the mesh.
+    /// The faces of its slots. `None`: the order of the mesh, without clusters.
     pub(crate) order: Option<Arc<SlotOrder>>,
-    /// `None`: it has triangles only.
+    /// `None`: it has only triangles.
     pub(crate) polygons: Option<PolygonMesh>,
     pub(crate) casters: usize,
 }
 
 impl MeshEntry {
     pub(crate) fn new(
-        run: Run,
+        region: Region,
         mesh: &Mesh,
         positions: &[[f32; 3]],
         order: Option<Arc<SlotOrder>>,
@@ -117,7 +118,7 @@ impl MeshEntry {
         }
         let (vertices, faces, counts) = (mesh.vertex_count(), mesh.faces().len() as u32, mesh.edges().counts());
         let is_closed = mesh.is_closed();
-        Self { run, vertices, faces, counts, is_closed, low, high, is_holed, order, polygons, casters: 0 }
+        Self { region, vertices, faces, counts, is_closed, low, high, is_holed, order, polygons, casters: 0 }
     }
 
     pub(crate) fn edges(&self) -> u32 {
@@ -137,88 +138,102 @@ pub(crate) struct CasterEntry {
     pub(crate) source: DefaultKey,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
-    /// Slots of faces that count nowhere, counted from the first of the caster, for a light each.
+    /// For each light the slots of faces that the caller excludes, counted from the caster's first slot.
     pub(crate) excluded: Vec<(LightHandle, Arc<[u32]>)>,
-    /// Polygons on its faces, in mesh space, behind which nothing else need throw shadows.
+    /// Occluders, in mesh space.
     pub(crate) occluders: Vec<Arc<[[f32; 3]]>>,
-    /// Slots of faces that other faces hide, likewise.
+    /// For each light the slots of occluded faces, likewise.
     pub(crate) hidden: Vec<(LightHandle, Arc<[u32]>)>,
     pub(crate) placement: Placement,
-    /// Whether it waits for its new transform to be written to the table.
+    /// Whether the table lacks its latest changes.
     pub(crate) is_moved: bool,
-    /// The encode that was the first to have the caster as it is.
+    /// The first encode with the caster as it is.
     pub(crate) version: u32,
-    /// A box, in world space, in which the caller says that all positions of its buffer are.
+    /// The stated box of the positions in its buffer, in world space.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
-    /// The caller's version of the positions in its buffer. `None`: they may change at any time.
+    /// The caller's version of the positions in its buffer. `None`: they may change in each encode.
     pub(crate) positions_version: Option<u64>,
     /// Whether it is an instance of a model.
     pub(crate) is_of_model: bool,
-    /// Its number among the instances of all models, counted from 1. 0: it is none.
-    pub(crate) figure: u32,
-    /// Its place in the table, and where its lights begin there. It is known once the scene is laid out.
+    /// Its index among the instances of all models, from 1. 0: it is no instance.
+    pub(crate) deforming_index: u32,
+    /// Its index in the table, from the layout on.
     pub(crate) index: u32,
+    /// The offset of its lights in the table.
     pub(crate) first_light: u32,
 }
 
 impl CasterEntry {
-    /// Slots that count nowhere for a light, whoever says so.
+    /// Slots of faces that the caller excludes, and of occluded faces.
     pub(crate) fn all_excluded(&self) -> impl Iterator<Item = &(LightHandle, Arc<[u32]>)> {
         self.excluded.iter().chain(&self.hidden)
     }
 
-    /// Whether any face counts nowhere for a light.
+    /// Whether a face is excluded for a light.
     pub(crate) fn is_excluding(&self) -> bool {
         self.all_excluded().next().is_some()
     }
 
-    /// A light in the space of its positions, if it casts for that light. Moved directions may become too small for `f32`.
+    /// A light in the space of its positions, if it casts for that light. `None` also for a moved direction too small for `f32`.
     pub(crate) fn light(&self, lights: &Lights, bit: u32) -> Option<Light> {
         let light = lights.get(bit).filter(|_| self.lights.has(bit))?;
-        let own = match self.placement {
+        let moved = match self.placement {
             Placement::World { .. } => light,
             Placement::Rigid(rigid) => rigid.space?.light(light)?,
         };
-        Some(own).filter(|light| light.to_array() != [0.0; 4])
+        Some(moved).filter(|light| light.to_array() != [0.0; 4])
     }
 
-    /// Whether its bits are to be computed in each encode: its positions may change without a word, or it has polygons.
-    pub(crate) fn is_changing(&self) -> bool {
+    /// Its transform, if it is rigid.
+    pub(crate) fn rigid(&self) -> Option<Rigid> {
+        if let Placement::Rigid(rigid) = self.placement { Some(rigid) } else { None }
+    }
+
+    /// The word of its first vertex in the bound positions, and the words from vertex to vertex.
+    pub(crate) fn position_words(&self, mesh: &MeshEntry) -> [u32; 2] {
+        match self.placement {
+            Placement::Rigid(_) => [3 * mesh.region.ranges[2].start, 3],
+            Placement::World { offset, stride } => [offset, stride],
+        }
+    }
+
+    /// Whether each encode computes its bits: its positions may have changed, or it has polygons.
+    pub(crate) fn is_uncached(&self) -> bool {
         self.has_polygons || matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
     }
 }
 
-/// The hidden faces that were found for a light, and their casters.
+/// The occluded faces for a light, and their casters.
 #[derive(Debug)]
-pub(super) struct HiddenOfLight {
+pub(super) struct HiddenFacesOfLight {
     pub(super) light: LightHandle,
-    /// The light's bits at the time.
+    /// The bits of the light that was searched.
     pub(super) bits: [u32; 4],
-    pub(super) casters: Vec<HiddenSource>,
-    /// All hidden faces.
+    pub(super) casters: Vec<HiddenCaster>,
+    /// Occluded faces of all casters.
     pub(super) count: usize,
     /// Whether the scene leaves these faces out.
     pub(super) is_used: bool,
 }
 
 #[derive(Debug)]
-pub(super) struct HiddenSource {
+pub(super) struct HiddenCaster {
     pub(super) key: DefaultKey,
     pub(super) version: Option<u64>,
-    /// Slots of hidden faces.
+    /// Slots of occluded faces.
     pub(super) slots: Arc<[u32]>,
 }
 
-/// Where a caster's positions are.
+/// The space and the location of a caster's positions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Placement {
-    /// In the page.
+    /// Mesh space, in the page.
     Rigid(Rigid),
-    /// In the bound part of a caller's buffer: the word of vertex 0, and the words from one vertex to the next.
+    /// World space, in the bound part of a caller's buffer: the word of vertex 0, and the words from vertex to vertex.
     World { offset: u32, stride: u32 },
 }
 
-/// A transform, and what follows from it.
+/// A transform, with derived values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rigid {
     pub(crate) rows: Matrix3x4,

@@ -1,4 +1,4 @@
-//! The casters of a scene as they are drawn into a depth map.
+//! The casters of a scene that are drawn into a depth map.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -11,17 +11,16 @@ use super::scene::Scene;
 use crate::Matrix3x4;
 use crate::gpu::shadow::errors::ShadowError;
 
-/// Which casters of a scene are drawn into a depth map.
+/// The casters of a scene that are drawn into a depth map.
 ///
-/// A caster whose mesh throws shadows by a volume of its own should not be in the map of the same light. Its shadow would be
-/// drawn twice, once as coarse as the map.
+/// Leave out casters that have volumes for the same light: their shadows would be drawn twice, once as coarse as the map.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub enum SceneDepthCasters<'a> {
     /// All of them.
     #[default]
     All,
-    /// These. One that is listed twice is drawn once.
+    /// These. A caster that is listed twice is drawn once.
     Only(&'a [CasterHandle]),
     /// All but these.
     Except(&'a [CasterHandle]),
@@ -29,13 +28,13 @@ pub enum SceneDepthCasters<'a> {
     NotCastingFor(LightHandle),
 }
 
-/// Casters that are drawn together: they have their faces and their positions in the same buffers.
+/// Casters that are drawn together, with faces and positions in the same buffers.
 #[derive(Debug)]
 pub(crate) struct DepthGroup<'a> {
     source: DefaultKey,
     pub(crate) faces: &'a wgpu::Buffer,
     pub(crate) positions: &'a wgpu::Buffer,
-    /// The part of it that is bound, in bytes.
+    /// The bound part of `positions`, in bytes.
     pub(crate) range: Range<u64>,
     pub(crate) casters: Vec<DepthCaster>,
 }
@@ -43,29 +42,28 @@ pub(crate) struct DepthGroup<'a> {
 /// A caster of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthCaster {
-    /// The matrix that places its positions in world space. `None`: they are there.
+    /// The matrix from mesh space to world space. `None`: positions are in world space.
     pub(crate) rows: Option<Matrix3x4>,
     /// The word of x of vertex 0, the words from one vertex to the next, the first face, and how many there are.
-    pub(crate) place: [u32; 4],
-    /// The box of its positions, before they are placed, if it is known.
+    pub(crate) layout: [u32; 4],
+    /// The box of its positions, in their own space, if it is known.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
 }
 
 impl DepthCaster {
-    /// `None`: it has no place.
+    /// `None`: its transform is singular or not finite.
     fn new(caster: &CasterEntry, mesh: &MeshEntry) -> Option<Self> {
-        let [faces, _, vertices, _] = &mesh.run.ranges;
-        let of_page = |offset, stride| [offset, stride, faces.start, mesh.faces];
-        let (rows, [offset, stride], bounds) = match caster.placement {
+        let [offset, stride] = caster.position_words(mesh);
+        let (rows, bounds) = match caster.placement {
             Placement::Rigid(rigid) => {
                 rigid.space?;
-                // A face with a corner that is not finite is in no box, and degenerate faces alone leave it empty.
+                // A face with a vertex that is not finite is in no box, and a box of degenerate faces alone is empty.
                 let is_known = !mesh.is_holed && mesh.low[0] <= mesh.high[0];
-                (Some(rigid.rows), [3 * vertices.start, 3], is_known.then_some([mesh.low, mesh.high]))
+                (Some(rigid.rows), is_known.then_some([mesh.low, mesh.high]))
             }
-            Placement::World { offset, stride } => (None, [offset, stride], caster.bounds),
+            Placement::World { .. } => (None, caster.bounds),
         };
-        Some(Self { rows, place: of_page(offset, stride), bounds })
+        Some(Self { rows, layout: [offset, stride, mesh.region.ranges[0].start, mesh.faces], bounds })
     }
 }
 
@@ -77,14 +75,14 @@ impl Scene {
             SceneDepthCasters::Only(listed) => (listed, false),
             SceneDepthCasters::Except(listed) => (listed, true),
             SceneDepthCasters::NotCastingFor(light) => {
-                self.lights.check(light)?;
+                self.content.lights.check(light)?;
                 (&[][..], true)
             }
         };
         let mut keys = HashSet::new();
         for handle in listed {
             let key = handle.key_in(self.id)?;
-            if !self.casters.contains_key(key) {
+            if !self.content.casters.contains_key(key) {
                 return Err(ShadowError::Removed { what: "caster" });
             }
             keys.insert(key);
@@ -94,27 +92,27 @@ impl Scene {
             _ => keys.contains(&key) != is_left_out,
         };
         let mut groups: Vec<DepthGroup<'_>> = Vec::new();
-        for (key, caster) in &self.casters {
+        for (key, caster) in &self.content.casters {
             if !is_chosen(key, caster) {
                 continue;
             }
-            let Some(own) = self.meshes.get(caster.mesh).and_then(|mesh| DepthCaster::new(caster, mesh)) else {
+            let Some(drawn) = self.content.meshes.get(caster.mesh).and_then(|mesh| DepthCaster::new(caster, mesh))
+            else {
                 continue;
             };
-            let found = groups.iter().position(|group| group.source == caster.source);
-            match found.and_then(|at| groups.get_mut(at)) {
-                Some(group) => group.casters.push(own),
-                None => groups.extend(self.depth_group(caster.source, own)),
+            match groups.iter_mut().find(|group| group.source == caster.source) {
+                Some(group) => group.casters.push(drawn),
+                None => groups.extend(self.depth_group(caster.source, drawn)),
             }
         }
         Ok(groups)
     }
 
-    /// The group of a caster.
+    /// A group with one caster.
     fn depth_group(&self, source: DefaultKey, caster: DepthCaster) -> Option<DepthGroup<'_>> {
-        let found = self.sources.get(source)?;
-        let page = self.pages.get(found.page)?;
-        let (positions, range) = found.place(page);
+        let positions = self.content.sources.get(source)?;
+        let page = self.content.pages.get(positions.page)?;
+        let (positions, range) = positions.bound_positions(page);
         Some(DepthGroup { source, faces: &page.faces, positions, range, casters: vec![caster] })
     }
 }

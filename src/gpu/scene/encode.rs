@@ -4,24 +4,27 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::caster::CasterEntry;
+use bytemuck::Zeroable;
+
 use super::frame::SceneFrame;
+use super::layout::Layout;
 use super::options::Measuring;
-use super::receivers::{self, SeenReceivers};
+use super::receivers::{self, ReceiverState, ViewVersion};
 use super::scene::Scene;
 use super::stages::steps;
-use super::structure::{Making, Number, Structure};
-use super::table::{Part, Table};
+use super::structure::{Inputs, Structure, Versions};
+use super::table::Part;
 use super::view::{FrameInputs, View};
 use super::volumes::Volumes;
 use crate::ShadowCamera;
 use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
-use crate::layout::{SeenLight, ShadowView};
+use crate::layout::{ShadowLight, ShadowView, ViewLight};
 
 impl Scene {
     /// Records the extraction of all casters for all lights, and the shadow volumes of all views. One encoder may hold several
@@ -52,96 +55,90 @@ impl Scene {
     ) -> Result<SceneFrame, ShadowError> {
         let mut timer = inputs.timer;
         check_timer(timer.as_deref(), self.pipelines.device())?;
-        let views = Self::check_views(inputs.views)?;
-        let given = &*self.check_depths(inputs.views)?;
-        let words = given.iter().filter_map(|view| view.depth).map(|depth| depth.words()).max().unwrap_or(0);
-        let deformed = self.take_deformed(&views);
-        let (structure, volumes) = self.prepare_receivers(given.len(), words)?;
-        let needs = if deformed.is_some() { None } else { self.find_needs(given, &views)? };
-        let unneeded_at = if self.figures.is_empty() { 0 } else { structure.unneeded_at };
-        self.table.put_encode(self.encode_number(), unneeded_at);
-        self.table.put_origin(given.iter().flat_map(|view| view.camera.origin).fold(0.0, |size, c| size.max(c.abs())));
-        let of_receivers = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
-            Some(volumes) => {
-                let target = (&volumes.buffers.of.receivers, volumes.buffers.sizes.receivers);
-                let seen = given.iter().zip(&views).map(|(given, view)| (&given.camera, view, given.depth.as_ref()));
-                receivers::steps(&self.pipelines, seen, target)?
-            }
+        let shadow_views = Self::check_views(inputs.views)?;
+        let views = &*self.check_depths(inputs.views)?;
+        let words = views.iter().filter_map(|view| view.depth).map(|depth| depth.words()).max().unwrap_or(0);
+        let deformed = self.take_deformed(&shadow_views);
+        let (structure, volumes) = self.prepare_receivers(views.len(), words)?;
+        let needs = if deformed.is_some() { None } else { self.find_needs(views, &shadow_views)? };
+        let needed_states_offset = if self.deforming.is_empty() { 0 } else { structure.needed_states_offset };
+        let origin = views.iter().flat_map(|view| view.camera.origin).fold(0.0_f32, |size, c| size.max(c.abs()));
+        self.table.put_encode(self.encode_number(), needed_states_offset, origin);
+        let receiver_steps = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
+            Some(volumes) => receivers::steps(&self.pipelines, views, &shadow_views, &volumes.buffers)?,
             None => Vec::new(),
         };
-        self.renew_views(&views, given);
-        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, given, &views));
-        let light_batches = structure.light_batches(&self.meshes, &self.casters, &self.lights);
+        self.update_view_versions(&shadow_views, views);
+        let view_lights = volumes.as_ref().map_or_else(Vec::new, |volumes| self.view_lights(volumes, views));
+        let light_batches = structure.light_batches(&self.content);
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
         uploads.extend(needs.iter().flat_map(|needs| self.deform_uploads(needs)));
         if !structure.parts.is_empty() {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
-            uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.of.seen, bytemuck::cast_slice(&seen[..]))));
+            uploads.extend(
+                volumes.iter().map(|volumes| (&volumes.buffers.of.view_lights, bytemuck::cast_slice(&view_lights[..]))),
+            );
             uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
         }
         if !uploads.is_empty() {
             upload(self.pipelines.device(), encoder, &uploads)?;
         }
-        let unneeded = needs.map(|needs| self.record_needs(encoder, &needs, timer.as_deref_mut())).or(deformed);
-        if let Some(words) = unneeded.filter(|_| !structure.parts.is_empty()) {
-            let (to, bytes) = (4 * u64::from(unneeded_at), 4 * self.figures.len() as u64);
+        let needed_states = needs.map(|needs| self.record_needs(encoder, &needs, timer.as_deref_mut())).or(deformed);
+        if let Some(words) = needed_states.filter(|_| !structure.parts.is_empty()) {
+            let (to, bytes) = (4 * u64::from(needed_states_offset), 4 * self.deforming.len() as u64);
             encoder.copy_buffer_to_buffer(&words, 0, &structure.buffers.work, to, bytes);
         }
-        record(self.steps.iter().chain(&of_receivers), encoder, 0..1, timer.as_deref_mut());
+        record(self.steps.iter().chain(&receiver_steps), encoder, 0..1, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
             volumes.stages.record(encoder, structure.batches, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
-        self.pages.reclaim(encode);
-        let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
-        let views = given.iter().map(|view| (self.convention(&view.camera), view.camera)).collect();
-        let count_batches = self.options.stencil.count_batches;
-        let hidden = self.count_hidden();
-        let device = self.pipelines.device().clone();
+        self.content.pages.reclaim(encode);
+        let (encodes, lights) = (Arc::clone(&self.encodes), self.content.lights.listed());
         Ok(SceneFrame {
             structure,
             volumes,
-            views,
-            has_models: !self.figures.is_empty(),
-            count_batches,
-            device,
+            views: views.iter().map(|view| (self.convention(&view.camera), view.camera)).collect(),
+            has_models: !self.deforming.is_empty(),
+            count_batches: self.options.stencil.count_batches,
+            device: self.pipelines.device().clone(),
             scene: self.id,
             lights,
-            hidden,
+            hidden: self.count_hidden(),
             encodes,
             encode,
         })
     }
 
-    /// The cameras as stages see them.
-    pub(super) fn check_views(given: &[View<'_>]) -> Result<Vec<ShadowView>, ShadowError> {
-        let view = |(view, given): (usize, &View<'_>)| {
-            given.camera.view().map_err(|error| ShadowError::ViewCamera { view, error })
+    /// The cameras in the layout of the stages.
+    pub(super) fn check_views(views: &[View<'_>]) -> Result<Vec<ShadowView>, ShadowError> {
+        let check = |(number, view): (usize, &View<'_>)| {
+            view.camera.view().map_err(|error| ShadowError::ViewCamera { view: number, error })
         };
-        given.iter().enumerate().map(view).collect()
+        views.iter().enumerate().map(check).collect()
     }
 
-    /// The views with the depths that count.
-    fn check_depths<'a, 'r>(&self, given: &'a [View<'r>]) -> Result<Cow<'a, [View<'r>]>, ShadowError> {
-        for (number, view) in given.iter().enumerate() {
+    /// The views, without depths if receivers cull nothing.
+    fn check_depths<'a, 'r>(&self, views: &'a [View<'r>]) -> Result<Cow<'a, [View<'r>]>, ShadowError> {
+        for (number, view) in views.iter().enumerate() {
             view.depth.map_or(Ok(()), |depth| depth.check(number))?;
         }
-        Ok(if self.options.measuring.has(Measuring::WITHOUT_RECEIVERS) {
-            given.iter().map(|view| View::new(view.camera)).collect()
+        Ok(if self.options.measuring.has(Measuring::CULLED_BY_RECEIVERS) {
+            views.iter().map(|view| View::new(view.camera)).collect()
         } else {
-            Cow::Borrowed(given)
+            Cow::Borrowed(views)
         })
     }
 
-    /// Brings everything up to date, with room for so many views and so many words for the receivers of each.
+    /// Updates the structure and the volumes, with room for `views` views and `words` words for the receivers of each.
     fn prepare_receivers(
         &mut self,
         views: usize,
         words: u64,
     ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
         let before = self.receiver_words;
-        // The table has room for where volumes end, once there are receivers.
+        // With receivers the table also has room for the ends of volumes.
         let set = |scene: &mut Self, words| {
             (scene.receiver_words, scene.volumes) = (words, None);
             scene.structure = scene.structure.take().filter(|_| before > 0);
@@ -164,56 +161,64 @@ impl Scene {
         Convention { counting, depth: camera.depth, is_unclipped, count_bits, mirrors }
     }
 
+    /// The inputs of structures and volumes.
+    fn inputs(&self) -> Inputs<'_> {
+        Inputs {
+            pipelines: &self.pipelines,
+            content: &self.content,
+            others: self.content.pages.bytes + self.deformed_bytes,
+            options: &self.options,
+            views: self.views,
+            has_receivers: self.receiver_words > 0,
+        }
+    }
+
     /// The volumes of the structure.
     fn volumes(&mut self, structure: &Structure) -> Result<Arc<Volumes>, ShadowError> {
         if let Some(volumes) = &self.volumes {
             return Ok(Arc::clone(volumes));
         }
-        let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, deformed_bytes, .. } =
-            self;
-        let has_receivers = *receiver_words > 0;
-        let others = pages.bytes + *deformed_bytes;
-        let making =
-            Making { pipelines, meshes, sources, pages, others, lights, options, views: *views, has_receivers };
-        let others = others + structure.bytes();
-        let made = Arc::new(Volumes::new(&making, structure, *views, *receiver_words, others)?);
+        let made = Arc::new(Volumes::new(&self.inputs(), structure, self.receiver_words)?);
         self.volumes = Some(Arc::clone(&made));
         Ok(made)
     }
 
-    /// Keeps the versions of cameras that did not change.
-    fn renew_views(&mut self, views: &[ShadowView], given: &[View<'_>]) {
+    /// Gives this encode's version to views that changed.
+    fn update_view_versions(&mut self, shadow_views: &[ShadowView], views: &[View<'_>]) {
         let encode = self.encode_number();
-        let last = std::mem::take(&mut self.seen_views);
-        let mut last = last.into_iter().map(Some).chain(std::iter::repeat(None));
-        let bytes = bytemuck::bytes_of::<ShadowView>;
-        let version = |(view, given): (&ShadowView, &View<'_>)| {
-            let seen = SeenReceivers::of(given.depth.as_ref());
-            let version = match last.next().flatten() {
-                Some((before, version, of)) if bytes(&before) == bytes(view) && of == seen => version,
-                _ => encode,
+        let before = std::mem::take(&mut self.view_versions);
+        let version = |(number, (&view, given)): (usize, (&ShadowView, &View<'_>))| {
+            let receivers = ReceiverState::of(given.depth.as_ref());
+            let is_same = |before: &&ViewVersion| {
+                let is_same_view = bytemuck::bytes_of(&before.view) == bytemuck::bytes_of(&view);
+                is_same_view && before.receivers == receivers && receivers != ReceiverState::Changing
             };
-            (*view, if seen == SeenReceivers::Changing { encode } else { version }, seen)
+            let version = before.get(number).filter(is_same).map_or(encode, |before| before.version);
+            ViewVersion { view, version, receivers }
         };
-        self.seen_views = views.iter().zip(given).map(version).collect();
+        self.view_versions = shadow_views.iter().zip(views).enumerate().map(version).collect();
     }
 
-    /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
-    fn seen(&self, volumes: &Volumes, given: &[View<'_>], views: &[ShadowView]) -> Vec<SeenLight> {
-        let mut seen = Vec::with_capacity(volumes.buffers.sizes.seen());
-        for (number, ((given, &view), &(_, version, _))) in given.iter().zip(views).zip(&self.seen_views).enumerate() {
-            let at = if given.depth.is_some() { receivers::at(number, volumes.buffers.sizes.receivers) } else { 0 };
-            for bit in 0..volumes.buffers.sizes.lights as u32 {
-                let light = self.lights.get(bit).map(|light| given.camera.light(&view, light));
-                let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
-                seen.push(SeenLight { view, light, version: [version, at, 0, 0], ..bytemuck::Zeroable::zeroed() });
+    /// Each light in each view. Unused views are zero, and so are their lights.
+    fn view_lights(&self, volumes: &Volumes, views: &[View<'_>]) -> Vec<ViewLight> {
+        let sizes = &volumes.buffers.sizes;
+        let mut all = Vec::with_capacity(sizes.view_lights());
+        for (number, (given, &ViewVersion { view, version, .. })) in views.iter().zip(&self.view_versions).enumerate() {
+            let receivers = if given.depth.is_some() { receivers::offset(number, sizes.receivers) } else { 0 };
+            for bit in 0..sizes.lights as u32 {
+                let light = self
+                    .content
+                    .lights
+                    .get(bit)
+                    .map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
+                all.push(ViewLight { view, light, version: [version, receivers, 0, 0], ..ViewLight::zeroed() });
             }
         }
-        seen.resize(volumes.buffers.sizes.seen(), bytemuck::Zeroable::zeroed());
-        seen
+        all.resize(sizes.view_lights(), ViewLight::zeroed());
+        all
     }
 
-    /// Brings everything up to date, with room for so many views.
+    /// Updates the structure and the volumes, with room for `views` views.
     pub(super) fn prepare_views(
         &mut self,
         views: usize,
@@ -225,7 +230,7 @@ impl Scene {
         }
         let made = match self.prepare_all(views) {
             Err(ShadowError::Device(DeviceError::MemoryLimit { .. } | DeviceError::OutOfMemory { .. })) => {
-                // Buffers that are kept may be larger than what is needed.
+                // Reused buffers may be larger than needed.
                 (self.structure, self.last, self.volumes) = (None, None, None);
                 self.prepare_all(views)
             }
@@ -244,9 +249,9 @@ impl Scene {
         Ok((structure, volumes))
     }
 
-    /// Brings the table up to date.
+    /// Updates the table, and the structure if casters or lights were added or removed.
     fn prepare(&mut self) -> Result<Arc<Structure>, ShadowError> {
-        self.renew_hidden();
+        self.update_hidden_faces();
         let structure = match &self.structure {
             Some(structure) => {
                 let structure = Arc::clone(structure);
@@ -256,66 +261,55 @@ impl Scene {
             None => self.lay_out()?,
         };
         self.moved.clear();
-        self.table.put_encode(self.encode_number(), 0);
         Ok(structure)
     }
 
-    /// The number of the encode at hand.
+    /// The number of the encode that is being recorded.
     fn encode_number(&self) -> u32 {
         (self.encodes.load(Ordering::Relaxed) + 1) as u32
     }
 
     fn lay_out(&mut self) -> Result<Arc<Structure>, ShadowError> {
         self.structures = self.structures.wrapping_add(1).max(1);
-        let number = Number { structure: self.structures, encode: self.encode_number() };
-        self.lights.renew(number.encode);
-        let (views, has_receivers) = (self.views, self.receiver_words > 0);
-        self.number_figures();
-        let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
-        let others = pages.bytes + self.deformed_bytes;
-        let making = Making { pipelines, meshes, sources, pages, others, lights, options, views, has_receivers };
-        let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
-        self.steps = steps(&making, casters, &made)?;
+        let versions = Versions { structure: self.structures, encode: self.encode_number() };
+        self.content.lights.update_versions(versions.encode);
+        self.index_deforming();
+        let limits = DispatchLimits::new(&self.pipelines.device().limits());
+        let layout = Layout::new(&mut self.table, &mut self.content, versions.encode, &limits)?;
+        let inputs = self.inputs();
+        let made = Arc::new(Structure::new(&inputs, layout, &self.table, self.last.as_deref(), versions)?);
+        self.steps = steps(&inputs, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));
         self.structure = Some(Arc::clone(&made));
         Ok(made)
     }
 
-    /// Writes what moved to the table.
+    /// Writes changed casters and lights to the table.
     fn update(&mut self, structure: &Structure) {
         let encode = self.encode_number();
-        let Self { casters, meshes, lights, table, moved, .. } = self;
-        let lights_moved = lights.moved;
-        if lights_moved.is_empty() {
-            for &key in &*moved {
-                let Some(caster) = casters.get_mut(key) else { continue };
-                put_change(table, caster, encode);
-                table.put_lights(caster, lights);
-            }
-        } else {
-            lights.renew(encode);
-            table.put_ranges(lights);
-            for &key in &structure.layout.order {
-                let Some(caster) = casters.get_mut(key) else { continue };
-                let is_moved = caster.is_moved;
-                if is_moved {
-                    put_change(table, caster, encode);
+        let Self { content, table, moved, .. } = self;
+        let moved_lights = content.lights.moved;
+        if moved.is_empty() && moved_lights.is_empty() {
+            return;
+        }
+        let order = &structure.layout.order;
+        let mut changed = &*moved;
+        if !moved_lights.is_empty() {
+            content.lights.update_versions(encode);
+            table.put_ranges(&content.lights);
+            changed = order;
+        }
+        for &key in changed {
+            let Some(caster) = content.casters.get_mut(key) else { continue };
+            if caster.is_moved || !caster.lights.and(&moved_lights).is_empty() {
+                if std::mem::take(&mut caster.is_moved) {
+                    caster.version = encode;
+                    table.put_change(caster);
                 }
-                if is_moved || !caster.lights.and(&lights_moved).is_empty() {
-                    table.put_lights(caster, lights);
-                }
+                table.put_lights(caster, &content.lights);
             }
         }
-        if !moved.is_empty() || !lights_moved.is_empty() {
-            structure.layout.occluders.write(table, &structure.layout.order, casters, meshes, lights);
-        }
+        structure.layout.occluders.write(table, order, content);
     }
-}
-
-/// Writes what changed of a caster to the table.
-fn put_change(table: &mut Table, caster: &mut CasterEntry, encode: u32) {
-    caster.is_moved = false;
-    caster.version = encode;
-    table.put_change(caster);
 }

@@ -24,7 +24,7 @@ pub struct SceneFrame {
     pub(crate) structure: Arc<Structure>,
     /// `None`: no view was asked for.
     pub(crate) volumes: Option<Arc<Volumes>>,
-    /// For each view the settings that pipelines must have, and the camera.
+    /// For each view the settings that pipelines must have, and its camera.
     pub(crate) views: Arc<[(Convention, ShadowCamera)]>,
     /// Whether there are instances of models.
     pub(crate) has_models: bool,
@@ -45,8 +45,8 @@ pub struct SceneGroupResults<'a> {
     pub group: usize,
     /// Bit `bit` of a mask is light `32 · batch + bit`.
     pub batch: usize,
-    /// One `u32` a face slot ([`SceneFrame::slot_order`]): the lights that the face faces. Bits of lights that do not reach the
-    /// caster have no meaning.
+    /// Facing masks, one `u32` a face slot ([`SceneFrame::slot_order`]). Bits of lights that are not relevant to the caster have no
+    /// meaning.
     pub facing: &'a wgpu::Buffer,
     /// One `u32` a face slot: the lights in the plane of the face.
     pub excluded: &'a wgpu::Buffer,
@@ -55,8 +55,8 @@ pub struct SceneGroupResults<'a> {
     pub lists: &'a wgpu::Buffer,
     /// Entries that the list of each light has room for.
     pub capacity: u32,
-    /// For each view the sides that are drawn: for each of 32 lights two counts, then [`Self::side_capacity`] entries for each
-    /// light, plain sides from the front and clipped ones from the back. An entry is as in [`Self::lists`].
+    /// For each view the drawn sides: for each of 32 lights two counts, then [`Self::side_capacity`] entries for each light,
+    /// plain sides from the front and clipped ones from the back. An entry is as in [`Self::lists`].
     pub sides: Vec<&'a wgpu::Buffer>,
     /// Entries that the sides of each light have room for.
     pub side_capacity: u32,
@@ -64,7 +64,7 @@ pub struct SceneGroupResults<'a> {
     pub draws: &'a wgpu::Buffer,
     /// Begins with [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
     pub record: &'a wgpu::Buffer,
-    /// The clusters of its page, as [`Arranged::words`](crate::internals::clusters::Arranged::words) has them for each mesh.
+    /// The clusters of its page: [`Arranged::words`](crate::internals::clusters::Arranged::words) of each mesh.
     pub clusters: &'a wgpu::Buffer,
     /// The uniform of the stages.
     pub dispatch: SceneDispatch,
@@ -75,30 +75,29 @@ pub struct SceneGroupResults<'a> {
 pub struct SceneResults<'a> {
     /// The scene table, in units of 16 bytes.
     pub table: &'a wgpu::Buffer,
-    /// For each batch and caster the bits of the lights that matter.
-    pub lit: &'a wgpu::Buffer,
-    /// For each batch and caster those of them whose bits were computed.
-    pub taken: &'a wgpu::Buffer,
+    /// The relevant lights of each batch and caster.
+    pub relevant_lights: &'a wgpu::Buffer,
+    /// The active lights of each batch and caster.
+    pub active_lights: &'a wgpu::Buffer,
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics).
     pub statistics: &'a wgpu::Buffer,
-    /// The inputs of the bits: the number of the layout, three zeros, then for each batch the versions of 32 lights. Then come,
-    /// for each batch and caster, the caster's version and the lights that culling leaves.
-    pub kept: &'a wgpu::Buffer,
+    /// The versions that bits and lists were computed from, as `wgsl/scene/table.wgsl` says.
+    pub cache: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
-    /// The lights as each view sees them, [`SeenLight`](crate::layout::SeenLight)s of all bits, and the sizes of the first group
-    /// and batch. `None`: no view.
-    pub seen: Option<(&'a wgpu::Buffer, ShadowShape)>,
+    /// The lights in each view, [`ViewLight`](crate::layout::ViewLight)s of all bits, and the sizes of the first group and batch.
+    /// `None`: no view.
+    pub view_lights: Option<(&'a wgpu::Buffer, ShadowShape)>,
     /// The choices: for each view, batch and caster eight words, as `rimline_testkit::choices` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
-    /// For each view, after one word, what its shadows may fall on: so many words as the number says, a
-    /// head and the levels of `wgsl/shadow/receivers.wgsl`. `None`: no view.
+    /// After one word the receivers of each view, and how many words each has: a head and the levels of
+    /// `wgsl/shadow/receivers.wgsl`. `None`: no view.
     pub receivers: Option<(&'a wgpu::Buffer, u64)>,
-    /// The inputs of the lists for views: for each group, batch and view 32 pairs of words: the encode that made
-    /// the silhouettes, and the version of the camera. `None`: no view.
+    /// The versions of the lists of views: for each group, batch and view 32 pairs of words, the encode that made the silhouettes
+    /// and the version of the camera. `None`: no view.
     pub listed: Option<&'a wgpu::Buffer>,
-    /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters its row, as
-    /// the stage `stencil_crossings` makes it. `None`: no bound was asked for.
+    /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters a row of the
+    /// stage `stencil_crossings`. `None`: bounds are off.
     pub bound: Option<[&'a wgpu::Buffer; 2]>,
     /// For each group the [`ShadowDraws`](crate::layout::ShadowDraws) of each view and light bit.
     pub shadow_draws: &'a [wgpu::Buffer],
@@ -114,13 +113,13 @@ impl SceneFrame {
         &self.lights
     }
 
-    /// Counts of the faces that [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) culled in this encode, or
-    /// could not.
+    /// Counts of the occluded faces of [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) that this encode culled
+    /// or ignored.
     pub fn hidden(&self) -> HiddenCounts {
         self.hidden
     }
 
-    /// The number of batches of 32 lights: as many as hold the highest bit.
+    /// The number of batches of 32 lights, up to the highest bit.
     pub fn batches(&self) -> usize {
         self.structure.batches
     }
@@ -131,14 +130,13 @@ impl SceneFrame {
         self.structure.layout.groups.len()
     }
 
-    /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
-    /// the attachments of `pipelines`. Views are the cameras of the encode, counted from 0. It counts up from the current
-    /// content of the bits of the stencil that counts own, which must be 0 if casters are counted in batches. The other bits stay
-    /// as they are. Other state of the pass does not matter. It changes the pipeline and bind groups 0 and 1, and sets
-    /// the stencil reference to 0, with which pipelines that add light compare.
+    /// Draws the shadow volumes of all casters for a light and a view, into a pass with the attachments of `pipelines`. `view` is
+    /// the index of a camera of the encode. The draw adds to the bits of the stencil that counts own, which must be 0 if casters
+    /// are counted in batches. Other bits do not change. Other state of the pass does not matter. The call changes the pipeline
+    /// and bind groups 0 and 1, and sets the stencil reference to 0, for pipelines that add light.
     ///
-    /// Each light has a pass of its own. The pass loads the depths of the depth pass and clears the stencil to 0. After
-    /// this draw, the same pass adds the light where the stencil is still 0: with a pipeline of
+    /// Use one pass a light. The pass loads the depths of the depth pass and clears the stencil to 0. After this draw, the same
+    /// pass adds the light where the stencil is still 0, with a pipeline of
     /// [`ShadowFormat::light_pass_depth_stencil`](crate::gpu::ShadowFormat::light_pass_depth_stencil).
     /// [`ShadowFormat::begin_pass`](crate::gpu::ShadowFormat::begin_pass) begins such a pass. A light with a range
     /// must add nothing beyond it.
@@ -165,11 +163,11 @@ impl SceneFrame {
         Ok(())
     }
 
-    /// A view of a frame that is not out of date: the settings that pipelines must have, and the camera.
+    /// The settings that pipelines must have, and the camera of a view. Refuses a stale frame.
     pub(crate) fn check_view(&self, view: usize) -> Result<(Convention, &ShadowCamera), ShadowError> {
         self.check_current()?;
-        let found = self.views.get(view).map(|(convention, camera)| (*convention, camera));
-        found.ok_or(ShadowError::NoSuchView { view, views: self.views.len() })
+        let checked = self.views.get(view).map(|(convention, camera)| (*convention, camera));
+        checked.ok_or(ShadowError::NoSuchView { view, views: self.views.len() })
     }
 
     /// The light of a handle as it was encoded.
@@ -206,8 +204,8 @@ impl SceneFrame {
         self.volumes.as_ref().map(|volumes| &volumes.buffers.of.statistics)
     }
 
-    /// The [`SceneStatistics`](crate::gpu::SceneStatistics) of the encode, once its encoder was submitted: what was computed,
-    /// and what was kept. Usage `COPY_SRC`. Without casters or lights nothing is written.
+    /// The [`SceneStatistics`](crate::gpu::SceneStatistics) of the encode, once its encoder was submitted. Usage `COPY_SRC`.
+    /// Without casters or lights nothing is written.
     pub fn statistics(&self) -> &wgpu::Buffer {
         &self.structure.buffers.statistics
     }
@@ -230,8 +228,8 @@ impl SceneFrame {
         let Structure { table, buffers, parts, .. } = &*self.structure;
         let volumes = self.volumes.as_ref().map(|volumes| &volumes.buffers);
         let of = volumes.map(|volumes| &volumes.of);
-        let of_part = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
-        let groups = of_part.filter_map(|(number, (part, buffers))| {
+        let parts = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
+        let groups = parts.filter_map(|(number, (part, buffers))| {
             let views = of.and_then(|of| of.lists.get(number));
             let room = volumes.and_then(|volumes| volumes.sizes.rooms.get(number));
             Some(SceneGroupResults {
@@ -250,16 +248,16 @@ impl SceneFrame {
             })
         });
         Ok(SceneResults {
-            seen: volumes.map(|volumes| (&volumes.of.seen, volumes.sizes.shape(0))),
+            view_lights: volumes.map(|volumes| (&volumes.of.view_lights, volumes.sizes.shape(0))),
             choices: of.map(|of| &of.choices),
             receivers: volumes.map(|volumes| (&volumes.of.receivers, volumes.sizes.receivers)),
-            listed: of.map(|of| &of.listed),
-            bound: of.and_then(|of| of.bound.as_ref()).map(|bound| [&bound.pencils, &bound.crossings]),
+            listed: of.map(|of| &of.list_versions),
+            bound: of.and_then(|of| of.bound.as_ref()).map(|bound| [&bound.pencils, &bound.bin_rows]),
             shadow_draws: of.map_or(&[][..], |of| &of.draws),
             table,
-            lit: &buffers.lit,
-            taken: &buffers.taken,
-            kept: &buffers.kept,
+            relevant_lights: &buffers.relevant_lights,
+            active_lights: &buffers.active_lights,
+            cache: &buffers.cache,
             statistics: &buffers.statistics,
             work: &buffers.work,
             groups: groups.collect(),
@@ -267,17 +265,17 @@ impl SceneFrame {
         })
     }
 
-    /// The face of each face slot of a caster. `None`: slots have the order of the mesh.
+    /// The face of each face slot of a caster. `None`: the order of the mesh.
     #[doc(hidden)]
     pub fn slot_order(&self, caster: CasterHandle) -> Option<&[u32]> {
-        let (index, _) = self.place(caster)?;
+        let (index, _) = self.locate(caster)?;
         let order = self.structure.layout.slot_orders.get(index as usize)?.as_ref()?;
         Some(&order.faces)
     }
 
-    /// The place of a caster in the scene table, and its group.
+    /// The index of a caster in the scene table, and that of its group.
     #[doc(hidden)]
-    pub fn place(&self, caster: CasterHandle) -> Option<(u32, usize)> {
+    pub fn locate(&self, caster: CasterHandle) -> Option<(u32, usize)> {
         let layout = &self.structure.layout;
         if caster.scene != self.scene {
             return None;

@@ -1,9 +1,9 @@
-//! Faces that other faces hide from a light: whether what was found still holds, and which casters it excludes faces of.
+//! Occluded faces: excluded while the light and the searched casters stay the same.
 
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use super::caster::{HiddenOfLight, HiddenSource, Placement};
+use super::caster::{HiddenCaster, HiddenFacesOfLight, Placement};
 use super::handles::{CasterHandle, LightHandle};
 use super::options::Measuring;
 use super::scene::Scene;
@@ -11,36 +11,35 @@ use crate::Matrix3x4;
 use crate::cpu::HiddenFaces;
 use crate::gpu::shadow::errors::ShadowError;
 
-/// Counts of hidden faces in a frame.
+/// Counts of occluded faces in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HiddenCounts {
-    /// Faces left out, summed over lights.
+    /// Culled faces, summed over lights.
     pub faces: usize,
-    /// Lights whose hidden faces the scene ignored, since the light, a caster or what it casts for had changed.
+    /// Lights whose occluded faces the scene ignored, because the light, a caster or its light mask had changed.
     pub ignored: usize,
-    /// The faces that would have been left out for these lights, and cast.
+    /// The occluded faces of these lights, which cast.
     pub ignored_faces: usize,
 }
 
 const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 impl Scene {
-    /// Leaves out faces of static casters that other faces hide from a light. `casters` are those that
-    /// [`HiddenFaces::find`] was given, in that order. `hidden` replaces what was set for the light before; `None` ends it.
-    /// Other casters of the scene do not matter.
+    /// Culls occluded faces of static casters for a light. `casters` are the casters of [`HiddenFaces::find`], in that order.
+    /// `hidden` replaces the faces that were set for the light before; `None` ends it. Other casters of the scene do not matter.
     ///
     /// Each encode checks these conditions:
     ///
     /// * The light has the same bits.
-    /// * Each caster is there and casts for the light. It is rigid with the identity for its transform, or the positions in your
+    /// * Each caster exists and casts for the light. It is rigid with the identity for its transform, or the positions in your
     ///   buffer have the version that was searched. An instance of a model never meets this.
     /// * [`Self::set_excluded`] excludes no face of a caster for the light.
     ///
-    /// If one fails, the encode ignores all hidden faces of the light, and
-    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts them. It uses them again once all hold again. A change
-    /// lays the scene out anew.
+    /// If a condition fails, the encode ignores the light's occluded faces, and
+    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts them. A later encode uses them again once all conditions hold.
+    /// Each such change makes a new layout.
     ///
-    /// The caller sees to it that the positions are those that were searched: of a rigid caster those of its mesh.
+    /// The caller must make sure that the positions are those that were searched: for a rigid caster those of its mesh.
     ///
     /// # Errors
     /// [`ShadowError::HiddenCasters`], [`ShadowError::HiddenCaster`], or an error of a handle.
@@ -50,12 +49,12 @@ impl Scene {
         casters: &[CasterHandle],
         hidden: Option<&HiddenFaces>,
     ) -> Result<(), ShadowError> {
-        self.lights.check(light)?;
+        self.content.lights.check(light)?;
         let made = hidden.map(|hidden| self.hidden_of_light(light, casters, hidden)).transpose()?;
-        let Self { hidden: all, casters, structure, .. } = self;
-        if let Some(at) = all.iter().position(|of| of.light.bit == light.bit) {
-            all.swap_remove(at);
-            for entry in casters.values_mut() {
+        let Self { hidden: all, content, structure, .. } = self;
+        if let Some(index) = all.iter().position(|of| of.light.bit == light.bit) {
+            all.swap_remove(index);
+            for entry in content.casters.values_mut() {
                 entry.hidden.retain(|(of, _)| of.bit != light.bit);
             }
             *structure = None;
@@ -69,7 +68,7 @@ impl Scene {
         light: LightHandle,
         casters: &[CasterHandle],
         hidden: &HiddenFaces,
-    ) -> Result<HiddenOfLight, ShadowError> {
+    ) -> Result<HiddenFacesOfLight, ShadowError> {
         let (given, found) = (casters.len(), hidden.casters().len());
         if given != found {
             return Err(ShadowError::HiddenCasters { given, found });
@@ -78,27 +77,27 @@ impl Scene {
         let mut sources = Vec::with_capacity(given);
         for (number, (caster, of_caster)) in casters.iter().zip(hidden.casters()).enumerate() {
             let key = caster.key_in(self.id)?;
-            let entry = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
-            let mesh = self.meshes.get(entry.mesh);
+            let entry = self.content.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
+            let mesh = self.content.meshes.get(entry.mesh);
             let faces = mesh.map_or(0, |mesh| mesh.faces as usize);
             if faces != of_caster.face_count || !keys.insert(key) {
                 return Err(ShadowError::HiddenCaster { caster: number, faces, found: of_caster.face_count });
             }
             let order = mesh.and_then(|mesh| mesh.order.as_ref());
-            let own = of_caster.faces.as_slice();
-            let slots = order.map_or_else(|| own.into(), |order| order.slots(own).into());
-            sources.push(HiddenSource { key, version: of_caster.version, slots });
+            let faces = of_caster.faces.as_slice();
+            let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
+            sources.push(HiddenCaster { key, version: of_caster.version, slots });
         }
         let count = sources.iter().map(|source| source.slots.len()).sum();
         let bits = hidden.light().to_array().map(f32::to_bits);
-        Ok(HiddenOfLight { light, bits, casters: sources, count, is_used: false })
+        Ok(HiddenFacesOfLight { light, bits, casters: sources, count, is_used: false })
     }
 
-    /// Asks for each light whether its hidden faces hold, and leaves out those that do.
-    pub(super) fn renew_hidden(&mut self) {
+    /// Checks the conditions of each light, and excludes its occluded faces while they hold.
+    pub(super) fn update_hidden_faces(&mut self) {
         let mut all = std::mem::take(&mut self.hidden);
-        // Hidden faces of a removed light go with it.
-        all.retain(|of| self.lights.check(of.light).is_ok());
+        // Occluded faces of removed lights end.
+        all.retain(|of| self.content.lights.check(of.light).is_ok());
         for of in &mut all {
             let holds = self.holds(of);
             if holds == of.is_used {
@@ -107,7 +106,7 @@ impl Scene {
             of.is_used = holds;
             self.structure = None;
             for source in of.casters.iter().filter(|source| !source.slots.is_empty()) {
-                let Some(entry) = self.casters.get_mut(source.key) else { continue };
+                let Some(entry) = self.content.casters.get_mut(source.key) else { continue };
                 entry.hidden.retain(|(light, _)| *light != of.light);
                 if holds {
                     entry.hidden.push((of.light, Arc::clone(&source.slots)));
@@ -117,14 +116,14 @@ impl Scene {
         self.hidden = all;
     }
 
-    /// Whether the light and all casters are as they were.
-    fn holds(&self, of: &HiddenOfLight) -> bool {
-        if self.options.measuring.has(Measuring::HIDDEN_FACES) {
+    /// Whether the light and all casters meet the conditions.
+    fn holds(&self, of: &HiddenFacesOfLight) -> bool {
+        if self.options.measuring.has(Measuring::OCCLUDED_FACES) {
             return false;
         }
-        let light = self.lights.get(of.light.bit);
-        let is_same = |source: &HiddenSource| {
-            self.casters.get(source.key).is_some_and(|entry| {
+        let light = self.content.lights.get(of.light.bit);
+        let is_same = |source: &HiddenCaster| {
+            self.content.casters.get(source.key).is_some_and(|entry| {
                 let is_placed = match &entry.placement {
                     Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
                     Placement::World { .. } => {
@@ -141,7 +140,7 @@ impl Scene {
 
     pub(super) fn count_hidden(&self) -> HiddenCounts {
         let (used, ignored): (Vec<_>, Vec<_>) = self.hidden.iter().partition(|of| of.is_used);
-        let faces = |of: &[&HiddenOfLight]| of.iter().map(|of| of.count).sum();
+        let faces = |of: &[&HiddenFacesOfLight]| of.iter().map(|of| of.count).sum();
         HiddenCounts { faces: faces(&used), ignored: ignored.len(), ignored_faces: faces(&ignored) }
     }
 }

@@ -1,4 +1,4 @@
-//! Lays a scene out: groups, slots, and what lies where in the scene table.
+//! The layout of a scene: groups, slots, and offsets in the scene table.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -6,9 +6,9 @@ use std::sync::Arc;
 use slotmap::{DefaultKey, SecondaryMap, SlotMap};
 
 use super::caster::{CasterEntry, MeshEntry, Placement};
-use super::lights::Lights;
+use super::content::Content;
 use super::mask::LightMask;
-use super::occluders::OccluderPlaces;
+use super::occluders::OccluderLayout;
 use super::table::{LIGHT_PARTS, Part, Slots, Table};
 use super::topology::SlotOrder;
 use crate::gpu::common::device_error::DeviceError;
@@ -17,9 +17,9 @@ use crate::gpu::extract::polygon_buffers::PolygonCounts;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
 
-/// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A
-/// source with more slots than a binding holds has several groups. A caster of polygons is a group of its own, because other
-/// stages extract it: those of `Extractor`.
+/// Casters of one page that read positions from one source: one dispatch of each stage for each batch of lights. A source with
+/// more slots than a binding holds has several groups. A caster of polygons is a group of its own, because the stages of
+/// `Extractor` extract it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     pub(crate) source: DefaultKey,
@@ -31,33 +31,32 @@ pub(crate) struct Group {
     pub(crate) proxy_chunks: u32,
     /// Edge records of all casters.
     pub(crate) counts: EdgeCounts,
-    /// Consistent edges that silhouettes may take, see [`smooth_edges`].
+    /// Consistent edges that may be silhouette edges for a light, see [`smooth_edges`].
     pub(crate) smooth: usize,
-    /// Where the casters of its chunks begin in the table.
-    pub(crate) face_chunks_at: usize,
-    pub(crate) edge_chunks_at: usize,
-    /// The caller excludes faces of a caster.
-    pub(crate) is_given: bool,
+    /// Offsets in the table of the casters of its chunks.
+    pub(crate) face_chunks_offset: usize,
+    pub(crate) edge_chunks_offset: usize,
+    /// Whether the caller excludes faces of a caster.
+    pub(crate) excludes: bool,
     /// The polygons of its only caster.
     pub(crate) polygons: Option<PolygonCounts>,
 }
 
-/// The part of a scene that changes only when casters or lights come and go.
+/// The part of a scene that changes only if casters or lights are added or removed.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     pub(crate) groups: Vec<Group>,
-    /// The casters in the order of the table.
+    /// The casters, in the order of the table.
     pub(crate) order: Vec<DefaultKey>,
-    /// The contents of their slots, where a mesh is in clusters.
+    /// The faces of their slots. `None`: the order of the mesh.
     pub(crate) slot_orders: Vec<Option<Arc<SlotOrder>>>,
-    /// Where occluders are in the table. None are there unless they are heeded.
-    pub(crate) occluders: OccluderPlaces,
-    /// The parts of the table that each encode uploads. The casters of the chunks, which follow, are written once.
+    /// The occluders in the table: none if occluders cull nothing.
+    pub(crate) occluders: OccluderLayout,
+    /// Parts of the table that each encode uploads. The casters of chunks follow, and are written once.
     pub(crate) uploaded: usize,
 }
 
-/// The consistent edges of a smooth surface that may be silhouette edges for a light: a few times the root of their
-/// number.
+/// How many consistent edges of a smooth surface may be silhouette edges for a light: a few times the root of their number.
 fn smooth_edges(consistent: usize) -> usize {
     (16 * consistent.isqrt()).min(consistent)
 }
@@ -82,7 +81,7 @@ impl Group {
         slots
     }
 
-    /// Whether the slots of another mesh fit, too.
+    /// Whether the slots of a further mesh fit.
     fn has_room(&self, mesh: &MeshEntry, limits: &DispatchLimits) -> bool {
         let face_slots = u64::from(CHUNK) * (u64::from(self.face_chunks) + u64::from(mesh.face_chunks()));
         let edge_slots = u64::from(CHUNK) * (u64::from(self.edge_chunks) + u64::from(mesh.edge_chunks()));
@@ -100,16 +99,15 @@ impl Group {
 }
 
 impl Layout {
-    /// Lays out casters and lights. Writes the table and the places of the casters.
+    /// Lays out casters and lights. Writes the table, and the offsets of each caster to its entry.
     pub(crate) fn new(
         table: &mut Table,
-        casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-        lights: &Lights,
+        content: &mut Content,
         encode: u32,
         limits: &DispatchLimits,
     ) -> Result<Self, DeviceError> {
-        // Excluded faces of a removed light go with it.
+        let Content { meshes, casters, lights, .. } = content;
+        // Excluded faces of removed lights end.
         for caster in casters.values_mut() {
             caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
             caster.hidden.retain(|(light, _)| lights.check(*light).is_ok());
@@ -118,11 +116,11 @@ impl Layout {
         let mut sources = Vec::new();
         for (key, caster) in &*casters {
             let Some(entry) = by_source.entry(caster.source) else { continue };
-            let of_source = entry.or_insert_with(|| {
+            let keys = entry.or_insert_with(|| {
                 sources.push(caster.source);
                 Vec::new()
             });
-            of_source.push(key);
+            keys.push(key);
         }
         let mut layout = Self::default();
         let mut slots = Vec::with_capacity(casters.len());
@@ -147,62 +145,62 @@ impl Layout {
             }
             layout.groups.push(group);
         }
-        layout.find_given(casters, &mut slots);
-        layout.find_places(table, casters, lights, limits)?;
-        layout.write(table, casters, meshes, lights, &slots, encode);
+        layout.mark_excluding_groups(casters, &mut slots);
+        layout.assign_offsets(table, content, limits)?;
+        layout.write(table, content, &slots, encode);
         Ok(layout)
     }
 
     /// Marks the casters of groups in which the caller excludes faces.
-    fn find_given(&mut self, casters: &SlotMap<DefaultKey, CasterEntry>, slots: &mut [Slots]) {
+    fn mark_excluding_groups(&mut self, casters: &SlotMap<DefaultKey, CasterEntry>, slots: &mut [Slots]) {
         let excluding = |key: DefaultKey| casters.get(key).is_some_and(CasterEntry::is_excluding);
         for (slots, _) in slots.iter().zip(&self.order).filter(|(_, key)| excluding(**key)) {
             if let Some(group) = self.groups.get_mut(slots.group as usize) {
-                group.is_given = true;
+                group.excludes = true;
             }
         }
         for slots in slots {
-            slots.is_given = self.groups.get(slots.group as usize).is_some_and(|group| group.is_given);
+            slots.group_excludes = self.groups.get(slots.group as usize).is_some_and(|group| group.excludes);
         }
     }
 
-    /// Finds the place of everything in the table.
-    fn find_places(
+    /// Assigns offsets in the table.
+    fn assign_offsets(
         &mut self,
         table: &mut Table,
-        casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        lights: &Lights,
+        content: &mut Content,
         limits: &DispatchLimits,
     ) -> Result<(), DeviceError> {
+        let Content { casters, lights, .. } = content;
         let parts = std::mem::take(&mut table.parts);
         *table = Table { parts, casters: self.order.len(), batches: lights.batches(), ..*table };
-        let mut next = table.pairs_at();
-        // Casters in world space share their lights if they have the same.
+        let mut next = table.caster_lights_offset();
+        // Casters in world space share lights if their masks are equal.
         let mut in_world: HashMap<LightMask, u32> = HashMap::new();
         for (index, &key) in (0..).zip(&self.order) {
             let Some(caster) = casters.get_mut(key) else { continue };
             let mask = caster.lights.and(&lights.used);
-            let mut own = || {
+            let mut allocate = || {
                 let first = next;
                 next += (LIGHT_PARTS * mask.count(table.batches)) as usize;
                 first as u32
             };
             caster.index = index;
             caster.first_light = match caster.placement {
-                Placement::Rigid(_) => own(),
-                Placement::World { .. } => *in_world.entry(mask).or_insert_with(own),
+                Placement::Rigid(_) => allocate(),
+                Placement::World { .. } => *in_world.entry(mask).or_insert_with(allocate),
             };
         }
-        if table.heeds_occluders {
-            (self.occluders, next) = OccluderPlaces::new(&self.order, casters, table.batches, next);
+        if table.culls_by_occluders {
+            (self.occluders, next) = OccluderLayout::new(&self.order, casters, table.batches, next);
         }
         self.uploaded = next;
         for group in &mut self.groups {
-            group.face_chunks_at = next;
-            group.edge_chunks_at = next + group.face_chunks.div_ceil(4) as usize;
-            next = group.edge_chunks_at + group.edge_chunks.div_ceil(4) as usize;
+            group.face_chunks_offset = next;
+            group.edge_chunks_offset = next + group.face_chunks.div_ceil(4) as usize;
+            next = group.edge_chunks_offset + group.edge_chunks.div_ceil(4) as usize;
         }
-        // The shaders hold places in 32 bits, which one binding never exceeds.
+        // Offsets of one binding fit 32 bits.
         let bytes = (next * size_of::<Part>()) as u64;
         if bytes > limits.binding {
             return Err(DeviceError::BindingTooLarge { what: "the scene table", bytes, limit: limits.binding });
@@ -212,15 +210,8 @@ impl Layout {
         Ok(())
     }
 
-    fn write(
-        &self,
-        table: &mut Table,
-        casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-        lights: &Lights,
-        slots: &[Slots],
-        encode: u32,
-    ) {
+    fn write(&self, table: &mut Table, content: &mut Content, slots: &[Slots], encode: u32) {
+        let Content { meshes, casters, lights, .. } = content;
         for (&key, &slots) in self.order.iter().zip(slots) {
             let Some(caster) = casters.get_mut(key) else { continue };
             caster.is_moved = false;
@@ -231,30 +222,26 @@ impl Layout {
             table.put_lights(caster, lights);
         }
         table.put_ranges(lights);
-        self.occluders.write(table, &self.order, casters, meshes, lights);
-        self.write_chunks(table, casters, meshes);
+        self.occluders.write(table, &self.order, content);
+        self.write_chunks(table, content);
     }
 
     /// Writes the caster of each chunk.
-    fn write_chunks(
-        &self,
-        table: &mut Table,
-        casters: &SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-    ) {
+    fn write_chunks(&self, table: &mut Table, Content { meshes, casters, .. }: &Content) {
         let ends = self.groups.iter().skip(1).map(|group| group.first).chain([self.order.len() as u32]);
         for (group, end) in self.groups.iter().zip(ends) {
-            let of_group = || {
+            let casters_with_meshes = || {
                 let keys = self.order.get(group.first as usize..end as usize).unwrap_or_default();
                 let meshes = keys.iter().map(|&key| casters.get(key).and_then(|caster| meshes.get(caster.mesh)));
                 (group.first..).zip(meshes).filter_map(|(index, mesh)| mesh.map(|mesh| (index, mesh)))
             };
-            for (at, chunks_of) in [
-                (group.face_chunks_at, MeshEntry::face_chunks as fn(&MeshEntry) -> u32),
-                (group.edge_chunks_at, MeshEntry::edge_chunks),
+            for (offset, chunks_of) in [
+                (group.face_chunks_offset, MeshEntry::face_chunks as fn(&MeshEntry) -> u32),
+                (group.edge_chunks_offset, MeshEntry::edge_chunks),
             ] {
-                let words = table.parts.get_mut(at..).unwrap_or_default().as_flattened_mut();
-                let chunks = of_group().flat_map(|(index, mesh)| std::iter::repeat_n(index, chunks_of(mesh) as usize));
+                let words = table.parts.get_mut(offset..).unwrap_or_default().as_flattened_mut();
+                let chunks = casters_with_meshes()
+                    .flat_map(|(index, mesh)| std::iter::repeat_n(index, chunks_of(mesh) as usize));
                 words.iter_mut().zip(chunks).for_each(|(word, index)| *word = index);
             }
         }

@@ -13,7 +13,7 @@ use crate::{Cone, Light};
 struct Bit {
     light: Option<Light>,
     generation: u64,
-    /// The encode that was the first to have the light as it is.
+    /// The first encode with the light as it is.
     version: u32,
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct Lights {
     pub(crate) used: LightMask,
     /// Lights that changed since the last encode.
     pub(crate) moved: LightMask,
-    /// The lights as frames list them; made again when a light changed.
+    /// The lights as frames list them. `None`: a light changed.
     listed: Option<Arc<[(LightHandle, Light)]>>,
 }
 
@@ -91,8 +91,8 @@ impl Lights {
         self.listed = None;
     }
 
-    /// Gives the lights that changed the version of this encode.
-    pub(crate) fn renew(&mut self, encode: u32) {
+    /// Gives this encode's version to lights that changed.
+    pub(crate) fn update_versions(&mut self, encode: u32) {
         let Self { bits, moved, .. } = self;
         for (_, bit) in (0..).zip(bits).filter(|(bit, _)| moved.has(*bit)) {
             bit.version = encode;

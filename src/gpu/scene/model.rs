@@ -19,21 +19,22 @@ pub(super) struct ModelEntry {
     pub(super) geometries: Vec<(usize, Box<[[u32; 3]]>)>,
     /// The geometry of each instance.
     pub(super) instances: Vec<usize>,
-    /// The mesh of each geometry, as it is and turned, if an instance ever had it.
+    /// The mesh of each geometry, and with faces turned, if an instance ever had it.
     pub(super) meshes: HashMap<(usize, bool), DefaultKey>,
     /// The casters of the instances.
     pub(super) casters: Vec<CasterHandle>,
-    /// The pose at hand, as the stage reads it, with time and bind group of the displacement.
+    /// The current pose for the stage, with time and bind group of the displacement.
     pub(super) words: Vec<u32>,
     pub(super) time_s: f32,
     pub(super) resources: Option<wgpu::BindGroup>,
-    /// Poses so far.
+    /// The number of poses so far.
     pub(super) version: u64,
 }
 
-/// The models that were deformed, for which views, and which of their instances these need.
+/// Models that were deformed for an encode of these views.
 #[derive(Debug)]
 pub(super) struct Deformed {
-    pub(super) words: wgpu::Buffer,
+    /// The states of instances, as the stage `needs` writes them.
+    pub(super) states: wgpu::Buffer,
     pub(super) views: Vec<ShadowView>,
 }

@@ -1,4 +1,4 @@
-//! Models of a scene: the scene morphs, skins and displaces their instances, as far as a frame needs them.
+//! Models of a scene. Each encode morphs, skins and displaces the instances that its frame needs.
 
 use std::collections::HashMap;
 
@@ -16,12 +16,12 @@ use crate::gpu::shadow::errors::ShadowError;
 use crate::model::{Geometry, Instance, InstancePose, Model, ModelBounds, ModelError};
 
 impl Scene {
-    /// Adds a model, and a caster for each of its instances: in the depth buffer, for all lights. Each encode then computes
-    /// the positions of its pose, by morph targets, skins and the displacement of `options`, of those instances that a view
-    /// of the frame needs. An instance is needed if a camera may see it, or its shadow from a light that may reach it. Without
-    /// views all are. So give a view for each camera that sees the positions in the frame, also if it draws no shadows.
+    /// Adds a model, and a caster for each of its instances: in the depth buffer, for all lights. Each encode computes the
+    /// positions of the pose, by morph targets, skins and the displacement of `options`, for the instances that the frame needs.
+    /// A frame needs an instance if a camera may see it, or its shadow from a light that affects it. Without views it needs all.
+    /// So give a view for each camera that sees the positions, even if it draws no shadows.
     ///
-    /// [`Self::set_pose`] changes the pose. [`Self::positions`] are for your own draw.
+    /// [`Self::set_pose`] changes the pose. Draw the model from [`Self::positions`].
     ///
     /// ```no_run
     /// use rimline::gpu::{DeformerOptions, FrameInputs, ModelHandle, Scene, SceneFrame, ShadowError};
@@ -53,7 +53,7 @@ impl Scene {
         pose: impl Into<PoseInputs<'a>>,
         options: DeformerOptions<'_>,
     ) -> Result<ModelHandle, ShadowError> {
-        let used = self.used() + self.pages.bytes;
+        let used = self.used() + self.content.pages.bytes;
         let deformer = Deformer::beside(&self.pipelines, model, options, (used, self.options.memory_limit))?;
         self.deformed_bytes += deformer.bytes;
         let geometry = |geometry: &Geometry| (geometry.positions().len(), geometry.faces().into());
@@ -77,12 +77,12 @@ impl Scene {
         }
     }
 
-    /// Changes the pose of a model. Results are kept for the instances whose part of the pose is the same. An instance that
-    /// is mirrored anew takes other faces, so the next encode lays the scene out anew.
+    /// Changes the pose of a model. Results stay cached for instances whose part of the pose is the same. If an instance becomes
+    /// mirrored or stops being so, its faces change, and the next encode makes a new layout.
     ///
     /// # Errors
     /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing, or an error of
-    /// the handle. The pose is the one before then.
+    /// the handle. The pose does not change then.
     pub fn set_pose<'a>(&mut self, model: ModelHandle, pose: impl Into<PoseInputs<'a>>) -> Result<(), ShadowError> {
         self.pose_model(model.key_in(self.id)?, pose.into())
     }
@@ -97,8 +97,7 @@ impl Scene {
 
     /// The positions of a model in world space, once an encode was submitted: those of all instances, in the vertex order of
     /// [`Model::mesh`], three tightly packed `f32` each. The buffer has the usages `VERTEX` and `STORAGE`, and stays the same
-    /// as long as the model. All vertices of an instance that the frame does not need lie at (0, 0, 0), so nothing is drawn
-    /// of it.
+    /// while the model exists. An instance that the frame does not need has all vertices at (0, 0, 0), so drawing it draws nothing.
     ///
     /// # Errors
     /// An error of the handle.
@@ -128,7 +127,7 @@ impl Scene {
         self.models.get(model.key_in(self.id)?).ok_or(ShadowError::Removed { what: "model" })
     }
 
-    /// Gives a model a pose, and at first casters.
+    /// Sets the pose of a model. The first pose inserts its casters.
     fn pose_model(&mut self, key: DefaultKey, inputs: PoseInputs<'_>) -> Result<(), ShadowError> {
         let removed = ShadowError::Removed { what: "model" };
         let entry = self.models.get(key).ok_or(removed.clone())?;
@@ -145,25 +144,25 @@ impl Scene {
         (entry.time_s, entry.resources) = (inputs.time_s, inputs.resources.cloned());
         entry.version += 1;
         let version = Some(entry.version).filter(|_| !entry.deformer.has_resources);
-        let of_instance = |(instance, caster): (usize, &CasterHandle)| {
+        let compare = |(instance, caster): (usize, &CasterHandle)| {
             let [before, now] = [&before, &entry.words].map(|words| entry.deformer.words_of(instance, words));
             (caster.key, is_same_time && before == now)
         };
-        let instances: Vec<_> = entry.casters.iter().enumerate().map(of_instance).collect();
+        let instances: Vec<_> = entry.casters.iter().enumerate().map(compare).collect();
         for (((caster, is_same), bounds), mesh) in instances.into_iter().zip(boxes).zip(meshes) {
-            let Some(entry) = self.casters.get_mut(caster) else { continue };
-            let is_kept = is_same && entry.positions_version.is_some();
-            if entry.bounds != bounds || !is_kept {
+            let Some(entry) = self.content.casters.get_mut(caster) else { continue };
+            let is_cached = is_same && entry.positions_version.is_some();
+            if entry.bounds != bounds || !is_cached {
                 entry.bounds = bounds;
-                entry.positions_version = if is_kept { entry.positions_version } else { version };
-                self.note_change(caster);
+                entry.positions_version = if is_cached { entry.positions_version } else { version };
+                self.mark_changed(caster);
             }
-            self.turn(caster, mesh);
+            self.set_mesh(caster, mesh);
         }
         Ok(())
     }
 
-    /// The mesh of each instance in a pose. A missing one is added.
+    /// The mesh of each instance in a pose. Adds missing ones.
     fn meshes_of(&mut self, key: DefaultKey, poses: &[InstancePose]) -> Result<Vec<DefaultKey>, ShadowError> {
         let mut keys = Vec::with_capacity(poses.len());
         for (instance, pose) in poses.iter().enumerate() {
@@ -178,7 +177,7 @@ impl Scene {
             let turned = |&[a, b, c]: &[u32; 3]| if kind.1 { [a, c, b] } else { [a, b, c] };
             let mesh = Mesh::from_faces(*vertices, faces.iter().map(turned).collect());
             let mesh = mesh.map_err(|error| DeformError::from(ModelError::from(error)))?;
-            // Deforming casters take neither clusters nor positions at rest.
+            // Deforming casters need neither clusters nor rest positions.
             let mesh = self.add_topology(&mesh, &Topology::plain(&mesh), &[])?;
             if let Some(entry) = self.models.get_mut(key) {
                 entry.meshes.insert(kind, mesh);
@@ -188,7 +187,7 @@ impl Scene {
         Ok(keys)
     }
 
-    /// Inserts a caster for each instance, unless they are there.
+    /// Inserts a caster for each instance that has none.
     fn insert_instances(&mut self, key: DefaultKey, meshes: &[DefaultKey]) -> Result<(), ShadowError> {
         let first = self.models.get(key).map_or(meshes.len(), |entry| entry.casters.len());
         for (instance, &mesh) in meshes.iter().enumerate().skip(first) {
@@ -198,7 +197,7 @@ impl Scene {
             };
             let caster = Caster::in_buffer(MeshHandle { scene: self.id, key: mesh }, positions);
             let caster = self.insert(caster)?;
-            if let Some(entry) = self.casters.get_mut(caster.key) {
+            if let Some(entry) = self.content.casters.get_mut(caster.key) {
                 entry.is_of_model = true;
             }
             if let Some(entry) = self.models.get_mut(key) {
@@ -208,30 +207,31 @@ impl Scene {
         Ok(())
     }
 
-    /// Gives an instance another mesh, with the same faces turned, so the same slots are excluded.
-    fn turn(&mut self, caster: DefaultKey, mesh: DefaultKey) {
-        let Some(entry) = self.casters.get(caster).filter(|entry| entry.mesh != mesh) else { return };
-        let Some(buffer) = self.sources.get(entry.source).map(|source| source.buffer.clone()) else { return };
-        let page = self.meshes.get(mesh).map_or(0, |mesh| mesh.run.page);
-        let source = self.sources.take(page, buffer);
-        if let Some(entry) = self.casters.get_mut(caster) {
-            self.sources.give_back(std::mem::replace(&mut entry.source, source));
+    /// Gives an instance another mesh, with the same faces turned. Slots of excluded faces stay the same.
+    fn set_mesh(&mut self, caster: DefaultKey, mesh: DefaultKey) {
+        let Some(entry) = self.content.casters.get(caster).filter(|entry| entry.mesh != mesh) else { return };
+        let Some(buffer) = self.content.sources.get(entry.source).map(|source| source.buffer.clone()) else { return };
+        let page = self.content.meshes.get(mesh).map_or(0, |mesh| mesh.region.page);
+        let source = self.content.sources.acquire(page, buffer);
+        if let Some(entry) = self.content.casters.get_mut(caster) {
+            self.content.sources.release(std::mem::replace(&mut entry.source, source));
             let before = std::mem::replace(&mut entry.mesh, mesh);
-            for (mesh, is_taken) in [(before, false), (mesh, true)] {
-                if let Some(mesh) = self.meshes.get_mut(mesh) {
-                    mesh.casters = if is_taken { mesh.casters + 1 } else { mesh.casters - 1 };
-                }
+            if let Some(before) = self.content.meshes.get_mut(before) {
+                before.casters -= 1;
+            }
+            if let Some(mesh) = self.content.meshes.get_mut(mesh) {
+                mesh.casters += 1;
             }
         }
         self.structure = None;
     }
 
-    /// Numbers the instances of all models, which a structure keeps.
-    pub(super) fn number_figures(&mut self) {
-        self.figures = self.models.values().flat_map(|model| model.casters.iter().map(|caster| caster.key)).collect();
-        for (key, number) in self.figures.iter().zip(1..) {
-            if let Some(entry) = self.casters.get_mut(*key) {
-                entry.figure = number;
+    /// Gives the instances of all models their indices, for a new structure.
+    pub(super) fn index_deforming(&mut self) {
+        self.deforming = self.models.values().flat_map(|model| model.casters.iter().map(|caster| caster.key)).collect();
+        for (key, number) in self.deforming.iter().zip(1..) {
+            if let Some(entry) = self.content.casters.get_mut(*key) {
+                entry.deforming_index = number;
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The needs of a frame: which instances of models must be deformed, found on the GPU before they are.
+//! The instances of models that a frame needs. The GPU finds them before it deforms them.
 
 use std::sync::atomic::Ordering;
 
@@ -17,43 +17,43 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::gpu::common::wanted::Wanted;
 use crate::gpu::shadow::errors::ShadowError;
-use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
+use crate::layout::{LightCone, NeedsDispatch, ShadowLight, ShadowView, ViewLight};
 use crate::stages::NEEDS;
 use crate::turns::NEEDS_BOXES;
 
-/// Invocations of a workgroup, which take a figure each.
+/// Invocations of a workgroup, one a deforming caster.
 const WORKGROUP: u64 = 64;
 
-/// The stage, ready to be recorded.
+/// The stage `needs`, ready to be recorded.
 pub(super) struct Needs {
-    words: wgpu::Buffer,
+    /// The states that it writes, a word a deforming caster.
+    states: wgpu::Buffer,
     step: Step,
     /// The uniforms of each model.
     uniforms: Vec<UniformTable>,
 }
 
 impl Scene {
-    /// Computes the positions of all models before [`Self::encode`], if you draw the depth that its views take
-    /// ([`View::depth`]). The encode then does not compute them again, provided that its views are the same and nothing in the
-    /// scene was changed. Record both into one encoder, or submit this one before: without it the encode finds the positions of
-    /// an earlier frame, and the next one computes all anew. Depths of `inputs` do not matter here. Frames of earlier encodes are
-    /// out of date then. Other programs do not need this call.
+    /// Computes the positions of all models before [`Self::encode`]. Only programs that draw a depth for [`View::depth`] need it.
+    /// The encode does not compute the positions again if it has the same views and nothing in the scene changed. Record both into
+    /// one encoder, or submit this one before. Without it the encode reads the positions of an earlier frame, and the next encode
+    /// computes all again. Depths of `inputs` are ignored. Frames of earlier encodes become stale.
     ///
     /// # Errors
     /// The errors of [`Self::encode`].
     pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, inputs: FrameInputs<'_>) -> Result<(), ShadowError> {
         check_timer(inputs.timer.as_deref(), self.pipelines.device())?;
         let views = Self::check_views(inputs.views)?;
-        // Lay out the scene now, so that the encode of the frame does not.
+        // The encode must find this layout: another one would discard the positions.
         self.prepare_views(views.len())?;
         let Some(needs) = self.find_needs(inputs.views, &views)? else { return Ok(()) };
         let uploads: Vec<_> = self.deform_uploads(&needs).collect();
         if !uploads.is_empty() {
             upload(self.pipelines.device(), encoder, &uploads)?;
         }
-        let words = self.record_needs(encoder, &needs, inputs.timer);
-        self.deformed = Some(Deformed { words, views });
-        // Frames before draw with positions that are overwritten here.
+        let states = self.record_needs(encoder, &needs, inputs.timer);
+        self.deformed = Some(Deformed { states, views });
+        // Earlier frames draw with positions that are overwritten here.
         self.encodes.fetch_add(1, Ordering::Relaxed);
         Ok(())
     }
@@ -64,7 +64,7 @@ impl Scene {
         models.flat_map(|(model, uniforms)| model.deformer.uploads(&model.words, uniforms))
     }
 
-    /// Finds what the views need of the models, and deforms that. Returns the words that say it.
+    /// Records the stage, and deforms the needed instances. Returns the states.
     pub(super) fn record_needs(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -74,75 +74,77 @@ impl Scene {
         record([&needs.step], encoder, 0..1, timer.as_deref_mut());
         let mut from = 0;
         for model in self.models.values() {
-            let unneeded = Some((&needs.words, from));
-            model.deformer.record(encoder, unneeded, model.resources.as_ref(), timer.as_deref_mut());
+            let states = Some((&needs.states, from));
+            model.deformer.record(encoder, states, model.resources.as_ref(), timer.as_deref_mut());
             from += 4 * model.casters.len() as u64;
         }
-        needs.words.clone()
+        needs.states.clone()
     }
 
-    /// The words of the models that were deformed for an encode of these views, if the scene is as it was then.
+    /// The states of instances that were deformed for an encode of these views, if the scene did not change since.
     pub(super) fn take_deformed(&mut self, views: &[ShadowView]) -> Option<wgpu::Buffer> {
         let bytes = bytemuck::cast_slice::<ShadowView, u8>;
-        // Rigid casters may have moved: models need nothing of them.
-        let is_same = self.structure.is_some() && self.lights.moved.is_empty();
-        self.deformed.take().filter(|of| is_same && bytes(&of.views) == bytes(views)).map(|of| of.words)
+        // Moved rigid casters do not matter to models.
+        let is_same = self.structure.is_some() && self.content.lights.moved.is_empty();
+        self.deformed.take().filter(|of| is_same && bytes(&of.views) == bytes(views)).map(|of| of.states)
     }
 
-    /// The stage that finds which instances of models the views need. `None` without instances.
+    /// The stage `needs` for these views. `None` without instances.
     pub(super) fn find_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Result<Option<Needs>, ShadowError> {
-        if self.figures.is_empty() {
+        if self.deforming.is_empty() {
             return Ok(None);
         }
-        let (mut seen, figures) = (self.seen_for_needs(given, views), self.figure_records());
-        let lights = if views.is_empty() { 1 } else { seen.len() / views.len() };
+        let (mut view_lights, records) = (self.view_lights_for_needs(given, views), self.deforming_records());
+        let lights = if views.is_empty() { 1 } else { view_lights.len() / views.len() };
         let is_short = views.len() * (lights + 1) <= NEEDS_BOXES;
-        let does = |skipped: Measuring| u32::from(!self.options.measuring.has(skipped));
+        let culls = |culled: Measuring| u32::from(!self.options.measuring.has(culled));
         let frame = NeedsDispatch {
-            figures: self.figures.len() as u32,
+            casters: self.deforming.len() as u32,
             views: views.len() as u32,
             lights: lights as u32,
-            parts: (figures.len() / self.figures.len()) as u32,
-            all: u32::from(does(Measuring::UNNEEDED) == 0 || views.is_empty() || !is_short),
-            skip_unreached: does(Measuring::UNREACHED),
-            skip_unseen: does(Measuring::UNSEEN),
+            parts: (records.len() / self.deforming.len()) as u32,
+            all: u32::from(culls(Measuring::CULLED_CASTERS) == 0 || views.is_empty() || !is_short),
+            cull_by_range: culls(Measuring::CULLED_BY_RANGE),
+            cull_by_view: culls(Measuring::CULLED_BY_VIEW),
             reserved: 0,
         };
         // Bindings are never empty.
-        seen.extend(seen.is_empty().then(SeenLight::zeroed));
-        let (words, step) = self.needs_step(&frame, [bytemuck::cast_slice(&seen), bytemuck::cast_slice(&figures)])?;
+        view_lights.extend(view_lights.is_empty().then(ViewLight::zeroed));
+        let (states, step) =
+            self.needs_step(&frame, [bytemuck::cast_slice(&view_lights), bytemuck::cast_slice(&records)])?;
         let uniforms = self.models.values().map(|model| model.deformer.uniforms(model.time_s)).collect();
-        Ok(Some(Needs { words, step, uniforms }))
+        Ok(Some(Needs { states, step, uniforms }))
     }
 
-    /// The records of the figures that the stage reads.
-    fn figure_records(&self) -> Vec<[u32; 4]> {
-        let batches = self.lights.batches();
-        let mut figures = Vec::with_capacity(self.figures.len() * (2 + batches.div_ceil(4)));
-        for entry in self.figures.iter().filter_map(|&key| self.casters.get(key)) {
+    /// The deforming casters for the stage: boxes and bits of lights.
+    fn deforming_records(&self) -> Vec<[u32; 4]> {
+        let batches = self.content.lights.batches();
+        let mut records = Vec::with_capacity(self.deforming.len() * (2 + batches.div_ceil(4)));
+        for entry in self.deforming.iter().filter_map(|&key| self.content.casters.get(key)) {
             let [low, high] = entry.bounds.unwrap_or_default().map(|corner| corner.map(f32::to_bits));
-            figures.push([low[0], low[1], low[2], entry.bounds.is_some().into()]);
-            figures.push([high[0], high[1], high[2], 0]);
-            let word = |batch| if batch < batches { entry.lights.and(&self.lights.used).word(batch) } else { 0 };
-            figures.extend((0..batches.div_ceil(4)).map(|part| [0, 1, 2, 3].map(|batch| word(4 * part + batch))));
+            records.push([low[0], low[1], low[2], entry.bounds.is_some().into()]);
+            records.push([high[0], high[1], high[2], 0]);
+            let word =
+                |batch| if batch < batches { entry.lights.and(&self.content.lights.used).word(batch) } else { 0 };
+            records.extend((0..batches.div_ceil(4)).map(|part| [0, 1, 2, 3].map(|batch| word(4 * part + batch))));
         }
-        figures
+        records
     }
 
-    /// The lights of each view, up to the last one. There is at least one entry for each view.
-    fn seen_for_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Vec<SeenLight> {
-        let last = (0..32 * self.lights.batches() as u32).rfind(|&bit| self.lights.get(bit).is_some());
+    /// The lights of each view, up to the last light and at least one.
+    fn view_lights_for_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Vec<ViewLight> {
+        let last = (0..32 * self.content.lights.batches() as u32).rfind(|&bit| self.content.lights.get(bit).is_some());
         let lights = last.unwrap_or(0) + 1;
-        let mut seen = Vec::with_capacity(views.len() * lights as usize);
+        let mut all = Vec::with_capacity(views.len() * lights as usize);
         for (given, &view) in given.iter().zip(views) {
             for bit in 0..lights {
-                let own = self.lights.get(bit);
-                let light = own.map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
-                let cone = own.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
-                seen.push(SeenLight { view, light, cone, ..SeenLight::zeroed() });
+                let given_light = self.content.lights.get(bit);
+                let light = given_light.map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
+                let cone = given_light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
+                all.push(ViewLight { view, light, cone, ..ViewLight::zeroed() });
             }
         }
-        seen
+        all
     }
 
     fn needs_step(&self, frame: &NeedsDispatch, inputs: [&[u8]; 2]) -> Result<(wgpu::Buffer, Step), ShadowError> {
@@ -150,29 +152,29 @@ impl Scene {
         check_alive(device)?;
         let limits = DispatchLimits::new(&device.limits());
         let wanted = [
-            Wanted::filled("seen by needs", inputs[0]),
-            Wanted::filled("figures", inputs[1]),
-            Wanted::new("unneeded figures", 4 * u64::from(frame.figures.max(1))),
+            Wanted::filled("lights of views", inputs[0]),
+            Wanted::filled("deforming casters", inputs[1]),
+            Wanted::new("needed states", 4 * u64::from(frame.casters.max(1))),
         ];
         let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
         let bytes = check(&allocations, limits.binding, None)?;
-        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.pages.bytes };
+        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.content.pages.bytes };
         check(&[Allocation { label: "needs", bytes }, others], u64::MAX, self.options.memory_limit)?;
-        let [seen, figures, words] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
+        let [view_lights, records, states] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
         let mut table = UniformTable::default();
         let offset = table.push(frame);
         let frames = table.into_buffer(device, "needs");
         let pipeline = self.pipelines.compute(&NEEDS, NEEDS.name, &[]);
-        let count = u64::from(frame.figures).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
+        let count = u64::from(frame.casters).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
         let dispatch = pipeline.dispatch(device, Workgroups::Known([count, 1]), |name| {
             Some(match name {
                 "frame" => uniform::<NeedsDispatch>(&frames, offset),
-                "seen" => whole(&seen),
-                "figures" => whole(&figures),
-                "unneeded" => whole(&words),
+                "view_lights" => whole(&view_lights),
+                "deforming_casters" => whole(&records),
+                "needed_states" => whole(&states),
                 _ => return None,
             })
         });
-        Ok((words, pipeline.pass([dispatch])))
+        Ok((states, pipeline.pass([dispatch])))
     }
 }

@@ -1,4 +1,4 @@
-//! Occluders: polygons on casters, behind which other casters need not throw shadows. docs/numerics/scene.md, "Occluders".
+//! Occluders: polygons on casters that cull the casters behind them. docs/numerics/scene.md, "Occluders".
 
 use std::sync::Arc;
 
@@ -6,8 +6,8 @@ use glam::{DAffine3, DVec3, DVec4};
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
-use super::lights::Lights;
-use super::mask::bits;
+use super::content::Content;
+use super::mask::{LightMask, bits};
 use super::table::{Part, Table};
 use crate::gpu::shadow::errors::ShadowError;
 use crate::light_batch::ScaledLight;
@@ -17,32 +17,30 @@ pub(crate) const MOST_CORNERS: usize = 8;
 /// The same as in `wgsl/scene/reach.wgsl`.
 const SLACK: f64 = 1.0 / 262_144.0;
 
-/// Where occluders are in the table.
+/// The occluders in the table.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct OccluderPlaces {
-    /// For each batch and occluder a part.
-    pub(crate) at: usize,
+pub(crate) struct OccluderLayout {
+    /// The offset of the occluders: for each batch and occluder a part.
+    pub(crate) offset: usize,
     pub(crate) count: usize,
-    /// The scaled lights, in world space: for each batch 32 parts.
-    pub(crate) lights_at: usize,
+    /// The offset of the scaled lights in world space: for each batch 32 parts.
+    pub(crate) lights_offset: usize,
 }
 
-/// Refuses polygons that are none, or are not on the mesh.
+/// Refuses polygons with too few or too many corners, or outside the box of the mesh.
 pub(crate) fn check(number: usize, corners: &[[f32; 3]], mesh: &MeshEntry) -> Result<(), ShadowError> {
     if !(3..=MOST_CORNERS).contains(&corners.len()) {
         return Err(ShadowError::OccluderCorners { number, corners: corners.len() });
     }
     for (corner, &position) in corners.iter().enumerate() {
-        let is_in = (0..3).all(|axis| (mesh.low[axis]..=mesh.high[axis]).contains(&position[axis]));
-        if !is_in {
+        if !(0..3).all(|axis| (mesh.low[axis]..=mesh.high[axis]).contains(&position[axis])) {
             return Err(ShadowError::OccluderOutside { number, corner, position });
         }
     }
     Ok(())
 }
 
-/// The occluders of a scene that may hide something, with their casters. Occluders of a caster with excluded faces hide
-/// nothing.
+/// The occluders of a scene, with their casters.
 fn occluders<'a>(
     order: &'a [DefaultKey],
     casters: &'a SlotMap<DefaultKey, CasterEntry>,
@@ -51,8 +49,8 @@ fn occluders<'a>(
     casters.flat_map(|caster| caster.occluders.iter().map(move |corners| (caster, corners)))
 }
 
-impl OccluderPlaces {
-    /// The places from part `next` on, and the part behind.
+impl OccluderLayout {
+    /// Offsets from part `next` on, and the offset behind.
     pub(crate) fn new(
         order: &[DefaultKey],
         casters: &SlotMap<DefaultKey, CasterEntry>,
@@ -64,58 +62,46 @@ impl OccluderPlaces {
         if count == 0 {
             return (Self::default(), next);
         }
-        let lights_at = next + count * batches;
-        (Self { at: next, count, lights_at }, lights_at + 32 * batches + corners)
+        let lights_offset = next + count * batches;
+        (Self { offset: next, count, lights_offset }, lights_offset + 32 * batches + corners)
     }
 
-    /// Writes the occluders as they are, and the lights.
-    pub(crate) fn write(
-        &self,
-        table: &mut Table,
-        order: &[DefaultKey],
-        casters: &SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-        lights: &Lights,
-    ) {
+    /// Writes the occluders and the lights.
+    pub(crate) fn write(&self, table: &mut Table, order: &[DefaultKey], content: &Content) {
+        let Content { meshes, casters, lights, .. } = content;
         if self.count == 0 {
             return;
         }
         let scaled = |bit: u32| lights.get(bit).map(|light| ScaledLight::new(light.to_array()).light);
         let scaled: Vec<[f32; 4]> = (0..32 * table.batches as u32).map(|bit| scaled(bit).unwrap_or_default()).collect();
-        table.put(self.lights_at, bytemuck::cast_slice(&scaled));
-        let mut corners_at = self.lights_at + scaled.len();
+        table.put(self.lights_offset, bytemuck::cast_slice(&scaled));
+        let mut corners_offset = self.lights_offset + scaled.len();
         for (number, (caster, corners)) in occluders(order, casters).enumerate() {
             let Placement::Rigid(rigid) = caster.placement else { continue };
             let is_closed = meshes.get(caster.mesh).is_some_and(|mesh| mesh.is_closed);
-            let places = in_world(corners, &rigid);
+            let corners = in_world(corners, &rigid);
+            // A caster with excluded faces culls nothing.
+            let may_cull = !caster.is_excluding() && rigid.space.is_some();
+            let allowed = if may_cull { caster.lights.and(&lights.used) } else { LightMask::NONE };
             for batch in 0..table.batches {
-                // Faces that are excluded for a light do not hide for it, and masks tell only of lights.
-                let allowed = if !caster.is_excluding() && rigid.space.is_some() {
-                    caster.lights.and(&lights.used).word(batch)
-                } else {
-                    0
-                };
                 let [mut usable, mut facing] = [0_u32; 2];
-                for bit in bits(allowed) {
+                for bit in bits(allowed.word(batch)) {
                     let Some(&light) = scaled.get(32 * batch + bit as usize) else { continue };
-                    if let Some(is_facing) = side(&places, light, rigid.is_mirrored, is_closed) {
+                    if let Some(is_facing) = culling_side(&corners, light, rigid.is_mirrored, is_closed) {
                         usable |= 1 << bit;
                         facing |= u32::from(is_facing) << bit;
                     }
                 }
-                let part = [usable, facing, caster.index, corners_at as u32];
-                table.put(self.at + batch * self.count + number, &[part]);
+                let part = [usable, facing, caster.index, corners_offset as u32];
+                table.put(self.offset + batch * self.count + number, &[part]);
             }
-            let count = corners.len() as u32;
-            let parts: Vec<Part> = places
-                .iter()
-                .map(|place| {
-                    let [x, y, z] = place.map(f32::to_bits);
-                    [x, y, z, count]
-                })
-                .collect();
-            table.put(corners_at, &parts);
-            corners_at += parts.len();
+            let parts = corners.iter().map(|corner| {
+                let [x, y, z] = corner.map(f32::to_bits);
+                [x, y, z, corners.len() as u32]
+            });
+            let parts: Vec<Part> = parts.collect();
+            table.put(corners_offset, &parts);
+            corners_offset += parts.len();
         }
     }
 }
@@ -130,9 +116,9 @@ fn in_world(corners: &[[f32; 3]], rigid: &Rigid) -> Vec<[f32; 3]> {
         .collect()
 }
 
-/// On which side of the polygon's counter-clockwise side, as seen in world space, a light is: true for that side. `None`: it
-/// does not hide for this light. It must be convex as seen from the light, and of a closed caster it must be averted.
-fn side(corners: &[[f32; 3]], light: [f32; 4], is_mirrored: bool, is_closed: bool) -> Option<bool> {
+/// Whether a light sees the polygon counter-clockwise in world space. `None`: the polygon culls nothing for this light, because
+/// it is not convex as seen from the light, or is front-facing on a closed caster.
+fn culling_side(corners: &[[f32; 3]], light: [f32; 4], is_mirrored: bool, is_closed: bool) -> Option<bool> {
     let DVec4 { x, y, z, w } = DVec4::from_array(light.map(f64::from));
     if w < 0.0 || light == [0.0; 4] {
         return None;
@@ -140,11 +126,11 @@ fn side(corners: &[[f32; 3]], light: [f32; 4], is_mirrored: bool, is_closed: boo
     let corners: Vec<DVec3> = corners.iter().map(|corner| DVec3::from(corner.map(f64::from))).collect();
     let size = corners.iter().map(|corner| sum(*corner)).fold(0.0, f64::max);
     let light = DVec3::new(x, y, z);
-    // The light is on this side of three corners, with room for all rounding.
+    // The side of three corners that the light is on, 0 if rounding leaves it open.
     let sign = |a: DVec3, b: DVec3, c: DVec3| {
         let (u, v, t) = (b - a, c - a, light - w * a);
-        let (reach, spread) = (sum(light) + w * size, sum(u) + sum(v));
-        let error = SLACK * reach * (size * spread + 2.0 * sum(u) * sum(v)) + f64::from(f32::MIN_POSITIVE);
+        let (light_bound, spread) = (sum(light) + w * size, sum(u) + sum(v));
+        let error = SLACK * light_bound * (size * spread + 2.0 * sum(u) * sum(v)) + f64::from(f32::MIN_POSITIVE);
         let d = u.cross(v).dot(t);
         if d > error { 1 } else { -i32::from(d < -error) }
     };
@@ -156,8 +142,8 @@ fn side(corners: &[[f32; 3]], light: [f32; 4], is_mirrored: bool, is_closed: boo
             corners.iter().enumerate().filter(|(other, _)| *other != number && *other != (number + 1) % corners.len());
         others.into_iter().all(|(_, &c)| sign(a, b, c) == facing)
     });
-    let is_averted = (facing < 0) != is_mirrored;
-    (facing != 0 && is_convex && (!is_closed || is_averted)).then_some(facing > 0)
+    let is_back_facing = (facing < 0) != is_mirrored;
+    (facing != 0 && is_convex && (!is_closed || is_back_facing)).then_some(facing > 0)
 }
 
 /// The sum of the absolute coordinates.

@@ -3,120 +3,121 @@
 use crate::method::Predicate;
 use crate::shadow::Counting;
 
-/// How a [`Scene`](crate::gpu::Scene) counts shadows, and its room for lights and results.
+/// Counting method and capacities of a [`Scene`](crate::gpu::Scene).
 #[derive(Clone, Copy, Debug)]
 pub struct SceneOptions {
-    /// The largest number of lights at a time, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
+    /// The largest number of lights at a time, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS). Default: 32.
     pub max_lights: usize,
-    /// How shadow volumes are counted. The [`ShadowPipelines`](crate::gpu::ShadowPipelines) that draw them must have the same.
+    /// The counting method. The [`ShadowPipelines`](crate::gpu::ShadowPipelines) that draw volumes must have the same. Default:
+    /// [`Counting::Auto`].
     pub counting: Counting,
-    /// How counts use the stencil.
+    /// The use of the stencil. Default: one batch of casters, all 8 bits, no bound.
     pub stencil: StencilCounts,
-    /// The room of lists.
+    /// Room for the entries of lists. Default: from the meshes.
     pub capacities: Capacities,
-    /// Volumes end beyond their light's range, instead of at infinity. See
-    /// docs/numerics/shadow-volumes.md, "Volumes that end".
+    /// Whether volumes end beyond their light's range instead of at infinity. Set it if ranges are short against the view: fewer
+    /// pixels are counted. Default: false. See docs/numerics/shadow-volumes.md, "Volumes that end".
     pub end_at_range: bool,
-    /// Meshes of at least so many faces are put in clusters of 128 faces that lie together. For a rigid caster, a cluster of
-    /// which all faces are on one side of a light is decided as a whole. So on a smooth mesh about the root of all faces is
-    /// tested. It takes about the time and a half of [`Mesh::new`](crate::Mesh::new) once more to add such a mesh, less than a
-    /// byte a face of the device's memory, and 4 bytes a face of the host's. `None`: no mesh is.
+    /// Meshes with at least this many faces get clusters of 128 neighbouring faces. A rigid caster then decides a cluster as a
+    /// whole if all its faces have one side to a light, so a smooth mesh tests about the root of its faces. Adding such a mesh
+    /// takes another 1.5 times as long as [`Mesh::new`](crate::Mesh::new), less than a byte a face of device memory, and 4 bytes
+    /// a face of host memory. Default: 4,096. `None`: never.
     pub clusters_from: Option<u32>,
-    /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
+    /// The largest device memory for the scene, in bytes, checked before each allocation. Default: `None`, no limit.
     pub memory_limit: Option<u64>,
     /// Work that no picture needs, for measuring.
     #[doc(hidden)]
     pub measuring: Measuring,
 }
 
-/// Room for the entries of lists. Too little loses nothing, except for [`Self::pieces`]: the work then goes over all edges or
-/// faces.
+/// Room for the entries of lists. After an overflow a stage or draw processes all edges or faces, so nothing is lost, except for
+/// [`Self::pieces`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacities {
-    /// Entries that the list of each light has room for, in each group of casters. `None`: room for all boundary and
-    /// inconsistent edges, and for a share of the others. After an overflow the draw goes over all edges.
+    /// Entries of the edge list of each light, in each group of casters. `None`: all boundary and inconsistent edges, and a share
+    /// of the others.
     pub lists: Option<u32>,
-    /// Faces that the list of undecided faces has room for, in each group of casters and batch of 32 lights. `None`: a
-    /// quarter of them, and at least 4,096. After an overflow every face goes through the exact stage.
+    /// Entries of the list of undecided faces, in each group of casters and batch of 32 lights. `None`: a quarter of the faces, and
+    /// at least 4,096.
     pub undecided: Option<u32>,
-    /// Entries that the lists of near caps, and of other caps, of each light have room for, in each group of casters.
-    /// `None`: room for every face where every face may have a cap, else for a share. After an overflow the draw goes over
-    /// all faces.
+    /// Entries of the list of near caps, and of that of other caps, of each light, in each group of casters. `None`: every face
+    /// if every face may have a cap, else a share.
     pub caps: Option<u32>,
-    /// Pieces of twisted polygons that the list of each light has room for, in each caster of polygons; each takes 36 bytes. A
-    /// polygon is twisted if its loops cross themselves as seen from a light. A quadrilateral then has 6 pieces, a polygon with n
-    /// edges at most n(n − 2). Room for more than there can be, or for more than one binding holds, is not made.
+    /// Pieces of twisted polygons of each light, in each caster of polygons; a piece takes 36 bytes. A polygon is twisted if its
+    /// loops cross themselves as seen from a light. A twisted quadrilateral has 6 pieces, a polygon with n edges at most n(n − 2).
+    /// The capacity is never larger than this, or than one binding.
     ///
-    /// `None`: the lights of a batch share room for 1,048,576, and each has one for each sixteenth edge besides. **Pieces
-    /// without room are not drawn, and shadows are wrong.** [`ShadowStatistics::lost_pieces`] says whether there are any, and
-    /// [`ShadowStatistics::most_pieces`] the room that loses none: give it to
-    /// [`Scene::set_capacities`](crate::gpu::Scene::set_capacities).
+    /// `None`: the lights of a batch share 1,048,576, and each has one more for each sixteenth edge. **Pieces without room are not
+    /// drawn, and shadows are wrong.** If [`ShadowStatistics::lost_pieces`] is not 0, give
+    /// [`ShadowStatistics::most_pieces`] to [`Scene::set_capacities`](crate::gpu::Scene::set_capacities): it loses none.
     ///
     /// [`ShadowStatistics::lost_pieces`]: crate::gpu::ShadowStatistics::lost_pieces
     /// [`ShadowStatistics::most_pieces`]: crate::gpu::ShadowStatistics::most_pieces
     pub pieces: Option<u32>,
 }
 
-/// How the counts of a scene's shadow volumes use the stencil.
+/// The use of the stencil by the counts of a scene's shadow volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StencilCounts {
-    /// The low bits of the stencil that counts own: [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits) of the
-    /// pipelines that draw the scene. 1 to 8, and at least 2 with several [`Self::count_batches`]. The bits above are left as
-    /// they are.
+    /// The number of low stencil bits for counts, as in [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits) of the
+    /// pipelines that draw the scene: 1 to 8, and at least 2 with several [`Self::count_batches`]. The other bits do not change.
+    /// Default: 8.
     pub count_bits: u32,
-    /// Casters are counted in so many batches, each of which is then one bit of darkness. 0 is taken as 1. With several, 127
-    /// casters of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit; with b
-    /// [`Self::count_bits`] these are 2 to the power of b − 1, and of b, less 1. Each batch takes a draw of all lists and a
-    /// full-screen draw. Draw with [`ShadowPipelines::in_batches`].
+    /// The number of batches in which casters are counted, one after the other. 0 means 1. A count wraps, and a shadow looks lit, if
+    /// more than 2 to the power of b, less 1, casters lie behind each other, with b [`Self::count_bits`]; with several batches, more
+    /// than 2 to the power of b − 1, less 1, casters of one batch. Each batch takes a draw of all lists and a full-screen draw. Draw
+    /// with [`ShadowPipelines::in_batches`]. Default: 1.
     ///
     /// [`ShadowPipelines::in_batches`]: crate::gpu::ShadowPipelines::in_batches
     pub count_batches: u32,
-    /// Compute an upper bound of the stencil counts of all casters together, for
+    /// Whether to compute an upper bound of the stencil counts of all casters together, for
     /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and
     /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for each view,
-    /// light and batch of casters.
+    /// light and batch of casters. Default: false.
     pub bound_counts: bool,
 }
 
 impl Default for StencilCounts {
-    /// One batch of casters that is counted in all bits of the stencil, no bound on counts.
     fn default() -> Self {
         Self { count_bits: 8, count_batches: 1, bound_counts: false }
     }
 }
 
-/// Work that a scene does although no picture needs it, and the predicate that it takes: for measuring and tests. It is not
-/// covered by the promise of stability.
+/// Work that a scene does although no image needs it, and the predicate: for measuring and tests. It may change in any release.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Measuring(u32);
 
 impl Measuring {
-    /// Every face casts, also where back-facing ones suffice.
+    /// Every face casts, even if the back-facing ones suffice.
     pub const EVERY_FACE: Self = Self(1);
-    /// Casters that a light's range or cone does not reach are computed and drawn.
-    pub const UNREACHED: Self = Self(1 << 1);
-    /// Volumes are drawn where the camera cannot see the shadow.
-    pub const UNSEEN: Self = Self(1 << 2);
-    /// Volumes are drawn where no receiver is in them.
-    pub const WITHOUT_RECEIVERS: Self = Self(1 << 3);
-    /// Facing bits and lists that did not change are computed again.
-    pub const BITS: Self = Self(1 << 4);
-    /// Lists for a view are made again, although nothing that they depend on changed.
-    pub const LISTS: Self = Self(1 << 5);
+    /// Casters out of a light's range or cone.
+    pub const CULLED_BY_RANGE: Self = Self(1 << 1);
+    /// Volumes whose shadow the camera cannot see.
+    pub const CULLED_BY_VIEW: Self = Self(1 << 2);
+    /// Volumes without a receiver.
+    pub const CULLED_BY_RECEIVERS: Self = Self(1 << 3);
+    /// Facing bits and lists that did not change.
+    pub const CACHED_BITS: Self = Self(1 << 4);
+    /// Lists of views that did not change.
+    pub const CACHED_LISTS: Self = Self(1 << 5);
     /// [`Predicate::Fast`] decides. Clusters need the exact one.
     pub const FAST: Self = Self(1 << 6);
+    /// Casters behind an occluder.
+    pub const CULLED_BY_OCCLUDERS: Self = Self(1 << 7);
+    /// Occluded faces.
+    pub const OCCLUDED_FACES: Self = Self(1 << 8);
+    /// Deforming casters that the frame does not need.
+    pub const CULLED_CASTERS: Self = Self(1 << 9);
 
-    /// Casters that an occluder hides from a light are computed and drawn.
-    pub const OCCLUDED: Self = Self(1 << 7);
-    /// Hidden faces cast.
-    pub const HIDDEN_FACES: Self = Self(1 << 8);
-    /// Deforming casters that no view and no light needs are deformed and computed.
-    pub const UNNEEDED: Self = Self(1 << 9);
-
-    /// The levels of skipping that need nothing of the caller are off.
-    pub const SKIP_NOTHING: Self =
-        Self(Self::UNREACHED.0 | Self::UNSEEN.0 | Self::WITHOUT_RECEIVERS.0 | Self::BITS.0 | Self::LISTS.0);
+    /// Everything that is culled or cached without a call of the caller.
+    pub const CULL_NOTHING: Self = Self(
+        Self::CULLED_BY_RANGE.0
+            | Self::CULLED_BY_VIEW.0
+            | Self::CULLED_BY_RECEIVERS.0
+            | Self::CACHED_BITS.0
+            | Self::CACHED_LISTS.0,
+    );
 
     /// Sets or clears one of these.
     pub const fn set(&mut self, what: Self, on: bool) {
@@ -129,15 +130,13 @@ impl Measuring {
 }
 
 impl SceneOptions {
-    /// How a face's side is decided.
+    /// The predicate that decides the sides of faces.
     pub(crate) const fn predicate(&self) -> Predicate {
         if self.measuring.has(Measuring::FAST) { Predicate::Fast } else { Predicate::Exact }
     }
 }
 
 impl Default for SceneOptions {
-    /// Up to 32 lights, z-pass or ZP+ as the GPU chooses, one batch of casters that is counted in all bits of the stencil,
-    /// capacities from the meshes, infinite volumes, clusters from 4,096 faces on, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,

@@ -1,4 +1,4 @@
-//! Groups of casters as the outlines of a light draw them.
+//! Groups of casters whose outlines are drawn for a light.
 
 use super::buffers::GroupBuffers;
 use super::frame::SceneFrame;
@@ -10,7 +10,7 @@ use crate::ShadowCamera;
 use crate::gpu::common::bindings::{Resource, part, whole};
 use crate::layout::{DrawArguments, OutlinedGroup};
 
-/// A group of casters and a light, for a draw of its outlines.
+/// A group of casters and a light.
 #[derive(Clone, Copy)]
 pub(crate) struct Outlined<'a> {
     structure: &'a Structure,
@@ -26,8 +26,8 @@ impl<'a> Outlined<'a> {
     pub(crate) fn uniform(self) -> OutlinedGroup {
         let Self { part: GroupBatch { dispatch, sizes, .. }, bit, .. } = self;
         OutlinedGroup {
-            edge_chunks_offset: dispatch.edge_chunks_at,
-            relevant_offset: dispatch.batch * dispatch.casters,
+            edge_chunks_offset: dispatch.edge_chunks_offset,
+            relevant_lights_offset: dispatch.batch * dispatch.casters,
             capacity: sizes.capacity,
             twisted_offset: if sizes.polygons.is_some() { self.group.face_slots() } else { 0 },
             bit,
@@ -43,7 +43,7 @@ impl<'a> Outlined<'a> {
         let (positions, range) = &topology.positions;
         [
             whole(&structure.table),
-            whole(&structure.buffers.lit),
+            whole(&structure.buffers.relevant_lights),
             part(positions, range.clone()),
             whole(&topology.edge_vertices),
             whole(&topology.edge_faces),
@@ -61,7 +61,7 @@ impl<'a> Outlined<'a> {
         self.group.edge_slots()
     }
 
-    /// The arguments of the draw of the light's list, which go over all edge slots if it overflowed.
+    /// The arguments of the draw of the light's list, or of all edge slots if it overflowed.
     pub(crate) fn arguments(self) -> (&'a wgpu::Buffer, u64) {
         (&self.buffers.draws, u64::from(self.bit) * size_of::<DrawArguments>() as u64)
     }
@@ -84,7 +84,7 @@ impl SceneFrame {
         })
     }
 
-    /// Whether each caster that a camera sees has its positions: those of models that no view needs are not computed.
+    /// Whether each caster that a camera sees has its positions. Instances of models that no view needs have none.
     pub(crate) fn has_positions_for(&self, camera: &ShadowCamera) -> bool {
         !self.has_models || self.views.is_empty() || self.views.iter().any(|(_, view)| view == camera)
     }

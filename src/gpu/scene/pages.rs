@@ -12,15 +12,15 @@ use crate::gpu::common::wanted::Wanted;
 
 /// The kinds of elements in a page: faces, edge records, vertices, and words of clusters.
 const KINDS: usize = 4;
-/// So many of each has the first page. Page k has 4^k times as many, so that few pages hold any scene.
+/// Elements of each kind in the first page. Page k has 4^k times as many, so few pages hold any scene.
 const FIRST: [u64; KINDS] = [1 << 14, 3 << 13, 1 << 14, 1 << 13];
 /// Bytes of a face, an edge record in one of its two buffers, a vertex, and a word.
 const BYTES: [u64; KINDS] = [12, 8, 12, 4];
 const WHAT: [&str; KINDS] = ["faces", "edge records", "rest positions", "clusters"];
 
-/// The place of a mesh: a page, and its runs there.
+/// The page of a mesh, and its elements there.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Run {
+pub(crate) struct Region {
     pub(crate) page: usize,
     /// Faces, edge records, vertices, and words of clusters.
     pub(crate) ranges: [Range<u32>; KINDS],
@@ -35,18 +35,18 @@ pub(crate) struct Page<B = wgpu::Buffer> {
     pub(crate) positions: B,
     /// The words of [`Topology::clusters`].
     pub(crate) clusters: B,
-    /// Made for one mesh, which begins it.
+    /// Whether it is for one mesh alone, which begins it.
     is_of_one: bool,
     /// Free ranges of each kind.
     free: [RangeAllocator<u32>; KINDS],
 }
 
-/// All pages of a scene. A page keeps its buffers, so growing copies nothing.
+/// All pages of a scene. A scene grows by further pages, so it copies nothing.
 #[derive(Debug)]
 pub(crate) struct Pages {
     all: Vec<Page>,
-    /// Runs that were freed, and the number of encodes then.
-    freed: Vec<(Run, u64)>,
+    /// Freed regions, and the number of encodes at that time.
+    freed: Vec<(Region, u64)>,
     /// The size of all pages in bytes.
     pub(crate) bytes: u64,
 }
@@ -67,13 +67,13 @@ impl<B> Page<B> {
 }
 
 impl Page {
-    /// Runs of so many of each kind, if there is room for all of them.
+    /// Ranges of `items` elements of each kind, if there is room for all.
     fn allocate(&mut self, items: [u64; KINDS]) -> Option<[Range<u32>; KINDS]> {
         let mut ranges = [const { 0..0 }; KINDS];
         for (kind, free) in self.free.iter_mut().enumerate() {
             let Ok(range) = free.allocate_range(items[kind] as u32) else {
-                let taken = ranges.into_iter().take(kind);
-                self.free.iter_mut().zip(taken).for_each(|(free, range)| free.free_range(range));
+                let allocated = ranges.into_iter().take(kind);
+                self.free.iter_mut().zip(allocated).for_each(|(free, range)| free.free_range(range));
                 return None;
             };
             ranges[kind] = range;
@@ -91,8 +91,8 @@ impl Pages {
         self.all.get(page)
     }
 
-    /// Finds room for a mesh, in a new page if no page has it. `used` are the bytes of the scene beside its pages. `is_alone`:
-    /// it must begin a page, and its page is no larger than it.
+    /// Allocates a mesh, in a new page if the others have no room. `used` are the bytes of the scene beside its pages. If
+    /// `is_alone`, the mesh begins a page, which is no larger than the mesh.
     pub(crate) fn add(
         &mut self,
         device: &wgpu::Device,
@@ -101,8 +101,8 @@ impl Pages {
         is_alone: bool,
         used: u64,
         memory_limit: Option<u64>,
-    ) -> Result<Run, DeviceError> {
-        // The allocator refuses empty runs.
+    ) -> Result<Region, DeviceError> {
+        // The allocator refuses empty ranges.
         let items = [mesh.faces.len(), mesh.edge_faces.len(), vertices as usize, mesh.clusters.len()];
         let items = items.map(|n| n.max(1) as u64);
         for (page, pool) in self.all.iter_mut().enumerate() {
@@ -111,7 +111,7 @@ impl Pages {
                 && (!is_alone || is_empty)
                 && let Some(ranges) = pool.allocate(items)
             {
-                return Ok(Run { page, ranges });
+                return Ok(Region { page, ranges });
             }
         }
         let page = self.all.len();
@@ -122,30 +122,30 @@ impl Pages {
         let mut all = Vec::new();
         Page::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
         let bytes = check(&all, limits.buffer, None)?;
-        let rest = used + self.bytes;
-        all.push(Allocation { label: "the rest of the scene", bytes: rest });
+        let others = used + self.bytes;
+        all.push(Allocation { label: "the rest of the scene", bytes: others });
         check(&all, u64::MAX, memory_limit)?;
-        let mut made = guarded(device, bytes + rest, || Page::plan(sizes, |wanted| wanted.make(device)))?;
+        let mut made = guarded(device, bytes + others, || Page::plan(sizes, |wanted| wanted.make(device)))?;
         made.is_of_one = is_alone;
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
         self.all.push(made);
         self.bytes += bytes;
-        Ok(Run { page, ranges })
+        Ok(Region { page, ranges })
     }
 
-    /// Uploads a mesh and its positions. The queue writes them before the commands of its next submission, and no
-    /// command that was recorded before reads this run; see [`Self::free`].
+    /// Uploads a mesh and its positions. The queue writes them before the commands of its next submission. No command that was
+    /// recorded before reads this region; see [`Self::free`].
     pub(crate) fn upload(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        run: &Run,
+        region: &Region,
         mesh: &Topology<'_>,
         positions: &[[f32; 3]],
     ) -> Result<(), DeviceError> {
-        let Some(page) = self.all.get(run.page) else { return Ok(()) };
-        let [faces, edges, vertices, words] = run.ranges.clone().map(|range| u64::from(range.start));
+        let Some(page) = self.all.get(region.page) else { return Ok(()) };
+        let [faces, edges, vertices, words] = region.ranges.clone().map(|range| u64::from(range.start));
         let write = || {
             queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(&mesh.faces));
             queue.write_buffer(&page.edge_vertices, 8 * edges, bytemuck::cast_slice(&mesh.edge_vertices));
@@ -156,23 +156,23 @@ impl Pages {
         any_error(device, write).map_err(|message| DeviceError::Refused { message })
     }
 
-    /// Gives a run back. Frames that were recorded before may still read it. `encodes` is the number of encodes so far.
-    pub(crate) fn free(&mut self, run: Run, encodes: u64) {
-        self.freed.push((run, encodes));
+    /// Frees a region. Recorded frames may still read it. `encodes` is the number of encodes so far.
+    pub(crate) fn free(&mut self, region: Region, encodes: u64) {
+        self.freed.push((region, encodes));
     }
 
-    /// Runs are used again only from the second encode after they were freed on, because the queue would write them
-    /// before frames that were recorded and not submitted yet.
+    /// Makes freed regions available from the second encode after they were freed on. The queue would otherwise write them before
+    /// frames that are recorded but not yet submitted.
     pub(crate) fn reclaim(&mut self, encodes: u64) {
-        for (run, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
-            if let Some(page) = self.all.get_mut(run.page) {
-                page.free.iter_mut().zip(run.ranges).for_each(|(free, range)| free.free_range(range));
+        for (region, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
+            if let Some(page) = self.all.get_mut(region.page) {
+                page.free.iter_mut().zip(region.ranges).for_each(|(free, range)| free.free_range(range));
             }
         }
     }
 }
 
-/// How many of each kind a new page has. A mesh that is larger gets a page of its size.
+/// The elements of each kind in a new page: at least those of the mesh.
 fn page_sizes(page: usize, items: [u64; KINDS], binding: u64) -> Result<[u64; KINDS], DeviceError> {
     let grown = 4_u64.pow(page.min(10) as u32);
     let mut sizes = [0; KINDS];

@@ -1,13 +1,15 @@
-//! Receivers: what the shadows of a view may fall on, from the depth that they are drawn against.
+//! Receivers: the surfaces that shadows of a view may fall on, from the depth that the shadows are drawn against.
 
 use glam::Mat4;
 
+use super::view::View;
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pass::{Step, Workgroups};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::shadow::buffers::SizedBuffers;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::layout::{ReceiverView, ShadowView};
 use crate::stages::{RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
@@ -19,38 +21,49 @@ const TILE: u32 = 8;
 /// Invocations of a workgroup that take a tile each.
 const TILES_PER_WORKGROUP: u32 = 64;
 
-/// The depth attachment that the volumes of a view will be drawn against, as it is when the encode's commands run. So draw
-/// the visible surfaces before. A caster throws no volume for a view in which no receiver can be in it.
+/// The depth attachment that the volumes of a view will be drawn against. Draw the visible surfaces before the encode's
+/// commands run. Volumes in which no receiver can be are culled.
 ///
-/// Draws after that must be nearer than the depth that was there. If they cover pixels where nothing was, set
-/// [`Self::sky_receives`].
+/// Later draws must be nearer than this depth. If they cover pixels where nothing was drawn, set [`Self::sky_receives`].
 #[derive(Clone, Copy, Debug)]
 pub struct Receivers<'a> {
-    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING` besides. It has the
-    /// size of the viewport that the volumes are drawn with. All samples of a pixel enter.
+    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING`, and the size of the
+    /// viewport that the volumes are drawn with. All samples of a pixel count.
     pub depth: &'a wgpu::TextureView,
-    /// Whether shadows fall on pixels at the depth that is cleared to, 0 with reversed depth and else 1. Usually nothing is
-    /// lit there.
+    /// Whether shadows fall on pixels at the cleared depth, 0 with reversed depth and else 1. Set it if something is drawn
+    /// there later.
     pub sky_receives: bool,
-    /// Which version of the depths it is. While the version and the camera stay the same, the depths are the same, and lists
-    /// are kept. `None`: they may be others in each encode.
+    /// The version of the depths. While the version and the camera stay the same, the depths must stay the same, and lists are
+    /// cached. `None`: the depths may change in each encode.
     pub version: Option<u64>,
 }
 
-/// The receivers of a view as an encode knew them.
+/// What an encode knew of the receivers of a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum SeenReceivers {
+pub(crate) enum ReceiverState {
     None,
-    /// They may be others in each encode.
+    /// They may change in each encode.
     Changing,
-    /// The version, whether the sky receives, and the size.
-    Known(u64, bool, [u32; 2]),
+    Known {
+        version: u64,
+        sky_receives: bool,
+        pixels: [u32; 2],
+    },
 }
 
-impl SeenReceivers {
+/// A view of an encode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ViewVersion {
+    pub(crate) view: ShadowView,
+    /// The first encode with this view and these receivers.
+    pub(crate) version: u32,
+    pub(crate) receivers: ReceiverState,
+}
+
+impl ReceiverState {
     pub(crate) fn of(receivers: Option<&Receivers<'_>>) -> Self {
         receivers.map_or(Self::None, |of| match of.version {
-            Some(version) => Self::Known(version, of.sky_receives, of.pixels()),
+            Some(version) => Self::Known { version, sky_receives: of.sky_receives, pixels: of.pixels() },
             None => Self::Changing,
         })
     }
@@ -73,7 +86,7 @@ impl Receivers<'_> {
         words
     }
 
-    /// Refuses what cannot be read, as far as a texture tells.
+    /// Refuses a texture that shaders cannot read as depth.
     pub(crate) fn check(&self, view: usize) -> Result<(), ShadowError> {
         let texture = self.depth.texture();
         let format = texture.format();
@@ -87,8 +100,8 @@ impl Receivers<'_> {
     }
 }
 
-/// The view of receivers that their stages read.
-fn receiver_view(camera: &ShadowCamera, view: &ShadowView, receivers: &Receivers<'_>, at: u32) -> ReceiverView {
+/// The uniform of the stages of receivers.
+fn receiver_view(camera: &ShadowCamera, view: &ShadowView, receivers: &Receivers<'_>, offset: u32) -> ReceiverView {
     let inverse = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
     ReceiverView {
         inverse: inverse.as_mat4().to_cols_array_2d(),
@@ -97,39 +110,38 @@ fn receiver_view(camera: &ShadowCamera, view: &ShadowView, receivers: &Receivers
         near_max: view.near_max,
         sky_receives: u32::from(receivers.sky_receives),
         pixels: receivers.pixels(),
-        at,
+        offset,
         reserved: 0,
     }
 }
 
-/// A view, as given and as stages see it, and its receivers.
-pub(crate) type SeenDepth<'a> = (&'a ShadowCamera, &'a ShadowView, Option<&'a Receivers<'a>>);
-
-/// The stages of the views that have receivers. `target` has room for `words` words of each view, after the first word.
-pub(crate) fn steps<'a>(
+/// The stages of the views that have receivers. The buffer has one word, then `sizes.receivers` words for each view.
+pub(crate) fn steps(
     pipelines: &Pipelines,
-    views: impl Iterator<Item = SeenDepth<'a>>,
-    (target, words): (&wgpu::Buffer, u64),
+    views: &[View<'_>],
+    shadow_views: &[ShadowView],
+    buffers: &SizedBuffers,
 ) -> Result<Vec<Step>, ShadowError> {
+    let (target, words) = (&buffers.of.receivers, buffers.sizes.receivers);
     let mut table = UniformTable::default();
-    let mut given = Vec::new();
-    for (number, (camera, view, receivers)) in views.enumerate() {
-        if let Some(receivers) = receivers {
-            let at = at(number, words);
-            given.push((number, receivers, table.push(&receiver_view(camera, view, receivers, at))));
+    let mut uniform_offsets = Vec::new();
+    for (number, (given, view)) in views.iter().zip(shadow_views).enumerate() {
+        if let Some(receivers) = &given.depth {
+            let uniform = receiver_view(&given.camera, view, receivers, offset(number, words));
+            uniform_offsets.push((number, receivers, table.push(&uniform)));
         }
     }
-    if given.is_empty() {
+    if uniform_offsets.is_empty() {
         return Ok(Vec::new());
     }
     let device = pipelines.device();
     let uniforms = table.into_buffer(device, "receiver views");
     let mut steps = Vec::new();
-    for (view, receivers, offset) in given {
+    for (view, receivers, offset) in uniform_offsets {
         let tiles = receivers.pixels().map(|pixels| pixels.div_ceil(TILE));
         let over = Workgroups::over(device, (tiles[0] * tiles[1]).div_ceil(TILES_PER_WORKGROUP));
         let is_single = receivers.depth.texture().sample_count() == 1;
-        let of_tiles = if is_single { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
+        let tile_stage = if is_single { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
         let get = |name: &str| {
             Some(match name {
                 "receiver_view" => uniform::<ReceiverView>(&uniforms, offset),
@@ -138,7 +150,7 @@ pub(crate) fn steps<'a>(
                 _ => return None,
             })
         };
-        for (stage, workgroups) in [(of_tiles, over), (&RECEIVER_PYRAMID, Workgroups::Known([1, 1]))] {
+        for (stage, workgroups) in [(tile_stage, over), (&RECEIVER_PYRAMID, Workgroups::Known([1, 1]))] {
             let pipeline = pipelines.compute(stage, stage.name, &[]);
             let dispatch = any_error(device, || pipeline.dispatch(device, workgroups, get));
             let refused = |message| ShadowError::ReceiversRefused { view, message };
@@ -148,7 +160,7 @@ pub(crate) fn steps<'a>(
     Ok(steps)
 }
 
-/// The word where the receivers of a view begin. 0 says that there are none.
-pub(crate) fn at(view: usize, words: u64) -> u32 {
+/// The first word of the receivers of a view. Stages read 0 as no receivers.
+pub(crate) fn offset(view: usize, words: u64) -> u32 {
     1 + (view as u64 * words) as u32
 }

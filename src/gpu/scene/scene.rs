@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{Caster, CasterEntry, CasterPositions, HiddenOfLight, MeshEntry, Placement, Rigid};
+use super::caster::{Caster, CasterEntry, CasterPositions, HiddenFacesOfLight, MeshEntry, Placement, Rigid};
+use super::content::Content;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;
@@ -13,7 +14,7 @@ use super::model::{Deformed, ModelEntry};
 use super::occluders;
 use super::options::{Capacities, Measuring, SceneOptions};
 use super::pages::Pages;
-use super::receivers::SeenReceivers;
+use super::receivers::ViewVersion;
 use super::sources::{Sources, bind};
 use super::structure::Structure;
 use super::table::Table;
@@ -27,13 +28,12 @@ use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::check_count_bits;
-use crate::layout::ShadowView;
 use crate::method::Predicate;
 use crate::{Light, Mesh, Transform};
 
-/// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
-/// it. The work of recording an encode does not depend on the number of casters, but for those that moved, those of polygons,
-/// which have passes of their own, and the poses of models.
+/// Many casters and lights, whose silhouettes are extracted together. Casters share the stored mesh. The work of recording an
+/// encode does not depend on the number of casters, except for casters that moved, casters of polygons, which have their own
+/// passes, and the poses of models.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
 /// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README
@@ -46,17 +46,13 @@ pub struct Scene {
     pub(crate) pipelines: Pipelines,
     pub(super) queue: wgpu::Queue,
     pub(super) options: SceneOptions,
-    pub(super) meshes: SlotMap<DefaultKey, MeshEntry>,
-    pub(super) casters: SlotMap<DefaultKey, CasterEntry>,
-    pub(super) sources: Sources,
-    pub(super) lights: Lights,
-    pub(super) pages: Pages,
+    pub(super) content: Content,
     pub(super) table: Table,
-    /// Casters whose transform is not in the table yet. Some may have been removed.
+    /// Casters that changed since the table was written. Some may have been removed.
     pub(super) moved: Vec<DefaultKey>,
-    /// `None`: casters or lights came or went.
+    /// `None`: casters or lights were added or removed.
     pub(super) structure: Option<Arc<Structure>>,
-    /// The structure before, whose buffers are taken where they are large enough.
+    /// The structure before. Its buffers are reused if they are large enough.
     pub(super) last: Option<Arc<Structure>>,
     /// The steps of the structure.
     pub(super) steps: Vec<Step>,
@@ -64,19 +60,19 @@ pub struct Scene {
     pub(super) volumes: Option<Arc<Volumes>>,
     /// The most views of an encode so far.
     pub(super) views: usize,
-    /// Words for the receivers of each view, as many as any had so far.
+    /// Words for the receivers of each view: the most so far.
     pub(super) receiver_words: u64,
-    /// The cameras of the last encode, with the encode that was the first to have each, and its receivers.
-    pub(super) seen_views: Vec<(ShadowView, u32, SeenReceivers)>,
+    /// The views of the last encode.
+    pub(super) view_versions: Vec<ViewVersion>,
     pub(super) models: SlotMap<DefaultKey, ModelEntry>,
     /// The bytes of their deformers.
     pub(super) deformed_bytes: u64,
-    /// The instances of all models, in the order of the structure's words for them.
-    pub(super) figures: Vec<DefaultKey>,
-    /// The models were deformed for the next encode.
+    /// The casters of all models, in the order of the structure's words for them.
+    pub(super) deforming: Vec<DefaultKey>,
+    /// Set if the models were deformed for the next encode.
     pub(super) deformed: Option<Deformed>,
     /// The hidden faces of each light.
-    pub(super) hidden: Vec<HiddenOfLight>,
+    pub(super) hidden: Vec<HiddenFacesOfLight>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -84,8 +80,8 @@ pub struct Scene {
 
 impl Scene {
     /// A scene without casters and lights. `pipelines` is the device, or the [`Pipelines`] that many scenes share.
-    /// `queue` is the queue of that device; topology is uploaded by it. wgpu does not tell which device a queue is of. To a
-    /// queue of another one, [`Self::add_mesh`] causes a validation error on that other device.
+    /// `queue` must be the queue of that device: it uploads topology. With the queue of another device, [`Self::add_mesh`] causes
+    /// a validation error on that other device, because wgpu does not say whose queue it is.
     ///
     /// # Errors
     /// [`ShadowError`] if the device lacks what extraction needs, or `max_lights` or `count_bits` is impossible.
@@ -103,17 +99,19 @@ impl Scene {
         let id = SceneId::next();
         Ok(Self {
             id,
-            lights: Lights::new(id, options.max_lights)?,
+            content: Content {
+                meshes: SlotMap::new(),
+                pages: Pages::new(),
+                casters: SlotMap::new(),
+                sources: Sources::default(),
+                lights: Lights::new(id, options.max_lights)?,
+            },
             pipelines,
             queue: queue.clone(),
             options,
-            meshes: SlotMap::new(),
-            casters: SlotMap::new(),
-            sources: Sources::default(),
-            pages: Pages::new(),
             table: Table {
-                heeds_ranges: !options.measuring.has(Measuring::UNREACHED),
-                heeds_occluders: !options.measuring.has(Measuring::OCCLUDED),
+                culls_by_range: !options.measuring.has(Measuring::CULLED_BY_RANGE),
+                culls_by_occluders: !options.measuring.has(Measuring::CULLED_BY_OCCLUDERS),
                 ..Table::default()
             },
             moved: Vec::new(),
@@ -123,10 +121,10 @@ impl Scene {
             volumes: None,
             views: 0,
             receiver_words: 0,
-            seen_views: Vec::new(),
+            view_versions: Vec::new(),
             models: SlotMap::new(),
             deformed_bytes: 0,
-            figures: Vec::new(),
+            deforming: Vec::new(),
             deformed: None,
             hidden: Vec::new(),
             structures: 0,
@@ -142,20 +140,19 @@ impl Scene {
         }
     }
 
-    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. Casters with a
-    /// buffer of their own do not, but the mesh has positions in any case: give those at rest. Positions that are not finite
-    /// are allowed; their faces never face a light.
+    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. For casters with a
+    /// position buffer, give the positions at rest. Positions that are not finite are allowed; their faces never face a light.
     ///
     /// # Errors
     /// [`ShadowError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device. Polygons
     /// of [`Mesh::from_polygons_by_loop`] have boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, ShadowError> {
         let needed = mesh.vertex_count();
-        let Some(own) = positions.get(..needed as usize) else {
+        let Some(positions) = positions.get(..needed as usize) else {
             return Err(ShadowError::TooFewPositions { given: positions.len(), needed });
         };
-        let topology = self.topology(mesh, own);
-        Ok(MeshHandle { scene: self.id, key: self.add_topology(mesh, &topology, own)? })
+        let topology = self.topology(mesh, positions);
+        Ok(MeshHandle { scene: self.id, key: self.add_topology(mesh, &topology, positions)? })
     }
 
     /// Uploads a mesh with its topology and positions.
@@ -163,18 +160,25 @@ impl Scene {
         &mut self,
         mesh: &Mesh,
         topology: &Topology<'_>,
-        own: &[[f32; 3]],
+        positions: &[[f32; 3]],
     ) -> Result<DefaultKey, ShadowError> {
         let (device, used, limit) = (self.pipelines.device(), self.used(), self.options.memory_limit);
-        let polygons = PolygonMesh::new(device, mesh, used + self.pages.bytes, limit)?;
+        let polygons = PolygonMesh::new(device, mesh, used + self.content.pages.bytes, limit)?;
         let further = polygons.as_ref().map_or(0, PolygonMesh::bytes);
-        let run = self.pages.add(device, topology, own.len() as u32, polygons.is_some(), used + further, limit)?;
-        if let Err(error) = self.pages.upload(device, &self.queue, &run, topology, own) {
-            self.pages.free(run, self.encodes.load(Ordering::Relaxed));
+        let region = self.content.pages.add(
+            device,
+            topology,
+            positions.len() as u32,
+            polygons.is_some(),
+            used + further,
+            limit,
+        )?;
+        if let Err(error) = self.content.pages.upload(device, &self.queue, &region, topology, positions) {
+            self.content.pages.free(region, self.encodes.load(Ordering::Relaxed));
             return Err(error.into());
         }
-        self.pages.bytes += further;
-        Ok(self.meshes.insert(MeshEntry::new(run, mesh, own, topology.order.clone(), polygons)))
+        self.content.pages.bytes += further;
+        Ok(self.content.meshes.insert(MeshEntry::new(region, mesh, positions, topology.order.clone(), polygons)))
     }
 
     /// The bytes of all but pages.
@@ -195,20 +199,20 @@ impl Scene {
         }
     }
 
-    /// Removes a mesh that no caster has. From the second encode after this on, a new mesh may take its place in the
-    /// buffers. So submit or drop encoders that hold earlier encodes before you add a mesh then.
+    /// Removes a mesh that no caster has. From the second encode after this on, a new mesh may overwrite it in the buffers. So
+    /// submit or drop encoders that hold earlier encodes before you add a mesh then.
     ///
     /// # Errors
     /// [`ShadowError::MeshInUse`], or an error of the handle.
     pub fn remove_mesh(&mut self, mesh: MeshHandle) -> Result<(), ShadowError> {
         let key = mesh.key_in(self.id)?;
-        let casters = self.meshes.get(key).ok_or(ShadowError::Removed { what: "mesh" })?.casters;
+        let casters = self.content.meshes.get(key).ok_or(ShadowError::Removed { what: "mesh" })?.casters;
         if casters > 0 {
             return Err(ShadowError::MeshInUse { casters });
         }
-        if let Some(entry) = self.meshes.remove(key) {
-            self.pages.bytes -= entry.polygons.as_ref().map_or(0, PolygonMesh::bytes);
-            self.pages.free(entry.run, self.encodes.load(Ordering::Relaxed));
+        if let Some(entry) = self.content.meshes.remove(key) {
+            self.content.pages.bytes -= entry.polygons.as_ref().map_or(0, PolygonMesh::bytes);
+            self.content.pages.free(entry.region, self.encodes.load(Ordering::Relaxed));
         }
         Ok(())
     }
@@ -218,7 +222,7 @@ impl Scene {
     /// # Errors
     /// [`ShadowError::Light`] for a light that is refused, or [`ShadowError::NoLightBit`].
     pub fn add_light(&mut self, light: Light) -> Result<LightHandle, ShadowError> {
-        let handle = self.lights.add(light)?;
+        let handle = self.content.lights.add(light)?;
         self.structure = None;
         Ok(handle)
     }
@@ -228,7 +232,7 @@ impl Scene {
     /// # Errors
     /// [`ShadowError::Light`] for a light that is refused, or an error of the handle.
     pub fn set_light(&mut self, handle: LightHandle, light: Light) -> Result<(), ShadowError> {
-        self.lights.set(handle, light)
+        self.content.lights.set(handle, light)
     }
 
     /// Removes a light and frees its bit.
@@ -236,7 +240,7 @@ impl Scene {
     /// # Errors
     /// An error of the handle.
     pub fn remove_light(&mut self, handle: LightHandle) -> Result<(), ShadowError> {
-        self.lights.remove(handle)?;
+        self.content.lights.remove(handle)?;
         self.structure = None;
         Ok(())
     }
@@ -250,7 +254,7 @@ impl Scene {
         let mesh = mesh.key_in(self.id)?;
         let (placement, source) = self.place(mesh, positions)?;
         let mut has_polygons = false;
-        if let Some(entry) = self.meshes.get_mut(mesh) {
+        if let Some(entry) = self.content.meshes.get_mut(mesh) {
             entry.casters += 1;
             has_polygons = entry.polygons.is_some();
         }
@@ -270,11 +274,11 @@ impl Scene {
             bounds: None,
             positions_version: None,
             is_of_model: false,
-            figure: 0,
+            deforming_index: 0,
             index: 0,
             first_light: 0,
         };
-        Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
+        Ok(CasterHandle { scene: self.id, key: self.content.casters.insert(entry) })
     }
 
     /// Moves a rigid caster. A caster with a buffer moves by what is written to the buffer; another buffer is given by
@@ -288,18 +292,17 @@ impl Scene {
         mesh_to_world: impl Into<Transform>,
     ) -> Result<(), ShadowError> {
         let mesh_to_world = mesh_to_world.into().rows();
-        let (key, entry) = self.own_entry(caster)?;
+        let (key, entry) = self.entry_of_caller(caster)?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(ShadowError::NotRigid) };
         if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
             *rigid = Rigid::new(mesh_to_world);
-            self.note_change(key);
+            self.mark_changed(key);
         }
         Ok(())
     }
 
-    /// Says which version of a caster's positions is in its buffer. While the version stays the same, the positions are the
-    /// same, and what was computed from them is kept. `None`, as after [`Self::insert`] and [`Self::set_positions`]: they may
-    /// be others in each encode.
+    /// States the version of the positions in a caster's buffer. While it stays the same, the positions must stay the same,
+    /// and results are cached. Default, also after [`Self::set_positions`]: `None`, the positions may change in each encode.
     ///
     /// # Errors
     /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], or an error of the handle.
@@ -307,18 +310,17 @@ impl Scene {
         let (key, entry) = self.entry_in_buffer(caster)?;
         if entry.positions_version != version {
             entry.positions_version = version;
-            self.note_change(key);
+            self.mark_changed(key);
         }
         Ok(())
     }
 
-    /// States a box, its lowest and its highest corner in world space, in which all positions of a caster's buffer are from the
-    /// next encode on. For lights whose range or cone does not reach the box nothing is computed of the caster. `None`, as after
-    /// [`Self::insert`] and [`Self::set_positions`]: they may be anywhere, and their own box tells only which volumes are
-    /// drawn.
+    /// States a box, its lowest and its highest corner in world space, that holds all positions of a caster's buffer from the
+    /// next encode on. A light whose range or cone misses the box then costs nothing for the caster. Default, also after
+    /// [`Self::set_positions`]: `None`, the positions may be anywhere.
     ///
-    /// Positions outside the box, which are finite, may lack shadows. The box of a model at rest does not hold for a pose;
-    /// [`ModelBounds`](crate::ModelBounds) computes those of poses. [`Self::set_pose`] states that of its instances.
+    /// Finite positions outside the box may lack shadows. The box of a model at rest does not hold for a pose:
+    /// [`ModelBounds`](crate::ModelBounds) computes boxes of poses. [`Self::set_pose`] states the boxes of instances.
     ///
     /// # Errors
     /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], [`ShadowError::Bounds`] for a box that is none, or
@@ -332,7 +334,7 @@ impl Scene {
         }
         if entry.bounds != bounds {
             entry.bounds = bounds;
-            self.note_change(key);
+            self.mark_changed(key);
         }
         Ok(())
     }
@@ -340,24 +342,24 @@ impl Scene {
     /// A caster.
     fn entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
         let key = caster.key_in(self.id)?;
-        self.casters.get_mut(key).map(|entry| (key, entry)).ok_or(ShadowError::Removed { what: "caster" })
+        self.content.casters.get_mut(key).map(|entry| (key, entry)).ok_or(ShadowError::Removed { what: "caster" })
     }
 
     /// A caster that is no instance of a model.
-    fn own_entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
+    fn entry_of_caller(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
         let (key, entry) = self.entry(caster)?;
         if entry.is_of_model { Err(ShadowError::OfModel) } else { Ok((key, entry)) }
     }
 
     /// A caster with positions in a buffer of the caller's.
     fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
-        let (key, entry) = self.own_entry(caster)?;
+        let (key, entry) = self.entry_of_caller(caster)?;
         if let Placement::Rigid(_) = entry.placement { Err(ShadowError::NoBuffer) } else { Ok((key, entry)) }
     }
 
-    /// Notes that a caster is to be written to the table.
-    pub(super) fn note_change(&mut self, key: DefaultKey) {
-        if let Some(entry) = self.casters.get_mut(key).filter(|entry| !entry.is_moved) {
+    /// Marks a caster that must be written to the table.
+    pub(super) fn mark_changed(&mut self, key: DefaultKey) {
+        if let Some(entry) = self.content.casters.get_mut(key).filter(|entry| !entry.is_moved) {
             entry.is_moved = true;
             self.moved.push(key);
         }
@@ -373,25 +375,25 @@ impl Scene {
         caster: CasterHandle,
         positions: impl Into<CasterPositions>,
     ) -> Result<(), ShadowError> {
-        let (key, entry) = self.own_entry(caster)?;
+        let (key, entry) = self.entry_of_caller(caster)?;
         let mesh = entry.mesh;
         let (placement, source) = self.place(mesh, positions.into())?;
-        if let Some(entry) = self.casters.get_mut(key) {
+        if let Some(entry) = self.content.casters.get_mut(key) {
             entry.placement = placement;
             (entry.positions_version, entry.bounds) = (None, None);
             if let Placement::World { .. } = entry.placement {
                 entry.occluders.clear();
             }
-            self.sources.give_back(std::mem::replace(&mut entry.source, source));
+            self.content.sources.release(std::mem::replace(&mut entry.source, source));
         }
         self.structure = None;
         Ok(())
     }
 
-    /// Where a caster of a mesh is, and the source of its positions, which counts it.
+    /// The placement of a caster of a mesh, and the source of its positions, which counts the caster.
     fn place(&mut self, mesh: DefaultKey, positions: CasterPositions) -> Result<(Placement, DefaultKey), ShadowError> {
-        let entry = self.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
-        let (page, vertices) = (entry.run.page, entry.vertices);
+        let entry = self.content.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
+        let (page, vertices) = (entry.region.page, entry.vertices);
         let (placement, bound) = match positions {
             CasterPositions::Rigid(transform) => (Placement::Rigid(Rigid::new(transform.rows())), None),
             CasterPositions::Buffer { buffer, offset, stride } => {
@@ -400,7 +402,7 @@ impl Scene {
                 (placement, Some(bound))
             }
         };
-        Ok((placement, self.sources.take(page, bound)))
+        Ok((placement, self.content.sources.acquire(page, bound)))
     }
 
     /// Changes the lights for which a caster throws shadows.
@@ -416,19 +418,19 @@ impl Scene {
         Ok(())
     }
 
-    /// Excludes faces of a caster for a light: they count nowhere, as if the caster had no such faces. `faces` are numbers of
-    /// faces in the mesh, and replace those of an earlier call. An empty list excludes none. A surface is then closed by
-    /// its boundary: an edge between an excluded face and another bounds the volume once.
+    /// Excludes faces of a caster for a light, as if the caster had no such faces. `faces` are indices of faces in the mesh, and
+    /// replace those of an earlier call. An empty list excludes none. An edge between an excluded face and another then bounds
+    /// the volume, once.
     ///
-    /// This is for faces of which it is known that their shadow lies in that of others. It goes with the light.
+    /// Use it for faces whose shadow lies in the shadow of others. Removing the light ends it.
     ///
     /// # Errors
     /// [`ShadowError::NoSuchFace`], [`ShadowError::Polygons`], or an error of a handle.
     pub fn set_excluded(&mut self, caster: CasterHandle, light: LightHandle, faces: &[u32]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
-        self.lights.check(light)?;
-        let entry = self.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
-        let mesh = self.meshes.get(entry.mesh);
+        self.content.lights.check(light)?;
+        let entry = self.content.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
+        let mesh = self.content.meshes.get(entry.mesh);
         let count = mesh.map_or(0, |mesh| mesh.faces);
         if let Some(&face) = faces.iter().find(|&&face| face >= count) {
             return Err(ShadowError::NoSuchFace { face, faces: count });
@@ -436,7 +438,7 @@ impl Scene {
         if entry.has_polygons && !faces.is_empty() {
             return Err(ShadowError::Polygons);
         }
-        entry.excluded.retain(|(of, _)| *of != light && self.lights.check(*of).is_ok());
+        entry.excluded.retain(|(of, _)| *of != light && self.content.lights.check(*of).is_ok());
         if !faces.is_empty() {
             let order = mesh.and_then(|mesh| mesh.order.as_ref());
             let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
@@ -446,25 +448,23 @@ impl Scene {
         Ok(())
     }
 
-    /// States that a rigid caster is solid behind some polygons: **each polygon lies on its faces, all of it**, in mesh space.
-    /// Their corners, 3 to 8, go round counter-clockwise as those of the faces do. For example the corners of a face, or of a
-    /// wall. They replace those of an earlier call.
+    /// States occluders: polygons in mesh space that **lie wholly on faces of a rigid caster**, for example a face or a wall.
+    /// They have 3 to 8 corners, counter-clockwise as those of the faces, and replace those of an earlier call.
     ///
-    /// A caster whose box is wholly behind a polygon, as seen from a light, throws no
-    /// shadow for this light: what it would darken is in the shadow of the polygon. A polygon hides nothing for lights that its
-    /// caster does not throw shadows for, from which it does not look convex, or whose plane they are near. On a closed mesh only
-    /// those that are turned away from the light hide: give polygons on all sides. Nor do casters hide of which faces are
-    /// excluded. Each polygon is tried for each caster and light.
+    /// A caster whose box is wholly behind an occluder, as seen from a light, throws no shadow for this light, because its shadow
+    /// lies in that of the occluder. An occluder culls nothing for a light that its caster does not throw shadows for, from
+    /// which it does not look convex, or that is near its plane. On a closed mesh only back-facing occluders cull, so give
+    /// polygons on all sides. A caster with excluded faces culls nothing. Each encode tests each occluder for each caster and light.
     ///
     /// # Errors
     /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of the handle.
     pub fn set_occluders(&mut self, caster: CasterHandle, polygons: &[&[[f32; 3]]]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
+        let entry = self.content.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
         if matches!(entry.placement, Placement::World { .. }) {
             return Err(ShadowError::NotRigid);
         }
-        if let Some(mesh) = self.meshes.get(entry.mesh) {
+        if let Some(mesh) = self.content.meshes.get(entry.mesh) {
             for (number, polygon) in polygons.iter().enumerate() {
                 occluders::check(number, polygon, mesh)?;
             }
@@ -479,17 +479,17 @@ impl Scene {
     /// # Errors
     /// [`ShadowError::OfModel`], or an error of the handle.
     pub fn remove(&mut self, caster: CasterHandle) -> Result<(), ShadowError> {
-        let (key, _) = self.own_entry(caster)?;
+        let (key, _) = self.entry_of_caller(caster)?;
         self.remove_caster(key);
         Ok(())
     }
 
     pub(super) fn remove_caster(&mut self, key: DefaultKey) {
-        let Some(entry) = self.casters.remove(key) else { return };
-        if let Some(mesh) = self.meshes.get_mut(entry.mesh) {
+        let Some(entry) = self.content.casters.remove(key) else { return };
+        if let Some(mesh) = self.content.meshes.get_mut(entry.mesh) {
             mesh.casters -= 1;
         }
-        self.sources.give_back(entry.source);
+        self.content.sources.release(entry.source);
         self.structure = None;
     }
 }

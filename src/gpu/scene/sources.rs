@@ -1,4 +1,4 @@
-//! Where casters read their positions.
+//! The sources that casters read their positions from.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -14,11 +14,11 @@ use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::shadow::errors::ShadowError;
 
-/// The key that tells sources apart.
+/// Casters with equal keys share a source.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct SourceKey {
     page: usize,
-    /// A caller's buffer, and where its bound part begins.
+    /// A caller's buffer, and the offset of its bound part.
     buffer: Option<(wgpu::Buffer, u64)>,
 }
 
@@ -26,30 +26,30 @@ struct SourceKey {
 #[derive(Debug)]
 pub(crate) struct Source {
     pub(crate) page: usize,
-    /// `None`: the page's own positions.
+    /// `None`: the positions of the page.
     pub(crate) buffer: Option<BoundBuffer>,
     casters: usize,
     key: SourceKey,
 }
 
 impl Source {
-    /// The buffer of the positions of its casters, and the part of it that is bound, in bytes.
-    pub(crate) fn place<'a>(&'a self, page: &'a Page) -> (&'a wgpu::Buffer, Range<u64>) {
+    /// The buffer of the positions, and its bound part in bytes.
+    pub(crate) fn bound_positions<'a>(&'a self, page: &'a Page) -> (&'a wgpu::Buffer, Range<u64>) {
         match &self.buffer {
             Some(bound) => (&bound.buffer, bound.range.clone()),
             None => (&page.positions, 0..page.positions.size()),
         }
     }
 
-    /// The positions of its casters.
+    /// The bound positions.
     pub(crate) fn positions<'a>(&'a self, page: &'a Page) -> Resource<'a> {
-        let (buffer, range) = self.place(page);
+        let (buffer, range) = self.bound_positions(page);
         part(buffer, range)
     }
 
     /// The buffers that draws of its casters read.
     pub(crate) fn topology(&self, page: &Page) -> GroupTopology {
-        let (positions, range) = self.place(page);
+        let (positions, range) = self.bound_positions(page);
         GroupTopology {
             faces: page.faces.clone(),
             edge_vertices: page.edge_vertices.clone(),
@@ -91,7 +91,7 @@ impl Sources {
     }
 
     /// The source of a further caster.
-    pub(crate) fn take(&mut self, page: usize, buffer: Option<BoundBuffer>) -> DefaultKey {
+    pub(crate) fn acquire(&mut self, page: usize, buffer: Option<BoundBuffer>) -> DefaultKey {
         let key = SourceKey { page, buffer: buffer.as_ref().map(|bound| (bound.buffer.clone(), bound.range.start)) };
         let Self { sources, by_key } = self;
         let new = || sources.insert(Source { page, buffer, casters: 0, key: key.clone() });
@@ -102,8 +102,8 @@ impl Sources {
         source
     }
 
-    /// A caster of the source is gone. A buffer that no caster has is let go.
-    pub(crate) fn give_back(&mut self, source: DefaultKey) {
+    /// Removes a caster of the source. The last one releases the buffer.
+    pub(crate) fn release(&mut self, source: DefaultKey) {
         let is_unused = self.sources.get_mut(source).is_some_and(|source| {
             source.casters = source.casters.saturating_sub(1);
             source.casters == 0

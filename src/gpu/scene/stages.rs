@@ -1,10 +1,7 @@
 //! The dispatches of a scene's stages, with the buffers that they bind.
 
-use slotmap::{DefaultKey, SlotMap};
-
 use super::buffers::{Buffers, LISTS_HEAD, WORK_WORDS};
-use super::caster::CasterEntry;
-use super::structure::{GroupBatch, Making, Structure};
+use super::structure::{GroupBatch, Inputs, PolygonCaster, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, exact_workgroups, loops_of};
@@ -22,7 +19,7 @@ use crate::turns::{SCENE_ITEMS, scene_exact_items};
 /// The number of invocations in a workgroup of `reach`.
 const SMALL_WORKGROUP: u64 = 64;
 
-/// The items that a stage walks along, for a group and batch.
+/// The items of a stage, for a group and batch.
 #[derive(Clone, Copy)]
 enum Items {
     /// An invocation for each caster and batch, of all groups at once.
@@ -38,26 +35,26 @@ enum Items {
 }
 
 impl Items {
-    /// Whether other stages do the same for polygons.
+    /// Whether polygons have other stages for it.
     fn is_of_triangles(self) -> bool {
         matches!(self, Self::Faces | Self::Undecided | Self::Edges)
     }
 }
 
-/// The stages in their order, and what they walk along.
+/// The stages in their order, with their items.
 fn stages(predicate: Predicate) -> Vec<(Program, Items)> {
     let switch = |is_on: bool| f64::from(u8::from(is_on));
     let is_exact = predicate == Predicate::Exact;
-    let of = |stage| Program::of(stage, &[]);
+    let plain = |stage| Program::of(stage, &[]);
     let facing = [("PLANE", switch(predicate.is_plane())), ("EXACT", switch(is_exact))];
     let mut stages = vec![
-        (of(&REACH), Items::Pairs),
-        (of(&CLUSTERS), Items::FaceChunks),
-        (of(&CHUNKS), Items::EdgeChunks),
+        (plain(&REACH), Items::Pairs),
+        (plain(&CLUSTERS), Items::FaceChunks),
+        (plain(&CHUNKS), Items::EdgeChunks),
         (Program::of(&SCENE_FACING, &facing), Items::Faces),
     ];
-    stages.extend(is_exact.then(|| (of(&SCENE_EXACT_FACING), Items::Undecided)));
-    stages.extend([(of(&SCENE_EDGES), Items::Edges), (of(&ARGUMENTS), Items::One)]);
+    stages.extend(is_exact.then(|| (plain(&SCENE_EXACT_FACING), Items::Undecided)));
+    stages.extend([(plain(&SCENE_EDGES), Items::Edges), (plain(&ARGUMENTS), Items::One)]);
     stages
 }
 
@@ -66,16 +63,12 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
     stages(predicate).into_iter().map(|(program, _)| program).collect()
 }
 
-/// The steps of a structure, after its table was uploaded. There are none without casters or lights.
+/// The steps of a structure, for after the upload of its table. There are none without casters or lights.
 ///
 /// # Errors
 /// [`DeviceError::Refused`] if a caller destroyed the buffer of a caster.
-pub(crate) fn steps(
-    making: &Making<'_>,
-    casters: &SlotMap<DefaultKey, CasterEntry>,
-    structure: &Structure,
-) -> Result<Vec<Step>, DeviceError> {
-    let Making { pipelines, options, views, .. } = *making;
+pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
+    let Inputs { pipelines, options, views, .. } = *inputs;
     let (device, predicate) = (pipelines.device(), options.predicate());
     let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };
     let mut programs = programs(predicate);
@@ -85,7 +78,7 @@ pub(crate) fn steps(
     }
     pipelines.make_together(&programs);
     let limits = &DispatchLimits::new(&device.limits());
-    let binder = Binder { device, structure, making, limits };
+    let binder = Binder { device, structure, inputs, limits };
     let mut steps = clears(structure);
     bound(device, || {
         for (program, items) in stages(predicate) {
@@ -93,7 +86,7 @@ pub(crate) fn steps(
             let parts = if let Items::Pairs = items { std::slice::from_ref(first) } else { &structure.parts };
             if pipeline.label == ARGUMENTS.name {
                 for part in parts.iter().filter(|part| part.sizes.polygons.is_some()) {
-                    steps.extend(binder.polygons(casters, part).transpose()?.unwrap_or_default());
+                    steps.extend(binder.polygons(part).transpose()?.unwrap_or_default());
                 }
             }
             let dispatch = |part: &GroupBatch| {
@@ -106,18 +99,18 @@ pub(crate) fn steps(
     })?
 }
 
-/// Clears what stages add to, and writes the masks of faces that callers exclude.
+/// Clears counts and statistics, and writes the masks of faces that callers exclude.
 fn clears(structure: &Structure) -> Vec<Step> {
-    let Structure { parts, buffers, given, .. } = structure;
+    let Structure { parts, buffers, exclusions, .. } = structure;
     let counts = Step::Clear(buffers.work.clone(), 0..4 * WORK_WORDS * parts.len() as u64);
     let mut steps = vec![counts, Step::clear(&buffers.statistics)];
-    for ((part, given), buffers) in parts.iter().zip(given).zip(buffers.groups.iter().flatten()) {
-        // Elsewhere `facing` begins with none.
-        let is_given = structure.layout.groups.get(part.group).is_some_and(|group| group.is_given);
+    for ((part, masks), buffers) in parts.iter().zip(exclusions).zip(buffers.groups.iter().flatten()) {
+        // In groups without exclusions `facing` clears the masks.
+        let excludes = structure.layout.groups.get(part.group).is_some_and(|group| group.excludes);
         let (excluded, bytes) = (buffers.excluded.clone(), part.sizes.masks);
-        match given {
-            Some(given) => steps.push(Step::Copy([(given.clone(), 0), (excluded, 0)], bytes)),
-            None if is_given => steps.push(Step::Clear(excluded, 0..bytes)),
+        match masks {
+            Some(masks) => steps.push(Step::Copy([(masks.clone(), 0), (excluded, 0)], bytes)),
+            None if excludes => steps.push(Step::Clear(excluded, 0..bytes)),
             None => {}
         }
     }
@@ -128,7 +121,7 @@ fn clears(structure: &Structure) -> Vec<Step> {
 struct Binder<'a> {
     device: &'a wgpu::Device,
     structure: &'a Structure,
-    making: &'a Making<'a>,
+    inputs: &'a Inputs<'a>,
     limits: &'a DispatchLimits,
 }
 
@@ -157,31 +150,28 @@ impl<'a> Binder<'a> {
     }
 
     /// The extraction of the polygons of a group.
-    fn polygons(
-        &self,
-        casters: &SlotMap<DefaultKey, CasterEntry>,
-        at: &GroupBatch,
-    ) -> Option<Result<Vec<Step>, DeviceError>> {
-        let Self { structure, making, limits, .. } = self;
-        let buffers = structure.buffers.groups.get(at.group)?.get(at.batch)?;
+    fn polygons(&self, group_batch: &GroupBatch) -> Option<Result<Vec<Step>, DeviceError>> {
+        let Self { structure, inputs, limits, .. } = self;
+        let &GroupBatch { group, batch, ref sizes, lights, .. } = group_batch;
+        let buffers = structure.buffers.groups.get(group)?.get(batch)?;
         let of_polygons = buffers.polygons.as_ref()?;
-        let group = structure.layout.groups.get(at.group)?;
-        let (page, source) = structure.source(making, at.group)?;
-        let (mesh, [offset_words, stride_words]) = structure.polygons(making.meshes, casters, at.group)?;
-        let (positions, range) = source.place(page);
+        let (page, source) = structure.source(inputs.content, group)?;
+        let PolygonCaster { mesh, offset_words, stride_words, .. } = structure.polygons(inputs.content, group)?;
+        let (positions, range) = source.bound_positions(page);
         // One binding holds them, so this is no error.
         let windows = limits.windows("positions", range.end - range.start).ok()?;
-        let EdgeCounts { consistent, inconsistent, boundary } = group.counts;
+        let layout = structure.layout.groups.get(group)?;
+        let EdgeCounts { consistent, inconsistent, boundary } = layout.counts;
         let part = PolygonPart {
             mesh,
-            faces: group.face_slots(),
+            faces: layout.face_slots(),
             edges: (consistent + inconsistent + boundary) as u32,
-            lights: at.lights,
-            capacity: at.sizes.capacity,
-            polygons: at.sizes.polygons?,
+            lights,
+            capacity: sizes.capacity,
+            polygons: sizes.polygons?,
             topology: [&page.faces, &page.edge_vertices, &page.edge_faces],
             positions: (positions, BoundPositions { base: range.start, windows, offset_words, stride_words }),
-            given: structure.given.get(at.group * structure.batches + at.batch)?.as_ref(),
+            given: structure.exclusions.get(group * structure.batches + batch)?.as_ref(),
             light_batch: &of_polygons.lights,
             facing: &buffers.facing,
             excluded: &buffers.excluded,
@@ -191,24 +181,25 @@ impl<'a> Binder<'a> {
             arguments: &of_polygons.arguments,
             pieces: &of_polygons.pieces,
         };
-        Some(part.steps(making.pipelines))
+        Some(part.steps(inputs.pipelines))
     }
 
-    fn get(&self, stage: &str, name: &str, at: &GroupBatch) -> Option<Resource<'a>> {
+    fn get(&self, stage: &str, name: &str, group_batch: &GroupBatch) -> Option<Resource<'a>> {
         let Structure { table, uniforms, shapes, buffers, .. } = self.structure;
-        let Buffers { lit, taken, kept, work, statistics, .. } = buffers;
-        let of_group = buffers.groups.get(at.group)?.get(at.batch)?;
-        let (page, source) = self.structure.source(self.making, at.group)?;
+        let Buffers { relevant_lights, active_lights, cache, work, statistics, .. } = buffers;
+        let &GroupBatch { group, batch, ref sizes, offset, shape, .. } = group_batch;
+        let of_group = buffers.groups.get(group)?.get(batch)?;
+        let (page, source) = self.structure.source(self.inputs.content, group)?;
         Some(match name {
-            "group" => uniform::<SceneDispatch>(uniforms, at.offset),
-            "shape" => uniform::<DrawShape>(shapes, at.shape),
+            "group" => uniform::<SceneDispatch>(uniforms, offset),
+            "shape" => uniform::<DrawShape>(shapes, shape),
             "table" => whole(table),
             "work" => whole(work),
-            "lit" => whole(lit),
-            // Lists that are made anew have all casters.
-            "taken" if stage == SCENE_EDGES.name => whole(lit),
-            "taken" => whole(taken),
-            "kept" => whole(kept),
+            "relevant_lights" => whole(relevant_lights),
+            // A dirty list has the edges of all casters.
+            "active_lights" if stage == SCENE_EDGES.name => whole(relevant_lights),
+            "active_lights" => whole(active_lights),
+            "cache" => whole(cache),
             "statistics" if stage == ARGUMENTS.name => {
                 part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64)
             }
@@ -217,10 +208,10 @@ impl<'a> Binder<'a> {
             "positions" => source.positions(page),
             "faces" => whole(&page.faces),
             "edge_faces" => whole(&page.edge_faces),
-            "facing_masks" => part(&of_group.facing, 0..at.sizes.masks),
-            "excluded_masks" => part(&of_group.excluded, 0..at.sizes.masks),
-            "record" => part(&of_group.record, 0..at.sizes.record),
-            "lists" => part(&of_group.lists, 0..at.sizes.lists),
+            "facing_masks" => part(&of_group.facing, 0..sizes.masks),
+            "excluded_masks" => part(&of_group.excluded, 0..sizes.masks),
+            "record" => part(&of_group.record, 0..sizes.record),
+            "lists" => part(&of_group.lists, 0..sizes.lists),
             "list_counts" | "counts" => part(&of_group.lists, 0..LISTS_HEAD),
             "draw_arguments" => whole(&of_group.draws),
             _ => return None,

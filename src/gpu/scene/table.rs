@@ -1,16 +1,18 @@
-//! The CPU's copy of the scene table. It is changed where something moved, and uploaded by each encode.
+//! The CPU's copy of the scene table. Changes of casters and lights update it, and each encode uploads it.
 
 use bytemuck::Zeroable;
 
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::bits;
-use crate::layout::caster_flags::{BOUNDED, CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
+use crate::layout::caster_flags::{
+    BOUNDED, CLOSED, EXCLUDES, GROUP_EXCLUDES, MIRRORED, NON_FINITE, PROXY, RIGID, UNCACHED,
+};
 use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, SceneCaster};
 use crate::light::Light;
 use crate::light_batch::ScaledLight;
 
-/// Words of the table, in fours.
+/// Four words of the table.
 pub(crate) type Part = [u32; 4];
 /// Parts of a caster.
 pub(crate) const CASTER_PARTS: usize = size_of::<SceneCaster>() / size_of::<Part>();
@@ -22,16 +24,16 @@ pub(crate) const RANGE_PARTS: usize = 8;
 /// Parts of the cone of a light.
 const CONE_PARTS: usize = size_of::<LightCone>() / size_of::<Part>();
 
-/// The table, and where its sections begin. Casters are first.
+/// The table, and the offsets of its sections. Casters are first.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     pub(crate) parts: Vec<Part>,
     pub(crate) casters: usize,
     pub(crate) batches: usize,
-    /// Lights do not matter to casters out of their range.
-    pub(crate) heeds_ranges: bool,
-    /// Casters that occluders hide do not matter.
-    pub(crate) heeds_occluders: bool,
+    /// Whether lights cull casters by range and cone.
+    pub(crate) culls_by_range: bool,
+    /// Whether occluders cull casters.
+    pub(crate) culls_by_occluders: bool,
 }
 
 /// The slots of a caster.
@@ -39,66 +41,57 @@ pub(crate) struct Table {
 pub(crate) struct Slots {
     pub(crate) first_face: u32,
     pub(crate) first_edge: u32,
-    /// The group of casters, and its first one.
     pub(crate) group: u32,
+    /// The first caster of the group.
     pub(crate) first_caster: u32,
-    /// The caller excludes faces of a caster of the group.
-    pub(crate) is_given: bool,
+    /// Whether the caller excludes faces of a caster of the group.
+    pub(crate) group_excludes: bool,
 }
 
 impl Table {
-    /// Where the lights of casters begin.
-    pub(crate) fn lights_at(&self) -> usize {
+    /// The bits of the lights of each batch and caster.
+    pub(crate) fn lights_offset(&self) -> usize {
         CASTER_PARTS * self.casters
     }
 
-    /// Where the ranges of lights begin.
-    pub(crate) fn ranges_at(&self) -> usize {
-        self.lights_at() + self.batches * self.casters
+    /// The ranges of lights, then their versions.
+    pub(crate) fn ranges_offset(&self) -> usize {
+        self.lights_offset() + self.batches * self.casters
     }
 
-    /// Where the number of the encode is.
-    fn encode_at(&self) -> usize {
-        self.ranges_at() + 2 * RANGE_PARTS * self.batches
+    /// The number of the encode, and two other words.
+    fn encode_offset(&self) -> usize {
+        self.ranges_offset() + 2 * RANGE_PARTS * self.batches
     }
 
-    /// Where the cones of lights begin.
-    fn cones_at(&self) -> usize {
-        self.encode_at() + 1
+    /// The cones of lights.
+    fn cones_offset(&self) -> usize {
+        self.encode_offset() + 1
     }
 
-    /// Where the lights begin.
-    pub(crate) fn pairs_at(&self) -> usize {
-        self.cones_at() + CONE_PARTS * 32 * self.batches
+    /// The lights in the spaces of casters.
+    pub(crate) fn caster_lights_offset(&self) -> usize {
+        self.cones_offset() + CONE_PARTS * 32 * self.batches
     }
 
-    /// Writes the number of the encode, and the word of the work lists where it says which figures are not needed, 0 for none.
-    pub(crate) fn put_encode(&mut self, encode: u32, unneeded_at: u32) {
-        self.put(self.encode_at(), &[[encode, unneeded_at, 0, 0]]);
+    /// Writes the number of the encode, the word of the work lists where the states of deforming casters begin (0: none), and
+    /// the largest coordinate of the origins of cameras.
+    pub(crate) fn put_encode(&mut self, encode: u32, needed_states_offset: u32, origin: f32) {
+        self.put(self.encode_offset(), &[[encode, needed_states_offset, origin.to_bits(), 0]]);
     }
 
-    /// Writes the largest coordinate of the origins of cameras.
-    pub(crate) fn put_origin(&mut self, size: f32) {
-        let at = self.encode_at();
-        if let Some(part) = self.parts.get_mut(at) {
-            part[2] = size.to_bits();
-        }
-    }
-
-    pub(crate) fn put(&mut self, at: usize, parts: &[Part]) {
-        if let Some(place) = self.parts.get_mut(at..at + parts.len()) {
-            place.copy_from_slice(parts);
+    pub(crate) fn put(&mut self, offset: usize, parts: &[Part]) {
+        if let Some(range) = self.parts.get_mut(offset..offset + parts.len()) {
+            range.copy_from_slice(parts);
         }
     }
 
     /// Writes a caster with its slots.
     pub(crate) fn put_caster(&mut self, entry: &CasterEntry, mesh: &MeshEntry, slots: Slots) {
-        let [faces, edges, vertices, clusters] = mesh.run.ranges.clone().map(|range| range.start);
+        let [faces, edges, _, clusters] = mesh.region.ranges.clone().map(|range| range.start);
         let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-        let (rigid, offset, stride) = match entry.placement {
-            Placement::Rigid(rigid) => (Some(rigid), 3 * vertices, 3),
-            Placement::World { offset, stride } => (None, offset, stride),
-        };
+        let [position_offset, position_stride] = entry.position_words(mesh);
+        let rigid = entry.rigid();
         let no_rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let [row_0, row_1, row_2] = rigid.map_or(no_rows, |rigid| finite(rigid.rows));
         let [low, high] = if rigid.is_some() { [mesh.low, mesh.high] } else { stated_box(entry) };
@@ -114,23 +107,23 @@ impl Table {
                 | flag(entry.bounds.is_some(), BOUNDED)
                 | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
                 | flag(rigid.is_some(), RIGID)
-                | flag(rigid.is_some() && mesh.is_holed, HOLED)
-                | flag(entry.is_excluding(), EXCLUDING)
-                | flag(entry.is_changing(), CHANGING)
-                | flag(slots.is_given, GIVEN),
+                | flag(rigid.is_some() && mesh.is_holed, NON_FINITE)
+                | flag(entry.is_excluding(), EXCLUDES)
+                | flag(entry.is_uncached(), UNCACHED)
+                | flag(slots.group_excludes, GROUP_EXCLUDES),
             first_face_slot: slots.first_face,
             faces: mesh.faces,
             first_face: faces,
-            position_offset: offset,
+            position_offset,
             first_edge_slot: slots.first_edge,
             edges: mesh.edges(),
             first_edge: edges,
-            position_stride: stride,
+            position_stride,
             version: entry.version,
             group: slots.group,
             first_caster: slots.first_caster,
-            clusters_or_figure: match (rigid, &mesh.order) {
-                (None, _) => entry.figure,
+            clusters_or_deforming_index: match (rigid, &mesh.order) {
+                (None, _) => entry.deforming_index,
                 (Some(_), Some(_)) => clusters,
                 (Some(_), None) => NO_CLUSTERS,
             },
@@ -143,78 +136,80 @@ impl Table {
         self.parts.get(CASTER_PARTS * index as usize + 5).map_or(0, |part| part[0])
     }
 
-    /// Writes what changed of a caster: the transform if it is rigid, else the box that the caller states, and its version.
+    /// Writes the parts of a caster that may change without a new layout: the transform if it is rigid, else the stated box,
+    /// and its version.
     pub(crate) fn put_change(&mut self, entry: &CasterEntry) {
-        let at = CASTER_PARTS * entry.index as usize;
+        let offset = CASTER_PARTS * entry.index as usize;
         let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-        let mut flags = flag(entry.is_changing(), CHANGING);
+        let mut flags = flag(entry.is_uncached(), UNCACHED);
         if let Placement::Rigid(rigid) = &entry.placement {
-            self.put(at, bytemuck::cast_slice(&finite(rigid.rows)));
+            self.put(offset, bytemuck::cast_slice(&finite(rigid.rows)));
             flags |= flag(rigid.is_mirrored, MIRRORED);
-            if let Some(low) = self.parts.get_mut(at + 3) {
+            if let Some(low) = self.parts.get_mut(offset + 3) {
                 low[3] = rigid.scale.to_bits();
             }
-        } else if let Some([low_part, high_part]) = self.parts.get_mut(at + 3..at + 5) {
+        } else if let Some([low_part, high_part]) = self.parts.get_mut(offset + 3..offset + 5) {
             let [low, high] = stated_box(entry);
             for (part, end) in [(low_part, low), (high_part, high)] {
                 part.iter_mut().zip(end).for_each(|(word, value)| *word = value.to_bits());
             }
             flags |= flag(entry.bounds.is_some(), BOUNDED);
         }
-        if let Some([high, .., last]) = self.parts.get_mut(at + 4..at + 8) {
-            high[3] = high[3] & !(MIRRORED | CHANGING | BOUNDED) | flags;
+        if let Some([high, .., last]) = self.parts.get_mut(offset + 4..offset + 8) {
+            high[3] = high[3] & !(MIRRORED | UNCACHED | BOUNDED) | flags;
             last[0] = entry.version;
             if let Placement::World { .. } = entry.placement {
-                last[3] = entry.figure;
+                last[3] = entry.deforming_index;
             }
         }
     }
 
-    /// Writes the lights of a caster, and that it has those that its space has.
+    /// Writes the lights of a caster in its space. A light that cannot be moved to this space is not allowed.
     pub(crate) fn put_lights(&mut self, caster: &CasterEntry, lights: &Lights) {
         let mask = caster.lights.and(&lights.used);
         let mut first = caster.first_light;
         for batch in 0..self.batches {
-            let (mut allowed, mut at, mut reach) = (0, first, [0.0_f32; 2]);
+            let (mut allowed, mut offset, mut magnitudes) = (0, first, [0.0_f32; 2]);
             for bit in bits(mask.word(batch)) {
-                let light = caster.light(lights, 32 * batch as u32 + bit);
-                let Some(given) = light.map(Light::to_array) else { continue };
-                let ScaledLight { light: scaled, inexact_w } = ScaledLight::new(given);
-                self.put(at as usize, &[given.map(f32::to_bits), scaled.map(f32::to_bits)]);
+                let Some(light) = caster.light(lights, 32 * batch as u32 + bit).map(Light::to_array) else { continue };
+                let ScaledLight { light: scaled, inexact_w } = ScaledLight::new(light);
+                self.put(offset as usize, &[light.map(f32::to_bits), scaled.map(f32::to_bits)]);
                 let [x, y, z, w] = scaled.map(f32::abs);
-                reach = [reach[0].max(x).max(y).max(z), reach[1].max(w.max(inexact_w))];
+                magnitudes = [magnitudes[0].max(x).max(y).max(z), magnitudes[1].max(w.max(inexact_w))];
                 allowed |= 1 << bit;
-                at += LIGHT_PARTS;
+                offset += LIGHT_PARTS;
             }
-            let lights = CasterLights { allowed, first, reach };
-            self.put(self.lights_at() + batch * self.casters + caster.index as usize, bytemuck::cast_slice(&[lights]));
+            let lights = CasterLights { allowed, first, magnitudes };
+            self.put(
+                self.lights_offset() + batch * self.casters + caster.index as usize,
+                bytemuck::cast_slice(&[lights]),
+            );
             first += LIGHT_PARTS * mask.word(batch).count_ones();
         }
     }
 
     /// Writes the ranges of all lights, 0 for no limit, their versions, and their cones.
     pub(crate) fn put_ranges(&mut self, lights: &Lights) {
-        let heeds_ranges = self.heeds_ranges;
+        let culls_by_range = self.culls_by_range;
         let range = |bit| match lights.get(bit) {
-            Some(Light { range, w, .. }) if heeds_ranges && range.is_finite() && w != 0.0 => range.to_bits(),
+            Some(Light { range, w, .. }) if culls_by_range && range.is_finite() && w != 0.0 => range.to_bits(),
             _ => 0,
         };
+        let versions_offset = self.ranges_offset() + RANGE_PARTS * self.batches;
         for part in 0..RANGE_PARTS * self.batches {
-            let first = 4 * part as u32;
-            let of_part = [first, first + 1, first + 2, first + 3];
-            self.put(self.ranges_at() + part, &[of_part.map(range)]);
-            let versions_at = self.ranges_at() + RANGE_PARTS * self.batches;
-            self.put(versions_at + part, &[of_part.map(|bit| lights.version(bit))]);
+            let bits = [0, 1, 2, 3].map(|bit| 4 * part as u32 + bit);
+            self.put(self.ranges_offset() + part, &[bits.map(range)]);
+            self.put(versions_offset + part, &[bits.map(|bit| lights.version(bit))]);
         }
         for bit in 0..32 * self.batches {
-            let light = lights.get(bit as u32).filter(|_| heeds_ranges);
+            let light = lights.get(bit as u32).filter(|_| culls_by_range);
             let cone = light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
-            self.put(self.cones_at() + CONE_PARTS * bit, bytemuck::cast_slice(&[cone]));
+            self.put(self.cones_offset() + CONE_PARTS * bit, bytemuck::cast_slice(&[cone]));
         }
     }
 }
 
-/// The box that the caller states. Low is above high if it states none.
+/// The stated box. Low is above high if there is none.
 fn stated_box(entry: &CasterEntry) -> [[f32; 3]; 2] {
     entry.bounds.unwrap_or([[f32::MAX; 3], [f32::MIN; 3]])
 }

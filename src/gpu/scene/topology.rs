@@ -19,7 +19,7 @@ pub(crate) struct Topology<'a> {
     pub(crate) order: Option<Arc<SlotOrder>>,
 }
 
-/// The contents of the slots of a mesh, if they do not have its order.
+/// The order of a mesh in clusters.
 #[derive(Debug)]
 pub(crate) struct SlotOrder {
     /// The face of each face slot.
@@ -27,7 +27,7 @@ pub(crate) struct SlotOrder {
 }
 
 impl<'a> Topology<'a> {
-    /// A mesh in its own order. Records of polygons find the masks of their first triangles.
+    /// A mesh in its own order. Edge records of polygons refer to the first triangles of their faces.
     pub(crate) fn plain(mesh: &'a Mesh) -> Self {
         Self {
             faces: mesh.faces().into(),
@@ -38,7 +38,7 @@ impl<'a> Topology<'a> {
         }
     }
 
-    /// A mesh in clusters, as it lies at `positions`.
+    /// A mesh in clusters, by its positions.
     pub(crate) fn in_clusters(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
         let clusters = Clusters::new(mesh, positions, Threads::all());
         let Arranged { faces, edge_vertices, edge_faces, words } = Arranged::new(mesh, &clusters, Threads::all());
@@ -58,8 +58,8 @@ impl SlotOrder {
     pub(crate) fn slots(&self, faces: &[u32]) -> Vec<u32> {
         let mut slots = vec![0; self.faces.len()];
         for (slot, &face) in (0..).zip(&self.faces) {
-            if let Some(place) = slots.get_mut(face as usize) {
-                *place = slot;
+            if let Some(slot_of_face) = slots.get_mut(face as usize) {
+                *slot_of_face = slot;
             }
         }
         faces.iter().filter_map(|&face| slots.get(face as usize).copied()).collect()

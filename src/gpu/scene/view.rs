@@ -7,7 +7,7 @@ use crate::gpu::common::timer::StageTimer;
 /// The inputs of [`Scene::encode`](crate::gpu::Scene::encode). Lights and casters are the scene's own.
 #[derive(Debug, Default)]
 pub struct FrameInputs<'a> {
-    /// The views that shadow volumes are prepared for. There may be none: then silhouettes are extracted only.
+    /// The views that shadow volumes are prepared for. Without views, the encode only extracts silhouettes.
     pub views: &'a [View<'a>],
     /// Takes a timestamp around each stage.
     pub timer: Option<&'a mut StageTimer>,
@@ -20,20 +20,19 @@ impl<'a> FrameInputs<'a> {
     }
 }
 
-/// A camera that sees shadows, and the depth that is there before they are drawn.
+/// A camera whose shadows are drawn, and the depth to draw them against.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// The camera.
     pub camera: ShadowCamera,
-    /// The depth that the view's volumes will be drawn against, if it is drawn before the encode. The view then has no volume
-    /// that none of its receivers can be in (receiver culling), which spares the passes that draw. Each encode makes the view's
-    /// lists anew, since the depth may have changed. It uses cached lists only if [`Receivers::version`] says that the depth is
-    /// the same.
+    /// The depth that the view's volumes will be drawn against, if it is drawn before the encode. Volumes without a receiver are
+    /// then culled, which makes the draws faster. The view's lists are cached only if [`Receivers::version`] says that the depth
+    /// is the same. Default: `None`.
     pub depth: Option<Receivers<'a>>,
 }
 
 impl View<'_> {
-    /// A view whose depth is not there yet.
+    /// A view without depth.
     pub fn new(camera: ShadowCamera) -> Self {
         Self { camera, depth: None }
     }

@@ -2,7 +2,7 @@
 
 use super::buffers::{LISTS_HEAD, PolygonBuffers};
 use super::layout::Group;
-use super::structure::{GroupBatch, Making, Structure};
+use super::structure::{GroupBatch, Inputs, Structure};
 use crate::gpu::common::bindings::{part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::Allocation;
@@ -14,10 +14,10 @@ use crate::gpu::shadow::source::{GroupSource, VolumeSource};
 use crate::gpu::shadow::stages::{StagePipelines, VolumeStages};
 use crate::layout::{CHUNK, ExtractionStatistics, SceneDispatch};
 
-/// Near caps of each group that there is room for besides sixteen times the root of the faces.
+/// Room for near caps in each group, in addition to sixteen times the root of the faces.
 const FEW_CAPS: u32 = 4096;
 
-/// The volumes of a structure, for a number of views.
+/// The volumes of a structure.
 #[derive(Debug)]
 pub(crate) struct Volumes {
     pub(crate) buffers: SizedBuffers,
@@ -25,70 +25,64 @@ pub(crate) struct Volumes {
 }
 
 impl Volumes {
-    /// Makes the volumes of a structure whose table has room for the choices of `views` views, and so many words for the
-    /// receivers of each. `others` are the bytes of the
-    /// rest of the scene.
-    pub(crate) fn new(
-        making: &Making<'_>,
-        structure: &Structure,
-        views: usize,
-        receivers: u64,
-        others: u64,
-    ) -> Result<Self, ShadowError> {
-        let device = making.pipelines.device();
+    /// Makes the volumes of a structure, with `receivers` words for the receivers of each view.
+    pub(crate) fn new(inputs: &Inputs<'_>, structure: &Structure, receivers: u64) -> Result<Self, ShadowError> {
+        let device = inputs.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let sizes = VolumeSizes { receivers, ..sizes(making, structure, views, &limits) };
-        let others = Allocation { label: "the scene without volumes", bytes: others };
+        let sizes = VolumeSizes { receivers, ..sizes(inputs, structure, &limits) };
+        let bytes = inputs.others + structure.bytes();
+        let others = Allocation { label: "the scene without volumes", bytes };
         let buffers = SizedBuffers::new(device, sizes, others, &limits)?;
-        let pipelines = StagePipelines::new(making.pipelines, buffers.sizes.has_pieces(), making.options);
-        let source = source(making, structure);
+        let pipelines = StagePipelines::new(inputs.pipelines, buffers.sizes.has_pieces(), inputs.options);
+        let source = source(inputs, structure);
         let stages = bound(device, || VolumeStages::new(&pipelines, &buffers, &source))?;
         Ok(Self { buffers, stages })
     }
 }
 
-fn sizes(making: &Making<'_>, structure: &Structure, views: usize, limits: &DispatchLimits) -> VolumeSizes {
+fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) -> VolumeSizes {
     let group_of = |part: &GroupBatch| structure.layout.groups.get(part.group);
     let group_size = |part: &GroupBatch| {
         let sizes = |group: &Group| (group.face_slots(), group.edge_slots(), CHUNK * group.proxy_chunks);
         let (faces, edges, proxies) = group_of(part).map_or((0, 0, 0), sizes);
-        let SceneDispatch { lights_at, face_chunks_at, edge_chunks_at, .. } = part.dispatch;
+        let SceneDispatch { lights_offset, face_chunks_offset, edge_chunks_offset, .. } = part.dispatch;
         let first_caster = group_of(part).map_or(0, |group| group.first);
-        GroupSize { faces, edges, first_caster, proxies, lights_at, face_chunks_at, edge_chunks_at }
+        GroupSize { faces, edges, first_caster, proxies, lights_offset, face_chunks_offset, edge_chunks_offset }
     };
     let room = |part: &GroupBatch| {
-        let room = Room::new(making.options, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);
+        let room = Room::new(inputs.options, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);
         let pieces = part.sizes.polygons.map_or(0, |polygons| polygons.pieces);
-        Room { lists_at: part.dispatch.lists_at, pieces, ..room }
+        Room { lists_offset: part.dispatch.lists_offset, pieces, ..room }
     };
     VolumeSizes {
-        options: *making.options,
+        options: *inputs.options,
         casters: structure.layout.order.len(),
         lights: 32 * structure.batches,
-        views,
-        choices_at: structure.choices_at,
+        views: inputs.views,
+        choices_offset: structure.choices_offset,
         groups: structure.parts.iter().filter(|part| part.batch == 0).map(group_size).collect(),
         rooms: structure.parts.iter().map(room).collect(),
         receivers: 0,
     }
 }
 
-fn source<'a>(making: &Making<'a>, structure: &'a Structure) -> VolumeSource<'a> {
-    let batch = |at: &'a GroupBatch| {
-        let extracted = structure.buffers.groups.get(at.group)?.get(at.batch)?;
+fn source<'a>(inputs: &Inputs<'a>, structure: &'a Structure) -> VolumeSource<'a> {
+    let batch = |group_batch: &'a GroupBatch| {
+        let GroupBatch { group, batch, sizes, .. } = group_batch;
+        let extracted = structure.buffers.groups.get(*group)?.get(*batch)?;
         let mut named = vec![
-            ("facing_masks", part(&extracted.facing, 0..at.sizes.masks)),
-            ("excluded_masks", part(&extracted.excluded, 0..at.sizes.masks)),
+            ("facing_masks", part(&extracted.facing, 0..sizes.masks)),
+            ("excluded_masks", part(&extracted.excluded, 0..sizes.masks)),
             ("silhouette_counts", part(&extracted.lists, 0..LISTS_HEAD)),
-            ("silhouettes", part(&extracted.lists, LISTS_HEAD..at.sizes.lists)),
+            ("silhouettes", part(&extracted.lists, LISTS_HEAD..sizes.lists)),
             ("extraction_statistics", part(&extracted.record, 0..size_of::<ExtractionStatistics>() as u64)),
         ];
-        let pieces = |polygons: &'a PolygonBuffers| ("pieces", part(&polygons.pieces, 0..at.sizes.pieces()));
+        let pieces = |polygons: &'a PolygonBuffers| ("pieces", part(&polygons.pieces, 0..sizes.pieces()));
         named.extend(extracted.polygons.as_ref().map(pieces));
         Some(named)
     };
     let group = |parts: &'a [GroupBatch]| {
-        let (page, source) = structure.source(making, parts.first()?.group)?;
+        let (page, source) = structure.source(inputs.content, parts.first()?.group)?;
         Some(GroupSource {
             named: vec![
                 ("faces", whole(&page.faces)),
@@ -101,6 +95,9 @@ fn source<'a>(making: &Making<'a>, structure: &'a Structure) -> VolumeSource<'a>
         })
     };
     let groups = structure.parts.chunks(structure.batches.max(1)).filter_map(group).collect();
-    let named = vec![("lit", whole(&structure.buffers.lit)), ("kept", whole(&structure.buffers.kept))];
+    let named = vec![
+        ("relevant_lights", whole(&structure.buffers.relevant_lights)),
+        ("cache", whole(&structure.buffers.cache)),
+    ];
     VolumeSource { table: &structure.table, named, groups }
 }

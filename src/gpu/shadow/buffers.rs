@@ -7,7 +7,7 @@ use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pass::Step;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::{Account, Wanted};
-use crate::layout::{PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
+use crate::layout::{PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics, ViewLight};
 
 /// The lists of a group for a batch of lights and a view.
 #[derive(Debug)]
@@ -21,21 +21,21 @@ pub(crate) struct Lists<B = wgpu::Buffer> {
 pub(crate) struct BoundBuffers<B = wgpu::Buffer> {
     /// A [`StencilPencil`](crate::layout::StencilPencil) for each view and light.
     pub(crate) pencils: B,
-    /// The sides that cross its half planes, for each batch of casters.
-    pub(crate) crossings: B,
+    /// Its bins of half planes and the sides that cross them, for each batch of casters.
+    pub(crate) bin_rows: B,
 }
 
 /// The buffers that stages and draws share.
 #[derive(Debug)]
 pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
-    /// A [`SeenLight`] for each view and light.
-    pub(crate) seen: B,
+    /// A [`ViewLight`] for each view and light.
+    pub(crate) view_lights: B,
     pub(crate) boxes: B,
     /// Choices, then measures.
     pub(crate) choices: B,
-    /// The inputs of the lists for views.
-    pub(crate) listed: B,
-    /// For each view what its shadows may fall on.
+    /// The versions that the lists for views were made from.
+    pub(crate) list_versions: B,
+    /// The receivers of each view.
     pub(crate) receivers: B,
     /// Uniforms: a [`ShadowShape`] for each group and batch.
     pub(crate) shapes: B,
@@ -49,8 +49,8 @@ pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
     pub(crate) lists: Vec<Vec<Lists<B>>>,
     /// For each group of a caster with polygons [`PieceDraws`] for each view and light.
     pub(crate) piece_draws: Vec<Option<B>>,
-    /// For each group and batch the lights for which polygons of its caster are twisted.
-    pub(crate) twisted: B,
+    /// For each group and batch the lights for which polygons of its caster are twisted_lights.
+    pub(crate) twisted_lights: B,
     pub(crate) statistics: B,
 }
 
@@ -99,9 +99,9 @@ impl SizedBuffers {
     /// The steps before the first stage. The stage `relist` empties lists.
     pub(crate) fn clears(&self) -> Vec<Step> {
         let VolumeBuffers { boxes, statistics, draws, piece_draws, bound, .. } = &self.of;
-        let crossings = bound.as_ref().map(|bound| &bound.crossings);
+        let bin_rows = bound.as_ref().map(|bound| &bound.bin_rows);
         let draws = draws.iter().chain(piece_draws.iter().flatten());
-        [statistics, boxes].into_iter().chain(draws).chain(crossings).map(Step::clear).collect()
+        [statistics, boxes].into_iter().chain(draws).chain(bin_rows).map(Step::clear).collect()
     }
 }
 
@@ -111,23 +111,23 @@ impl<B> VolumeBuffers<B> {
         [shapes, draw_lights]: &[UniformTable; 2],
         mut make: impl FnMut(Wanted<'_>) -> B,
     ) -> Self {
-        let seen = sizes.seen() as u64;
+        let view_lights = sizes.view_lights() as u64;
         let [_, choices] = sizes.choice_bytes();
-        let [pencils, crossings] = sizes.bound_bytes();
-        let draws = Wanted::new("shadow draws", seen * size_of::<ShadowDraws>() as u64).indirect();
-        let piece_draws = Wanted::new("piece draws", seen * size_of::<PieceDraws>() as u64).indirect().free();
+        let [pencils, bin_rows] = sizes.bound_bytes();
+        let draws = Wanted::new("shadow draws", view_lights * size_of::<ShadowDraws>() as u64).indirect();
+        let piece_draws = Wanted::new("piece draws", view_lights * size_of::<PieceDraws>() as u64).indirect().free();
         Self {
-            seen: make(Wanted::new("seen lights", seen * size_of::<SeenLight>() as u64)),
+            view_lights: make(Wanted::new("lights of views", view_lights * size_of::<ViewLight>() as u64)),
             boxes: make(Wanted::new("caster boxes", sizes.box_bytes())),
             choices: make(Wanted::new("choices", choices)),
-            listed: make(Wanted::new("versions of lists", sizes.listed_bytes())),
+            list_versions: make(Wanted::new("versions of lists", sizes.list_version_bytes())),
             receivers: make(Wanted::new("receivers", sizes.receiver_bytes())),
             shapes: make(Wanted::uniforms("shadow shapes", shapes)),
             draw_lights: make(Wanted::uniforms("shadow draw lights", draw_lights)),
             draws: sizes.groups.iter().map(|_| make(draws)).collect(),
             bound: sizes.options.stencil.bound_counts.then(|| BoundBuffers {
                 pencils: make(Wanted::new("stencil pencils", pencils)),
-                crossings: make(Wanted::new("stencil crossings", crossings)),
+                bin_rows: make(Wanted::new("stencil bin_rows", bin_rows)),
             }),
             lists: sizes
                 .rooms
@@ -144,7 +144,7 @@ impl<B> VolumeBuffers<B> {
             piece_draws: (0..sizes.groups.len())
                 .map(|group| sizes.pieces_of(group).then(|| make(piece_draws)))
                 .collect(),
-            twisted: make(Wanted::new("twisted lights", 4 * sizes.rooms.len() as u64).free()),
+            twisted_lights: make(Wanted::new("twisted_lights lights", 4 * sizes.rooms.len() as u64).free()),
             statistics: make(Wanted::new("shadow statistics", size_of::<ShadowStatistics>() as u64).free()),
         }
     }

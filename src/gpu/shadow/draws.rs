@@ -1,7 +1,7 @@
 //! The draws of a light's shadow volume.
 
 use super::format::Polygons;
-use super::pipelines::{Part, VolumePipelines};
+use super::pipelines::{Part, PartDraw, VolumePipelines};
 use crate::layout::DrawArguments;
 
 /// The bind groups of the draws of a light, and where its arguments lie.
@@ -10,7 +10,7 @@ pub(crate) struct LightDraws<'a> {
     /// Casters, camera and lights, with the offsets of the light in them.
     pub(crate) frame: &'a wgpu::BindGroup,
     pub(crate) uniform: u32,
-    pub(crate) seen: u32,
+    pub(crate) view_light: u32,
     /// Edges and the lists of sides.
     pub(crate) sides: &'a wgpu::BindGroup,
     /// Faces and their lists.
@@ -30,13 +30,14 @@ pub(crate) struct LightDraws<'a> {
 impl LightDraws<'_> {
     /// Draws the shadow volumes of the light. Which pieces there are is in the arguments.
     pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines) {
-        let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies, pieces, first_piece } = self;
-        pass.set_bind_group(0, frame, &[uniform, seen]);
+        let Self { frame, uniform, view_light, sides, caps, draws, first, may_end, has_proxies, pieces, first_piece } =
+            self;
+        pass.set_bind_group(0, frame, &[uniform, view_light]);
         let mut set = None;
         let parts =
             [(may_end, Part::Ends), (has_proxies, Part::Proxies), (true, Part::All), (pieces.is_some(), Part::Pieces)];
         for (_, part) in parts.into_iter().filter(|(is_drawn, _)| *is_drawn) {
-            for (polygons, argument, drawing) in pipelines.of(part) {
+            for PartDraw { polygons, argument, pipelines } in pipelines.of(part) {
                 let (data, arguments, first) = match (polygons, pieces) {
                     (Polygons::Pieces, Some((pieces, draws))) => (pieces, draws, first_piece),
                     (Polygons::Caps, _) => (caps, draws, first),
@@ -46,7 +47,7 @@ impl LightDraws<'_> {
                     pass.set_bind_group(1, data, &[]);
                     set = Some(*polygons);
                 }
-                for pipeline in drawing {
+                for pipeline in pipelines {
                     pass.set_pipeline(pipeline);
                     pass.draw_indirect(arguments, first + argument * size_of::<DrawArguments>() as u64);
                 }

@@ -82,8 +82,8 @@ pub enum ShadowError {
          `ShadowFormat::attachment` does"
     )]
     DepthCleared,
-    /// Counts own no bit of the stencil, or more than it has.
-    #[error("`count_bits` is {given}; counts own {least} to 8 bits of the stencil here")]
+    /// No bit of the stencil holds counts, or more bits than it has.
+    #[error("`count_bits` is {given}; give {least} to 8")]
     CountBits {
         /// Bits given.
         given: u32,

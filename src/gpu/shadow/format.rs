@@ -37,18 +37,19 @@ pub struct ShadowFormat {
     /// Whether the far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
-    /// The low bits of the stencil that counts own, 1 to 8; 2 or more for
-    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches), which take the highest of them for darkness.
-    /// Volumes of meshes leave the other bits as they are. So the bits above hold parities of depth maps
-    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes)) or what the caller likes, and a
-    /// surface is dark where any bit is set. **With the default, 8, counts own every bit:** a parity beside them would change
-    /// counts. Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see
+    /// How many low bits of the stencil hold counts: 1 to 8, by default 8. Volumes of meshes do not write the other bits.
+    ///
+    /// Take fewer than 8 if the stencil holds something else, too, such as the parities of depth maps
+    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes)). A surface is then dark where
+    /// any bit is set. **With 8 bits, a parity in the same stencil would change counts.** Counts wrap at 2 to the power of this:
+    /// with 7 bits, a point behind 128 casting faces looks lit, see
     /// [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
+    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more, and take the highest for darkness.
     pub count_bits: u32,
     /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
-    /// that clips slivers wrongly, such as `SwiftShader`: there shadows have lone wrong pixels where volumes leave the picture.
-    /// `rimline devices` names such drivers. Each polygon then takes four to seven draws, so volumes take several times as
-    /// long. Light caps of z-fail stay as they are, and so does ZP+ as published; so z-fail may keep a few such pixels.
+    /// that clips slivers wrongly, such as `SwiftShader`: its shadows have lone wrong pixels where volumes leave the picture.
+    /// `rimline devices` names such drivers. Volumes then take several times as long, since each polygon takes four to seven
+    /// draws. Light caps of z-fail and ZP+ as published are not cut, so z-fail may still show such pixels.
     pub trim: bool,
 }
 
@@ -106,7 +107,7 @@ impl ShadowFormat {
         }
     }
 
-    /// The bits of the stencil that counts own.
+    /// The bits of the stencil that hold counts.
     pub(crate) fn count_mask(&self) -> u32 {
         low_bits(self.count_bits)
     }
@@ -146,12 +147,12 @@ pub(super) fn attachments(format: &ShadowFormat) -> String {
 }
 
 /// The fragments that count.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Count {
     /// Fragments strictly nearer than the scene: fronts up, backs down.
-    Visible,
+    Before,
     /// The other fragments: fronts down, backs up.
-    Hidden,
+    Behind,
     /// All fragments: fronts up, backs down.
     Always,
 }
@@ -169,13 +170,13 @@ pub(crate) enum Polygons {
 pub(crate) enum Casters {
     /// The casters of a scene.
     Scene,
-    /// The casters of a scene, counted in batches: the highest bit of counts tells what earlier batches darken.
+    /// The casters of a scene, counted in batches: the highest bit of counts is set where earlier batches darken.
     Batches,
 }
 
 impl Casters {
-    /// The largest count, of so many bits: the bits of the stencil that count.
-    pub(crate) fn most_count(self, count_bits: u32) -> u32 {
+    /// The largest count of `count_bits` bits. It is also the mask of the bits that count.
+    pub(crate) fn largest_count(self, count_bits: u32) -> u32 {
         low_bits(if self == Self::Batches { count_bits.saturating_sub(1) } else { count_bits })
     }
 
@@ -185,22 +186,31 @@ impl Casters {
     }
 }
 
-/// So many of the low bits of the stencil.
+/// The lowest `count` bits of the stencil.
 fn low_bits(count: u32) -> u32 {
     (1 << count.min(8)) - 1
+}
+
+/// An indirect draw of a list of polygons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Drawn {
+    pub(super) polygons: Polygons,
+    pub(super) entry_point: &'static str,
+    /// The kind of its list of cap faces.
+    pub(super) kind: u32,
+    pub(super) count: Count,
+    /// Swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
+    pub(super) is_swapped: bool,
+    /// The index of its arguments among the fields of `ShadowDraws`, or of `PieceDraws`.
+    pub(super) argument: u64,
 }
 
 /// Everything that a pipeline of volumes depends on.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
-    pub(super) polygons: Polygons,
-    pub(super) entry_point: &'static str,
+    pub(super) drawn: Drawn,
     /// The part of each trimmed polygon, or 0.
     pub(super) part: u32,
-    /// The list of cap faces.
-    pub(super) kind: u32,
     pub(super) casters: Casters,
-    pub(super) count: Count,
-    pub(super) turned: bool,
     pub(super) format: ShadowFormat,
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::errors::ShadowError;
-use super::format::{Casters, Count, Polygons, ShadowFormat, VolumeKey};
+use super::format::{Casters, Count, Drawn, Polygons, ShadowFormat, VolumeKey};
 use crate::gpu::common::bindings::{READ, UNIFORM, entries};
 use crate::gpu::common::drawing;
 use crate::gpu::common::memory::any_error;
@@ -14,7 +14,7 @@ use crate::gpu::common::requirements::Subject;
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, PIECES, SIDES};
 
-/// The first list of caps that are no near caps, as `casting.wgsl` numbers them.
+/// The kind of the first list of light and dark caps in wgsl/shadow/draw_lists.wgsl. Near caps begin at 0.
 const FAR: u32 = 2;
 
 /// The layouts of the bind groups that draws use.
@@ -30,27 +30,19 @@ pub(crate) struct Layouts {
     pub(crate) piece_data: wgpu::BindGroupLayout,
 }
 
-/// The pipelines for a list of polygons: one, or one for each part of trimmed polygons.
-pub(crate) type Drawing = Vec<wgpu::RenderPipeline>;
-
-/// A list of polygons that is drawn, and how.
-#[derive(Clone, Copy)]
-struct Drawn {
-    polygons: Polygons,
-    entry_point: &'static str,
-    /// The list of cap faces.
-    kind: u32,
-    count: Count,
-    /// Swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
-    turned: bool,
-    /// The number of its arguments: a field of `ShadowDraws`, or of `PieceDraws`.
-    argument: u64,
+/// The pipelines of an indirect draw: one, or one for each part of trimmed polygons.
+#[derive(Debug)]
+pub(crate) struct PartDraw {
+    pub(crate) polygons: Polygons,
+    /// The index of its arguments among the fields of `ShadowDraws`, or of `PieceDraws`.
+    pub(crate) argument: u64,
+    pub(crate) pipelines: Vec<wgpu::RenderPipeline>,
 }
 
-// The fields of `ShadowDraws`. The first four are those of `PieceDraws`, too.
+// Indices of the fields of `ShadowDraws`. The first four are those of `PieceDraws`, too. Caps have two: those that count up on
+// their front, and those that count up on their back.
 const PLAIN: u64 = 0;
 const CLIPPED: u64 = 1;
-/// The first of both classes, as of the next two.
 const NEAR_CAPS: u64 = 2;
 const FAR_CAPS: u64 = 4;
 const LIGHT_CAPS: u64 = 6;
@@ -74,25 +66,25 @@ pub(crate) enum Part {
 
 impl Part {
     /// Its draws with a counting method.
-    fn listed(self, counting: Counting) -> Vec<Drawn> {
+    fn draws(self, counting: Counting) -> Vec<Drawn> {
         let is_fail = counting.may_fail();
-        let count = if is_fail { Count::Hidden } else { Count::Visible };
+        let count = if is_fail { Count::Behind } else { Count::Before };
         let drawn = |polygons, entry_point, count, argument| Drawn {
             polygons,
             entry_point,
             kind: 0,
             count,
-            turned: false,
+            is_swapped: false,
             argument,
         };
         let side = |entry_point, count, argument| drawn(Polygons::Sides, entry_point, count, argument);
-        // Both classes of caps. `first` is the list of the first.
+        // Caps that count up on their front, and those that count up on their back. `first` is the kind of the first list.
         let caps = |entry_point, count, first: u32, argument: u64| {
-            [0, 1].map(|class: u32| Drawn {
-                kind: first + class,
+            [0, 1].map(|back: u32| Drawn {
+                kind: first + back,
                 // A dark cap is seen from its other side.
-                turned: (class == 1) != (entry_point == "dark_cap"),
-                ..drawn(Polygons::Caps, entry_point, count, argument + u64::from(class))
+                is_swapped: (back == 1) != (entry_point == "dark_cap"),
+                ..drawn(Polygons::Caps, entry_point, count, argument + u64::from(back))
             })
         };
         let piece = |entry_point, count, argument| drawn(Polygons::Pieces, entry_point, count, argument);
@@ -107,27 +99,27 @@ impl Part {
                 };
                 all.extend(near.iter().flat_map(|(_, cap)| caps(*cap, Count::Always, 0, NEAR_CAPS)));
                 if is_fail {
-                    all.extend(caps("light_cap", Count::Hidden, FAR, FAR_CAPS));
-                    all.extend(caps("dark_cap", Count::Hidden, FAR, FAR_CAPS));
+                    all.extend(caps("light_cap", Count::Behind, FAR, FAR_CAPS));
+                    all.extend(caps("dark_cap", Count::Behind, FAR, FAR_CAPS));
                 }
-                all.extend(near.map(|(clipped, _)| side(clipped, Count::Visible, CLIPPED)));
+                all.extend(near.map(|(clipped, _)| side(clipped, Count::Before, CLIPPED)));
                 all.push(side("side", count, PLAIN));
             }
             Self::Ends if matches!(counting, Counting::Auto | Counting::ZPass) => {
-                all.extend(caps("dark_cap", Count::Visible, FAR, FAR_CAPS));
+                all.extend(caps("dark_cap", Count::Before, FAR, FAR_CAPS));
             }
-            Self::Proxies if !is_fail => all.extend(caps("seen_light_cap", Count::Visible, FAR, LIGHT_CAPS)),
+            Self::Proxies if !is_fail => all.extend(caps("seen_light_cap", Count::Before, FAR, LIGHT_CAPS)),
             Self::Ends | Self::Proxies => {}
             Self::Pieces => {
                 if may_clip {
                     let cap = piece("piece_near_cap", Count::Always, NEAR_CAPS);
-                    all.push(piece("piece_side_clipped", Count::Visible, CLIPPED));
-                    all.extend([cap, Drawn { turned: true, argument: NEAR_CAPS + 1, ..cap }]);
+                    all.push(piece("piece_side_clipped", Count::Before, CLIPPED));
+                    all.extend([cap, Drawn { is_swapped: true, argument: NEAR_CAPS + 1, ..cap }]);
                 }
                 all.extend([
                     piece("piece_side", count, PLAIN),
                     piece("piece_light_cap", count, PIECE_LIGHT_CAP),
-                    Drawn { turned: true, ..piece("piece_dark_cap", count, PIECE_DARK_CAP) },
+                    Drawn { is_swapped: true, ..piece("piece_dark_cap", count, PIECE_DARK_CAP) },
                 ]);
             }
         }
@@ -142,9 +134,9 @@ pub(crate) struct Convention {
     pub(crate) depth: DepthDirection,
     /// z-fail draws caps that a far plane does not clip.
     pub(crate) is_unclipped: bool,
-    /// The low bits of the stencil that counts own.
+    /// How many low bits of the stencil hold counts.
     pub(crate) count_bits: u32,
-    /// Pictures are mirror images: front faces turn clockwise.
+    /// Pictures are mirror images: front faces are clockwise.
     pub(crate) mirrors: bool,
 }
 
@@ -179,9 +171,8 @@ impl Convention {
 pub(crate) struct VolumePipelines {
     shared: Pipelines,
     pub(crate) convention: Convention,
-    /// For each [`Part`] its draws, in order: what they are of, the number of their arguments, and the pipelines. All but the
-    /// first are made for the first casters that have them.
-    made: [OnceLock<Vec<(Polygons, u64, Drawing)>>; 4],
+    /// The draws of each [`Part`], in order. All but the first are made for the first casters that have them.
+    parts: [OnceLock<Vec<PartDraw>>; 4],
     format: ShadowFormat,
     casters: Casters,
 }
@@ -211,22 +202,26 @@ impl VolumePipelines {
             count_bits: format.count_bits,
             mirrors: format.front_face == wgpu::FrontFace::Cw,
         };
-        let made = [const { OnceLock::new() }; 4];
-        let own = Self { shared, convention, made, format: format.clone(), casters };
-        own.of(Part::All);
-        own
+        let parts = [const { OnceLock::new() }; 4];
+        let pipelines = Self { shared, convention, parts, format: format.clone(), casters };
+        pipelines.of(Part::All);
+        pipelines
     }
 
-    /// The draws of a part, which are made if they are not there.
-    pub(crate) fn of(&self, part: Part) -> &[(Polygons, u64, Drawing)] {
-        self.made[part as usize].get_or_init(|| {
+    /// The draws of a part. The first call makes their pipelines.
+    pub(crate) fn of(&self, part: Part) -> &[PartDraw] {
+        self.parts[part as usize].get_or_init(|| {
             let layouts = layouts(&self.shared);
-            let all = part.listed(self.convention.counting);
+            let all = part.draws(self.convention.counting);
             let keys: Vec<_> = all.iter().map(|&drawn| self.keys(drawn)).collect();
             self.shared.make_volumes(&keys.concat(), |key| self.make(&layouts, key));
-            let made = |key: &VolumeKey| self.shared.volume(key, || self.make(&layouts, key));
-            let drawings = keys.iter().map(|keys| keys.iter().map(made).collect());
-            all.iter().zip(drawings).map(|(drawn, drawing)| (drawn.polygons, drawn.argument, drawing)).collect()
+            let pipeline = |key: &VolumeKey| self.shared.volume(key, || self.make(&layouts, key));
+            let draw = |(&Drawn { polygons, argument, .. }, keys): (&Drawn, &Vec<VolumeKey>)| PartDraw {
+                polygons,
+                argument,
+                pipelines: keys.iter().map(pipeline).collect(),
+            };
+            all.iter().zip(&keys).map(draw).collect()
         })
     }
 
@@ -245,12 +240,12 @@ impl VolumePipelines {
 pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
     let dynamic = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: true, min_binding_size: None };
     let uniform = dynamic(wgpu::BufferBindingType::Uniform);
-    let seen = dynamic(wgpu::BufferBindingType::Storage { read_only: true });
+    let view_light = dynamic(wgpu::BufferBindingType::Storage { read_only: true });
     let layout = |label, types: &[wgpu::BindingType]| {
         pipelines.layout(label, entries(wgpu::ShaderStages::VERTEX, (0..).zip(types.iter().copied())))
     };
     Layouts {
-        frame: layout("shadow frame", &[UNIFORM, uniform, seen, READ]),
+        frame: layout("shadow frame", &[UNIFORM, uniform, view_light, READ]),
         side_data: layout("shadow sides", &[READ; 6]),
         cap_data: layout("shadow caps", &[READ; 5]),
         piece_data: layout("shadow pieces", &[READ]),
@@ -277,14 +272,14 @@ pub(crate) fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool)
     Ok(())
 }
 
-/// Refuses numbers of bits that counts cannot own.
+/// Refuses counts of bits that are too few or too many.
 pub(crate) fn check_count_bits(given: u32, casters: Casters) -> Result<(), ShadowError> {
     let least = casters.least_bits();
     if (least..=8).contains(&given) { Ok(()) } else { Err(ShadowError::CountBits { given, least }) }
 }
 
-/// The sample counts that a format may have on a device. An adapter may add some to those of every device, but wgpu
-/// tells which only for adapters.
+/// The sample counts that a format may have on a device. An adapter may allow more than every device does, but wgpu names
+/// them only for adapters.
 fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32> {
     if device.features().contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES) {
         return vec![1, 2, 4, 8, 16];
@@ -294,16 +289,14 @@ fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32>
 
 impl VolumePipelines {
     fn keys(&self, drawn: Drawn) -> Vec<VolumeKey> {
-        let Drawn { polygons, entry_point, kind, count, turned, .. } = drawn;
-        let parts = if self.format.trim { parts(entry_point) } else { 1 };
-        let (casters, format) = (self.casters, &self.format);
-        let key =
-            |part| VolumeKey { polygons, entry_point, part, kind, casters, count, turned, format: format.clone() };
+        let parts = if self.format.trim { parts(drawn.entry_point) } else { 1 };
+        let key = |part| VolumeKey { drawn, part, casters: self.casters, format: self.format.clone() };
         (0..parts).map(key).collect()
     }
 
     fn make(&self, layouts: &Layouts, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { polygons, entry_point, part, kind, casters, count, turned, ref format } = key;
+        let &VolumeKey { drawn, part, casters, ref format } = key;
+        let Drawn { polygons, entry_point, kind, count, is_swapped, .. } = drawn;
         let Layouts { frame, side_data, cap_data, piece_data } = layouts;
         let (stage, data) = match polygons {
             Polygons::Sides => (&SIDES, side_data),
@@ -311,7 +304,7 @@ impl VolumePipelines {
             Polygons::Pieces => (&PIECES, piece_data),
         };
         let module = self.shared.module(stage.name, &stage.wgsl());
-        let unclipped_depth = count == Count::Hidden && format.has_far_plane;
+        let unclipped_depth = count == Count::Behind && format.has_far_plane;
         let switch = |is_on: bool| f64::from(u8::from(is_on));
         let constants = [
             ("TRIM", switch(format.trim)),
@@ -335,7 +328,7 @@ impl VolumePipelines {
             format: format.depth_stencil,
             writes_depth: false,
             compare: if count == Count::Always { CompareFunction::Always } else { format.nearer() },
-            stencil: stencil(count, turned, casters.most_count(format.count_bits)),
+            stencil: stencil(count, is_swapped, casters.largest_count(format.count_bits)),
             samples: format.samples,
             colors: &format.colors,
         })
@@ -359,12 +352,13 @@ fn parts(entry_point: &str) -> u32 {
 }
 
 /// An operation adds to the whole byte. A carry out of the bits of `write_mask`, which are the lowest, is not written.
-pub(crate) fn stencil(count: Count, turned: bool, write_mask: u32) -> wgpu::StencilState {
+pub(crate) fn stencil(count: Count, is_swapped: bool, write_mask: u32) -> wgpu::StencilState {
     let face = |is_front: bool| {
-        let ups = is_front == (count != Count::Hidden);
-        let operation = if ups == turned { StencilOperation::DecrementWrap } else { StencilOperation::IncrementWrap };
+        let ups = is_front == (count != Count::Behind);
+        let operation =
+            if ups == is_swapped { StencilOperation::DecrementWrap } else { StencilOperation::IncrementWrap };
         let keep = StencilOperation::Keep;
-        let (fail, pass) = if count == Count::Hidden { (operation, keep) } else { (keep, operation) };
+        let (fail, pass) = if count == Count::Behind { (operation, keep) } else { (keep, operation) };
         wgpu::StencilFaceState { compare: CompareFunction::Always, fail_op: keep, depth_fail_op: fail, pass_op: pass }
     };
     wgpu::StencilState { front: face(true), back: face(false), read_mask: 0xff, write_mask }

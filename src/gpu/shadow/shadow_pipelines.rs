@@ -29,7 +29,7 @@ pub struct ShadowPipelines {
 #[derive(Debug)]
 struct Resolve {
     pipeline: wgpu::RenderPipeline,
-    /// The bit of the stencil that tells what earlier batches of casters darken: the highest that counts own.
+    /// The bit of the stencil that is set where earlier batches of casters darken: the highest bit of counts.
     dark: u32,
 }
 
@@ -50,7 +50,7 @@ impl ShadowPipelines {
 
     /// Makes the pipelines for scenes whose casters are counted in several batches
     /// ([`StencilCounts::count_batches`](crate::gpu::StencilCounts::count_batches)). The highest of [`ShadowFormat::count_bits`]
-    /// tells what earlier batches darken.
+    /// is set where earlier batches darken.
     ///
     /// # Errors
     /// The errors of [`Self::new`].
@@ -87,7 +87,7 @@ impl ShadowPipelines {
 }
 
 fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
-    let counts = Casters::Batches.most_count(format.count_bits);
+    let counts = Casters::Batches.largest_count(format.count_bits);
     let module = pipelines.module("resolve counts", WHOLE);
     // The reference has no bit of the count, so the comparison is with 0.
     let face = wgpu::StencilFaceState {

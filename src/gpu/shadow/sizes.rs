@@ -16,11 +16,11 @@ const CHOICES: u64 = 32;
 const MEASURES: u64 = 8;
 /// Bytes of the row of a pencil for a batch of casters.
 const CROSSINGS: u64 = 4 * 1028;
-/// Bytes that tell what the lists of a group, batch and view were made from: two words for each light.
-const LISTED: u64 = 8 * 32;
+/// Bytes of the versions that the lists of a group, batch and view were made from: two words for each light.
+const LIST_VERSIONS: u64 = 8 * 32;
 /// Bytes of the box of a caster.
 const BOX: u64 = 28;
-/// Whether `choose` keeps two measures for each caster, light and view. `has_receivers`: views may have receivers, behind which
+/// Whether `choose` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind which
 /// volumes end.
 fn has_measures(options: &SceneOptions, has_receivers: bool) -> bool {
     options.end_at_range || has_receivers || options.counting.is_zp_plus_2005()
@@ -47,10 +47,10 @@ pub(crate) struct GroupSize {
     pub(crate) first_caster: u32,
     /// Slots of the faces of casters that are not in the depth buffer.
     pub(crate) proxies: u32,
-    /// Where their lights and the casters of their chunks begin in the table.
-    pub(crate) lights_at: u32,
-    pub(crate) face_chunks_at: u32,
-    pub(crate) edge_chunks_at: u32,
+    /// Offsets in the table of their lights and of the casters of their chunks.
+    pub(crate) lights_offset: u32,
+    pub(crate) face_chunks_offset: u32,
+    pub(crate) edge_chunks_offset: u32,
 }
 
 /// Entries of the lists of each light of a group and a batch of lights.
@@ -58,8 +58,8 @@ pub(crate) struct GroupSize {
 pub(crate) struct Room {
     /// Lights of the batch.
     pub(crate) lights: u32,
-    /// The word of what is kept of the extraction where the encodes are that made its lists.
-    pub(crate) lists_at: u32,
+    /// The offset in the cached versions, in words, of the encodes that made its lists.
+    pub(crate) lists_offset: u32,
     /// Entries of the list of silhouettes.
     pub(crate) silhouettes: u32,
     /// Entries of both lists of sides together.
@@ -73,9 +73,9 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// Room for the sides of all silhouettes that one binding has room for, and for caps as the options say. If they say
-    /// nothing, near caps have room for sixteen times the root of the faces and `few`, other caps for all faces that may have
-    /// one, and what a binding is short of is shared in proportion.
+    /// Sides have room for all silhouettes that fit one binding. Capacities of caps are those of the options. By default near
+    /// caps have room for `few` and sixteen times the square root of the faces, other caps for all faces that may have one;
+    /// both shrink in proportion if they do not fit one binding.
     pub(crate) fn new(
         options: &SceneOptions,
         group: &GroupSize,
@@ -95,17 +95,17 @@ impl Room {
         };
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };
         let sides = silhouettes.min(fitting(SIDE_COUNTS));
-        let mut room = Self { lights, lists_at: 0, silhouettes, sides, near, far, pieces: 0 };
+        let mut room = Self { lights, lists_offset: 0, silhouettes, sides, near, far, pieces: 0 };
         if let Some(capacity) = options.capacities.caps {
-            let asked = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };
-            (room.near, room.far) = (asked(near), asked(far));
+            let given = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };
+            (room.near, room.far) = (given(near), given(far));
         } else {
             room.share(fitting(CAP_COUNTS));
         }
         room
     }
 
-    /// Shares so many entries between the lists of caps, in proportion.
+    /// Divides `entries` between the lists of caps, in proportion.
     fn share(&mut self, entries: u32) {
         let wanted = u64::from(self.near) + u64::from(self.far);
         let share =
@@ -129,11 +129,11 @@ impl Room {
 pub(crate) struct VolumeSizes {
     pub(crate) options: SceneOptions,
     pub(crate) casters: usize,
-    /// Numbers of lights that there is room for. Some may have no light.
+    /// Light indices that there is room for. Some may be unused.
     pub(crate) lights: usize,
     pub(crate) views: usize,
-    /// Where choices begin in the table, in units of 16 bytes.
-    pub(crate) choices_at: usize,
+    /// The offset of choices in the table, in units of 16 bytes.
+    pub(crate) choices_offset: usize,
     pub(crate) groups: Vec<GroupSize>,
     /// For each group one for each batch of lights.
     pub(crate) rooms: Vec<Room>,
@@ -152,39 +152,39 @@ impl VolumeSizes {
         choice_bytes(&self.options, self.receivers > 0, [self.casters, self.lights, self.views])
     }
 
-    /// Numbers up to that of the last light.
+    /// The index of the last light, plus 1.
     pub(crate) fn used_lights(&self) -> usize {
         let last = self.batches().saturating_sub(1);
         32 * last + self.rooms.get(last).map_or(0, |room| room.lights as usize)
     }
 
-    /// Whether casters of a group have polygons, of which pieces are drawn.
+    /// Whether a group has polygons, and so pieces of twisted ones.
     pub(crate) fn pieces_of(&self, group: usize) -> bool {
         self.rooms.get(group * self.batches()).is_some_and(|room| room.pieces > 0)
     }
 
-    /// Whether any casters have.
+    /// Whether any group has polygons.
     pub(crate) fn has_pieces(&self) -> bool {
         self.rooms.iter().any(|room| room.pieces > 0)
     }
 
     /// Pairs of view and light.
-    pub(crate) fn seen(&self) -> usize {
+    pub(crate) fn view_lights(&self) -> usize {
         self.views * self.lights
     }
 
     /// Pencils, and their rows for all batches of casters.
     pub(crate) fn bound_bytes(&self) -> [u64; 2] {
-        let pencils = self.seen() as u64;
+        let pencils = self.view_lights() as u64;
         [
             size_of::<StencilPencil>() as u64 * pencils,
             CROSSINGS * pencils * u64::from(self.options.stencil.count_batches),
         ]
     }
 
-    /// Bytes that tell what the lists for views were made from.
-    pub(crate) fn listed_bytes(&self) -> u64 {
-        LISTED * (self.rooms.len() * self.views) as u64
+    /// Bytes of the versions that the lists for views were made from.
+    pub(crate) fn list_version_bytes(&self) -> u64 {
+        LIST_VERSIONS * (self.rooms.len() * self.views) as u64
     }
 
     /// Bytes for the receivers of all views. The receivers of the first view begin after a word.
@@ -197,8 +197,8 @@ impl VolumeSizes {
         BOX * self.casters as u64
     }
 
-    /// Makes lists of caps as small as the memory limit demands, unless the caller says how large they are. `all` are the bytes
-    /// of everything.
+    /// Shrinks lists of caps to fit the memory limit, unless the caller gives their capacity. `all` is the size of everything
+    /// in bytes.
     pub(crate) fn fit_memory(&mut self, all: u64) {
         let (Some(limit), None) = (self.options.memory_limit, self.options.capacities.caps) else { return };
         let entries: u64 = self.rooms.iter().map(|room| room.cap_entries()).sum();
@@ -219,7 +219,7 @@ impl VolumeSizes {
         let [choices, _] = self.choice_bytes();
         let SceneOptions { counting, end_at_range, stencil, measuring, .. } = self.options;
         let StencilCounts { count_bits, count_batches, bound_counts } = stencil;
-        let does = |skipped: Measuring| u32::from(!measuring.has(skipped));
+        let is_on = |skipped: Measuring| u32::from(!measuring.has(skipped));
         let casters = if count_batches > 1 { Casters::Batches } else { Casters::Scene };
         ShadowShape {
             casters: self.casters as u32,
@@ -231,27 +231,27 @@ impl VolumeSizes {
             side_capacity: room.sides,
             near_capacity: room.near,
             far_capacity: room.far,
-            averted: does(Measuring::EVERY_FACE),
+            allow_back_facing: is_on(Measuring::EVERY_FACE),
             counting: counting.code(),
-            skip_unreached: does(Measuring::UNREACHED),
-            skip_unseen: does(Measuring::UNSEEN),
+            cull_by_range: is_on(Measuring::CULLED_BY_RANGE),
+            cull_by_view: is_on(Measuring::CULLED_BY_VIEW),
             end_at_range: u32::from(end_at_range),
-            choices_at: self.choices_at as u32,
-            measures_at: self.choices_at as u32 + (choices / 16) as u32,
-            lights_at: group.lights_at,
-            face_chunks_at: group.face_chunks_at,
-            edge_chunks_at: group.edge_chunks_at,
+            choices_offset: self.choices_offset as u32,
+            measures_offset: self.choices_offset as u32 + (choices / 16) as u32,
+            lights_offset: group.lights_offset,
+            face_chunks_offset: group.face_chunks_offset,
+            edge_chunks_offset: group.edge_chunks_offset,
             views: self.views as u32,
             count_batches,
             proxies: u32::from(group.proxies > 0),
-            part: part as u32,
+            group_and_batch: part as u32,
             first_caster: group.first_caster,
-            lists_at: room.lists_at,
-            keeps: does(Measuring::BITS) & does(Measuring::LISTS),
+            lists_offset: room.lists_offset,
+            uses_cache: is_on(Measuring::CACHED_BITS) & is_on(Measuring::CACHED_LISTS),
             needs_boxes: u32::from(bound_counts),
             used_lights: self.used_lights() as u32,
             has_receivers: u32::from(self.receivers > 0),
-            most_count: casters.most_count(count_bits),
+            largest_count: casters.largest_count(count_bits),
             piece_capacity: room.pieces,
         }
     }

@@ -9,7 +9,7 @@ pub(crate) type Named<'a> = Vec<(&'static str, Resource<'a>)>;
 pub(crate) struct VolumeSource<'a> {
     /// Casters, and room for a copy of what is chosen for them.
     pub(crate) table: &'a wgpu::Buffer,
-    /// `lit`: for each batch and caster the lights that matter. `kept`: the inputs of the extraction.
+    /// `relevant_lights`: for each batch and caster its relevant lights. `cache`: the inputs of the extraction.
     pub(crate) named: Named<'a>,
     pub(crate) groups: Vec<GroupSource<'a>>,
 }
@@ -27,5 +27,5 @@ pub(crate) struct GroupSource<'a> {
 
 /// The resource of a name.
 pub(crate) fn named<'a>(resources: &Named<'a>, name: &str) -> Option<Resource<'a>> {
-    resources.iter().find(|(own, _)| *own == name).map(|(_, resource)| resource.clone())
+    resources.iter().find(|(resource_name, _)| *resource_name == name).map(|(_, resource)| resource.clone())
 }

@@ -15,7 +15,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::scene::options::SceneOptions;
-use crate::layout::{CHUNK, ExtractionStatistics, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
+use crate::layout::{CHUNK, ExtractionStatistics, LANES, PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ViewLight};
 use crate::stages::{
     BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
     STENCIL_CROSSINGS, STENCIL_PENCIL, ZP_PLUS_2005_CASES,
@@ -134,22 +134,22 @@ impl VolumeStages {
         light: usize,
     ) -> impl Iterator<Item = LightDraws<'a>> {
         let SizedBuffers { sizes, of: buffers, .. } = buffers;
-        let (batch, place) = (light / 32, view * sizes.lights + light);
-        let uniform = count_batch * sizes.seen() + place;
+        let (batch, view_light) = (light / 32, view * sizes.lights + light);
+        let uniform = count_batch * sizes.view_lights() + view_light;
         let groups = self.groups.iter().zip(&buffers.draws).zip(&sizes.groups).zip(&buffers.piece_draws);
         groups.filter_map(move |(((group, draws), size), piece_draws)| {
             Some(LightDraws {
                 frame: group.frames.get(batch)?,
                 uniform: (uniform * UniformTable::stride::<ShadowDraw>()) as u32,
-                seen: (place * size_of::<SeenLight>()) as u32,
+                view_light: (view_light * size_of::<ViewLight>()) as u32,
                 sides: group.sides.get(batch)?.get(view)?,
                 caps: group.caps.get(batch)?.get(view)?,
                 draws,
-                first: (place * size_of::<ShadowDraws>()) as u64,
+                first: (view_light * size_of::<ShadowDraws>()) as u64,
                 may_end: sizes.options.end_at_range,
                 has_proxies: size.proxies > 0,
                 pieces: group.pieces.get(batch).zip(piece_draws.as_ref()),
-                first_piece: (place * size_of::<PieceDraws>()) as u64,
+                first_piece: (view_light * size_of::<PieceDraws>()) as u64,
             })
         })
     }
@@ -165,57 +165,61 @@ struct Binder<'a> {
     most: u32,
 }
 
-/// A group of casters, a batch of lights and a view.
+/// The group of casters, batch of lights and view of a dispatch or draw.
 #[derive(Clone, Copy, Default)]
-struct Place {
+struct Scope {
     group: usize,
     batch: usize,
     view: usize,
 }
 
 impl<'a> Binder<'a> {
-    /// The number of a group and batch.
-    fn part(&self, at: Place) -> usize {
-        at.group * self.sizes.batches() + at.batch
+    /// The index of the group and batch among all.
+    fn group_and_batch(&self, scope: Scope) -> usize {
+        scope.group * self.sizes.batches() + scope.batch
     }
 
-    fn get(&self, name: &str, at: Place) -> Option<Resource<'a>> {
+    /// The resource that stages bind by this name.
+    fn get(&self, name: &str, scope: Scope) -> Option<Resource<'a>> {
         let Self { buffers, source, .. } = *self;
-        let group = source.groups.get(at.group)?;
-        let batch = group.batches.get(at.batch)?;
-        let lists = || buffers.lists.get(self.part(at))?.get(at.view);
+        let group = source.groups.get(scope.group)?;
+        let batch = group.batches.get(scope.batch)?;
+        let lists = || buffers.lists.get(self.group_and_batch(scope))?.get(scope.view);
         // The shape, and the first light of the batch in the view.
-        let shape = (self.part(at) * UniformTable::stride::<ShadowShape>()) as u32;
-        let light = at.view * self.sizes.lights + 32 * at.batch;
+        let shape = (self.group_and_batch(scope) * UniformTable::stride::<ShadowShape>()) as u32;
+        let light = scope.view * self.sizes.lights + 32 * scope.batch;
         let draw = (light * UniformTable::stride::<ShadowDraw>()) as u32;
         Some(match name {
             "shape" => uniform::<ShadowShape>(&buffers.shapes, shape),
             "draw" => uniform::<ShadowDraw>(&buffers.draw_lights, draw),
-            "seen" => whole(&buffers.seen),
+            "view_lights" => whole(&buffers.view_lights),
             "table" => whole(source.table),
             "boxes" => whole(&buffers.boxes),
-            "twisted" => whole(&buffers.twisted),
+            "twisted_lights" => whole(&buffers.twisted_lights),
             "choices" => whole(&buffers.choices),
             "receivers" => whole(&buffers.receivers),
-            "listed" => whole(&buffers.listed),
+            "list_versions" => whole(&buffers.list_versions),
             "shadow_statistics" => whole(&buffers.statistics),
-            "shadow_draws" => whole(buffers.draws.get(at.group)?),
+            "shadow_draws" => whole(buffers.draws.get(scope.group)?),
             "sides" => whole(&lists()?.sides),
             "caps_listed" => whole(&lists()?.caps),
-            "piece_draws" => whole(buffers.piece_draws.get(at.group)?.as_ref()?),
+            "piece_draws" => whole(buffers.piece_draws.get(scope.group)?.as_ref()?),
             "pencils" => whole(&buffers.bound.as_ref()?.pencils),
-            "crossings" => whole(&buffers.bound.as_ref()?.crossings),
+            "bin_rows" => whole(&buffers.bound.as_ref()?.bin_rows),
             _ => [batch, &group.named, &source.named].into_iter().find_map(|of| named(of, name))?,
         })
     }
 
-    fn dispatch(&self, pipeline: &Pipeline, at: Place, [x, y]: [u32; 2]) -> Dispatch {
+    fn dispatch(&self, pipeline: &Pipeline, scope: Scope, [x, y]: [u32; 2]) -> Dispatch {
         let workgroups = Workgroups::Known([x.min(self.most), y]);
-        Dispatch { batch: at.batch, ..pipeline.dispatch(&self.pipelines.device, workgroups, |name| self.get(name, at)) }
+        Dispatch {
+            batch: scope.batch,
+            ..pipeline.dispatch(&self.pipelines.device, workgroups, |name| self.get(name, scope))
+        }
     }
 
     /// The dispatches of a stage, with their workgroups.
-    fn dispatches(&self, over: Over) -> Vec<(Place, [u32; 2])> {
+    fn dispatches(&self, over: Over) -> Vec<(Scope, [u32; 2])> {
         let VolumeSizes { groups, rooms, casters, views, .. } = self.sizes;
         let device = &self.pipelines.device;
         let batches = self.sizes.batches();
@@ -229,29 +233,29 @@ impl<'a> Binder<'a> {
                     let chunks = size.faces.div_ceil(CHUNK);
                     [chunks.div_ceil(64).clamp(1, 1024).max(chunks.div_ceil(64 * BOUND_CHUNKS)), 1]
                 };
-                unknown.map(|(group, size)| (Place { group, ..Place::default() }, workgroups(size))).collect()
+                unknown.map(|(group, size)| (Scope { group, ..Scope::default() }, workgroups(size))).collect()
             }
             Over::Pairs => {
                 let pairs = u32::try_from(*casters as u64 * self.sizes.used_lights() as u64).unwrap_or(u32::MAX);
                 let workgroups = (4 * loops(device, pairs)).min(pairs.div_ceil(64)).min(self.most).max(1);
-                groups.iter().take(1).map(|_| (Place::default(), [workgroups, *views as u32])).collect()
+                groups.iter().take(1).map(|_| (Scope::default(), [workgroups, *views as u32])).collect()
             }
             Over::Lights => {
                 let lights = |batch: usize| (self.sizes.lights - 32 * batch).min(32) as u32;
                 let batches = (0..batches).filter(|_| !groups.is_empty());
-                let places = batches.flat_map(|batch| (0..*views).map(move |view| Place { group: 0, batch, view }));
-                places.map(|at| (at, [lights(at.batch), 1])).collect()
+                let scopes = batches.flat_map(|batch| (0..*views).map(move |view| Scope { group: 0, batch, view }));
+                scopes.map(|scope| (scope, [lights(scope.batch), 1])).collect()
             }
             _ => {
                 let is_of_pieces = matches!(over, Over::Pieces | Over::OneOfPieces);
                 let parts = numbered().zip(rooms.chunks(batches.max(1)));
                 let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.pieces_of(*group));
                 let parts = parts.flat_map(|(group, rooms)| rooms.iter().enumerate().map(move |room| (group, room)));
-                let places = parts.flat_map(|((group, size), (batch, room))| {
+                let scopes = parts.flat_map(|((group, size), (batch, room))| {
                     let workgroups = self.workgroups_of(over, size, room);
-                    (0..*views).map(move |view| (Place { group, batch, view }, workgroups))
+                    (0..*views).map(move |view| (Scope { group, batch, view }, workgroups))
                 });
-                places.collect()
+                scopes.collect()
             }
         }
     }
@@ -287,7 +291,7 @@ impl<'a> Binder<'a> {
             let BindingResource::Buffer(statistics) = named(batch, "extraction_statistics")?.bound else { return None };
             let from = statistics.offset + std::mem::offset_of!(ExtractionStatistics, twisted_lights) as u64;
             let to = 4 * part as u64;
-            Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.twisted.clone(), to)], 4))
+            Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.twisted_lights.clone(), to)], 4))
         };
         parts.filter_map(copy).collect()
     }
@@ -301,12 +305,12 @@ impl<'a> Binder<'a> {
             }
             if pipeline.label == LIST_SIDES.name {
                 let [_, bytes] = self.sizes.choice_bytes();
-                let table = (self.source.table.clone(), 16 * self.sizes.choices_at as u64);
+                let table = (self.source.table.clone(), 16 * self.sizes.choices_offset as u64);
                 steps.push(Step::Copy([(self.buffers.choices.clone(), 0), table], bytes));
             }
             let dispatches = self.dispatches(*over);
             if !dispatches.is_empty() {
-                let bind = |(at, workgroups)| self.dispatch(pipeline, at, workgroups);
+                let bind = |(scope, workgroups)| self.dispatch(pipeline, scope, workgroups);
                 steps.push(pipeline.pass(dispatches.into_iter().map(bind)));
             }
         }
@@ -319,21 +323,21 @@ impl<'a> Binder<'a> {
         let bind = |layout: &wgpu::BindGroupLayout, resources: &[Resource<'_>]| {
             group(&self.pipelines.device, "shadow volumes", layout, resources)
         };
-        let frame = |at: Place| {
-            let first = (self.part(at) * UniformTable::stride::<ShadowShape>()) as u64;
-            let VolumeBuffers { shapes, draw_lights, seen, .. } = self.buffers;
+        let frame = |scope: Scope| {
+            let first = (self.group_and_batch(scope) * UniformTable::stride::<ShadowShape>()) as u64;
+            let VolumeBuffers { shapes, draw_lights, view_lights, .. } = self.buffers;
             let resources = [
                 part(shapes, first..first + size_of::<ShadowShape>() as u64),
                 uniform::<ShadowDraw>(draw_lights, 0),
-                part(seen, 0..size_of::<SeenLight>() as u64),
+                part(view_lights, 0..size_of::<ViewLight>() as u64),
                 whole(self.source.table),
             ];
             bind(frame, &resources)
         };
         let data = |layout: &wgpu::BindGroupLayout, names: &[&str], group: usize, batch: usize| {
             let of_view = |view| {
-                let at = Place { group, batch, view };
-                let resources: Vec<_> = names.iter().filter_map(|name| self.get(name, at)).collect();
+                let scope = Scope { group, batch, view };
+                let resources: Vec<_> = names.iter().filter_map(|name| self.get(name, scope)).collect();
                 bind(layout, &resources)
             };
             (0..self.sizes.views).map(of_view).collect::<Vec<_>>()
@@ -342,11 +346,11 @@ impl<'a> Binder<'a> {
         let cap_names = ["positions", "faces", "facing_masks", "excluded_masks", "caps_listed"];
         let batches = || 0..self.sizes.batches();
         let of_group = |group| GroupDraws {
-            frames: batches().map(|batch| frame(Place { group, batch, view: 0 })).collect(),
+            frames: batches().map(|batch| frame(Scope { group, batch, view: 0 })).collect(),
             sides: batches().map(|batch| data(side_data, &side_names, group, batch)).collect(),
             caps: batches().map(|batch| data(cap_data, &cap_names, group, batch)).collect(),
             pieces: batches()
-                .filter_map(|batch| Some(bind(piece_data, &[self.get("pieces", Place { group, batch, view: 0 })?])))
+                .filter_map(|batch| Some(bind(piece_data, &[self.get("pieces", Scope { group, batch, view: 0 })?])))
                 .collect(),
         };
         (0..self.sizes.groups.len()).map(of_group).collect()

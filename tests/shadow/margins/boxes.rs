@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::internals::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_AUTO, COUNT_ZP_PLUS_2005};
+use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, COUNT_AUTO, COUNT_ZP_PLUS_2005};
 use rimline::internals::stages::CAP_FACES;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -58,10 +58,10 @@ fn touching_near_rectangle() -> Result<(), String> {
             touching += 1;
             assert_eq!(light.casting, CAST_EVERY, "{:?}, near {near:?}", case.2);
         } else {
-            apart += usize::from(light.casting == CAST_AVERTED);
+            apart += usize::from(light.casting == CAST_BACK_FACING);
         }
     }
-    println!("{touching} touch; {apart} are apart and cast with their averted faces");
+    println!("{touching} touch; {apart} are apart and cast with their back-facing faces");
     assert!(touching > 1000 && apart > 500, "not vacuous");
     Ok(())
 }
@@ -112,10 +112,10 @@ fn lights_in_box() -> Result<(), String> {
             at_the_edge += usize::from(!is_free);
             assert_eq!(light.casting, CAST_EVERY, "{given:?}, {corners:?}");
         } else {
-            apart += usize::from(light.casting == CAST_AVERTED);
+            apart += usize::from(light.casting == CAST_BACK_FACING);
         }
         if given.w == 0.0 {
-            assert_eq!(light.casting, CAST_AVERTED, "a light at infinity is in no box");
+            assert_eq!(light.casting, CAST_BACK_FACING, "a light at infinity is in no box");
         }
     }
     println!("{within} within the box, {at_the_edge} of them at its edge; {apart} apart");

@@ -74,7 +74,7 @@ pub(crate) type Case = (ShadowCamera, Light, Vec<[f32; 3]>);
 
 /// Options of a closed caster without light in the plane of a face.
 pub(crate) fn options(counting: u32, is_closed: bool) -> ShadowShape {
-    ShadowShape { averted: u32::from(is_closed), counting, skip_unreached: 1, ..Zeroable::zeroed() }
+    ShadowShape { allow_back_facing: u32::from(is_closed), counting, cull_by_range: 1, ..Zeroable::zeroed() }
 }
 
 /// Each light as the stages get it, with what is chosen for the caster.

@@ -18,7 +18,7 @@ pub struct OneCasterOptions {
     pub list_capacity: Option<u32>,
     pub cap_capacity: Option<u32>,
     pub piece_capacity: Option<u32>,
-    pub skip_unseen: bool,
+    pub cull_by_view: bool,
     pub end_at_range: bool,
     pub bound_counts: bool,
     pub count_bits: u32,
@@ -35,7 +35,7 @@ impl Default for OneCasterOptions {
             list_capacity: None,
             cap_capacity: None,
             piece_capacity: None,
-            skip_unseen: true,
+            cull_by_view: true,
             end_at_range: false,
             bound_counts: false,
             count_bits: 8,
@@ -48,9 +48,9 @@ impl OneCasterOptions {
     /// The options of the scene.
     pub fn of_scene(&self) -> SceneOptions {
         let &Self { counting, max_lights, end_at_range, bound_counts, count_bits, memory_limit, .. } = self;
-        let mut measuring = Measuring::LISTS;
+        let mut measuring = Measuring::CACHED_LISTS;
         measuring.set(Measuring::EVERY_FACE, self.every_face);
-        measuring.set(Measuring::UNSEEN, !self.skip_unseen);
+        measuring.set(Measuring::CULLED_BY_VIEW, !self.cull_by_view);
         SceneOptions {
             max_lights,
             counting,

@@ -16,19 +16,19 @@ pub(crate) static LEVELS: &[Level] = &[
     Level {
         id: "light-reach",
         name: "light reach",
-        switch: |options, on| options.measuring.set(Measuring::UNREACHED, !on),
+        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_RANGE, !on),
     },
     Level {
         id: "shadow-reach",
         name: "shadow reach",
-        switch: |options, on| options.measuring.set(Measuring::UNSEEN, !on),
+        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_VIEW, !on),
     },
     Level {
         id: "nothing-moved",
         name: "nothing moved",
         switch: |options, on| {
-            options.measuring.set(Measuring::BITS, !on);
-            options.measuring.set(Measuring::LISTS, !on);
+            options.measuring.set(Measuring::CACHED_BITS, !on);
+            options.measuring.set(Measuring::CACHED_LISTS, !on);
         },
     },
     Level {
@@ -39,14 +39,18 @@ pub(crate) static LEVELS: &[Level] = &[
     Level {
         id: "hidden-receivers",
         name: "hidden receivers",
-        switch: |options, on| options.measuring.set(Measuring::WITHOUT_RECEIVERS, !on),
+        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_RECEIVERS, !on),
     },
     Level {
         id: "unneeded-figures",
         name: "unneeded figures",
-        switch: |options, on| options.measuring.set(Measuring::UNNEEDED, !on),
+        switch: |options, on| options.measuring.set(Measuring::CULLED_CASTERS, !on),
     },
-    Level { id: "occluders", name: "occluders", switch: |options, on| options.measuring.set(Measuring::OCCLUDED, !on) },
+    Level {
+        id: "occluders",
+        name: "occluders",
+        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, !on),
+    },
 ];
 
 /// Which levels are on.

@@ -35,19 +35,19 @@ type Counter = (&'static str, fn(&Counted) -> u32);
 
 pub(crate) const COUNTERS: [Counter; 14] = [
     ("pairs", |counted| counted.scene.pairs),
-    ("unreached-pairs", |counted| counted.scene.unreached_pairs),
-    ("occluded-pairs", |counted| counted.scene.occluded_pairs),
-    ("kept-pairs", |counted| counted.scene.kept_pairs),
+    ("unreached-pairs", |counted| counted.scene.pairs_culled_by_range),
+    ("occluded-pairs", |counted| counted.scene.pairs_culled_by_occluders),
+    ("kept-pairs", |counted| counted.scene.cached_pairs),
     ("faces", |counted| counted.scene.faces),
     ("edges", |counted| counted.scene.edges),
-    ("spared-faces", |counted| counted.scene.spared_faces),
-    ("spared-edges", |counted| counted.scene.spared_edges),
-    ("unneeded-figures", |counted| counted.scene.unneeded),
+    ("spared-faces", |counted| counted.scene.untested_faces),
+    ("spared-edges", |counted| counted.scene.untested_edges),
+    ("unneeded-figures", |counted| counted.scene.culled_casters),
     ("skipped-volumes", |counted| counted.shadows.skipped),
-    ("unreached-volumes", |counted| counted.shadows.unreached),
-    ("hidden-volumes", |counted| counted.shadows.hidden),
-    ("kept-lists", |counted| counted.shadows.kept_lists),
-    ("capped-volumes", |counted| counted.shadows.capped),
+    ("unreached-volumes", |counted| counted.shadows.culled_by_range),
+    ("hidden-volumes", |counted| counted.shadows.culled_by_receivers),
+    ("kept-lists", |counted| counted.shadows.cached_lists),
+    ("capped-volumes", |counted| counted.shadows.near_capped),
 ];
 
 /// Measures a scene with each choice of levels. Stages and whole frames take turns, so that a drift of the machine's speed

@@ -8,7 +8,7 @@ use rimline::mesh::EdgeKind;
 use rimline::{Light, Mesh, Origin};
 
 use super::Found;
-use crate::npz::{ElementType, NpzWriter, write_origin};
+use rimline_files::npz::{ElementType, NpzWriter, write_origin};
 
 pub(crate) fn write_lights(npz: &mut NpzWriter<impl Write + Seek>, lights: &[Light]) -> io::Result<()> {
     let components: Vec<[f32; 4]> = lights.iter().map(|light| light.to_array()).collect();

@@ -107,7 +107,7 @@ mod tests {
     fn sums_do_not_wrap() {
         let found = |count_bound, skipped| ShadowStatistics { count_bound, skipped, ..Zeroable::zeroed() };
         let both = sum(found(200, 1), found(100, 2));
-        assert_eq!((both.count_bound, both.skipped, both.capped), (300, 3, 0));
+        assert_eq!((both.count_bound, both.skipped, both.near_capped), (300, 3, 0));
         assert_eq!(sum(found(u32::MAX, 0), found(2, 0)).count_bound, u32::MAX);
     }
 }

@@ -21,8 +21,8 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::Picture;
-use crate::npz::{DepthMapArrays, Depths};
 use crate::render::pipeline_factory::{plain_texture, view};
+use rimline_files::npz::{DepthMapArrays, Depths};
 
 pub(crate) struct DepthShadows<'a> {
     gpu: &'a Gpu,

@@ -16,11 +16,11 @@ use super::shaded_lights::{SceneBounds, ShadedLight};
 use crate::device::Gpu;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
-use crate::npz::{self, DepthMapArrays, Depths};
 use crate::output::note;
 use crate::progress::Progress;
 use crate::render::pipeline_factory::{plain_texture, view};
 use crate::{coordinates, source};
+use rimline_files::npz::{self, DepthMapArrays, Depths};
 
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -185,7 +185,7 @@ impl GivenMap {
     ) -> Result<Self, Failure> {
         let takes = method != DepthMapMethod::EveryCell;
         let read = || -> Result<_, InputError> {
-            let arrays = npz::read_depth_map(source::archive(source::open(file)?)?, memory_limit, takes)?;
+            let arrays = npz::read_depth_map(rimline_files::archive(source::open(file)?)?, memory_limit, takes)?;
             Ok(Self::new(file, arrays, origin)?)
         };
         read().map_err(Failure::input(file))

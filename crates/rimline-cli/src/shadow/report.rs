@@ -70,7 +70,7 @@ impl Report {
         casters: &Casters<'_>,
         covered: Option<&CoveredFaces>,
     ) -> Result<Self, GpuError> {
-        let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin));
+        let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin()));
         let found = casters.shadows.found()?;
         let file = |(body, found): (&PosedModel<'_>, Found)| File {
             name: body.input.file.display().to_string(),
@@ -144,7 +144,7 @@ impl Report {
                 "file": name,
                 "skipped": shadow.skipped,
                 "every_face": shadow.every_face,
-                "capped": shadow.capped,
+                "capped": shadow.near_capped,
                 "count_bound": own(shadow.count_bound),
                 "may_wrap": own(shadow.may_wrap),
                 "overflowed_caps": own(shadow.overflowed_caps),
@@ -156,7 +156,7 @@ impl Report {
         let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,
-            "capped": self.all.capped,
+            "capped": self.all.near_capped,
             "overflowed_caps": self.all.overflowed_caps,
             "overflowed_sides": self.all.overflowed_sides,
             "undecided_pairs": extraction.map(|all| all.undecided_pairs),
@@ -191,9 +191,9 @@ impl Report {
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
             lines.line("silhouette edges", format!("{edges}{sum}"));
-            let ShadowStatistics { skipped, capped, .. } = shadow;
+            let ShadowStatistics { skipped, near_capped, .. } = shadow;
             let counted = |count: u32| format!("for {count} of {} lights", lights.len());
-            lines.line("near caps", if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
+            lines.line("near caps", if *near_capped == 0 { "none needed".to_owned() } else { counted(*near_capped) });
             if *skipped > 0 {
                 lines.line("no shadow", format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }

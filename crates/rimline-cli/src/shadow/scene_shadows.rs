@@ -99,7 +99,7 @@ impl<'a> SceneShadows<'a> {
 
 /// The place of a caster in the table, and its group.
 fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
-    frame.place(caster).ok_or(ShadowError::Removed { what: "caster" })
+    frame.locate(caster).ok_or(ShadowError::Removed { what: "caster" })
 }
 
 impl Shadows for SceneShadows<'_> {
@@ -238,8 +238,8 @@ impl Shadows for SceneShadows<'_> {
             let count = |casting| lights.iter().filter(|light| light.casting == casting).count() as u32;
             let (skipped, every_face) = (count(Choice::NOTHING), count(Choice::EVERY));
             // The fourth word has the lights with near caps.
-            let capped = words.iter().skip(3).step_by(CHOICE_WORDS).map(|word| word.count_ones()).sum();
-            let shadow = ShadowStatistics { skipped, every_face, capped, ..all };
+            let near_capped = words.iter().skip(3).step_by(CHOICE_WORDS).map(|word| word.count_ones()).sum();
+            let shadow = ShadowStatistics { skipped, every_face, near_capped, ..all };
             Ok(Found { lights, silhouettes, extraction, shadow, is_whole: self.files.len() == 1 })
         };
         self.files.iter().map(of_file).collect()

@@ -79,7 +79,7 @@ impl ShadedLight {
         let mut shaded_lights: Vec<Self> =
             chosen.iter().map(|(spec, chosen)| Self::new(spec, chosen, brightest, stage)).collect();
         if shaded_lights.is_empty() {
-            let light = own.unwrap_or_else(|| default_light(&args.view.relative_to(first.input.origin), stage));
+            let light = own.unwrap_or_else(|| default_light(&args.view.relative_to(first.input.origin()), stage));
             let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
             shaded_lights.push(Self::new(&spec, &ChosenLight { light, own: None }, 0.0, stage));
         }

@@ -16,7 +16,7 @@ use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
-use crate::input::{Input, Source};
+use crate::input::Input;
 use crate::output::note;
 use crate::posed_input::{self, animations};
 use crate::render::camera::{Camera, elevation, outermost};
@@ -57,7 +57,7 @@ impl ShadowInputs {
     /// Plays each file's first animation that is not damaged, and says which that is.
     pub(crate) fn take_first_animations(&mut self) {
         for (input, animations) in self.inputs.iter().zip(&mut self.animations) {
-            let Source::Gltf(asset) = &input.source else { continue };
+            let Some(asset) = input.asset() else { continue };
             // A damaged one is taken where there is no other, and then says what is wrong with it.
             let index = asset.animations().iter().position(|info| info.fault.is_none()).unwrap_or(0);
             let Some(first) = asset.animations().get(index) else { continue };
@@ -112,7 +112,7 @@ impl<'a> ShadowScene<'a> {
         let failed = Failure::input(&first.input.file);
         let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFiniteFace))?;
         check_bounds(&bounds).map_err(failed)?;
-        let origin = first.input.origin;
+        let origin = first.input.origin();
         let view = args.view.relative_to(origin);
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds {

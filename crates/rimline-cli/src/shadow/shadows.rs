@@ -17,7 +17,7 @@ use super::posed_model::PosedModel;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
-use crate::npz::DepthMapArrays;
+use rimline_files::npz::DepthMapArrays;
 
 pub(crate) trait Shadows {
     /// Takes the bodies with their current faces. Bodies that are there already stay.

@@ -13,13 +13,13 @@ use crate::args::VerifyArgs;
 use crate::device::{self, Device, Wanted};
 use crate::extract::{arrays, extract_exactly};
 use crate::failure::{Failure, InputError};
-use crate::input::{Input, Scene, Shape, Source};
-use crate::input_args::TakenPolygons;
+use crate::input::{Input, Scene, Shape};
 use crate::origin;
 use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
 use crate::report::Times;
 use crate::shown::Line;
+use rimline_files::Polygons;
 
 /// Where in its first animation a model is posed, as a part of the whole.
 const MOMENT: f32 = 0.37;
@@ -41,10 +41,10 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
-        let mut input = Input::read(model, args.load.options(Weld::Data), TakenPolygons::Triangles)?;
+        let mut input = Input::read(model, args.load.options(Weld::Data), Polygons::Triangles)?;
         origin::settle(std::slice::from_mut(&mut input), &[Vec::new()], 0.0)?;
         maker.pose(&input, &[], 0.0, &stem(model))?;
-        if let Source::Gltf(asset) = &input.source
+        if let Some(asset) = input.asset()
             && let mut animations = asset.animations().iter().enumerate()
             && let Some((index, animation)) = animations.find(|(_, info)| info.fault.is_none())
         {
@@ -103,7 +103,7 @@ impl Maker<'_> {
         let Scene { mesh, shape } = input.scene(animations, time_s, false)?;
         let positions = shape.on_cpu(&mut Times::default())?;
         let lights = hard_lights(&positions, mesh.faces());
-        self.write(name, &positions, mesh, &lights, input.origin)
+        self.write(name, &positions, mesh, &lights, input.origin())
     }
 
     fn scene(&self, scene: stress::Scene) -> Result<(), Failure> {

@@ -13,9 +13,9 @@ use crate::device::Device;
 use crate::extract::{arrays, extract_exactly};
 use crate::failure::{Failure, InputError, NoDevice};
 use crate::input::{Scene, Shape};
-use crate::npz::{self, Arrays, Difference};
 use crate::shown::Line;
 use crate::source;
+use rimline_files::npz::{self, Arrays, Difference};
 
 #[derive(Default)]
 pub(super) struct Report {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use rimline_cli::npz::{ElementType, NpzWriter};
+use rimline_files::npz::{ElementType, NpzWriter};
 use rimline_testkit::random::Random;
 
 use crate::options::Options;

@@ -6,7 +6,7 @@ use std::io::{Cursor, Write as _};
 use rimline::cpu::{self, Threads};
 use rimline::mesh::{NO_FACE, PolygonLoops, Weld};
 use rimline::{Light, Mesh, Origin, Predicate};
-use rimline_cli::npz;
+use rimline_files::npz;
 use rimline_testkit::random::Random;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};

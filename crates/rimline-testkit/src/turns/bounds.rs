@@ -65,7 +65,7 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// * `reach`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32 lights. A test
 ///   has a caster that the last of them hides.
 /// * `clusters`, `chunks`: by shares of 96 chunks, 1/5 of the limit.
-/// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `SeenLight`. Tests have
+/// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `ViewLight`. Tests have
 ///   both, and twice as many views.
 /// * `choose`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an axis: these would
 ///   take 537 million, and a table in one binding has no more than 84 million.
@@ -81,10 +81,10 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// * `depth_edges_mark`: one strip of 64 samples an invocation, with 128 edges that integers decide at two levels.
 ///   `depth_cells_count`: by shares of 4 blocks, with 100 such edges each, or of 128 blocks where floats decide. Tests have
 ///   maps all of whose edges are open.
-/// * `depth_edges_count`, `depth_cells_list`: by shares of 128 blocks, 1/42 and 1/4 of the limit. `depth_cells_places`: by the
+/// * `depth_edges_count`, `depth_cells_list`: by shares of 128 blocks, 1/42 and 1/4 of the limit. `depth_cells_scan`: by the
 ///   largest texture, of 16,384² texels: 513 blocks an invocation, 1/63.
-/// * `contour_tiles_find`: one tile of 16 rows an invocation, 1/3,276 of the limit. `contour_places`: one row of a tile, 1/3.
-///   `contour_walls_take`: two tiles, which a test fills with spirals. `contour_tiles_list`, `contour_walls_places`: by a
+/// * `contour_tiles_find`: one tile of 16 rows an invocation, 1/3,276 of the limit. `contour_crossings`: one row of a tile, 1/3.
+///   `contour_walls_trace`: two tiles, which a test fills with spirals. `contour_tiles_list`, `contour_walls_scan`: by a
 ///   binding. Places of 4 bytes are those of 5,790² texels: 513 tiles an invocation, 1/57 and 1/11.
 pub const TURNS: &[(&str, &str, u32)] = &[
     ("needs", "needs", 63_755),
@@ -155,14 +155,14 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("depth_edges", "depth_edges_continue", 40),
     ("depth_edges", "depth_edges_count", 1_539),
     ("depth_cells", "depth_cells_count", 55_069),
-    ("depth_cells", "depth_cells_places", 1_035),
+    ("depth_cells", "depth_cells_scan", 1_035),
     ("depth_cells", "depth_cells_list", 16_134),
     ("contour_marks", "contour_marks", 232),
     ("contour_tiles", "contour_tiles_find", 20),
     ("contour_tiles", "contour_tiles_list", 8_222),
-    ("contour_places", "contour_places", 17_012),
-    ("contour_walls", "contour_walls_take", 49_935),
-    ("contour_walls", "contour_walls_places", 45_156),
+    ("contour_crossings", "contour_crossings", 17_012),
+    ("contour_walls", "contour_walls_trace", 49_935),
+    ("contour_walls", "contour_walls_scan", 45_156),
     ("depth_surface", "depth_surface", 31),
     ("depth_surface", "depth_near_cap_fragment", 83),
     ("depth_walls", "depth_walls_near_cap_fragment", 8_477),

@@ -3,18 +3,18 @@
 use super::min_cut::MinCut;
 use crate::mesh::{Edge, EdgeKind, Mesh};
 
-/// A caster, and which of its faces face the light.
-pub(crate) struct Outline<'a> {
+/// A caster, and which of its faces are front-facing.
+pub(crate) struct Silhouette<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) facing: &'a [bool],
 }
 
-impl Outline<'_> {
+impl Silhouette<'_> {
     fn is_facing(&self, face: u32) -> bool {
         self.facing.get(face as usize).copied().unwrap_or(false)
     }
 
-    /// How many sides are drawn without some faces, which are ascending.
+    /// How many sides are drawn if some faces, which are ascending, are left out.
     pub(crate) fn sides(&self, left_out: &[u32]) -> usize {
         let is_closed = self.mesh.is_closed();
         let term = |face: u32| {

@@ -1,23 +1,23 @@
-//! The part of a picture that a light reaches.
+//! The pixels that a light may affect.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 
 use crate::{Light, ShadowCamera};
 
-/// Share of a range by which surfaces may be farther away than they seem to be, in radians for a cone.
+/// How much farther a surface may be than its depth says: a share of the range, radians for a cone.
 const SLACK: f64 = 1e-4;
-/// The same as a share of coordinates: some units of their last place, for shaders that find positions from depth.
+/// The same as a share of coordinates: some units in the last place, for shaders that compute positions from depth.
 const ROUNDING: f64 = 1e-6;
 
-/// All that a light reaches: what is as near to its place as this, and in its cone.
+/// The points within the range and the cone of a light.
 struct Sector {
-    /// The place of the light, less the camera's origin.
+    /// The position of the light, relative to the camera's origin.
     apex: DVec3,
     range: f64,
     /// The unit axis, and the half angle in radians, π for none.
     axis: DVec3,
     angle: f64,
-    /// How far around there may be surfaces that it reaches.
+    /// The distance around the sector within which surfaces may be lit.
     slack: f64,
 }
 
@@ -27,16 +27,16 @@ impl Sector {
         if light.w == 0.0 {
             return None;
         }
-        let place = Vec3::from(light.xyz).as_dvec3() / f64::from(light.w);
+        let position = Vec3::from(light.xyz).as_dvec3() / f64::from(light.w);
         let origin = Vec3::from(camera.origin).as_dvec3();
         let axis = light.cone.and_then(|cone| Vec3::from(cone.axis).as_dvec3().try_normalize());
         let angle = light.cone.map_or(std::f64::consts::PI, |cone| f64::from(cone.cosine).acos() + SLACK);
         Some(Self {
-            apex: place - origin,
+            apex: position - origin,
             range: f64::from(light.range) * (1.0 + SLACK),
             axis: axis.unwrap_or(DVec3::Z),
             angle: if axis.is_some() { angle } else { std::f64::consts::PI },
-            slack: ROUNDING * (place.abs().max_element() + origin.abs().max_element()),
+            slack: ROUNDING * (position.abs().max_element() + origin.abs().max_element()),
         })
     }
 
@@ -44,14 +44,14 @@ impl Sector {
     fn is_behind(&self, plane: DVec4) -> bool {
         let normal = plane.truncate();
         let length = normal.length();
-        // The steepest way up within the cone.
+        // The largest slope against the plane within the cone.
         let tilt = (normal.dot(self.axis) / length).clamp(-1.0, 1.0).acos();
         let steepest = length * (tilt - self.angle).max(0.0).cos();
         let rise = if steepest > 0.0 { self.range * steepest } else { 0.0 };
         plane.dot(self.apex.extend(1.0)) + rise + self.slack * length < 0.0
     }
 
-    /// A sphere around all of it: centre and radius.
+    /// A bounding sphere: centre and radius.
     fn sphere(&self) -> (DVec3, f64) {
         let (sine, cosine) = self.angle.sin_cos();
         let (along, radius) = if cosine <= 0.0 {
@@ -65,9 +65,9 @@ impl Sector {
     }
 }
 
-/// The pixels in which surfaces may be that a light reaches, for a picture of so many: x, y, width and height. `None`: there are
-/// none. It is the whole picture for lights without a range, at infinity, or around the eye.
-pub(super) fn reached(camera: &ShadowCamera, light: &Light, size: [u32; 2]) -> Option<[u32; 4]> {
+/// A rectangle with all pixels that a light may affect, in an image of `size` pixels: x, y, width and height. `None`: there are
+/// none. It is the whole image for lights without a range, at infinity, or around the eye.
+pub(super) fn affected_pixels(camera: &ShadowCamera, light: &Light, size: [u32; 2]) -> Option<[u32; 4]> {
     let whole = Some([0, 0, size[0], size[1]]);
     let Some(sector) = Sector::new(camera, light) else { return whole };
     let matrix: DMat4 = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
@@ -93,8 +93,8 @@ pub(super) fn reached(camera: &ShadowCamera, light: &Light, size: [u32; 2]) -> O
     (rectangle[2] > 0 && rectangle[3] > 0).then_some(rectangle)
 }
 
-/// The least and the largest quotient of two planes' heights over a sphere: those for which a plane of their pencil touches it.
-/// `None` if the sphere reaches the plane below, where quotients have no bounds.
+/// The least and the largest quotient of the distances of two planes over a sphere: a plane of their pencil then touches it.
+/// `None` if the sphere touches the plane `below`: quotients have no bounds.
 fn extent(above: DVec4, below: DVec4, centre: DVec4, radius: f64) -> Option<[f64; 2]> {
     let square = radius * radius;
     let [a, b, c] = [(above, above), (above, below), (below, below)].map(|(p, q)| p.truncate().dot(q.truncate()));

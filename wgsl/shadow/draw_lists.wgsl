@@ -16,7 +16,7 @@
 
 // Whether a face casts.
 fn is_casting_face(light: ShadowLight, is_front_facing: bool) -> bool {
-  return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !is_front_facing);
+  return light.casting == CAST_EVERY || (light.casting == CAST_BACK_FACING && !is_front_facing);
 }
 
 // Whether the volume may have near caps, so that sides are clipped at the near plane.
@@ -89,7 +89,7 @@ fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: ve
     return EdgeSide(0u, false);
   }
   let is_boundary = faces.y == NO_FACE;
-  if (casting == CAST_AVERTED) {
+  if (casting == CAST_BACK_FACING) {
     let casts = !facing & !excluded;
     return EdgeSide(select(0u, 1u, casts.x != (casts.y && !is_boundary)), !casts.x);
   }

@@ -23,16 +23,16 @@ struct DepthMetricView {
   down: vec4<f32>,
   // x, y, z: the ray in the middle, with a component of 1 along the light's axis. w: 0.
   middle: vec4<f32>,
-  // The far distance is `head` + `rest`. Without a far plane `head` is nearness times distance.
-  head: f32,
-  rest: f32,
+  // The far distance is `far` + `far_remainder`. Without a far plane `far` is nearness times distance.
+  far: f32,
+  far_remainder: f32,
   // 1: there is a far plane.
   has_far: f32,
   // Nearness is `scale` times the distance to the far plane, divided by the distance unless rays are parallel.
   scale: f32,
-  // Distances are clamped to the range from `least` to `most`. From `most` on, nothing casts.
-  least: f32,
-  most: f32,
+  // Distances are clamped to the range from `min_distance` to `max_distance`. From `max_distance` on, nothing casts.
+  min_distance: f32,
+  max_distance: f32,
   // 0: texels hold device depths. 1: distances along the axis of view, or along parallel rays. 2: distances along rays that
   // meet at the light.
   metric: u32,
@@ -63,9 +63,9 @@ fn distance_key(bits: u32, steps: vec2<f32>) -> u32 {
   if (metric_view.metric == 2u) {
     distance = distance / ray_length(steps);
   }
-  let is_far = is_nothing | (distance >= metric_view.most);
-  let clamped = clamp(distance, metric_view.least, metric_view.most);
-  let to_far = (metric_view.head - metric_view.has_far * clamped) + metric_view.rest;
+  let is_far = is_nothing | (distance >= metric_view.max_distance);
+  let clamped = clamp(distance, metric_view.min_distance, metric_view.max_distance);
+  let to_far = (metric_view.far - metric_view.has_far * clamped) + metric_view.far_remainder;
   let scaled = metric_view.scale * to_far / select(clamped, 1.0, metric_view.is_parallel != 0u);
   let tilt = metric_view.across.w * steps.x + metric_view.down.w * steps.y;
   let nearness = scaled + tilt;

@@ -1,11 +1,10 @@
-// Stage `contour_places`: computes where contours cross marked edges. At the rim of a smooth surface depths say where.
-// Elsewhere a line or parabola is fitted to the edges that the contour crosses before and after.
-// After `contour_tiles`, which writes its indirect dispatch: an invocation for each row of 16 samples of a listed tile.
-// Reads depths, `marks` and `counts`. Writes `places`. `contour_walls` reads them and moves them onto its segments; then the
-// near cap of `depth_walls` reads them.
-// An invocation writes only the words of its samples. All is integer arithmetic, so crossings are the same on every device.
-// A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and crossings": nothing
-// overflows.
+// Stage `contour_crossings`: computes where contours cross marked edges. At the rim of a smooth surface depths say where.
+// Elsewhere a line or parabola is fitted to the edges that the contour crosses before and after. After `contour_tiles`,
+// which writes its indirect dispatch: an invocation for each row of 16 samples of a listed tile. Reads depths, `marks` and
+// `counts`. Writes `crossings`. `contour_walls` reads them and moves them onto its segments; then the near cap of
+// `depth_walls` reads them. An invocation writes only the words of its samples. All is integer arithmetic, so crossings are
+// the same on every device. A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and
+// crossings": nothing overflows.
 
 #import depth_map/contour
 #import depth_map/contour_rim
@@ -13,7 +12,7 @@
 
 // Crossings of marked edges: a word for each sample of the lattice, in 1/65,536 texel from the sample. Lower 16 bits: on the
 // edge to the right. Upper 16 bits: on the edge down. Bits of other edges are not written.
-@group(0) @binding(3) var<storage, read_write> places: array<u32>;
+@group(0) @binding(3) var<storage, read_write> crossings: array<u32>;
 // From `contour_tiles`: after the words for the counts of `contour_walls` the list of tiles that contours cross, and its
 // length.
 @group(0) @binding(5) var<storage, read> counts: array<u32>;
@@ -136,7 +135,7 @@ fn crossing_on_edge(sample: vec2<i32>, axis: u32) -> i32 {
 
 // An invocation takes a row of a tile, whose marks are one word.
 @compute @workgroup_size(BLOCK)
-fn contour_places(
+fn contour_crossings(
   @builtin(workgroup_id) workgroup: vec3<u32>,
   @builtin(num_workgroups) dispatch_size: vec3<u32>,
   @builtin(local_invocation_index) lane: u32,
@@ -163,7 +162,7 @@ fn contour_places(
         let axis = bit & 1u;
         let word = sample.y * (depth_map.size.x + 2u) + sample.x;
         let crossing = u32(crossing_on_edge(vec2<i32>(sample), axis)) << 8u;
-        places[word] = (places[word] & ~(0xffffu << (16u * axis))) | (crossing << (16u * axis));
+        crossings[word] = (crossings[word] & ~(0xffffu << (16u * axis))) | (crossing << (16u * axis));
       }
     }
   }

@@ -1,4 +1,4 @@
-//! Places of contours by `contour_places` against rims that are known exactly.
+//! Places of contours by `contour_crossings` against rims that are known exactly.
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -135,7 +135,7 @@ fn on_rims() -> Result<(), String> {
             let formats = [TextureFormat::R32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
             let map = rounded(&placed.map(round % 2 == 1), formats[round % 3]);
             let traced = Traced::new(&gpu, &map, fit, Some(formats[round % 3]))?;
-            let places: Vec<u32> = gpu.read(&traced.places, ((SIDE + 2) * (SIDE + 2)) as usize)?;
+            let places: Vec<u32> = gpu.read(&traced.crossings, ((SIDE + 2) * (SIDE + 2)) as usize)?;
             for (sample, place) in (0..).zip(places) {
                 let at = [sample % (SIDE + 2), sample / (SIDE + 2)];
                 for axis in [0, 1] {

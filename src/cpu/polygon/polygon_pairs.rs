@@ -1,4 +1,4 @@
-//! Boundary: how a light sees the boundary of a polygon.
+//! Polygon pairs: how a light sees the boundary of a polygon, by all pairs of its edges.
 
 use super::corner_turn::{turn, turn_as_given};
 use super::edge_pair::{Edge, edge_pair};

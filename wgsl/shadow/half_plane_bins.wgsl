@@ -5,18 +5,18 @@
 // pencil for each light and view, `stencil_crossings` and `piece_crossings` add sides to bins, `stencil_bound` reads the
 // bins. A side may be added to too many bins, never to too few. docs/numerics/receivers.md, "Bound on counts".
 //
-// Expects: `shape`, and, where sides are added, `crossings`, the rows of bins of all pencils.
+// Expects: `shape`, and, where sides are added, `bin_rows`, the rows of bins of all pencils.
 
 #import common/casters
 
 struct StencilPencil {
-  place: vec3<f32>, // The position of the light. 0 if it is at infinity.
+  light_position: vec3<f32>, // The position of the light. 0 if it is at infinity.
   kind: u32, // One of the constants PENCIL_….
   // Two directions at right angles to the axis and to each other. They are the coordinates from which keys are computed.
   forward: vec3<f32>,
-  first: f32, // The key at which the first bin begins.
+  first_key: f32, // The key at which the first bin begins.
   aside: vec3<f32>,
-  scale: f32, // Bins for each unit of the key.
+  bins_per_key: f32, // Bins for each unit of the key.
 }
 
 const PENCIL_PARALLEL: u32 = 0u; // The light is at infinity. The half planes are parallel.
@@ -42,7 +42,7 @@ fn pseudo_angle(u: f32, v: f32) -> f32 {
 
 // The key of the half plane that contains a position.
 fn half_plane_key(pencil: StencilPencil, position: vec3<f32>) -> f32 {
-  let d = position - pencil.place;
+  let d = position - pencil.light_position;
   let v = dot_3(pencil.aside, d);
   if (pencil.kind == PENCIL_PARALLEL) {
     return v;
@@ -77,12 +77,12 @@ fn axis_of_pencil(pencil: StencilPencil) -> u32 {
 
 // Adds a weight to the bins from `first` to `last`.
 fn add_to_bins(row: u32, first: u32, last: u32, weight: u32) {
-  atomicAdd(&crossings[row + first], weight);
-  atomicSub(&crossings[row + last + 1u], weight);
+  atomicAdd(&bin_rows[row + first], weight);
+  atomicSub(&bin_rows[row + last + 1u], weight);
 }
 
 fn bin_of_key(pencil: StencilPencil, key: f32) -> u32 {
-  return u32(clamp((key - pencil.first) * pencil.scale, 0.0, f32(BINS - 1u)));
+  return u32(clamp((key - pencil.first_key) * pencil.bins_per_key, 0.0, f32(BINS - 1u)));
 }
 
 // Adds the weight of the side of an edge to all bins whose half planes may cross the edge.

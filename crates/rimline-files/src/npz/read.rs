@@ -7,8 +7,8 @@ use rimline::mesh::{MAX_FACES, PolygonLoops};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::charge::{self, CORNER, LOOP, POLYGON, VERTEX};
 use super::header::{ElementType, Header, HeaderError};
+use crate::charge::{self, CORNER, LOOP, POLYGON, VERTEX};
 
 /// Positions relative to an origin, those of an archive bit for bit, and triangles whose indices are below their number, or
 /// polygons.

@@ -1,0 +1,81 @@
+//! Why a file is refused.
+
+use std::io;
+use std::path::PathBuf;
+
+use rimline::gltf::GltfError;
+use rimline::{MeshError, ModelError};
+
+use crate::format::FormatError;
+use crate::npz::NpzError;
+use crate::obj::ObjError;
+use crate::ply::PlyError;
+use crate::size::size;
+use crate::stl::StlError;
+
+/// Why a file is refused. The messages do not say its name.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// It cannot be read.
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
+    /// Neither its first bytes nor its name say a format that is read.
+    #[error(
+        "cannot read {what}: use .glb, .gltf, .obj, .ply, .stl or .npz; Blender and `assimp export IN OUT.glb` convert most others"
+    )]
+    Format {
+        /// The ending, or what stands for it.
+        what: String,
+    },
+    /// It is certainly of a format that is not read.
+    #[error(transparent)]
+    Foreign(#[from] FormatError),
+    /// What is wrong with a glTF.
+    #[error(transparent)]
+    Gltf(GltfError),
+    /// It takes more memory than [`ReadOptions::memory_limit`](crate::ReadOptions::memory_limit).
+    #[error(
+        "{what}: reading it takes at least {} of memory, more than the limit of {}; if it is meant to be that large, give \
+         a larger --memory-limit", size(*.needed), size(*.limit)
+    )]
+    TooLarge {
+        /// A part of it, or a file that it names.
+        what: String,
+        /// Bytes.
+        needed: u64,
+        /// Bytes.
+        limit: u64,
+    },
+    /// A glTF names a file outside its folder, see [`ReadOptions::allow_outside`](crate::ReadOptions::allow_outside).
+    #[error(
+        "{place}: {uri:?} leads to {}, outside the file's folder, and is not read; if you trust the file, give \
+         --allow-outside", .path.display()
+    )]
+    Outside {
+        /// Where it stands.
+        place: String,
+        /// Name in the file.
+        uri: String,
+        /// The file that would be read.
+        path: PathBuf,
+    },
+    /// Its parts make no model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Its faces make no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// What is wrong with an archive.
+    #[error(transparent)]
+    Npz(#[from] NpzError),
+    /// What is wrong with an OBJ.
+    #[error(transparent)]
+    Obj(#[from] ObjError),
+    /// What is wrong with a PLY.
+    #[error(transparent)]
+    Ply(#[from] PlyError),
+    /// What is wrong with an STL.
+    #[error(transparent)]
+    Stl(#[from] StlError),
+}

@@ -1,0 +1,151 @@
+//! A file that was read.
+
+use std::path::PathBuf;
+
+use rimline::gltf::{Asset, GltfWarning};
+use rimline::mesh::{WeldCounts, WeldDistance};
+use rimline::{Geometry, InstancePose, Mesh, Model, ModelError, Origin, Pose};
+
+use crate::error::FileError;
+
+/// A file that was read: a glTF, or positions in world space.
+#[derive(Debug)]
+pub struct File {
+    pub(crate) content: Content,
+    /// Of the content in world space.
+    pub(crate) weld: WeldCounts,
+    pub(crate) polygons: Option<Box<Mesh>>,
+    pub(crate) described: Option<Box<GivenPolygons>>,
+    pub(crate) origin: Origin,
+}
+
+#[derive(Debug)]
+pub(crate) enum Content {
+    Gltf(Box<Asset>),
+    /// Positions in world space less the origin, welded: one geometry, one instance.
+    World(Model),
+}
+
+/// Polygons of a file that were taken as triangles.
+#[derive(Debug)]
+pub struct GivenPolygons {
+    /// A mesh of polygons.
+    pub mesh: Mesh,
+    /// Positions of the file, which the mesh is of.
+    pub positions: Vec<[f32; 3]>,
+}
+
+/// One instance where it is.
+///
+/// # Errors
+/// None so far.
+pub fn resting() -> Result<Pose, ModelError> {
+    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    Ok(Pose::new(vec![InstancePose::new(vec![identity], Vec::new())?]))
+}
+
+impl File {
+    pub(crate) fn of_asset(asset: Asset) -> Self {
+        Self::new(Content::Gltf(Box::new(asset)), Origin::ZERO)
+    }
+
+    /// A model made by code, of one instance whose positions are in world space less the origin.
+    pub fn in_world(model: Model, origin: Origin) -> Self {
+        Self::new(Content::World(model), origin)
+    }
+
+    fn new(content: Content, origin: Origin) -> Self {
+        Self { content, weld: WeldCounts::default(), polygons: None, described: None, origin }
+    }
+
+    /// The glTF, with its animations, lights and names, if it is one.
+    pub fn asset(&self) -> Option<&Asset> {
+        if let Content::Gltf(asset) = &self.content { Some(asset) } else { None }
+    }
+
+    /// Geometries, and instances of them.
+    pub fn model(&self) -> &Model {
+        match &self.content {
+            Content::Gltf(asset) => asset.model(),
+            Content::World(model) => model,
+        }
+    }
+
+    /// Positions in world space less the origin, bit for bit, of a file that is no glTF.
+    pub fn world_positions(&self) -> Option<&[[f32; 3]]> {
+        match &self.content {
+            Content::Gltf(_) => None,
+            Content::World(model) => model.geometries().first().map(Geometry::positions),
+        }
+    }
+
+    /// The mesh, if polygons were taken whole. The model has their triangles.
+    pub fn polygons(&self) -> Option<&Mesh> {
+        self.polygons.as_deref()
+    }
+
+    /// The polygons that were taken as triangles, if they were to be described.
+    pub fn described(&self) -> Option<&GivenPolygons> {
+        self.described.as_deref()
+    }
+
+    /// Result of welding one of the model's geometries.
+    pub fn weld_counts(&self, geometry: usize) -> WeldCounts {
+        self.asset().map_or(self.weld, |asset| asset.weld_counts(geometry).unwrap_or_default())
+    }
+
+    /// Where the instances are while these animations play, by their indices in the file.
+    ///
+    /// # Errors
+    /// [`FileError::Gltf`] if animations are not there, are damaged, or move the same.
+    pub fn pose(&self, animations: &[usize], time_s: f32) -> Result<Pose, FileError> {
+        match self.asset() {
+            Some(asset) => asset.pose(animations.iter().copied(), time_s).map_err(FileError::Gltf),
+            None => Ok(resting()?),
+        }
+    }
+
+    /// The origin of positions in world space, poses and lights: the file's own until [`settle`](crate::settle) moves it.
+    pub fn origin(&self) -> Origin {
+        self.origin
+    }
+
+    /// Other files that the file names, textures included.
+    pub fn named_files(&self) -> &[PathBuf] {
+        self.asset().map_or(&[], Asset::named_files)
+    }
+
+    /// What the reader skipped or changed. Positions that are not finite are counted apart: [`File::non_finite`].
+    pub fn warnings(&self) -> impl Iterator<Item = &GltfWarning> {
+        let is_told = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
+        self.asset().map_or(&[][..], Asset::warnings).iter().filter(is_told)
+    }
+
+    /// How many positions are infinite or NaN, in words.
+    pub fn non_finite(&self) -> Option<String> {
+        let is_finite = |position: &&[f32; 3]| position.iter().all(|c| c.is_finite());
+        let positions = self.model().geometries().iter().flat_map(Geometry::positions);
+        let count = positions.filter(|position| !is_finite(position)).count();
+        let (vertices, are, their) = if count == 1 { ("vertex", "is", "its") } else { ("vertices", "are", "their") };
+        (count > 0).then(|| {
+            format!(
+                "{count} {vertices} {are} infinite or NaN; {their} faces face no light, cast no shadow and are not drawn"
+            )
+        })
+    }
+
+    /// How many groups of vertices within a distance are much wider than that, in words: a chain of vertices, each near the
+    /// next, becomes one point.
+    pub fn wide_groups(&self, distance: WeldDistance) -> Option<String> {
+        let counts = (0..self.model().geometries().len()).map(|geometry| self.weld_counts(geometry));
+        let count = counts.map(|counts| counts.wide).sum::<usize>();
+        let (groups, are, theirs) = if count == 1 { ("group", "is", "it lies") } else { ("groups", "are", "they lie") };
+        (count > 0).then(|| {
+            format!(
+                "{count} {groups} of vertices joined by --weld-distance {:e} {are} wider than 10 times that, since {theirs} \
+                 in chains; each is one point now, so give a smaller distance if that is not meant",
+                distance.get()
+            )
+        })
+    }
+}

@@ -1,0 +1,164 @@
+//! Reading files of each format.
+
+use std::fs;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek};
+use std::path::Path;
+
+use rimline::gltf::{Asset, GltfError, LoadOptions};
+use rimline::mesh::Weld;
+use rimline::{Geometry, GeometryOptions, Instance, Mesh, Model};
+
+use crate::error::FileError;
+use crate::file::{File, GivenPolygons};
+use crate::format::Format;
+use crate::{npz, obj, ply, stl};
+
+/// How polygons are taken. Those of an .npz are always taken whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Polygons {
+    /// As triangles, which are drawn.
+    #[default]
+    Triangles,
+    /// As triangles, and polygons beside them to describe: [`File::described`].
+    Described,
+    /// Each is one face: [`File::polygons`].
+    Whole,
+}
+
+/// How a file is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The format. Default: the one that the file begins like, or, where that says nothing, the one of its name.
+    pub format: Option<Format>,
+    /// Which vertices are welded.
+    pub weld: Weld,
+    /// The largest memory, in bytes, that reading the file and making its mesh may take at one time. Default:
+    /// [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
+    pub memory_limit: u64,
+    /// Whether a glTF may name files outside its folder. Default: no.
+    pub allow_outside: bool,
+    /// How polygons are taken. Default: as triangles.
+    pub polygons: Polygons,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        let LoadOptions { weld, memory_limit, allow_outside } = LoadOptions::default();
+        Self { format: None, weld, memory_limit, allow_outside, polygons: Polygons::default() }
+    }
+}
+
+impl ReadOptions {
+    fn of_gltf(&self) -> LoadOptions {
+        LoadOptions { weld: self.weld, memory_limit: self.memory_limit, allow_outside: self.allow_outside }
+    }
+}
+
+/// Opens a file that has an end: no folder, pipe or device.
+///
+/// # Errors
+/// An error of the system, or one that says which file to give.
+pub fn open_regular(path: &Path) -> io::Result<fs::File> {
+    let there = fs::metadata(path)?;
+    if there.is_dir() {
+        return Err(io::Error::other("it is a folder; give a file"));
+    }
+    if !there.is_file() {
+        return Err(io::Error::other("it is not a regular file; give one, or `-` for standard input"));
+    }
+    if there.len() == 0 {
+        return Err(io::Error::other("it is empty"));
+    }
+    fs::File::open(path)
+}
+
+/// Reads a file, and those that it names.
+///
+/// # Errors
+/// [`FileError`] says what is wrong with it.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<File, FileError> {
+    let mut reader = BufReader::with_capacity(1 << 18, open_regular(path)?);
+    match format(&mut reader, Some(path), options)? {
+        Format::Gltf => Asset::open(path, options.of_gltf()).map(File::of_asset).map_err(|error| of_gltf(path, error)),
+        format => of_reader(format, reader, options),
+    }
+}
+
+/// Reads the content of a file, such as standard input or what was dropped on a page. The name is asked where the content
+/// does not say its format; without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must be in
+/// the content.
+///
+/// # Errors
+/// [`FileError`] says what is wrong with it.
+pub fn read_bytes(bytes: &[u8], name: Option<&Path>, options: &ReadOptions) -> Result<File, FileError> {
+    let mut reader = Cursor::new(bytes);
+    match format(&mut reader, name, options)? {
+        Format::Gltf => {
+            let asset = Asset::from_slice(bytes, None, options.of_gltf());
+            asset.map(File::of_asset).map_err(|error| of_gltf(Path::new("-"), error))
+        }
+        format => of_reader(format, reader, options),
+    }
+}
+
+fn format(reader: &mut (impl Read + Seek), name: Option<&Path>, options: &ReadOptions) -> Result<Format, FileError> {
+    options.format.map_or_else(|| Format::of(reader, name), Ok)
+}
+
+/// Reads a file that names no others.
+fn of_reader(format: Format, reader: impl BufRead + Seek, options: &ReadOptions) -> Result<File, FileError> {
+    let (limit, are_kept) = (options.memory_limit, options.polygons != Polygons::Triangles);
+    let arrays = match format {
+        Format::Obj => obj::read(reader, limit, are_kept)?,
+        Format::Ply => ply::read(reader, limit, are_kept)?,
+        Format::Stl => stl::read(reader, limit)?,
+        Format::Npz | Format::Gltf => return of_arrays(npz::read(reader, limit)?, options.weld, Polygons::Whole),
+    };
+    of_arrays(arrays, options.weld, options.polygons)
+}
+
+/// Converts an error of a glTF, with advice for users of the command.
+fn of_gltf(file: &Path, error: GltfError) -> FileError {
+    match error {
+        // The file is named already; only other files that it names need to be.
+        GltfError::Read { path, source } if path == file => FileError::Read(io::Error::new(source.kind(), source)),
+        // The advice is to give the options of the command.
+        GltfError::TooLarge { what, needed, limit } => {
+            let is_whole = Path::new(&what) == file;
+            FileError::TooLarge { what: if is_whole { "the file".into() } else { what }, needed, limit }
+        }
+        GltfError::Outside { json_path, uri, path } => FileError::Outside { place: json_path, uri, path },
+        error => FileError::Gltf(error),
+    }
+}
+
+fn of_arrays(arrays: npz::Arrays, weld: Weld, taken: Polygons) -> Result<File, FileError> {
+    let npz::Arrays { positions, mut faces, polygons, origin } = arrays;
+    let by_loop = |polygons: &npz::PolygonArrays| Mesh::from_polygons_by_loop(&positions, polygons.loops(), weld);
+    let (mut described, mut collapsed) = (None, 0);
+    match (polygons, taken) {
+        (None, _) => {}
+        (Some(polygons), Polygons::Whole) => {
+            let mesh = by_loop(&polygons)?;
+            drop(polygons);
+            let geometry = Geometry::new(positions, mesh.faces().to_vec(), GeometryOptions::default())?;
+            let weld = mesh.weld_counts();
+            return Ok(File { weld, polygons: Some(Box::new(mesh)), ..File::in_world(placed(geometry)?, origin) });
+        }
+        (Some(polygons), taken) => {
+            if taken == Polygons::Described {
+                described = Some(Box::new(GivenPolygons { mesh: by_loop(&polygons)?, positions: positions.clone() }));
+            }
+            let (triangles, counts) = polygons.loops().triangulate(&positions, weld)?;
+            (faces, collapsed) = (triangles, counts.collapsed);
+        }
+    }
+    let geometry = Geometry::new(positions, faces, GeometryOptions::default())?;
+    let (geometry, mut weld) = geometry.welded(weld);
+    weld.collapsed += collapsed;
+    Ok(File { weld, described, ..File::in_world(placed(geometry)?, origin) })
+}
+
+fn placed(geometry: Geometry) -> Result<Model, rimline::ModelError> {
+    Model::new(vec![geometry], vec![Instance::new(0, None)])
+}
