@@ -135,14 +135,14 @@ pub(crate) fn of_triangles(device: &wgpu::Device, options: &ExtractorOptions) ->
 
 /// Items of a dispatch, for a batch of lights.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Run {
+pub(super) struct BatchItems {
     pub(super) batch: usize,
     pub(super) items: Range<usize>,
     /// The offset of its `Chunk` in the table of chunks.
     pub(super) chunk: u32,
 }
 
-impl Run {
+impl BatchItems {
     /// Its bytes in an array of `bytes_per_item`.
     fn bytes(&self, bytes_per_item: u64) -> Range<u64> {
         self.items.start as u64 * bytes_per_item..self.items.end as u64 * bytes_per_item
@@ -152,9 +152,9 @@ impl Run {
 /// The dispatches over faces, edges and polygons: for each batch of lights those of its chunks.
 #[derive(Debug)]
 pub(super) struct DispatchRanges {
-    pub(super) faces: Vec<Vec<Run>>,
-    pub(super) edges: Vec<Vec<Run>>,
-    pub(super) polygons: Vec<Vec<Run>>,
+    pub(super) faces: Vec<Vec<BatchItems>>,
+    pub(super) edges: Vec<Vec<BatchItems>>,
+    pub(super) polygons: Vec<Vec<BatchItems>>,
 }
 
 impl DispatchRanges {
@@ -164,7 +164,7 @@ impl DispatchRanges {
             let mut range = |batch: usize, items: &Range<usize>| {
                 let (first, count, first_light) = (items.start as u32, items.len() as u32, 32 * batch as u32);
                 let chunk = table.push(&Chunk { first, count, first_light, capacity, blocks });
-                Run { batch, items: items.clone(), chunk }
+                BatchItems { batch, items: items.clone(), chunk }
             };
             let mut of_batch = |batch| chunks.iter().map(|items| range(batch, items)).collect();
             (0..shape.batches()).map(&mut of_batch).collect()
@@ -178,7 +178,7 @@ impl DispatchRanges {
         }
     }
 
-    fn of(&self, over: Over, batch: usize) -> &[Run] {
+    fn of(&self, over: Over, batch: usize) -> &[BatchItems] {
         let ranges = match over {
             Over::Faces => &self.faces,
             Over::Edges => &self.edges,
@@ -215,7 +215,7 @@ pub(super) struct Binder<'a> {
 }
 
 impl<'a> Binder<'a> {
-    fn get(&self, name: &str, at: &Run) -> Option<Resource<'a>> {
+    fn get(&self, name: &str, at: &BatchItems) -> Option<Resource<'a>> {
         let Self { buffers, positions, .. } = *self;
         let polygons = buffers.polygons.as_ref();
         let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(at.batch);
@@ -258,7 +258,7 @@ impl<'a> Binder<'a> {
         })
     }
 
-    fn dispatch(&self, (planned, pipeline): &Made, at: &Run) -> Dispatch {
+    fn dispatch(&self, (planned, pipeline): &Made, at: &BatchItems) -> Dispatch {
         let over = |invocations: u32| Workgroups::Known([(at.items.len() as u32).div_ceil(invocations), 1]);
         let workgroups = match planned.size {
             Size::Items => over(WORKGROUP),
@@ -341,7 +341,7 @@ impl<'a> Binder<'a> {
         let Buffers { record, statistics, .. } = self.buffers;
         let workgroups = self.in_turn(self.shape.max_lights.div_ceil(64));
         let pass = arguments.map(|pipeline| {
-            pipeline.pass([pipeline.dispatch(self.device, workgroups, |name| self.get(name, &Run::default()))])
+            pipeline.pass([pipeline.dispatch(self.device, workgroups, |name| self.get(name, &BatchItems::default()))])
         });
         let copy = Step::Copy([record, statistics].map(|buffer| (buffer.clone(), 0)), statistics.size());
         pass.into_iter().chain([copy]).collect()
