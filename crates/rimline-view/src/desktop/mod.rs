@@ -30,13 +30,7 @@ pub struct DesktopOptions {
 impl Default for DesktopOptions {
     /// A built-in scene at 1280 × 800 on any device. Reads glTF. Screenshots go to the current folder.
     fn default() -> Self {
-        Self {
-            files: Vec::new(),
-            size: [1280, 800],
-            device: None,
-            loader: load_gltf,
-            pictures: PathBuf::from("."),
-        }
+        Self { files: Vec::new(), size: [1280, 800], device: None, loader: load_gltf, pictures: PathBuf::from(".") }
     }
 }
 

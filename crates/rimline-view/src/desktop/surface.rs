@@ -28,8 +28,7 @@ pub(super) enum Next {
 impl Screen {
     /// Takes an adapter whose name has a part in it, or any.
     pub(super) fn open(window: Arc<Window>, device: Option<&str>) -> Result<Self, DesktopError> {
-        let descriptor =
-            wgpu::InstanceDescriptor::new_with_display_handle(Box::new(Arc::clone(&window))).with_env();
+        let descriptor = wgpu::InstanceDescriptor::new_with_display_handle(Box::new(Arc::clone(&window))).with_env();
         let instance = wgpu::Instance::new(descriptor);
         let surface = instance.create_surface(Arc::clone(&window));
         let surface = surface.map_err(|error| DesktopError::Window(error.to_string()))?;
@@ -107,9 +106,10 @@ async fn adapter(
     let all = instance.enumerate_adapters(wgpu::Backends::all()).await;
     let name = |adapter: &wgpu::Adapter| format!("{} ({:?})", adapter.get_info().name, adapter.get_info().backend);
     let found = all.iter().map(name).collect::<Vec<_>>().join(", ");
-    let is_wanted = |adapter: &wgpu::Adapter| {
-        device.is_none_or(|part| name(adapter).to_lowercase().contains(&part.to_lowercase()))
-    };
+    let is_wanted =
+        |adapter: &wgpu::Adapter| device.is_none_or(|part| name(adapter).to_lowercase().contains(&part.to_lowercase()));
     let mut fitting = all.into_iter().filter(|adapter| is_wanted(adapter) && adapter.is_surface_supported(surface));
-    fitting.next().ok_or_else(|| DesktopError::NoAdapter { found: if found.is_empty() { "none".into() } else { found } })
+    fitting
+        .next()
+        .ok_or_else(|| DesktopError::NoAdapter { found: if found.is_empty() { "none".into() } else { found } })
 }

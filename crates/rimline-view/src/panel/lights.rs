@@ -22,8 +22,11 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     }
     viewer.selected = selected;
     ui.horizontal(|ui| {
-        for (text, action) in [("Add", Action::AddLight), ("Remove", Action::RemoveLight), ("Point ⇄ direction", Action::ChangeLightKind)]
-        {
+        for (text, action) in [
+            ("Add", Action::AddLight),
+            ("Remove", Action::RemoveLight),
+            ("Point or direction", Action::ChangeLightKind),
+        ] {
             if ui.small_button(text).on_hover_text(crate::state::keys::key_of(action)).clicked() {
                 viewer.handle(Event::Acted(action));
             }

@@ -104,7 +104,8 @@ impl Panel {
         let is_drawn = renderer.show(viewer);
         self.take_picture(renderer);
         let is_busy = viewer.is_animated() || viewer.is_dragging();
-        let mut repaint_after = full.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
+        let mut repaint_after =
+            full.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
         if is_busy || has_news {
             repaint_after = Duration::ZERO;
         } else if renderer.is_waiting() {
@@ -130,8 +131,7 @@ impl Panel {
                 self.painter.update_texture(&gpu.device, &gpu.queue, *id, delta);
             }
         }
-        let mut encoder =
-            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("panel") });
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("panel") });
         let mut buffers =
             self.painter.update_buffers(&gpu.device, &gpu.queue, &mut encoder, &output.primitives, &screen);
         let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -205,9 +205,9 @@ fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
                 ("Open…", crate::Action::OpenFile),
             ] {
                 let hint = keys::KEYS.iter().find(|binding| binding.action == action);
-                let button = ui.button(text).on_hover_text(hint.map_or_else(String::new, |binding| {
-                    format!("{} ({})", binding.what, binding.name())
-                }));
+                let button = ui.button(text).on_hover_text(
+                    hint.map_or_else(String::new, |binding| format!("{} ({})", binding.what, binding.name())),
+                );
                 if button.clicked() {
                     viewer.handle(Event::Acted(action));
                 }

@@ -4,7 +4,9 @@ use std::future::Future;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
-use rimline::gpu::{DeviceError, SceneFrame, SceneStatistics, ShadowStatistics, StageTimer, StageTimes, read_back_vec_async};
+use rimline::gpu::{
+    DeviceError, SceneFrame, SceneStatistics, ShadowStatistics, StageTimer, StageTimes, read_back_vec_async,
+};
 
 use super::gpu::Gpu;
 

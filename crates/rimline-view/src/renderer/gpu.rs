@@ -106,15 +106,15 @@ impl Gpu {
         resources: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
         let resources = (0..).zip(resources.iter().cloned());
-        let entries: Vec<_> =
-            resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+        let entries: Vec<_> = resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 }
 
 pub(super) const UNIFORM: wgpu::BindingType = buffer_type(wgpu::BufferBindingType::Uniform, false);
 pub(super) const UNIFORM_AT_OFFSET: wgpu::BindingType = buffer_type(wgpu::BufferBindingType::Uniform, true);
-pub(super) const READ_ONLY: wgpu::BindingType = buffer_type(wgpu::BufferBindingType::Storage { read_only: true }, false);
+pub(super) const READ_ONLY: wgpu::BindingType =
+    buffer_type(wgpu::BufferBindingType::Storage { read_only: true }, false);
 pub(super) const WRITTEN: wgpu::BindingType = buffer_type(wgpu::BufferBindingType::Storage { read_only: false }, false);
 pub(super) const TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
     sample_type: wgpu::TextureSampleType::Float { filterable: false },

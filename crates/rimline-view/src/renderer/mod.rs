@@ -333,10 +333,9 @@ impl Drawing<'_> {
         let (options, pipelines) = (&viewer.options, self.pipelines);
         let shadows = pipelines.shadows(options.counting).filter(|_| options.shadows);
         let mut pass = targets.pass(encoder, "ambient", true, false);
-        pass.set_pipeline(&pipelines.backdrop);
-        self.select(&mut pass, 0);
-        pass.draw(0..3, 0..1);
         self.paint(&mut pass, &pipelines.ambient, 0);
+        pass.set_pipeline(&pipelines.backdrop);
+        pass.draw(0..3, 0..1);
         drop(pass);
         let shade = pipelines.shade.as_ref().filter(|_| options.shadows);
         for (number, &light) in self.models.lights.iter().enumerate() {
@@ -353,6 +352,10 @@ impl Drawing<'_> {
             for receivers in shade {
                 self.paint(&mut pass, receivers, number);
             }
+        }
+        let has_overlays = options.overlays.caps || options.overlays.volumes;
+        if !has_overlays && targets.resolved.is_none() {
+            return Ok(());
         }
         let mut pass = targets.pass(encoder, "overlays", false, true);
         for number in 0..self.models.lights.len() {

@@ -102,7 +102,8 @@ impl Models {
         let mut models = Self { made, scene, placed: Vec::new(), lights: Vec::new(), bytes: 0 };
         for (index, body) in viewer.bodies.iter().enumerate() {
             let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error.to_string());
-            let pose = body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
+            let pose =
+                body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
             let limit = gpu.device.limits().max_storage_buffer_binding_size;
             if 12 * body.report().faces as u64 > limit {
                 return Err(failed(&format!("its {} faces do not fit the device {}", body.report().faces, gpu.name)));
@@ -143,12 +144,21 @@ impl Models {
         let clay = CLAYS[index % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
         let clay = gpu.filled("clay", bytemuck::cast_slice(&clay), wgpu::BufferUsages::UNIFORM);
         let positions = self.scene.positions(handle)?.buffer;
-        self.bytes += [&faces, &corner_groups, &starts, &members, &normals, positions].map(wgpu::Buffer::size).iter().sum::<u64>();
+        self.bytes += [&faces, &corner_groups, &starts, &members, &normals, positions]
+            .map(wgpu::Buffer::size)
+            .iter()
+            .sum::<u64>();
         Ok(Placed {
             handle,
-            draw: gpu.group(&layouts.draw, &[&clay, positions, &faces, &corner_groups, &normals].map(wgpu::Buffer::as_entire_binding)),
+            draw: gpu.group(
+                &layouts.draw,
+                &[&clay, positions, &faces, &corner_groups, &normals].map(wgpu::Buffer::as_entire_binding),
+            ),
             corners: smoothing.groups.len() as u32,
-            normals: gpu.group(&layouts.normals, &[positions, &faces, &starts, &members, &normals].map(wgpu::Buffer::as_entire_binding)),
+            normals: gpu.group(
+                &layouts.normals,
+                &[positions, &faces, &starts, &members, &normals].map(wgpu::Buffer::as_entire_binding),
+            ),
             groups,
             turned,
         })
@@ -165,7 +175,8 @@ impl Models {
         timer: Option<&mut StageTimer>,
     ) -> Result<SceneFrame, RenderError> {
         for (index, body) in viewer.bodies.iter().enumerate() {
-            let pose = body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
+            let pose =
+                body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
             let handle = self.placed[index].handle;
             self.scene.set_pose(handle, &pose).map_err(|error| RenderError::body(index, &body.name, error))?;
             let turned = pose.instances().iter().map(rimline::InstancePose::faces_turned);
@@ -185,10 +196,8 @@ impl Models {
         }
         let views = [camera.into()];
         let frame = self.scene.encode(encoder, FrameInputs { views: &views, timer })?;
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("normals"),
-            timestamp_writes: None,
-        });
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("normals"), timestamp_writes: None });
         pass.set_pipeline(&layouts.pipeline);
         for placed in &self.placed {
             let workgroups = placed.groups.div_ceil(64);

@@ -1,8 +1,6 @@
 //! Edges over the picture: silhouettes, volumes, boundaries. They have extractions of their own.
 
-use rimline::gpu::{
-    Extraction, Extractor, ExtractorOptions, Outline, OutlineInputs, OutlineSource, OutlineStyle,
-};
+use rimline::gpu::{Extraction, Extractor, ExtractorOptions, Outline, OutlineInputs, OutlineSource, OutlineStyle};
 use rimline::{Light, ShadowCamera};
 
 use super::error::RenderError;

@@ -91,11 +91,7 @@ impl Shared {
         let frame_buffer = gpu.filled("frame", &[0; size_of::<super::frame::Frame>()], wgpu::BufferUsages::UNIFORM);
         let bytes = vec![0; LampData::STRIDE as usize * lamps];
         let lamp_buffer = gpu.filled("lamps", &bytes, wgpu::BufferUsages::UNIFORM);
-        let one = wgpu::BufferBinding {
-            buffer: &lamp_buffer,
-            offset: 0,
-            size: wgpu::BufferSize::new(LampData::BOUND),
-        };
+        let one = wgpu::BufferBinding { buffer: &lamp_buffer, offset: 0, size: wgpu::BufferSize::new(LampData::BOUND) };
         Self {
             models: ModelLayouts::new(gpu),
             frame_group: gpu.group(&frame, &[frame_buffer.as_entire_binding()]),
@@ -195,7 +191,8 @@ impl Pipelines {
             Pass { name, vertex, source, groups, topology, format: to, samples, blend, write, depth }
                 .pipeline(gpu, shared)
         };
-        let behind = depth_state(format, false, CompareFunction::Always, wgpu::StencilFaceState::IGNORE);
+        // Where nothing was drawn, depth is still 0.
+        let behind = depth_state(format, false, CompareFunction::Equal, wgpu::StencilFaceState::IGNORE);
         let before = depth_state(format, false, CompareFunction::Greater, wgpu::StencilFaceState::IGNORE);
         let source = format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
         let volumes = |name, topology| {
@@ -216,12 +213,8 @@ impl Pipelines {
         let receivers = |name, onto, blend, write| receivers(gpu, shared, samples, (name, onto), (blend, write));
         let all = ColorWrites::ALL;
         let over = Some(BlendState::ALPHA_BLENDING);
-        let outlines = OutlineFormat {
-            color: PICTURE,
-            depth_stencil: None,
-            samples: 1,
-            is_depth_multisampled: samples > 1,
-        };
+        let outlines =
+            OutlineFormat { color: PICTURE, depth_stencil: None, samples: 1, is_depth_multisampled: samples > 1 };
         Ok(Self {
             samples,
             backdrop: cover("backdrop", &[], LIGHT, Some(behind), samples),
@@ -263,7 +256,8 @@ impl Pipelines {
             Mode::Composited => Some(("dim", Some(MULTIPLY))),
         };
         if self.shade.as_ref().map(|(mode, _)| *mode) != shade.map(|_| mode) {
-            let receivers = |name, onto, blend, write| receivers(gpu, shared, self.samples, (name, onto), (blend, write));
+            let receivers =
+                |name, onto, blend, write| receivers(gpu, shared, self.samples, (name, onto), (blend, write));
             self.shade = shade.map(|(name, blend)| {
                 let averted = receivers("averted", Onto::Lit, None, ColorWrites::empty());
                 (mode, [averted, receivers(name, Onto::Shadowed, blend, ColorWrites::ALL)])

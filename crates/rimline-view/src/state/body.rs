@@ -252,9 +252,8 @@ impl Smoothing {
     /// Groups of the faces of a mesh, by their angles at these positions. Vertices at one position are one.
     pub(crate) fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
         let position = |v: u32| Vec3::from(positions[v as usize]);
-        let unit = |&[a, b, c]: &[u32; 3]| {
-            (position(b) - position(a)).cross(position(c) - position(a)).normalize_or_zero()
-        };
+        let unit =
+            |&[a, b, c]: &[u32; 3]| (position(b) - position(a)).cross(position(c) - position(a)).normalize_or_zero();
         let units: Vec<Vec3> = faces.iter().map(unit).collect();
         let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
         let same: Vec<u32> = (0..)
@@ -322,7 +321,8 @@ mod tests {
         let faces = vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]];
         let mesh = Mesh::from_faces(5, faces).expect("three sheets");
         let bits = non_manifold_bits(&mesh);
-        let marked: Vec<_> = mesh.edges().iter().enumerate().filter(|(n, _)| bits[n / 32] >> (n % 32) & 1 != 0).collect();
+        let marked: Vec<_> =
+            mesh.edges().iter().enumerate().filter(|(n, _)| bits[n / 32] >> (n % 32) & 1 != 0).collect();
         assert_eq!(marked.len(), 2);
         assert!(marked.iter().all(|(_, edge)| edge.vertices.iter().all(|&v| v < 2)));
     }

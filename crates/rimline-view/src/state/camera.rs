@@ -10,6 +10,8 @@ const AZIMUTH: f32 = 33.0;
 const ELEVATION: f32 = 20.0;
 /// The part of the picture's height or width that the models take at first.
 const FILLED: f32 = 0.8;
+/// The same for handles of lights.
+const FILLED_BY_HANDLES: f32 = 0.93;
 
 /// Where the eye is, as it is steered: around a target, at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,33 +29,29 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// The camera that shows all of a box, in a picture of this shape, width over height.
-    pub fn showing(bounds: &Bounds, aspect: f32) -> Self {
+    /// The camera that shows all of a box, and points such as handles of lights, in a picture of this shape, width over height.
+    pub fn showing(bounds: &Bounds, points: &[Vec3], aspect: f32) -> Self {
         let fov = 35.0_f32;
-        let mut orbit = Self {
-            target: bounds.centre(),
-            azimuth: AZIMUTH,
-            elevation: ELEVATION,
-            distance: bounds.extent(),
-            fov,
-        };
+        let mut orbit =
+            Self { target: bounds.centre(), azimuth: AZIMUTH, elevation: ELEVATION, distance: bounds.extent(), fov };
         let scale_y = 1.0 / (fov.to_radians() / 2.0).tan();
         let scale = Vec2::new(scale_y / aspect.max(0.01), scale_y);
         let [right, up, forward] = orbit.axes();
-        let needed = bounds.corners().map(|corner| {
-            let from = corner - orbit.target;
-            let sideways = Vec2::new(from.dot(right), from.dot(up)).abs() * scale / FILLED;
+        let needed = |point: Vec3, filled: f32| {
+            let from = point - orbit.target;
+            let sideways = Vec2::new(from.dot(right), from.dot(up)).abs() * scale / filled;
             sideways.max_element() - from.dot(forward)
-        });
-        orbit.distance = needed.into_iter().fold(1e-3 * bounds.extent(), f32::max);
+        };
+        let corners = bounds.corners().map(|corner| needed(corner, FILLED)).into_iter();
+        let others = points.iter().map(|&point| needed(point, FILLED_BY_HANDLES));
+        orbit.distance = corners.chain(others).fold(1e-3 * bounds.extent(), f32::max);
         orbit
     }
 
     /// Right, up and forward, at right angles, of length 1.
     pub fn axes(&self) -> [Vec3; 3] {
         let (azimuth, elevation) = (self.azimuth.to_radians(), self.elevation.to_radians());
-        let backward =
-            Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+        let backward = Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
         let right = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
         [right, backward.cross(right), -backward]
     }
@@ -189,7 +187,7 @@ mod tests {
     #[test]
     fn all_of_a_box_is_seen_at_first() {
         for size in [[900, 300], [300, 900], [1280, 800]] {
-            let orbit = Orbit::showing(&BOX, size[0] as f32 / size[1] as f32);
+            let orbit = Orbit::showing(&BOX, &[], size[0] as f32 / size[1] as f32);
             let camera = orbit.camera(size, &BOX, 9.0);
             for corner in BOX.corners() {
                 let pixel = camera.project(corner).expect("it is before the eye");
@@ -202,7 +200,7 @@ mod tests {
 
     #[test]
     fn looking_around_keeps_the_eye_and_turning_keeps_the_target() {
-        let mut orbit = Orbit::showing(&BOX, 1.0);
+        let mut orbit = Orbit::showing(&BOX, &[], 1.0);
         let (eye, target) = (orbit.eye(), orbit.target);
         orbit.turn(50.0, 20.0);
         assert_eq!(orbit.target, target);
@@ -214,7 +212,7 @@ mod tests {
     #[test]
     fn shadow_volumes_can_be_drawn_from_everywhere() {
         for elevation in [-89.0, 0.0, 89.0] {
-            let mut orbit = Orbit { elevation, ..Orbit::showing(&BOX, 1.6) };
+            let mut orbit = Orbit { elevation, ..Orbit::showing(&BOX, &[], 1.6) };
             for _ in 0..2 {
                 assert_eq!(orbit.camera([1280, 800], &BOX, 9.0).shadow_camera().check(), Ok(()));
                 orbit.zoom(1e-9, 2.0);

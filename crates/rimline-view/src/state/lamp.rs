@@ -57,7 +57,7 @@ impl Lamp {
     pub fn around(bounds: &Bounds, number: usize) -> Self {
         let direction = DIRECTIONS[number % DIRECTIONS.len()].normalize();
         Self {
-            kind: LampKind::Point(bounds.centre() + 1.7 * bounds.extent() * direction),
+            kind: LampKind::Point(bounds.centre() + 1.05 * bounds.extent() * direction),
             color: COLORS[number % COLORS.len()],
             intensity: if number == 0 { 1.0 } else { 0.6 },
             range: None,
@@ -69,8 +69,7 @@ impl Lamp {
     /// A light of a file, with `intensity` as its share of the brightest one's.
     pub fn of_file(light: &SceneLight, intensity: f32) -> Self {
         let xyz = Vec3::from(light.light.xyz);
-        let kind =
-            if light.light.w == 0.0 { LampKind::Sun(xyz.normalize_or(Vec3::Y)) } else { LampKind::Point(xyz) };
+        let kind = if light.light.w == 0.0 { LampKind::Sun(xyz.normalize_or(Vec3::Y)) } else { LampKind::Point(xyz) };
         let cone = light.cone.map(|cone| (Vec3::from(cone.direction), cone.outer_angle));
         Self { kind, color: light.color, intensity, range: light.range, cone, is_on: true }
     }
@@ -114,5 +113,5 @@ impl Lamp {
 
 /// How far from the middle of the models the handles of lights at infinity are.
 pub(crate) fn sun_distance(bounds: &Bounds) -> f32 {
-    1.1 * bounds.extent()
+    bounds.extent()
 }

@@ -237,7 +237,11 @@ impl Viewer {
 
     fn reset_camera(&mut self) {
         let [width, height] = self.size.map(|side| side as f32);
-        self.orbit = Orbit::showing(&self.bounds(), width / height);
+        let bounds = self.bounds();
+        // Handles are within reach, but those of lights far away would make the models small.
+        let is_near = |handle: &Vec3| handle.distance(bounds.centre()) < 1.6 * bounds.extent();
+        let handles: Vec<Vec3> = self.lamps.iter().map(|lamp| lamp.handle(&bounds)).filter(is_near).collect();
+        self.orbit = Orbit::showing(&bounds, &handles, width / height);
     }
 
     fn zoom(&mut self, factor: f32) {
