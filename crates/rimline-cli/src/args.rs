@@ -11,6 +11,8 @@ use crate::lines::args::LinesArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
 use crate::spec::{self, LightSpec};
+#[cfg(feature = "view")]
+use crate::view::WindowArgs;
 
 /// Silhouettes of triangle meshes, on the GPU.
 #[derive(Parser, Debug)]
@@ -42,6 +44,8 @@ Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
+    /// Look at models in a window: drag lights, see silhouettes and shadows
+    View(WindowArgs),
     /// Draw a model with its outline, as a PNG
     Draw(DrawArgs),
     /// Draw models as lines without what is hidden, as SVG, PDF, DXF, JSON or PNG
@@ -62,6 +66,16 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     /// Measure run times and errors of all methods on this machine, and write a report with plots
     Bench(BenchArgs),
+}
+
+/// All options are taken, and none is followed: this build has no window.
+#[cfg(not(feature = "view"))]
+#[derive(Args, Debug)]
+#[command(disable_help_flag = true)]
+pub(crate) struct WindowArgs {
+    /// This build leaves the window out
+    #[arg(hide = true, allow_hyphen_values = true, trailing_var_arg = true)]
+    _rest: Vec<std::ffi::OsString>,
 }
 
 /// All options are taken, and none is followed: this build does not measure.

@@ -37,6 +37,10 @@ pub(crate) enum Failure {
     /// There is no device that could do it.
     #[error(transparent)]
     NoDevice(#[from] NoDevice),
+    /// There is no window.
+    #[cfg(feature = "view")]
+    #[error("{0}")]
+    Window(String),
     /// The device stopped in the middle.
     #[error("the device {adapter} failed: {message}; nothing was written")]
     DeviceLost { adapter: String, message: String },
@@ -209,6 +213,12 @@ pub(crate) enum UsageError {
          `--features bench`"
     )]
     WithoutBench,
+    #[cfg(not(feature = "view"))]
+    #[error(
+        "this build of rimline leaves `view` out; `cargo install rimline-cli` builds one that has it, and so does \
+         `--features view`; `rimline shadow` draws to a file"
+    )]
+    WithoutView,
     #[error("{0}; give another light, or leave out --hide-covered")]
     Covered(rimline::cpu::CpuError),
     #[error(
@@ -306,6 +316,8 @@ impl Failure {
             Self::Input { .. } | Self::Pose(_) => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
+            #[cfg(feature = "view")]
+            Self::Window(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),

@@ -34,6 +34,8 @@ mod source;
 mod spec;
 mod target;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 mod warm_up;
 
 use std::io::Write as _;
@@ -125,5 +127,9 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Bench(args) => bench::run(args),
         #[cfg(not(feature = "bench"))]
         Command::Bench(_) => Err(failure::UsageError::WithoutBench.into()),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args),
+        #[cfg(not(feature = "view"))]
+        Command::View(_) => Err(failure::UsageError::WithoutView.into()),
     }
 }
