@@ -1,7 +1,7 @@
 //! Composes WGSL modules from files. A file names at its top what it takes (`#import common/positions`), and may have
 //! variants (`#if SCENE`, `#else`, `#endif`). A module holds what the entry points of one stage reach, and the constants that a
 //! pipeline may set, so that a device still refuses the name of a constant that is in none of the files. Items are in the order of
-//! the imports, and each file is taken once.
+//! the imports, and each file once.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -44,21 +44,21 @@ pub(crate) fn compose(
 ) -> Result<Composed, String> {
     let mut items = Vec::new();
     take(file, flags, read, &mut Vec::new(), &mut items)?;
-    let mut places: HashMap<&str, usize> = HashMap::new();
-    for (place, item) in items.iter().enumerate() {
-        if let Some(other) = places.insert(item.name, place).and_then(|other| items.get(other)) {
+    let mut indices: HashMap<&str, usize> = HashMap::new();
+    for (index, item) in items.iter().enumerate() {
+        if let Some(other) = indices.insert(item.name, index).and_then(|other| items.get(other)) {
             return Err(format!("wgsl/{}.wgsl: {} is declared in {} too", item.file, item.name, other.file));
         }
     }
-    let mut left: Vec<usize> = words(further).iter().filter_map(|word| places.get(word.text).copied()).collect();
+    let mut remaining: Vec<usize> = words(further).iter().filter_map(|word| indices.get(word.text).copied()).collect();
     let is_own = |entry: &str, item: &Item| entry != "compute" || entry_points.contains(&item.name);
     let is_entry = |item: &Item| item.file == file && item.entry.is_some_and(|entry| is_own(entry, item));
-    left.extend((0..).zip(&items).filter(|(_, item)| item.is_override || is_entry(item)).map(|(place, _)| place));
+    remaining.extend((0..).zip(&items).filter(|(_, item)| item.is_override || is_entry(item)).map(|(index, _)| index));
     let mut is_reached = vec![false; items.len()];
-    while let Some(place) = left.pop() {
-        let (Some(reached), Some(item)) = (is_reached.get_mut(place), items.get(place)) else { continue };
+    while let Some(index) = remaining.pop() {
+        let (Some(reached), Some(item)) = (is_reached.get_mut(index), items.get(index)) else { continue };
         if !std::mem::replace(reached, true) {
-            left.extend(item.uses.iter().filter_map(|name| places.get(name).copied()));
+            remaining.extend(item.uses.iter().filter_map(|name| indices.get(name).copied()));
         }
     }
     let mut composed = Composed::default();
@@ -72,28 +72,28 @@ pub(crate) fn compose(
     Ok(composed)
 }
 
-/// Appends the items of what a file imports, then its own.
+/// Appends the items of the imports of a file, then those of the file.
 fn take(
     file: &'static str,
     flags: &[&str],
     read: &Read<'_>,
-    taken: &mut Vec<&'static str>,
+    appended: &mut Vec<&'static str>,
     items: &mut Vec<Item>,
 ) -> Result<(), String> {
-    if taken.contains(&file) {
+    if appended.contains(&file) {
         return Ok(());
     }
-    taken.push(file);
+    appended.push(file);
     let text = read(file).ok_or_else(|| format!("wgsl/{file}.wgsl: there is no such file"))?;
-    let (imports, own) = parse(file, text, flags)?;
+    let (imports, file_items) = parse(file, text, flags)?;
     for import in imports {
-        take(import, flags, read, taken, items)?;
+        take(import, flags, read, appended, items)?;
     }
-    items.extend(own);
+    items.extend(file_items);
     Ok(())
 }
 
-/// The imports of a file, and its own items.
+/// The imports and the items of a file.
 fn parse(file: &'static str, text: &'static str, flags: &[&str]) -> Result<(Vec<&'static str>, Vec<Item>), String> {
     let (mut imports, mut items) = (Vec::new(), Vec::new());
     // Whether the lines between each `#if` and its end count.
@@ -187,8 +187,8 @@ impl Composed {
     /// A message of a compiler about a line, counted from 1, as one about the file that the line comes from.
     pub fn located(&self, line: usize, message: &str) -> String {
         let mut text = String::new();
-        let place = line.checked_sub(1).and_then(|line| self.origins.get(line));
-        match place {
+        let origin = line.checked_sub(1).and_then(|line| self.origins.get(line));
+        match origin {
             Some((file, line)) => _ = write!(text, "wgsl/{file}.wgsl:{line}: {message}"),
             None => text.push_str(message),
         }

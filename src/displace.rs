@@ -88,7 +88,7 @@ pub enum DisplaceError {
         /// The bound.
         limit: u64,
     },
-    /// An `enable` directive asks for an extension of WGSL. A device has it only if it was opened with it.
+    /// An `enable` directive requests an extension of WGSL. A device has it only if it was opened with it.
     #[error(
         "displacement, line {line}: `enable {names}` asks for an extension of WGSL, which the deform stage does not have; \
          remove the line, and use WGSL without extensions"
@@ -116,7 +116,7 @@ pub enum DisplaceError {
     },
 }
 
-/// The number of characters of naga's message that are kept.
+/// The most characters of naga's message in an error.
 const LONGEST_MESSAGE: usize = 500;
 
 const SIGNATURE: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>";
@@ -163,7 +163,7 @@ impl Displacement {
     }
 }
 
-/// Parses `text`, which begins with the caller's `source`. Errors give places in `source`.
+/// Parses `text`, which begins with the caller's `source`. Errors give lines and columns of `source`.
 fn parse(text: &str, source: &str) -> Result<Module, DisplaceError> {
     naga::front::wgsl::parse_str(text).map_err(|error| {
         let spans: Vec<Span> = error.labels().map(|(span, _)| span).collect();
@@ -195,13 +195,13 @@ fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
         let end = range.end.min(source.len());
         Span::new(range.start.min(end) as u32, end as u32)
     });
-    let place = span.location(source);
+    let location = span.location(source);
     // naga quotes whole words, which may be as long as the source.
     let message = match message.char_indices().nth(LONGEST_MESSAGE) {
         Some((end, _)) => format!("{}…", &message[..end]),
         None => message,
     };
-    DisplaceError::Wgsl { line: place.line_number.max(1), column: place.line_position.max(1), message }
+    DisplaceError::Wgsl { line: location.line_number.max(1), column: location.line_position.max(1), message }
 }
 
 /// Refuses an override without a default. Nobody gives it a value, so the pipeline would fail.

@@ -90,7 +90,7 @@ pub mod depth_map {
         depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
     }
 
-    /// The samples that matter to the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
+    /// The samples that affect the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
     /// cameras of one map of `size` texels, or of six. `has_walls`: the map's contours have walls.
     pub fn near_box(
         lights: &[ShadowCamera],
@@ -199,12 +199,12 @@ pub mod cpu {
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
-    pub use crate::cpu::polygon::boundary::Boundary;
     pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
     pub use crate::cpu::polygon::orientation::Orientation;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
+    pub use crate::cpu::polygon::polygon_pairs::Boundary;
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::*;

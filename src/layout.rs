@@ -25,17 +25,16 @@ pub struct StructLayout {
     pub fields: &'static [FieldLayout],
 }
 
-/// Slots of a chunk of a scene. With 32 the stages of 200 figures took 1.36 times as long as those of one mesh, with 64
-/// 1.22 times. Boxes of 12 faces leave most of 64 slots empty, which costs memory and no time.
+/// Slots of a chunk of a scene. Smaller chunks are slower; larger ones leave
+/// more slots empty, which costs memory and no time.
 pub const CHUNK: u32 = 64;
-/// Invocations that share a chunk, in facing and edges. Each takes slots in turn, so that it finds their caster once, and
-/// ends where the caster ends.
+/// Invocations that share a chunk, in facing and edges. Each takes slots in turn, so it looks up their caster once.
 pub const LANES: u32 = 8;
 
 /// A caster whose mesh has no clusters.
 pub const NO_CLUSTERS: u32 = u32::MAX;
 /// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
-/// faces face, and the index mask of the lights that are tested.
+/// faces face, and a bit for each light that is tested.
 pub const FACE_ENTRY: u32 = 4;
 
 /// Flags of a [`SceneCaster`].
@@ -198,7 +197,7 @@ shared_structs! {
         instances: u32,
     }
 
-    /// A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
+    /// A range of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
     struct DeformChunk {
         first_workgroup: u32,
         count: u32,
@@ -597,11 +596,11 @@ shared_structs! {
         overflowed_sides: u32,
         /// Lights whose volume ends, at the light's range or behind all receivers.
         ended: u32,
-        /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was asked for.
+        /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was requested.
         count_bound: u32,
         /// Lights, in each view, whose bound is larger than the largest count: 255, or less with fewer
         /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0
-        /// unless it was asked for.
+        /// unless it was requested.
         may_wrap: u32,
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.

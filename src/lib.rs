@@ -4,7 +4,7 @@
 //! draws.
 //!
 //! Rimline follows Brabec and Seidel, "Shadow Volumes on Programmable Graphics Hardware" (2003). Unlike their method,
-//! it decides a face's side once, so silhouettes close whatever the rounding.
+//! it decides a face's side once, so silhouettes close for any rounding.
 //!
 //! # Five tasks
 //!

@@ -84,7 +84,7 @@ impl Light {
         [x, y, z, self.w]
     }
 
-    /// Moves this light from world space into the space of a mesh. `mesh_to_world` places the mesh: four columns of
+    /// Moves this light from world space into the space of a mesh. `mesh_to_world` transforms the mesh to world space: four columns of
     /// three rows, and the last column is the translation.
     ///
     /// With it a rigid instance can keep its positions in mesh space. The facing bits are then those of world space,
@@ -97,7 +97,7 @@ impl Light {
     }
 }
 
-/// The space of a mesh that a transform places.
+/// The mesh space of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MeshSpace {
     pub(crate) inverse: DMat3,
@@ -125,7 +125,7 @@ impl MeshSpace {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
-    /// The room asked for is 0 lights.
+    /// The requested room is 0 lights.
     #[error("`max_lights` is 0; make room for at least one light")]
     NoRoom,
     /// There are more lights than [`MAX_LIGHTS`], or more than the extractor has room for.
@@ -225,7 +225,7 @@ pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightEr
     }
 }
 
-/// Checks the number of lights that room is asked for: 1 to [`MAX_LIGHTS`].
+/// Checks the number of lights that room is requested for: 1 to [`MAX_LIGHTS`].
 ///
 /// # Errors
 /// [`LightError::NoRoom`] or [`LightError::TooMany`].

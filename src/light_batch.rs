@@ -25,9 +25,9 @@ impl LightBatch {
         let mut batch = Self { count, ..Self::zeroed() };
         let last = (0..count as usize).rev().find_map(&light);
         for slot in 0..32 {
-            let own = if slot < count as usize { light(slot) } else { None };
-            let Some(given) = own.or(last) else { break };
-            batch.active_bits |= u32::from(own.is_some()) << slot;
+            let of_slot = if slot < count as usize { light(slot) } else { None };
+            let Some(given) = of_slot.or(last) else { break };
+            batch.active_bits |= u32::from(of_slot.is_some()) << slot;
             let scaled = ScaledLight::new(given);
             let [x, y, z, w] = scaled.light.map(f32::abs);
             let w = w.max(scaled.inexact_w);
@@ -55,7 +55,7 @@ impl ScaledLight {
     pub(crate) fn new(given: [f32; 4]) -> Self {
         let largest = given.iter().fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
         // `check_lights` makes sure that lights are finite. Other lights give meaningless bits, but no panic.
-        // In f64 neither the power of two nor the product rounds, whatever finite f32 the light has.
+        // In f64 neither the power of two nor the product rounds, for any finite f32.
         let scale = if largest == 0.0 || !largest.is_finite() {
             1.0
         } else {

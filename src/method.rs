@@ -12,13 +12,13 @@ pub enum Method {
 }
 
 impl Method {
-    /// The predicate that this method uses when a caller asks for `asked`. [`Method::FaceMask`] uses `asked`.
+    /// The predicate that this method uses for a requested one. [`Method::FaceMask`] uses the requested one.
     /// [`Method::PerEdge`] replaces [`Predicate::Exact`], the default of all options, by the published
     /// [`Predicate::Plane`].
-    pub const fn predicate(self, asked: Predicate) -> Predicate {
-        match (self, asked) {
+    pub const fn predicate(self, requested: Predicate) -> Predicate {
+        match (self, requested) {
             (Self::PerEdge, Predicate::Exact) => Predicate::Plane,
-            _ => asked,
+            _ => requested,
         }
     }
 

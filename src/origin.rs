@@ -34,7 +34,7 @@ const SHARE: f64 = 1e-3;
 ///
 /// A [`Model`](crate::Model) takes it in its poses: [`Self::transform`] makes the matrices of an
 /// [`InstancePose`](crate::InstancePose). A [`Scene`](crate::gpu::Scene) takes it in the positions or matrices of its
-/// casters, its lights and its cameras. A glTF file does it by itself: `gltf::Asset::set_origin`.
+/// casters, its lights and its cameras. glTF files have a function for it: `gltf::Asset::set_origin`.
 ///
 /// An origin is zero for models whose coordinates `f32` holds well. Then nothing changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,9 +64,9 @@ impl Origin {
     /// The origin for what lies between a lowest and a highest corner. It is zero unless `f32` loses more than a
     /// thousandth of the smallest edge there: half the distance of two neighbouring numbers is more than that. Else each
     /// component is a multiple of one power of two, at least twice the largest side of the box, and the nearest to the
-    /// box's middle. A component is so zero where the box has or nearly has the world's own zero.
+    /// box's middle. A component is so zero where the box contains or nearly contains the world's zero.
     ///
-    /// `smallest_edge` is the length of the smallest edge that has one. It is called only where it matters.
+    /// `smallest_edge` is the length of the smallest edge that has one. It is called only if the result depends on it.
     pub fn near([low, high]: [[f64; 3]; 2], smallest_edge: impl FnOnce() -> f64) -> Self {
         let axes = [0, 1, 2];
         let extent = axes.iter().map(|&axis| high[axis] - low[axis]).fold(0.0, f64::max);
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn what_f32_holds_well_has_no_origin() {
         for (bounds, edge) in [
-            // About the world's zero, or beside it, edges matter little.
+            // Around the world's zero, and near it, edges have little effect.
             (boxed([-1.0; 3], 2.0), 1e-12),
             (boxed([0.0, 0.9, -2.9], 2.0), 1e-12),
             // Numbers are 6e-8 apart there, and 0.03 apart.
@@ -195,8 +195,8 @@ mod tests {
         ] {
             assert_eq!(Origin::near(bounds, || edge), Origin::ZERO, "{bounds:?}, {edge}");
         }
-        // It is not asked for in vain.
-        Origin::near(boxed([-1.0; 3], 2.0), || panic!("about zero no edge matters"));
+        // It is called only if needed.
+        Origin::near(boxed([-1.0; 3], 2.0), || panic!("no edge has an effect around zero"));
     }
 
     #[test]
@@ -232,18 +232,18 @@ mod tests {
     fn everything_moves_by_the_same() {
         let origin = Origin::near(boxed(UTM, 10.0), || 0.2);
         let [ox, oy, oz] = origin.to_array();
-        let place = [ox + 1.25, oy - 0.1, oz + 3.0];
-        assert_eq!(origin.position(place), [1.25, -0.1, 3.0].map(|c: f64| c as f32));
-        let [x, y, z] = place;
-        assert_eq!(origin.light([x, y, z, 1.0]).xyz, origin.position(place));
+        let position = [ox + 1.25, oy - 0.1, oz + 3.0];
+        assert_eq!(origin.position(position), [1.25, -0.1, 3.0].map(|c: f64| c as f32));
+        let [x, y, z] = position;
+        assert_eq!(origin.light([x, y, z, 1.0]).xyz, origin.position(position));
         assert_eq!(
             origin.light([2.0 * x, 2.0 * y, 2.0 * z, 2.0]).to_array()[..3],
             [2.5, -0.2, 6.0].map(|c: f64| c as f32)
         );
         // A direction stays, bit for bit.
         assert_eq!(origin.light([0.1, 7.0, -3.0, 0.0]).to_array(), [0.1, 7.0, -3.0, 0.0].map(|c: f64| c as f32));
-        let moved = origin.transform([[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], place]);
-        assert_eq!(moved.columns()[3], origin.position(place));
+        let moved = origin.transform([[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], position]);
+        assert_eq!(moved.columns()[3], origin.position(position));
         assert_eq!(moved.columns()[1], [0.0, 2.0, 0.0]);
         assert_eq!(origin.to_world([1.25, 0.0, 3.0]), [ox + 1.25, oy, oz + 3.0]);
     }

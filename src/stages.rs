@@ -213,7 +213,7 @@ pub fn source(name: &str) -> Option<&'static str> {
         let text = std::fs::read_to_string(std::path::Path::new(&folder).join(format!("{name}.wgsl")));
         return text.ok().map(|text| &*text.leak());
     }
-    FILES.iter().find(|(own, _)| *own == name).map(|&(_, text)| text)
+    FILES.iter().find(|(file, _)| *file == name).map(|&(_, text)| text)
 }
 
 /// [`OUTLINE_EDGES`] for depth that has several samples a pixel.
@@ -238,7 +238,7 @@ impl Stage {
         self.composed_for("")
     }
 
-    /// The stage's module, with everything that `further` names besides. A caller puts `further` into the module.
+    /// The stage's module, and everything that `further` names. A caller puts `further` into the module.
     ///
     /// # Errors
     /// A message names the file that cannot be read or composed.

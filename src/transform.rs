@@ -4,13 +4,13 @@ use glam::{DAffine3, DVec3};
 
 use crate::model::Matrix3x4;
 
-/// A transform of positions, from mesh space to world space. Functions that place a mesh take whatever it is made of:
+/// A transform of positions, from mesh space to world space. Functions with a mesh transform accept all of these:
 ///
 /// * four columns of three, the last one the translation, as `to_cols_array_2d` of any glam's `Affine3A` gives them,
 /// * `Affine3A` of glam 0.34 itself, or `DAffine3`, which is rounded,
 /// * three rows of four, [`Matrix3x4`].
 ///
-/// The types differ, so none can be taken for another.
+/// The types differ, so none can be confused with another.
 ///
 /// ```
 /// use rimline::Transform;
@@ -94,7 +94,7 @@ mod tests {
         for found in [Vec3::from(by_rows), x * point.x + y * point.y + z * point.z + w] {
             assert!(found.distance(affine.transform_point3(point)) < 1e-5, "{found}");
         }
-        // Rows that are taken for columns would move it elsewhere.
+        // Rows read as columns would move it elsewhere.
         let columns: [[f32; 3]; 4] = std::array::from_fn(|at| transform.rows().as_flattened().as_chunks::<3>().0[at]);
         let moved = Affine3A::from(Transform::from(columns)).transform_point3(point);
         assert!(moved.distance(affine.transform_point3(point)) > 0.1);

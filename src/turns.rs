@@ -14,15 +14,15 @@ pub const LISTED_ITEMS: u32 = 4096;
 pub const BOUND_CHUNKS: u32 = 128;
 /// Undecided faces that an invocation of exact facing takes in turn at most, of a single mesh with 32 lights.
 pub const EXACT_ITEMS: u32 = 44;
-/// Morph targets and influences of a vertex together. The displacement has the rest of the turns.
+/// Morph targets and influences of a vertex together. The displacement has the remaining turns.
 pub const DEFORM_TERMS: u32 = 60_000;
-/// Boxes that an invocation of `needs` looks at: views times lights and one more.
+/// Boxes that an invocation of `needs` tests: views times lights and one more.
 pub const NEEDS_BOXES: usize = 2500;
 /// Triangles of a polygon that is extracted on the GPU.
 pub const POLYGON_TRIANGLES: usize = 2048;
 
-/// Undecided faces that an invocation of exact facing takes in turn at most, of a scene with so many lights in a batch. Each has
-/// some 42 turns for each light, and some 40 besides.
+/// Undecided faces that an invocation of exact facing takes in turn at most, of a scene with `lights` lights in a batch. Each has
+/// about 42 turns for each light, and 40 others.
 pub fn scene_exact_items(lights: u32) -> u32 {
     (60_000 / (50 + 45 * lights.clamp(1, 32))).min(400)
 }

@@ -228,9 +228,9 @@ fn number(text: &str) -> u64 {
 fn initialiser<'a, 'b>(all: &'b [Token<'a>], name: &str) -> Option<&'b [Token<'a>]> {
     // A pipeline may set an override to another value. Nobody sets those of a displacement.
     let begins = |pair: &[Token<'_>]| matches!(pair[0].text, "const" | "override") && pair[1].text == name;
-    let mut places = all.windows(2).enumerate().filter(|(_, pair)| begins(pair));
-    let (at, _) = places.next()?;
-    if places.next().is_some() {
+    let mut matches = all.windows(2).enumerate().filter(|(_, pair)| begins(pair));
+    let (at, _) = matches.next()?;
+    if matches.next().is_some() {
         return None;
     }
     let statement = all[at..].split(|token| token.text == ";").next()?;

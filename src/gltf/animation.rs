@@ -53,11 +53,11 @@ fn channel(
     sampler: &Sampler,
 ) -> Result<Option<Channel>, GltfError> {
     let &ChannelTarget { channel, node, property, .. } = target;
-    let place = format!("animations[{animation}].channels[{channel}]");
+    let json_path = format!("animations[{animation}].channels[{channel}]");
     let moved = &reader.document.nodes[node];
     if property != Property::Weights && moved.matrix.is_some() {
         let problem = "which has a matrix; give it translation, rotation and scale instead";
-        return Err(GltfError::invalid(place, format!(" moves nodes[{node}], {problem}")));
+        return Err(GltfError::invalid(json_path, format!(" moves nodes[{node}], {problem}")));
     }
     let (width, format) = match property {
         Property::Weights => (moved.mesh.map_or(0, |mesh| reader.document.targets(mesh)), reader::MORPH_WEIGHTS),
@@ -66,18 +66,18 @@ fn channel(
     };
     if width == 0 {
         let problem = format!("nodes[{node}] has no morph targets");
-        reader.warnings.push(GltfWarning::channel(&place, &problem))?;
+        reader.warnings.push(GltfWarning::channel(&json_path, &problem))?;
         return Ok(None);
     }
     // Charges the channel, in a list that doubles, and a key's values while it is read and when it is sampled.
-    reader.charge(1, 3 * size_of::<Channel>() as u64 + 64 * width as u64, &|| place.clone())?;
+    reader.charge(1, 3 * size_of::<Channel>() as u64 + 64 * width as u64, &|| json_path.clone())?;
     let &Sampler { input, output, interpolation } = sampler;
-    let place = format!("animations[{animation}].samplers[{}]", target.sampler);
-    let times = reader.floats(input, reader::TIMES, &format!("{place}.input"))?;
-    check_times(&times).map_err(|problem| GltfError::invalid(&*place, problem))?;
-    let values = reader.floats(output, format, &format!("{place}.output"))?;
+    let json_path = format!("animations[{animation}].samplers[{}]", target.sampler);
+    let times = reader.floats(input, reader::TIMES, &format!("{json_path}.input"))?;
+    check_times(&times).map_err(|problem| GltfError::invalid(&*json_path, problem))?;
+    let values = reader.floats(output, format, &format!("{json_path}.output"))?;
     let curve = Curve { times, values, width, interpolation };
-    check_values(&curve, property).map_err(|problem| GltfError::invalid(place, problem))?;
+    check_values(&curve, property).map_err(|problem| GltfError::invalid(json_path, problem))?;
     Ok(Some(Channel { node, property, curve }))
 }
 

@@ -1,4 +1,4 @@
-//! A loaded file, and what it tells of itself.
+//! A loaded file.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -53,13 +53,13 @@ pub struct Asset {
     pub(super) named_files: Vec<PathBuf>,
     /// The origin of poses and lights.
     pub(super) origin: Origin,
-    /// The box of each geometry in its own space, once it was asked for.
+    /// The box of each geometry in its mesh space. It is computed on first use.
     pub(super) boxes: OnceLock<Vec<Option<[[f64; 3]; 2]>>>,
     pub(super) warnings: Vec<GltfWarning>,
 }
 
 impl Asset {
-    /// Loads a .gltf or .glb file; its content tells which. Buffers that it names are looked for in its folder. A
+    /// Loads a .gltf or .glb file; its content decides which. Buffers that it names are looked for in its folder. A
     /// [`Weld`](crate::mesh::Weld) can be given as options; the other options are then the defaults.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl Asset {
     pub fn open(path: impl AsRef<Path>, options: impl Into<LoadOptions>) -> Result<Self, GltfError> {
         let (path, options) = (path.as_ref(), options.into());
         let budget = Budget::new(options.memory_limit);
-        // The JSON of a GLB comes first: it says what all the rest is going to take.
+        // The JSON of a GLB comes first: it states the size of all other data.
         let json = files::glb_json(path, &budget)?;
         let header = json.map(|(json, length)| Header::read(&json, path.parent(), length, &budget)).transpose()?;
         let bytes = files::read(path, u64::MAX, &budget)?;
@@ -218,7 +218,7 @@ impl<'a> Header<'a> {
         let (json, zeros) = container::unpadded(json);
         if zeros > 0 {
             let problem = format!(" has {zeros} zero bytes at its end, where only spaces may be; they are ignored");
-            warnings.push(GltfWarning::Changed { place: "the JSON".to_owned(), problem })?;
+            warnings.push(GltfWarning::Changed { json_path: "the JSON".to_owned(), problem })?;
         }
         budget.charge_json(json)?;
         let value: Value = serde_json::from_slice(json).map_err(|error| GltfError::Json(Arc::new(error)))?;

@@ -15,7 +15,7 @@ pub(super) struct Budget {
     used: Cell<u64>,
     /// The part of `used` that is never given back: see [`Budget::charge_lasting`].
     lasting: Cell<u64>,
-    /// The part of `used` that is gone once the asset is made: the content of files.
+    /// The part of `used` that is freed when the asset is complete: the content of files.
     files: Cell<u64>,
     /// Bytes that the mesh of all instances takes while it is made, beside the asset.
     placed: Cell<u64>,
@@ -47,8 +47,8 @@ const VERTEX: u64 = 12 + 4;
 const FACE: u64 = 12;
 /// Bytes for a position of a morph target.
 const OFFSET: u64 = 12;
-/// Bytes for a vertex while it is welded, beside what it was and is then: two lists of groups, the vertices that are kept,
-/// their new numbers. The table by which groups are found is gone when the last two are made, and not larger.
+/// Bytes for a vertex during welding, beside those before and after: two lists of groups, the remaining vertices, and
+/// their new indices. The table of groups is not larger than the last two, and is freed before.
 const WELDING: u64 = 4 + 4 + 8 + 4;
 /// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records during construction. The most of a
 /// face are the mesh's copy, the mates of its half-edges and three boundary records, or the copy and the half-edges sorted
@@ -64,7 +64,7 @@ const MORPH_WEIGHT: u64 = 32;
 pub(super) const RIGID_INSTANCE: u64 = INSTANCE + MATRIX;
 /// Bytes for a joint in the set of those in use.
 const USED_JOINT: u64 = 24;
-/// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
+/// Bytes for a node beside its JSON: the struct, its entry in the forest, its matrices in a pose.
 pub(super) const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
 
 /// More bytes for a vertex that is welded by distance: its cell, boxes of its cell, and its group without and with its data.
@@ -87,7 +87,7 @@ impl Budget {
         Ok(())
     }
 
-    /// The same for what is kept, whatever is freed around it.
+    /// The same for data that stays.
     pub(super) fn charge_lasting(&self, bytes: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         self.charge(bytes, 1, what)?;
         self.lasting.set(self.lasting.get() + bytes);
@@ -101,13 +101,13 @@ impl Budget {
         Ok(())
     }
 
-    /// Whether there is room for so many bytes more, and for so many more when the mesh of all instances is made. Charges
+    /// Whether there is room for more bytes, now and during the making of the mesh of all instances. Charges
     /// nothing.
     fn require(&self, bytes: u64, placed: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         self.refuse(self.needed(bytes, placed), what)
     }
 
-    /// The most that is in use with so many bytes more, and so many more when the mesh of all instances is made.
+    /// The most bytes in use with more bytes, now and during the making of the mesh of all instances.
     pub(super) fn needed(&self, bytes: u64, placed: u64) -> u64 {
         let loading = self.used.get().saturating_add(bytes);
         let placing = loading.saturating_sub(self.files.get()).saturating_add(self.placed.get()).saturating_add(placed);
@@ -125,10 +125,10 @@ impl Budget {
         Mark { used: self.used.get(), lasting: self.lasting.get() }
     }
 
-    /// Gives back all that was charged since the mark, but for what lasts and for `kept` bytes, which are still in use.
-    pub(super) fn settle(&self, mark: Mark, kept: u64) {
+    /// Gives back all that was charged since the mark, but for lasting data and for `in_use` bytes.
+    pub(super) fn settle(&self, mark: Mark, in_use: u64) {
         let lasting = self.lasting.get() - mark.lasting;
-        self.used.set(self.used.get().min(mark.used.saturating_add(lasting).saturating_add(kept)));
+        self.used.set(self.used.get().min(mark.used.saturating_add(lasting).saturating_add(in_use)));
     }
 
     /// Charges the values that a JSON text can hold, by its punctuation.
@@ -154,7 +154,7 @@ impl Budget {
         let vertices = geometry.positions().len() as u64;
         let influences = geometry.influences();
         let entries = influences.map_or(0, |i: &Influences| i.joints().len()) as u64;
-        // The kept ones' offsets are a list that doubles.
+        // The offsets of the remaining ones are a list that doubles.
         let offset = if influences.is_some() { GROWTH * 4 } else { 0 };
         let by_distance = if matches!(weld, Weld::Distance(_)) { WELD_BY_DISTANCE } else { 0 };
         self.charge(vertices, WELDING + offset + by_distance + vertex(geometry.morph_targets().len()), what)?;
@@ -182,7 +182,7 @@ impl Budget {
 }
 
 /// Bytes that a mesh keeps once it is welded: the geometry, and the list of its joints in use.
-pub(super) fn kept(geometry: &Geometry) -> u64 {
+pub(super) fn remaining_bytes(geometry: &Geometry) -> u64 {
     geometry.bytes() + geometry.influences().map_or(0, |i| USED_JOINT * i.joints().len() as u64)
 }
 
@@ -191,7 +191,7 @@ fn vertex(targets: usize) -> u64 {
     (OFFSET * targets as u64).saturating_add(VERTEX)
 }
 
-/// A mesh of so many vertices, morph targets and faces, once it is read.
+/// Bytes of a mesh with this number of vertices, morph targets and faces, after reading.
 pub(super) fn geometry(vertices: u64, targets: usize, faces: u64) -> u64 {
     vertices.saturating_mul(vertex(targets)).saturating_add(faces.saturating_mul(FACE))
 }

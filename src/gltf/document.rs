@@ -1,4 +1,4 @@
-//! The parts of a glTF document that shape, place and move triangles, as plain structs with checked indices.
+//! The parts of a glTF document that shape, transform and move triangles, as plain structs with checked indices.
 //!
 //! The types of the `gltf` crate are not used. They refuse legal files (a scene without nodes, an animation channel without
 //! a target node), and their errors name a line where a user needs a mesh.
@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 use super::error::GltfError;
 use super::info::SceneLightKind;
 
-/// A part of the file, or its fault, for whoever asks for the part.
+/// A part of the file, or its fault, which is an error of a user of the part.
 pub(super) type Part<T> = Result<T, Box<GltfError>>;
 
 /// A document. Every index in it is in range of the list it points into.
@@ -27,7 +27,7 @@ pub(super) struct Document {
     pub(super) lights: Vec<Named<PunctualLight>>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
-    /// The center of `CESIUM_RTC`, or zero: where the scene's own zero is in the world.
+    /// The center of `CESIUM_RTC`, or zero: the scene's zero in the world.
     pub(super) center: DVec3,
 }
 
@@ -145,7 +145,7 @@ pub(super) struct Node {
     pub(super) name: Option<String>,
     pub(super) children: Vec<usize>,
     pub(super) trs: Trs,
-    /// The matrix that stands in the place of translation, rotation and scale.
+    /// The matrix that replaces translation, rotation and scale.
     pub(super) matrix: Option<DAffine3>,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
@@ -223,7 +223,7 @@ pub(super) struct PunctualLight {
 pub(super) enum Frame {
     /// The node's world matrix times this matrix.
     Node(DAffine3),
-    /// The joints of a skin. The node's own matrix does not matter.
+    /// The joints of a skin. The node's matrix has no effect.
     Skin(usize),
 }
 
@@ -318,7 +318,7 @@ pub(super) fn unit(rotation: [f64; 4]) -> Option<DQuat> {
 }
 
 /// A column-major matrix. Its last row must be (0, 0, 0, 1), except for rounding on export.
-pub(super) fn affine(columns: [f64; 16], place: impl Fn() -> String) -> Result<DAffine3, GltfError> {
+pub(super) fn affine(columns: [f64; 16], json_path: impl Fn() -> String) -> Result<DAffine3, GltfError> {
     const TOLERANCE: f64 = 1e-5;
     let matrix = DMat4::from_cols_array(&columns);
     let row = matrix.row(3).to_array();
@@ -329,5 +329,5 @@ pub(super) fn affine(columns: [f64; 16], place: impl Fn() -> String) -> Result<D
     } else {
         return Ok(DAffine3::from_mat4(matrix));
     };
-    Err(GltfError::invalid(place(), problem))
+    Err(GltfError::invalid(json_path(), problem))
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::model::ModelError;
 
 /// Why a glTF file, or a part of it, is refused. Places are JSON paths into the file, such as
-/// `meshes[0].primitives[2].attributes`. Two errors are equal if they say the same.
+/// `meshes[0].primitives[2].attributes`. Two errors are equal if their messages are.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GltfError {
@@ -22,11 +22,11 @@ pub enum GltfError {
     #[error("the glTF JSON cannot be parsed: {0}")]
     Json(#[source] Arc<serde_json::Error>),
     /// A part of the file is missing, has an impossible value, or does not fit its use.
-    #[error("{place}{problem}")]
+    #[error("{json_path}{problem}")]
     Invalid {
         /// JSON path of the part. In the container of a GLB: the byte.
-        place: String,
-        /// The fault, as it follows the place in the message.
+        json_path: String,
+        /// The fault: the words after the path in the message.
         problem: String,
     },
     /// The file has another glTF version than 2.
@@ -36,12 +36,12 @@ pub enum GltfError {
         version: String,
     },
     /// The file needs an extension that is not supported.
-    #[error("{place} needs the extension {name}, which is not supported; {advice}")]
+    #[error("{json_path} needs the extension {name}, which is not supported; {advice}")]
     Extension {
         /// The extension.
         name: String,
         /// Where the file needs it.
-        place: String,
+        json_path: String,
         /// Advice to the user.
         advice: &'static str,
     },
@@ -60,12 +60,12 @@ pub enum GltfError {
     },
     /// A file name leads outside the folder of the glTF.
     #[error(
-        "{place}: {uri:?} leads to {}, which is outside the glTF's folder and is not read; put the file there, or \
+        "{json_path}: {uri:?} leads to {}, which is outside the glTF's folder and is not read; put the file there, or \
          allow files outside if the glTF is trusted", path.display()
     )]
     Outside {
         /// JSON path of the URI.
-        place: String,
+        json_path: String,
         /// Its first characters.
         uri: String,
         /// The path that it leads to.
@@ -74,7 +74,7 @@ pub enum GltfError {
     /// There is no such animation.
     #[error("animation {index} was asked for, but the file has {count}")]
     NoAnimation {
-        /// The index that was asked for.
+        /// The requested index.
         index: usize,
         /// Animations in the file.
         count: usize,
@@ -82,7 +82,7 @@ pub enum GltfError {
     /// The animation is damaged. The rest of the file can be used.
     #[error("animation {index} cannot be played: {source}")]
     DamagedAnimation {
-        /// The index that was asked for.
+        /// The requested index.
         index: usize,
         /// The fault, and where it is.
         source: Box<GltfError>,
@@ -92,7 +92,7 @@ pub enum GltfError {
     SameProperty {
         /// Index of an animation.
         first: usize,
-        /// Index of another animation, asked for later.
+        /// Index of another requested animation.
         second: usize,
         /// Index of the node.
         node: usize,
@@ -111,38 +111,38 @@ pub enum GltfError {
     #[error("the time is not a number; give seconds")]
     Time,
     /// A matrix or a morph weight is infinite or NaN.
-    #[error("{place} has no finite transform or morph weights at {time_s} s")]
+    #[error("{json_path} has no finite transform or morph weights at {time_s} s")]
     NotFinite {
-        /// JSON path of the node that places the instance or light.
-        place: String,
-        /// The time that was asked for.
+        /// JSON path of the node of the instance or light.
+        json_path: String,
+        /// The requested time.
         time_s: f32,
     },
 }
 
 impl GltfError {
-    /// An error about a part of the file. `problem` follows the place in the message.
-    pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Invalid { place: place.into(), problem: problem.into() }
+    /// An error about a part of the file. `problem` follows the path in the message.
+    pub(super) fn invalid(json_path: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Invalid { json_path: json_path.into(), problem: problem.into() }
     }
 
     /// The content of the file does not make a model.
-    pub(super) fn model(place: impl Into<String>) -> impl FnOnce(ModelError) -> Self {
-        |error| Self::invalid(place, format!(": {error}"))
+    pub(super) fn model(json_path: impl Into<String>) -> impl FnOnce(ModelError) -> Self {
+        |error| Self::invalid(json_path, format!(": {error}"))
     }
 
-    pub(super) fn missing(place: impl Into<String>) -> Self {
-        Self::invalid(place, " is missing")
+    pub(super) fn missing(json_path: impl Into<String>) -> Self {
+        Self::invalid(json_path, " is missing")
     }
 
     /// A list that must be as long as another has another length.
-    pub(super) fn count(place: impl Into<String>, count: usize, expected: usize) -> Self {
-        Self::invalid(place, format!(" has {count} elements, expected {expected}"))
+    pub(super) fn count(json_path: impl Into<String>, count: usize, expected: usize) -> Self {
+        Self::invalid(json_path, format!(" has {count} elements, expected {expected}"))
     }
 
     /// A buffer, or a view into it, is longer than its data.
-    pub(super) fn too_short(place: impl Into<String>, needed: u64, available: u64) -> Self {
-        Self::invalid(place, format!(" needs {needed} bytes, but only {available} are there"))
+    pub(super) fn too_short(json_path: impl Into<String>, needed: u64, available: u64) -> Self {
+        Self::invalid(json_path, format!(" needs {needed} bytes, but only {available} are there"))
     }
 }
 

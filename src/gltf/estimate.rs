@@ -31,34 +31,34 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
             most = (needed, what());
         }
     };
-    let mut kept: u64 = 0;
+    let mut lasting: u64 = 0;
     for (m, &Size { vertices, faces, targets }) in sizes.iter().enumerate() {
         let welding = budget::welding(vertices, targets, faces);
-        take(kept.saturating_add(files).saturating_add(welding), 0, &|| format!("meshes[{m}]"));
-        kept = kept.saturating_add(budget::geometry(vertices, targets, faces));
+        take(lasting.saturating_add(files).saturating_add(welding), 0, &|| format!("meshes[{m}]"));
+        lasting = lasting.saturating_add(budget::geometry(vertices, targets, faces));
     }
     let mut placed: u64 = 0;
-    let mut place = |mesh: usize, count: u64| {
+    let mut add = |mesh: usize, count: u64| {
         if let Some(&Size { vertices, faces, .. }) = sizes.get(mesh).filter(|size| size.faces > 0) {
             placed = placed.saturating_add(budget::placed(vertices, faces).saturating_mul(count));
-            kept = kept.saturating_add(budget::RIGID_INSTANCE.saturating_mul(count));
-            take(kept, placed, &|| format!("meshes[{mesh}] (its instances)"));
+            lasting = lasting.saturating_add(budget::RIGID_INSTANCE.saturating_mul(count));
+            take(lasting, placed, &|| format!("meshes[{mesh}] (its instances)"));
         }
     };
     for node in graph.scene.iter().filter_map(|&n| document.nodes.get(n)) {
         if let Some(mesh) = node.mesh {
-            place(mesh, instances(document, node));
+            add(mesh, instances(document, node));
         }
     }
     if document.scenes.is_empty() {
         let used: HashSet<usize> = document.nodes.iter().filter_map(|node| node.mesh).collect();
-        (0..sizes.len()).filter(|mesh| !used.contains(mesh)).for_each(|mesh| place(mesh, 1));
+        (0..sizes.len()).filter(|mesh| !used.contains(mesh)).for_each(|mesh| add(mesh, 1));
     }
     let (needed, what) = most;
     budget.refuse(needed, &|| what.clone())
 }
 
-/// The elements of an accessor, if its view can hold them. Else reading it says what is wrong. Zeros without a view take no
+/// The elements of an accessor, if its view can hold them. Else reading it gives the error. Zeros without a view take no
 /// time to read, and are charged then.
 fn count(document: &Document, accessor: usize) -> u64 {
     let Ok(accessor) = &document.accessors[accessor] else { return 0 };

@@ -20,7 +20,7 @@ pub(super) const DRACO_ADVICE: &str =
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// The extensions that a file may require. The loader reads the first of them; each channel of an animation that names a
-/// pointer gets a warning of its own. The others are of surfaces, sounds and descriptions, and do not change where triangles
+/// pointer gets a separate warning. The others are of surfaces, sounds and descriptions, and do not change where triangles
 /// are. A star stands for the rest of a name.
 const SUPPORTED: &[&str] = &[
     "KHR_mesh_quantization",
@@ -66,7 +66,7 @@ fn is_supported(name: &str) -> bool {
     SUPPORTED.iter().any(|known| known.strip_suffix('*').map_or(*known == name, |prefix| name.starts_with(prefix)))
 }
 
-/// Refuses required extensions that are not supported, and warns of others that may matter. Returns all that the file
+/// Refuses required extensions that are not supported, and warns of others that may change the result. Returns all that the file
 /// uses.
 pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<String>, GltfError> {
     let required: Vec<&str> = root.list("extensionsRequired")?;
@@ -74,7 +74,7 @@ pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<Stri
         if !is_supported(name) {
             return Err(GltfError::Extension {
                 name: shorten(name),
-                place: "the file (extensionsRequired)".to_owned(),
+                json_path: "the file (extensionsRequired)".to_owned(),
                 advice: if name == DRACO { DRACO_ADVICE } else { "export the file without it" },
             });
         }
@@ -82,8 +82,9 @@ pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<Stri
     let used = warnings.leave_out(root.list("extensionsUsed"))?.unwrap_or_default();
     // A file ought to list what its nodes have, and may not do so.
     let nodes = root.elements("nodes").into_iter().flatten().flatten();
-    let of_nodes =
-        nodes.filter_map(|node| node.get::<Json<'_>>("extensions").ok().flatten()).flat_map(|own| own.keys());
+    let of_nodes = nodes
+        .filter_map(|node| node.get::<Json<'_>>("extensions").ok().flatten())
+        .flat_map(|extensions| extensions.keys());
     let unlisted: BTreeSet<&str> = of_nodes.filter(|name| !used.contains(name)).collect();
     for &name in used.iter().chain(&unlisted) {
         // Where the plain data beside Draco data is missing, the mesh is refused.

@@ -32,9 +32,9 @@ pub(super) struct Folder<'a> {
 impl Folder<'_> {
     /// The file that a relative URI names. A symbolic link in the folder may lead out of it, so the path returned is
     /// the one that the system resolved.
-    pub(super) fn find(&self, uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, GltfError> {
-        let refuse = |problem| bad_uri(uri, place, problem);
-        let outside = |path| Err(GltfError::Outside { place: place(), uri: shorten(uri), path });
+    pub(super) fn find(&self, uri: &str, json_path: &dyn Fn() -> String) -> Result<PathBuf, GltfError> {
+        let refuse = |problem| bad_uri(uri, json_path, problem);
+        let outside = |path| Err(GltfError::Outside { json_path: json_path(), uri: shorten(uri), path });
         let relative = relative(uri).map_err(refuse)?;
         let leaves = leaves(&relative);
         if leaves && !self.allow_outside {
@@ -82,8 +82,8 @@ fn leaves(path: &Path) -> bool {
     false
 }
 
-/// The JSON of a GLB file, and the file's length. `None` for any other file, and for a GLB that is damaged there: whoever
-/// reads the whole file says what is wrong with it.
+/// The JSON of a GLB file, and the file's length. `None` for any other file, and for a GLB that is damaged there: reading
+/// the whole file gives the error.
 pub(super) fn glb_json(path: &Path, budget: &Budget) -> Result<Option<(Vec<u8>, u64)>, GltfError> {
     let mut start = [0; container::START_BYTES];
     let opened = open(path).and_then(|(mut file, length)| file.read_exact(&mut start).map(|()| (file, length)));
@@ -125,10 +125,10 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of a buffer. One without data is `None`; it matters only where something uses it.
+/// The bytes of a buffer. One without data is `None`, which is an error only if something uses it.
 pub(super) type Bytes<'a> = Option<Cow<'a, [u8]>>;
 
-/// Loads all buffers. One that cannot be read matters only where something uses it, too.
+/// Loads all buffers. One that cannot be read is an error only if something uses it, too.
 pub(super) fn buffers<'a>(
     buffers: &[Part<Buffer>],
     binary: Option<&'a [u8]>,
@@ -150,18 +150,18 @@ fn bytes<'a>(
     folder: Folder<'_>,
     budget: &Budget,
 ) -> Result<Bytes<'a>, GltfError> {
-    let place = || format!("buffers[{index}].uri");
+    let json_path = || format!("buffers[{index}].uri");
     let bytes = match &buffer.uri {
         Some(uri) if is_data(uri) => {
             // The URI with percent signs decoded, in a list that doubles, and the bytes.
             let mark = budget.mark();
-            budget.charge(uri.len() as u64, 4, &place)?;
-            let bytes = data_uri(uri).map_err(|problem| bad_uri(uri, &place, problem))?;
+            budget.charge(uri.len() as u64, 4, &json_path)?;
+            let bytes = data_uri(uri).map_err(|problem| bad_uri(uri, &json_path, problem))?;
             budget.settle(mark, 0);
-            budget.charge_file(bytes.capacity() as u64, &place)?;
+            budget.charge_file(bytes.capacity() as u64, &json_path)?;
             Cow::Owned(bytes)
         }
-        Some(uri) => Cow::Owned(read(&folder.find(uri, &place)?, buffer.bytes, budget)?),
+        Some(uri) => Cow::Owned(read(&folder.find(uri, &json_path)?, buffer.bytes, budget)?),
         None => match binary.filter(|_| index == 0) {
             Some(binary) => Cow::Borrowed(binary),
             None => return Ok(None),
@@ -179,8 +179,8 @@ fn is_data(uri: &str) -> bool {
 }
 
 /// A URI that is not read. It is quoted, shortened.
-fn bad_uri(uri: &str, place: &dyn Fn() -> String, problem: &str) -> GltfError {
-    GltfError::invalid(place(), format!(": {:?} {problem}", shorten(uri)))
+fn bad_uri(uri: &str, json_path: &dyn Fn() -> String, problem: &str) -> GltfError {
+    GltfError::invalid(json_path(), format!(": {:?} {problem}", shorten(uri)))
 }
 
 fn data_uri(uri: &str) -> Result<Vec<u8>, &'static str> {

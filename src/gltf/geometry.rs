@@ -36,9 +36,9 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         let Some(position) = primitive.position else {
             continue;
         };
-        let place = format!("meshes[{index}].primitives[{p}]");
-        let read = || vertices::read(reader, primitive, position, skinned_by.is_some(), &place);
-        let compression = check_compression(reader, primitive, &place);
+        let json_path = format!("meshes[{index}].primitives[{p}]");
+        let read = || vertices::read(reader, primitive, position, skinned_by.is_some(), &json_path);
+        let compression = check_compression(reader, primitive, &json_path);
         if !primitive.mode.has_triangles() {
             reader.warnings.leave_out(compression.and_then(|()| read()))?;
             continue;
@@ -47,7 +47,7 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         if let Some(node) = skinned_by
             && primitive.influences.as_ref().is_ok_and(Vec::is_empty)
         {
-            let problem = format!(" has a skin, but {place} has no JOINTS_0 and WEIGHTS_0");
+            let problem = format!(" has a skin, but {json_path} has no JOINTS_0 and WEIGHTS_0");
             return Err(GltfError::invalid(format!("nodes[{node}]"), problem));
         }
         let key = (position, &primitive.targets, primitive.influences.as_ref().ok());
@@ -56,12 +56,12 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         } else {
             let vertices = read()?;
             highest_joints.extend(vertices.bindings.highest.clone());
-            let first = draft.append(&vertices, reader, &place)?;
+            let first = draft.append(&vertices, reader, &json_path)?;
             blocks.insert(key, first);
             first
         };
-        let faces = triangles::read(reader, primitive, reader.count(position)?, &place)?;
-        reader.charge(grown(&draft.faces, faces.len()), 1, &|| place.clone())?;
+        let faces = triangles::read(reader, primitive, reader.count(position)?, &json_path)?;
+        reader.charge(grown(&draft.faces, faces.len()), 1, &|| json_path.clone())?;
         draft.faces.extend(faces.into_iter().map(|face| face.map(|v| v + first)));
     }
     reader.budget.settle(mark, draft.bytes());
@@ -70,13 +70,13 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
 }
 
 /// Refuses a primitive whose plain data was left out in compression. It would read as zeros.
-fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) -> Result<(), GltfError> {
+fn check_compression(reader: &Reader<'_>, primitive: &Primitive, json_path: &str) -> Result<(), GltfError> {
     let empty = |accessor: usize| {
         reader.accessor(accessor).is_ok_and(|accessor| accessor.view.is_none() && accessor.sparse.is_none())
     };
     if primitive.draco && primitive.position.into_iter().chain(primitive.indices).any(empty) {
-        let (name, place) = (extensions::DRACO.to_owned(), place.to_owned());
-        return Err(GltfError::Extension { name, place, advice: extensions::DRACO_ADVICE });
+        let (name, json_path) = (extensions::DRACO.to_owned(), json_path.to_owned());
+        return Err(GltfError::Extension { name, json_path, advice: extensions::DRACO_ADVICE });
     }
     Ok(())
 }
@@ -127,14 +127,14 @@ impl Draft {
     }
 
     /// Adds vertices and returns the index of the first.
-    fn append(&mut self, vertices: &Vertices, reader: &Reader<'_>, place: &str) -> Result<u32, GltfError> {
+    fn append(&mut self, vertices: &Vertices, reader: &Reader<'_>, json_path: &str) -> Result<u32, GltfError> {
         let Vertices { positions, targets, bindings } = vertices;
         let first = self.positions.len();
         // Indices and offsets are u32.
         let over = (first + positions.len()).max(self.joints.len() + bindings.joints.len()) as u64;
         if over > u64::from(u32::MAX) {
             let problem = ": its mesh has more vertices or joints than 32-bit indices can name; split it";
-            return Err(GltfError::invalid(place, problem));
+            return Err(GltfError::invalid(json_path, problem));
         }
         let (count, joints) = (positions.len(), bindings.joints.len());
         let mut bytes = grown(&self.positions, count);
@@ -142,9 +142,9 @@ impl Draft {
         if self.is_skinned {
             bytes += grown(&self.ends, count) + grown(&self.joints, joints) + grown(&self.weights, joints);
         }
-        reader.charge(bytes, 1, &|| place.to_owned())?;
+        reader.charge(bytes, 1, &|| json_path.to_owned())?;
         // The number of each vertex in the file, once the mesh is complete.
-        reader.charge(count as u64, 4, &|| place.to_owned())?;
+        reader.charge(count as u64, 4, &|| json_path.to_owned())?;
         self.positions.extend_from_slice(positions);
         for (target, offsets) in self.morph_targets.iter_mut().zip(targets) {
             target.extend_from_slice(offsets);

@@ -16,7 +16,7 @@ pub(super) struct Graph {
     pub(super) scene: Vec<usize>,
     /// The number of nodes of the chosen scene that are hidden.
     pub(super) hidden: usize,
-    /// For each node: the node at or above it that is at fault, so that its place is not known.
+    /// For each node: the node at or above it that is at fault, so that its transform is not known.
     spoilt_by: Vec<Option<usize>>,
 }
 
@@ -50,7 +50,7 @@ impl Graph {
         Ok(Self { parents, order, hidden: count - scene.len(), scene, spoilt_by })
     }
 
-    /// Checks that the place of a node is known.
+    /// Checks that the transform of a node is known.
     pub(super) fn check(&self, document: &Document, node: usize) -> Result<(), GltfError> {
         self.spoilt_by[node].map_or(Ok(()), |by| Err(fault(document, by)))
     }
@@ -112,7 +112,7 @@ fn trees(
                     let twice =
                         format!(" is a child of nodes[{first}] and again of nodes[{parent}]; nodes must form trees");
                     let problem = format!("{twice}, so it is placed below nodes[{first}] only");
-                    warnings.push(GltfWarning::Changed { place: format!("nodes[{node}]"), problem })?;
+                    warnings.push(GltfWarning::Changed { json_path: format!("nodes[{node}]"), problem })?;
                 }
             }
         }

@@ -38,7 +38,7 @@ struct Draft<'a> {
     weld_counts: Vec<WeldCounts>,
 }
 
-/// Merges and welds every mesh of the file, then places those of the chosen scene.
+/// Merges and welds every mesh of the file, then adds the instances of the chosen scene.
 pub(super) fn build(
     reader: &Reader<'_>,
     graph: &Graph,
@@ -73,13 +73,13 @@ pub(super) fn build(
         let rigid = rigid_variants[mesh].filter(|_| node.skin.is_none());
         for frame in frames(reader, n, node)? {
             let placement = Placement { mesh, node: Some(n), frame };
-            draft.place(rigid.unwrap_or(mesh), node.name.as_ref(), placement)?;
+            draft.add_instance(rigid.unwrap_or(mesh), node.name.as_ref(), placement)?;
         }
     }
     if document.scenes.is_empty() {
         for (mesh, _) in users.iter().enumerate().filter(|(_, users)| users.is_empty()) {
             let placement = Placement { mesh, node: None, frame: Frame::Node(DAffine3::IDENTITY) };
-            draft.place(mesh, document.meshes[mesh].name.as_ref(), placement)?;
+            draft.add_instance(mesh, document.meshes[mesh].name.as_ref(), placement)?;
         }
     }
     let Draft { geometries, instances, placements, meshes, weld_counts, .. } = draft;
@@ -87,7 +87,7 @@ pub(super) fn build(
     Ok(Built { model, placements, meshes, weld_counts })
 }
 
-/// Charges the lights of the chosen scene, as they are when they are asked for, with their names.
+/// Charges the lights of the chosen scene, as callers get them, with their names.
 pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
     for &n in &graph.scene {
@@ -139,26 +139,26 @@ fn frames(reader: &Reader<'_>, n: usize, node: &Node) -> Result<Vec<Frame>, Gltf
 }
 
 fn instanced(reader: &Reader<'_>, n: usize, accessors: [Option<usize>; 3]) -> Result<Vec<Frame>, GltfError> {
-    let place = format!("nodes[{n}].extensions.EXT_mesh_gpu_instancing.attributes");
-    let places = INSTANCED.map(|name| format!("{place}.{name}"));
+    let json_path = format!("nodes[{n}].extensions.EXT_mesh_gpu_instancing.attributes");
+    let json_paths = INSTANCED.map(|name| format!("{json_path}.{name}"));
     let mut count = None;
-    for (accessor, place) in accessors.iter().zip(&places) {
+    for (accessor, json_path) in accessors.iter().zip(&json_paths) {
         let Some(accessor) = *accessor else { continue };
         let found = reader.count(accessor)?;
-        reader.check_count(accessor, *count.get_or_insert(found), place)?;
+        reader.check_count(accessor, *count.get_or_insert(found), json_path)?;
     }
-    let count = count.ok_or_else(|| GltfError::missing(&*places[0]))?;
+    let count = count.ok_or_else(|| GltfError::missing(&*json_paths[0]))?;
     let vectors = |at: usize| {
-        accessors[at].map(|accessor| reader.vectors::<3>(accessor, reader::VECTORS, &places[at])).transpose()
+        accessors[at].map(|accessor| reader.vectors::<3>(accessor, reader::VECTORS, &json_paths[at])).transpose()
     };
     let (translations, scales) = (vectors(0)?, vectors(2)?);
-    let rotations = accessors[1].map(|accessor| reader.vectors::<4>(accessor, reader::ROTATIONS, &places[1]));
+    let rotations = accessors[1].map(|accessor| reader.vectors::<4>(accessor, reader::ROTATIONS, &json_paths[1]));
     let rotations = rotations.transpose()?;
     let is_zero = |rotation: &[f32; 4]| *rotation == [0.0; 4];
     if let Some(first) = rotations.iter().flatten().position(is_zero) {
-        reader.warnings.push(GltfWarning::no_rotation(format!("{}, instance {first}", places[1])))?;
+        reader.warnings.push(GltfWarning::no_rotation(format!("{}, instance {first}", json_paths[1])))?;
     }
-    reader.charge(count as u64, 3 * size_of::<Frame>() as u64, &|| place.clone())?;
+    reader.charge(count as u64, 3 * size_of::<Frame>() as u64, &|| json_path.clone())?;
     let vector = |vectors: &Option<Vec<[f32; 3]>>, i: usize| {
         vectors.as_ref().map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
     };
@@ -167,9 +167,9 @@ fn instanced(reader: &Reader<'_>, n: usize, accessors: [Option<usize>; 3]) -> Re
         trs.translation = vector(&translations, i).unwrap_or(trs.translation);
         trs.scale = vector(&scales, i).unwrap_or(trs.scale);
         if let Some(rotation) = rotations.as_ref().map(|all| all[i]).filter(|rotation| !is_zero(rotation)) {
-            let place = || format!("{}, instance {i}", places[1]);
+            let json_path = || format!("{}, instance {i}", json_paths[1]);
             trs.rotation = unit(rotation.map(f64::from))
-                .ok_or_else(|| GltfError::invalid(place(), ": the quaternion is not finite"))?;
+                .ok_or_else(|| GltfError::invalid(json_path(), ": the quaternion is not finite"))?;
         }
         Ok(Frame::Node(trs.matrix()))
     };
@@ -202,7 +202,7 @@ impl Draft<'_> {
         budget.charge_welding(&geometry, weld, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
         drop(geometry);
-        budget.settle(mark, budget::kept(&welded));
+        budget.settle(mark, budget::remaining_bytes(&welded));
         self.geometries.push(welded);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);
@@ -217,14 +217,14 @@ impl Draft<'_> {
         if (joint as usize) < joints {
             return Ok(());
         }
-        let place = format!("{}, vertex {}", highest.place, highest.vertex);
+        let json_path = format!("{}, vertex {}", highest.json_path, highest.vertex);
         let problem = format!(" names joint {joint}, but skins[{skin}] of nodes[{node}] has {joints} joints");
-        let fault = Err(GltfError::invalid(place, problem));
+        let fault = Err(GltfError::invalid(json_path, problem));
         if is_shown { fault } else { self.reader.warnings.leave_out(fault).map(drop) }
     }
 
     /// Adds an instance, unless its geometry has no faces.
-    fn place(&mut self, geometry: usize, name: Option<&String>, placement: Placement) -> Result<(), GltfError> {
+    fn add_instance(&mut self, geometry: usize, name: Option<&String>, placement: Placement) -> Result<(), GltfError> {
         let shape = &self.geometries[geometry];
         if shape.faces().is_empty() {
             return Ok(());

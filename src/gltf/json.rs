@@ -1,4 +1,4 @@
-//! A view of JSON that knows its path, so that every error names its place.
+//! A view of JSON that knows its path, so that every error names it.
 //!
 //! Derived types of serde are not used. They take an array for an object and null for nothing, and their messages speak
 //! of Rust's types. Faults of single parts, and the lengths of lists that indices point into, would still need a walk.
@@ -23,57 +23,57 @@ pub(super) struct List {
 }
 
 /// A JSON path, made where an error needs it.
-type Place<'p> = &'p dyn Fn() -> String;
+type JsonPath<'p> = &'p dyn Fn() -> String;
 
 /// A type of values that properties have.
 pub(super) trait FromJson<'a>: Sized {
-    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError>;
+    fn read(value: &'a Value, json_path: JsonPath<'_>) -> Result<Self, GltfError>;
 }
 
 pub(super) const INDEX: &str = "an index (a whole number of 0 or more)";
 
 impl<'a> FromJson<'a> for Json<'a> {
-    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
-        Ok(Self { object: expect(value.as_object(), "an object", value, place)?, path: place() })
+    fn read(value: &'a Value, json_path: JsonPath<'_>) -> Result<Self, GltfError> {
+        Ok(Self { object: expect(value.as_object(), "an object", value, json_path)?, path: json_path() })
     }
 }
 
 impl<'a> FromJson<'a> for &'a str {
-    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
-        expect(value.as_str(), "a string", value, place)
+    fn read(value: &'a Value, json_path: JsonPath<'_>) -> Result<Self, GltfError> {
+        expect(value.as_str(), "a string", value, json_path)
     }
 }
 
 impl FromJson<'_> for bool {
-    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
-        expect(value.as_bool(), "true or false", value, place)
+    fn read(value: &Value, json_path: JsonPath<'_>) -> Result<Self, GltfError> {
+        expect(value.as_bool(), "true or false", value, json_path)
     }
 }
 
 impl FromJson<'_> for u64 {
-    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
-        expect(whole(value), "a whole number of 0 or more", value, place)
+    fn read(value: &Value, json_path: JsonPath<'_>) -> Result<Self, GltfError> {
+        expect(whole(value), "a whole number of 0 or more", value, json_path)
     }
 }
 
 impl FromJson<'_> for f64 {
-    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
-        expect(value.as_f64(), "a number", value, place)
+    fn read(value: &Value, json_path: JsonPath<'_>) -> Result<Self, GltfError> {
+        expect(value.as_f64(), "a number", value, json_path)
     }
 }
 
 impl<'a, T: FromJson<'a>> FromJson<'a> for Vec<T> {
-    fn read(value: &'a Value, place: Place<'_>) -> Result<Self, GltfError> {
-        let values = expect(value.as_array(), "an array", value, place)?;
-        values.iter().enumerate().map(|(i, value)| T::read(value, &|| format!("{}[{i}]", place()))).collect()
+    fn read(value: &'a Value, json_path: JsonPath<'_>) -> Result<Self, GltfError> {
+        let values = expect(value.as_array(), "an array", value, json_path)?;
+        values.iter().enumerate().map(|(i, value)| T::read(value, &|| format!("{}[{i}]", json_path()))).collect()
     }
 }
 
 impl<const N: usize> FromJson<'_> for [f64; N] {
-    fn read(value: &Value, place: Place<'_>) -> Result<Self, GltfError> {
-        let numbers = Vec::read(value, place)?;
+    fn read(value: &Value, json_path: JsonPath<'_>) -> Result<Self, GltfError> {
+        let numbers = Vec::read(value, json_path)?;
         let count = numbers.len();
-        numbers.try_into().map_err(|_| GltfError::count(place(), count, N))
+        numbers.try_into().map_err(|_| GltfError::count(json_path(), count, N))
     }
 }
 
@@ -125,7 +125,7 @@ impl<'a> Json<'a> {
         Ok(List { name, length: self.values(name)?.len() })
     }
 
-    /// The objects of an array, or none if it is missing. Each that is no object is a fault of its own.
+    /// The objects of an array, or none if it is missing. Each element that is no object is a separate fault.
     pub(super) fn elements(
         &self,
         key: &str,
@@ -172,27 +172,27 @@ pub(super) fn whole(value: &Value) -> Option<u64> {
     })
 }
 
-fn index(value: &Value, list: List, place: Place<'_>) -> Result<usize, GltfError> {
-    let index = expect(whole(value), INDEX, value, place)?;
+fn index(value: &Value, list: List, json_path: JsonPath<'_>) -> Result<usize, GltfError> {
+    let index = expect(whole(value), INDEX, value, json_path)?;
     let List { name, length } = list;
     if index < length as u64 {
         return Ok(index as usize);
     }
-    Err(GltfError::invalid(place(), format!(" is {index}, but the file has {length} {name}")))
+    Err(GltfError::invalid(json_path(), format!(" is {index}, but the file has {length} {name}")))
 }
 
-fn expect<T>(found: Option<T>, expected: &str, value: &Value, place: Place<'_>) -> Result<T, GltfError> {
-    found.ok_or_else(|| wrong(place(), expected, value))
+fn expect<T>(found: Option<T>, expected: &str, value: &Value, json_path: JsonPath<'_>) -> Result<T, GltfError> {
+    found.ok_or_else(|| wrong(json_path(), expected, value))
 }
 
 /// An error about a value. It quotes the value, shortened.
-pub(super) fn wrong(place: String, expected: &str, value: &Value) -> GltfError {
+pub(super) fn wrong(json_path: String, expected: &str, value: &Value) -> GltfError {
     let found = match value {
         Value::Array(_) => "an array".to_owned(),
         Value::Object(_) => "an object".to_owned(),
         other => shorten(&other.to_string()),
     };
-    GltfError::invalid(place, format!(": expected {expected}, found {found}"))
+    GltfError::invalid(json_path, format!(": expected {expected}, found {found}"))
 }
 
 /// At most the first 60 characters.

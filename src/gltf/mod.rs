@@ -7,22 +7,22 @@
 //!   `KHR_node_visibility` hides, and those below them, have no instances and no lights. Animations do not show or hide
 //!   nodes.
 //! * **Damage.** Every mesh, skin and animation of the file is read and checked, and so is every part that the scene needs. A
-//!   fault is an error where the scene needs the part, or where somebody asks for it: an animation by [`Asset::pose`], a
+//!   fault is an error where the scene needs the part, or where a caller requests it: an animation by [`Asset::pose`], a
 //!   light by [`Asset::lights`]. It is a warning everywhere else, see [`Asset::warnings`]. Cameras and materials are not
 //!   read.
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
 //!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
 //! * **Large coordinates.** Transforms of nodes are composed in `f64`. [`Asset::set_origin`] subtracts a point near the
-//!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the places of all nodes.
+//!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the translations of all nodes.
 //! * **Shared children.** A child of two nodes is placed below the first of them, with a warning.
 //! * **Corners.** One or two corners that are left over in a list of triangles are ignored, with a warning. An index must
 //!   not be the largest of its type. One that is gets a warning: in a list of triangles it names a vertex, if there is
 //!   one. Elsewhere it begins a new triangle, strip or fan.
-//! * **Positions** may be infinite or NaN, with a warning. Their faces are kept; they face no light.
+//! * **Positions** may be infinite or NaN, with a warning. Their faces stay; they face no light.
 //! * **Joints.** A vertex follows the joints whose weight is not zero. Weights are scaled to the sum 1. If all are
 //!   zero, the vertex follows the first joint listed. A joint of weight zero may have any index. A mesh that is used
 //!   both with and without a skin gives two geometries.
-//! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then taken as that. Rotations
+//! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then read as that. Rotations
 //!   are scaled to length 1; one of length 0 is no rotation, with a warning.
 //! * **Animations.** Several play together unless two move the same property of a node. If several channels of one
 //!   animation do, the last one applies. Keys of the same time are a step. Channels are ignored with a warning if they

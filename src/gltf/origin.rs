@@ -34,7 +34,7 @@ impl Asset {
     }
 
     /// Makes poses and lights relative to this origin. Transforms of nodes are composed in `f64`, the origin is subtracted
-    /// there, and the result is rounded to `f32` once. The model itself does not change: its geometries are in their own
+    /// there, and the result is rounded to `f32` once. The model does not change: its geometries are in their
     /// spaces.
     ///
     /// Everything that is seen together needs one origin: other models, lights and cameras, too.
@@ -105,16 +105,16 @@ impl Asset {
         // Many instances share a geometry, whose vertices are then looked at once.
         let boxes = self.boxes.get_or_init(|| model.geometries().iter().map(box_of).collect());
         let (mut low, mut high, mut stored) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
-        let mut add = |place: DVec3, half: DVec3| {
+        let mut add = |center: DVec3, half: DVec3| {
             // Places that `f32` cannot hold do not count.
-            if let Some([from, to]) = bounds([(place - half).to_array(), (place + half).to_array()]) {
+            if let Some([from, to]) = bounds([(center - half).to_array(), (center + half).to_array()]) {
                 (low, high) = (low.min(from.into()), high.max(to.into()));
             }
         };
         let instances = self.built.placements.iter().zip(model.instances()).zip(model.placed_geometries());
         for ((placement, instance), geometry) in instances {
-            let Some(own) = boxes.get(instance.geometry()).copied().flatten() else { continue };
-            let [from, to] = own.map(DVec3::from);
+            let Some(geometry_box) = boxes.get(instance.geometry()).copied().flatten() else { continue };
+            let [from, to] = geometry_box.map(DVec3::from);
             let sizes = DVec3::from(from.abs().max(to.abs()).to_array().map(half_step));
             let rounding = |matrix: &DAffine3| {
                 let [x, y, z] = columns(matrix).map(DVec3::length);
@@ -148,13 +148,14 @@ impl Placed<'_> {
     /// A vertex after morph and skin.
     fn position(&self, vertex: usize) -> DVec3 {
         let vector = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
-        let mut place = vector(self.geometry.positions()[vertex]);
+        let mut position = vector(self.geometry.positions()[vertex]);
         for (target, &weight) in self.geometry.morph_targets().iter().zip(&self.weights) {
             if weight != 0.0 {
-                place += weight * vector(target[vertex]);
+                position += weight * vector(target[vertex]);
             }
         }
-        let moved = |joint: usize| self.matrices.get(joint).map_or(DVec3::NAN, |matrix| matrix.transform_point3(place));
+        let moved =
+            |joint: usize| self.matrices.get(joint).map_or(DVec3::NAN, |matrix| matrix.transform_point3(position));
         let Some(influences) = self.geometry.influences() else { return moved(0) };
         let range = influences.range(vertex);
         let joints = influences.joints()[range.clone()].iter().zip(&influences.weights()[range]);

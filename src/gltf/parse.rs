@@ -28,7 +28,7 @@ pub(super) struct Parser<'w> {
 }
 
 /// Reads a document and checks its version, its required extensions, and every index that is used. A fault of a part that the
-/// scene may not need is kept with the part.
+/// scene may not need is stored with the part.
 pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) -> Result<Document, GltfError> {
     let root = Json::root(value)?;
     version(&root)?;
@@ -85,7 +85,7 @@ fn version(root: &Json<'_>) -> Result<(), GltfError> {
     }
 }
 
-/// Checks texture indices. Textures are not read, but an impossible index tells that the file is damaged.
+/// Checks texture indices. Textures are not read, but an impossible index shows that the file is damaged.
 fn texture_indices(root: &Value) -> Result<(), GltfError> {
     root.get("materials").map_or(Ok(()), |materials| walk(materials, &mut "materials".to_owned(), false))
 }
@@ -179,8 +179,8 @@ impl Parser<'_> {
         let available = buffers[view.buffer].as_ref().map_or(u64::MAX, |buffer| buffer.bytes);
         let needed = view.offset.saturating_add(view.bytes);
         if needed > available {
-            let place = format!("{} (byteOffset and byteLength)", json.path());
-            return Err(GltfError::too_short(place, needed, available));
+            let json_path = format!("{} (byteOffset and byteLength)", json.path());
+            return Err(GltfError::too_short(json_path, needed, available));
         }
         Ok(view)
     }
@@ -219,8 +219,8 @@ impl Parser<'_> {
         let primitives: Vec<_> = primitives.iter().map(|json| self.primitive(json)).collect::<Result<_, _>>()?;
         let targets = primitives.first().map_or(0, |p| p.targets.len());
         if let Some(other) = primitives.iter().position(|p| p.targets.len() != targets) {
-            let place = format!("{}.primitives[{other}].targets", json.path());
-            return Err(GltfError::count(place, primitives[other].targets.len(), targets));
+            let json_path = format!("{}.primitives[{other}].targets", json.path());
+            return Err(GltfError::count(json_path, primitives[other].targets.len(), targets));
         }
         let weights = self.weights(json.get("weights")?, targets, || json.at("weights"))?;
         Ok(Mesh { primitives, weights, targets })
@@ -231,15 +231,15 @@ impl Parser<'_> {
         &self,
         weights: Option<Vec<f64>>,
         targets: usize,
-        place: impl Fn() -> String,
+        json_path: impl Fn() -> String,
     ) -> Result<Option<Vec<f64>>, GltfError> {
         match weights.as_ref().map(Vec::len) {
             Some(count) if targets == 0 && count > 0 => {
                 let problem = format!(" has {count} morph weights, but there are no morph targets; they are ignored");
-                self.warnings.push(GltfWarning::Changed { place: place(), problem })?;
+                self.warnings.push(GltfWarning::Changed { json_path: json_path(), problem })?;
                 Ok(None)
             }
-            Some(count) if count != targets => Err(GltfError::count(place(), count, targets)),
+            Some(count) if count != targets => Err(GltfError::count(json_path(), count, targets)),
             _ => Ok(weights),
         }
     }

@@ -21,7 +21,7 @@ pub(super) struct State {
 
 impl Asset {
     /// The state of the model at a time of its animations, in seconds. Several animations play together from the same
-    /// start: `pose(0..2, 0.5)`. `None`, or an empty list, gives the state of the file, whatever the time. Before the
+    /// start: `pose(0..2, 0.5)`. `None`, or an empty list, gives the state of the file at any time. Before the
     /// first key and after the last one, the nearest key applies. It is relative to [`Asset::origin`].
     ///
     /// # Errors
@@ -33,11 +33,11 @@ impl Asset {
         for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
             let (posed, mixed) = self.instance(placement, instance.geometry(), &state);
             let Ok(posed) = posed else {
-                let place = match placement.node {
+                let json_path = match placement.node {
                     Some(node) => format!("nodes[{node}]"),
                     None => format!("meshes[{}]", placement.mesh),
                 };
-                return Err(GltfError::NotFinite { place, time_s });
+                return Err(GltfError::NotFinite { json_path, time_s });
             };
             mixed_determinants += usize::from(mixed);
             instances.push(posed);
@@ -46,7 +46,7 @@ impl Asset {
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its
-    /// nodes. Their places are relative to [`Asset::origin`]. Lights of hidden nodes are none.
+    /// nodes. Their positions are relative to [`Asset::origin`]. Lights of hidden nodes are none.
     ///
     /// # Errors
     /// [`GltfError`] as for [`Asset::pose`], and for a light that is damaged. [`Asset::each_light`] gives the others.
@@ -74,8 +74,8 @@ impl Asset {
     /// The name of each of [`Asset::lights`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
         let name = |(n, light): (usize, &Part<usize>)| {
-            let own = light.as_ref().ok().and_then(|&light| self.document.lights[light].name.as_ref());
-            own.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
+            let light_name = light.as_ref().ok().and_then(|&light| self.document.lights[light].name.as_ref());
+            light_name.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
         };
         self.light_nodes().map(name).collect()
     }
@@ -96,8 +96,8 @@ impl Asset {
         };
         let [x, y, z] = xyz.as_vec3().to_array();
         if ![x, y, z].iter().all(|c| c.is_finite()) {
-            let place = format!("nodes[{n}]");
-            return Err(GltfError::NotFinite { place, time_s });
+            let json_path = format!("nodes[{n}]");
+            return Err(GltfError::NotFinite { json_path, time_s });
         }
         let direction = (-world.matrix3.z_axis.normalize()).as_vec3();
         let spot = |[inner_angle, outer_angle]: [f32; 2]| {
@@ -141,12 +141,12 @@ impl Asset {
     /// The channels of the animations, each once. No two animations move the same property of a node.
     fn playing(&self, animations: impl IntoIterator<Item = usize>) -> Result<Vec<&Channel>, GltfError> {
         let count = self.animations.len();
-        let (mut playing, mut taken, mut moved) = (Vec::new(), BTreeSet::new(), HashMap::new());
+        let (mut playing, mut added, mut moved) = (Vec::new(), BTreeSet::new(), HashMap::new());
         for index in animations {
             let channels = self.animations.get(index).ok_or(GltfError::NoAnimation { index, count })?;
             let channels =
                 channels.as_ref().map_err(|fault| GltfError::DamagedAnimation { index, source: fault.clone() })?;
-            if !taken.insert(index) {
+            if !added.insert(index) {
                 continue;
             }
             for &Channel { node, property, .. } in channels {
@@ -161,7 +161,7 @@ impl Asset {
         Ok(playing)
     }
 
-    /// How far the scene is moved: from its own zero into the world, and from there to the origin.
+    /// The translation of the scene: from its zero to the world's, and from there to the origin.
     fn shift(&self) -> DVec3 {
         self.document.center - DVec3::from_array(self.origin.to_array())
     }
@@ -195,17 +195,17 @@ impl Asset {
         let used = if is_rigid { &[0] } else { &self.used_joints[geometry][..] };
         let determinants = used.iter().map(|&joint| matrices[joint as usize].matrix3.determinant());
         let mirrored = determinants.clone().filter(|determinant| *determinant < 0.0).count();
-        let kept = determinants.filter(|determinant| *determinant > 0.0).count();
+        let unmirrored = determinants.filter(|determinant| *determinant > 0.0).count();
         let palette = matrices.into_iter().map(Into::into).collect();
-        let pose = InstancePose::with(palette, self.morph_weights(placement, state), mirrored > kept);
-        (pose, mirrored > 0 && kept > 0)
+        let pose = InstancePose::with(palette, self.morph_weights(placement, state), mirrored > unmirrored);
+        (pose, mirrored > 0 && unmirrored > 0)
     }
 
     pub(super) fn morph_weights(&self, placement: &Placement, state: &State) -> Vec<f32> {
         let animated = placement.node.and_then(|node| state.weights.get(&node));
-        let own = placement.node.and_then(|node| self.document.nodes[node].weights.as_ref());
+        let of_node = placement.node.and_then(|node| self.document.nodes[node].weights.as_ref());
         let mesh = self.document.meshes[placement.mesh].part.as_ref().ok();
-        match animated.or(own).or(mesh.and_then(|mesh| mesh.weights.as_ref())) {
+        match animated.or(of_node).or(mesh.and_then(|mesh| mesh.weights.as_ref())) {
             Some(weights) => weights.iter().map(|&w| w as f32).collect(),
             None => vec![0.0; self.document.targets(placement.mesh)],
         }

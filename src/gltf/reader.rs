@@ -74,12 +74,12 @@ struct Use<'u> {
 }
 
 impl Use<'_> {
-    fn place(&self) -> String {
+    fn json_path(&self) -> String {
         format!("accessors[{}], used as {}", self.accessor, self.user)
     }
 
     fn fault(&self, problem: impl Display) -> GltfError {
-        GltfError::invalid(self.place(), format!(": {problem}"))
+        GltfError::invalid(self.json_path(), format!(": {problem}"))
     }
 
     /// There are no bytes for a view.
@@ -87,7 +87,7 @@ impl Use<'_> {
         let Some(name) = compressed else { return self.fault(format_args!("buffers[{buffer}] has no data")) };
         GltfError::Extension {
             name: (*name).to_owned(),
-            place: format!("bufferViews[{view}], used by accessors[{}] as {},", self.accessor, self.user),
+            json_path: format!("bufferViews[{view}], used by accessors[{}] as {},", self.accessor, self.user),
             advice: extensions::MESHOPT_ADVICE,
         }
     }
@@ -108,10 +108,10 @@ impl<'a> Reader<'a> {
         Ok(usize::try_from(self.accessor(accessor)?.count).unwrap_or(usize::MAX))
     }
 
-    /// Checks that an accessor has so many elements.
-    pub(super) fn check_count(&self, accessor: usize, expected: usize, place: &str) -> Result<(), GltfError> {
+    /// Checks the number of elements of an accessor.
+    pub(super) fn check_count(&self, accessor: usize, expected: usize, json_path: &str) -> Result<(), GltfError> {
         let count = self.count(accessor)?;
-        if count == expected { Ok(()) } else { Err(GltfError::count(place, count, expected)) }
+        if count == expected { Ok(()) } else { Err(GltfError::count(json_path, count, expected)) }
     }
 
     /// Vectors of floats. Normalised integers are dequantised, others are converted.
@@ -169,7 +169,7 @@ impl<'a> Reader<'a> {
         // The check against the data comes first, so that a wrong number gets its own error.
         let source = view.map(|view| self.strided(view, offset, count, element, at)).transpose()?;
         // The bytes as they are stored and the numbers, or the numbers in one list and in one of vectors.
-        self.charge(count, (element.max(4 * components) + 4 * components) as u64, &|| at.place())?;
+        self.charge(count, (element.max(4 * components) + 4 * components) as u64, &|| at.json_path())?;
         let mut bytes = match source {
             Some((data, stride)) => pack(data, stride, element, count as usize),
             None => vec![0; count as usize * element],
@@ -221,7 +221,7 @@ impl<'a> Reader<'a> {
             return Err(at.fault(format_args!("it replaces {count} elements of {elements}")));
         }
         let (indices, stride) = self.strided(view, offset, count, component.size(), at)?;
-        self.charge(count, (component.size() + 4 + element) as u64, &|| at.place())?;
+        self.charge(count, (component.size() + 4 + element) as u64, &|| at.json_path())?;
         let indices = unsigned(&pack(indices, stride, component.size(), count as usize), component);
         let (values, stride) = self.strided(values.0, values.1, count, element, at)?;
         let values = pack(values, stride, element, count as usize);

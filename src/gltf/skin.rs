@@ -22,19 +22,19 @@ pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<Part<LoadedSkin>>, GltfErr
 
 fn load_one(reader: &Reader<'_>, index: usize) -> Result<LoadedSkin, GltfError> {
     let skin = checked(&reader.document.skins[index].part)?;
-    let (place, expected) = (format!("skins[{index}].inverseBindMatrices"), skin.joints.len());
+    let (json_path, expected) = (format!("skins[{index}].inverseBindMatrices"), skin.joints.len());
     let count = skin.inverse_binds.map_or(Ok(expected), |accessor| reader.count(accessor))?;
     if count < expected {
-        return Err(GltfError::count(place, count, expected));
+        return Err(GltfError::count(json_path, count, expected));
     }
     // A list that doubles.
     reader.charge(expected as u64, 3 * size_of::<DAffine3>() as u64, &|| format!("skins[{index}].joints"))?;
     let inverse_binds = match skin.inverse_binds {
         None => vec![DAffine3::IDENTITY; expected],
         Some(accessor) => {
-            let matrices = reader.vectors::<16>(accessor, reader::MATRICES, &place)?;
+            let matrices = reader.vectors::<16>(accessor, reader::MATRICES, &json_path)?;
             let matrix = |(joint, columns): (usize, &[f32; 16])| {
-                affine(columns.map(f64::from), || format!("{place}, matrix {joint}"))
+                affine(columns.map(f64::from), || format!("{json_path}, matrix {joint}"))
             };
             matrices.iter().take(expected).enumerate().map(matrix).collect::<Result<_, _>>()?
         }

@@ -6,43 +6,43 @@ use super::reader::{self, Reader};
 use super::warning::GltfWarning;
 
 /// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners of the specification. A
-/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept. An index that restarts
-/// strips begins a new one. `place` is the primitive's JSON path.
+/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice stay. An index that restarts
+/// strips begins a new one. `json_path` is the primitive's JSON path.
 pub(super) fn read(
     reader: &Reader<'_>,
     primitive: &Primitive,
     vertices: usize,
-    place: &str,
+    json_path: &str,
 ) -> Result<Vec<[u32; 3]>, GltfError> {
     let mode = primitive.mode;
-    let indices_place = format!("{place}.indices");
-    let changed = |problem| reader.warnings.push(GltfWarning::Changed { place: place.to_owned(), problem });
+    let indices_path = format!("{json_path}.indices");
+    let changed = |problem| reader.warnings.push(GltfWarning::Changed { json_path: json_path.to_owned(), problem });
     let count = primitive.indices.map_or(Ok(vertices), |accessor| reader.count(accessor))?;
     if mode == Mode::Triangles && !count.is_multiple_of(3) {
         let over = count % 3;
         changed(format!(": {count} corners are no whole number of triangles; the last {over} are left out"))?;
     }
     let faces = face_count(mode, count as u64) as usize;
-    let charge_faces = || reader.charge(faces as u64, size_of::<[u32; 3]>() as u64, &|| indices_place.clone());
+    let charge_faces = || reader.charge(faces as u64, size_of::<[u32; 3]>() as u64, &|| indices_path.clone());
     let mark = reader.budget.mark();
     let Some(accessor) = primitive.indices else {
         charge_faces()?;
         return Ok((0..faces).map(|face| corners(mode, face).map(|corner| corner as u32)).collect());
     };
-    let indices = reader.integers(accessor, reader::INDICES, &indices_place)?;
+    let indices = reader.integers(accessor, reader::INDICES, &indices_path)?;
     let restart = match reader.accessor(accessor)?.component {
         Component::U8 => u32::from(u8::MAX),
         Component::U16 => u32::from(u16::MAX),
         _ => u32::MAX,
     };
-    // Only strips and fans restart on every device. A list restarts where nothing else can be meant.
+    // Only strips and fans restart on every device. A list restarts only at an index that can mean nothing else.
     let is_vertex = mode == Mode::Triangles && (restart as usize) < vertices;
     let restarts = |index: u32| index == restart && !is_vertex;
     let bad = |&index: &u32| index as usize >= vertices && !restarts(index);
     if let Some(position) = indices.iter().position(bad) {
         let (index, [face, corner]) = (indices[position], first_use(mode, position));
         let at = format!(": index {position} (face {face}, corner {corner})");
-        return Err(GltfError::invalid(place, format!("{at} is {index}, but there are {vertices} vertices")));
+        return Err(GltfError::invalid(json_path, format!("{at} is {index}, but there are {vertices} vertices")));
     }
     charge_faces()?;
     if let Some(position) = indices.iter().position(|&index| index == restart) {
@@ -61,7 +61,7 @@ pub(super) fn read(
     Ok(all)
 }
 
-/// The number of whole faces of so many corners.
+/// The number of whole faces of this number of corners.
 pub(super) fn face_count(mode: Mode, corners: u64) -> u64 {
     match mode {
         Mode::Triangles => corners / 3,

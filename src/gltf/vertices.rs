@@ -29,42 +29,47 @@ pub(super) struct HighestJoint {
     pub(super) joint: u32,
     pub(super) vertex: usize,
     /// JSON path of the attribute.
-    pub(super) place: String,
+    pub(super) json_path: String,
 }
 
-/// Reads a primitive's vertices; `place` is its JSON path. `skinned`: a skin moves them.
+/// Reads a primitive's vertices; `json_path` is its JSON path. `skinned`: a skin moves them.
 pub(super) fn read(
     reader: &Reader<'_>,
     primitive: &Primitive,
     position: usize,
     skinned: bool,
-    place: &str,
+    json_path: &str,
 ) -> Result<Vertices, GltfError> {
-    let positions = vectors(reader, position, format!("{place}.attributes.POSITION"), false)?;
+    let positions = vectors(reader, position, format!("{json_path}.attributes.POSITION"), false)?;
     let target = |(t, target): (usize, &Option<usize>)| {
-        let place = format!("{place}.targets[{t}].POSITION");
+        let json_path = format!("{json_path}.targets[{t}].POSITION");
         let Some(target) = *target else {
-            reader.charge(positions.len() as u64, 12, &|| place.clone())?;
+            reader.charge(positions.len() as u64, 12, &|| json_path.clone())?;
             return Ok(vec![[0.0; 3]; positions.len()]);
         };
-        reader.check_count(target, positions.len(), &place)?;
-        vectors(reader, target, place, true)
+        reader.check_count(target, positions.len(), &json_path)?;
+        vectors(reader, target, json_path, true)
     };
     let targets = primitive.targets.iter().enumerate().map(target).collect::<Result<_, GltfError>>()?;
-    let bindings = checked(&primitive.influences).and_then(|sets| bindings(reader, sets, positions.len(), place));
-    // Without a skin nobody asks for joints.
+    let bindings = checked(&primitive.influences).and_then(|sets| bindings(reader, sets, positions.len(), json_path));
+    // Without a skin nothing uses joints.
     let bindings = if skinned { bindings? } else { reader.warnings.leave_out(bindings)?.unwrap_or_default() };
     Ok(Vertices { positions, targets, bindings })
 }
 
 /// Positions, or offsets of a morph target. There is a warning if some are not finite.
-fn vectors(reader: &Reader<'_>, accessor: usize, place: String, is_target: bool) -> Result<Vec<[f32; 3]>, GltfError> {
+fn vectors(
+    reader: &Reader<'_>,
+    accessor: usize,
+    json_path: String,
+    is_target: bool,
+) -> Result<Vec<[f32; 3]>, GltfError> {
     let format = if reader.document.quantized { reader::POSITION_QUANTIZED } else { reader::POSITION };
-    let vectors = reader.vectors(accessor, format, &place)?;
+    let vectors = reader.vectors(accessor, format, &json_path)?;
     let mut bad = (0..vectors.len()).filter(|&v| !vectors[v].iter().all(|c: &f32| c.is_finite()));
     if let Some(first) = bad.next() {
         let vertices = 1 + bad.count();
-        reader.warnings.push(GltfWarning::NonFinite { place, vertices, first, is_target })?;
+        reader.warnings.push(GltfWarning::NonFinite { json_path, vertices, first, is_target })?;
     }
     Ok(vectors)
 }
@@ -75,20 +80,28 @@ struct Set {
     joints_place: String,
 }
 
-fn bindings(reader: &Reader<'_>, sets: &[InfluenceSet], vertices: usize, place: &str) -> Result<Bindings, GltfError> {
+fn bindings(
+    reader: &Reader<'_>,
+    sets: &[InfluenceSet],
+    vertices: usize,
+    json_path: &str,
+) -> Result<Bindings, GltfError> {
     let mark = reader.budget.mark();
     let set = |&InfluenceSet { set, joints, weights }: &InfluenceSet| {
-        let [joints_place, weights_place] =
-            ["JOINTS", "WEIGHTS"].map(|name| format!("{place}.attributes.{name}_{set}"));
+        let [joints_place, weights_path] =
+            ["JOINTS", "WEIGHTS"].map(|name| format!("{json_path}.attributes.{name}_{set}"));
         reader.check_count(joints, vertices, &joints_place)?;
-        reader.check_count(weights, vertices, &weights_place)?;
+        reader.check_count(weights, vertices, &weights_path)?;
         let joints = reader.integers(joints, reader::JOINTS, &joints_place)?.as_chunks().0.to_vec();
-        let weights: Vec<[f32; 4]> = reader.vectors(weights, reader::WEIGHTS, &weights_place)?;
+        let weights: Vec<[f32; 4]> = reader.vectors(weights, reader::WEIGHTS, &weights_path)?;
         let is_bad = |weight: f32| !(weight.is_finite() && weight >= 0.0);
         let mut each = weights.as_flattened().iter().copied().enumerate();
         if let Some((at, weight)) = each.find(|&(_, weight)| is_bad(weight)) {
-            let place = format!("{weights_place}, vertex {}", at / 4);
-            return Err(GltfError::invalid(place, format!(": weight {weight} is not a finite number of 0 or more")));
+            let json_path = format!("{weights_path}, vertex {}", at / 4);
+            return Err(GltfError::invalid(
+                json_path,
+                format!(": weight {weight} is not a finite number of 0 or more"),
+            ));
         }
         Ok(Set { joints, weights, joints_place })
     };
@@ -98,7 +111,7 @@ fn bindings(reader: &Reader<'_>, sets: &[InfluenceSet], vertices: usize, place: 
         return Ok(bindings);
     }
     // Four joints and weights of 4 bytes for each set, and a count, in lists that double.
-    reader.charge(vertices as u64, 3 * (32 * sets.len() as u64 + 4), &|| format!("{place}.attributes"))?;
+    reader.charge(vertices as u64, 3 * (32 * sets.len() as u64 + 4), &|| format!("{json_path}.attributes"))?;
     for vertex in 0..vertices {
         bindings.push(&sets, vertex);
     }
@@ -128,11 +141,11 @@ impl Bindings {
         self.counts.push((self.joints.len() - start) as u32);
     }
 
-    fn entry(&mut self, joint: u32, weight: f32, vertex: usize, place: &str) {
+    fn entry(&mut self, joint: u32, weight: f32, vertex: usize, json_path: &str) {
         self.joints.push(joint);
         self.weights.push(weight);
         if self.highest.as_ref().is_none_or(|highest| joint > highest.joint) {
-            self.highest = Some(HighestJoint { joint, vertex, place: place.to_owned() });
+            self.highest = Some(HighestJoint { joint, vertex, json_path: json_path.to_owned() });
         }
     }
 }

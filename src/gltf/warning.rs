@@ -8,19 +8,19 @@ use super::document::Part;
 use super::error::GltfError;
 use super::info::SkippedPrimitives;
 
-/// Something in a file that was left out, or read in another way than it is written. The file was loaded all the same:
+/// A part of a file that was left out, or read in another way than it is written. The file was loaded:
 /// see [`Asset::warnings`](super::Asset::warnings).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GltfWarning {
-    /// A part of the file is damaged. The scene can be shown without it, so it was left out. Whoever asks for the part
+    /// A part of the file is damaged. The scene can be shown without it, so it was left out. A caller that requests the part
     /// gets this fault as an error.
     #[error("{fault}; the scene can be shown without it, so it is left out")]
     Damaged {
         /// The fault, and where it is.
         fault: Box<GltfError>,
     },
-    /// The file uses an extension that is not read, and that may place, shape or move what is drawn.
+    /// The file uses an extension that is not read, and that may transform, shape or move what is drawn.
     #[error("the extension {name} is not read; where it places, shapes or moves something, the result is another")]
     Extension {
         /// The extension.
@@ -33,15 +33,15 @@ pub enum GltfWarning {
     )]
     Skipped(SkippedPrimitives),
     /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no shadow
-    /// and are not drawn, whatever the weights.
+    /// and are not drawn, for any weights.
     #[error(
-        "{place}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
+        "{json_path}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
         if *.is_target { "offsets" } else { "positions" },
         if *.is_target { "; the faces of these vertices are not drawn" } else { "" }
     )]
     NonFinite {
         /// JSON path of the attribute.
-        place: String,
+        json_path: String,
         /// The number of such vectors.
         vertices: usize,
         /// The first vertex.
@@ -52,25 +52,25 @@ pub enum GltfWarning {
     /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners, indices
     /// that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that move nothing,
     /// zero bytes after the JSON.
-    #[error("{place}{problem}")]
+    #[error("{json_path}{problem}")]
     Changed {
         /// JSON path of the part.
-        place: String,
-        /// The fault, and how it was read: the words that follow the place in the message.
+        json_path: String,
+        /// The fault, and how it was read: the words after the path in the message.
         problem: String,
     },
 }
 
 impl GltfWarning {
     /// A rotation has length 0.
-    pub(super) fn no_rotation(place: String) -> Self {
+    pub(super) fn no_rotation(json_path: String) -> Self {
         let problem = " is a quaternion without a direction; it is read as no rotation, (0, 0, 0, 1)".to_owned();
-        Self::Changed { place, problem }
+        Self::Changed { json_path, problem }
     }
 
     /// A channel of an animation moves nothing.
-    pub(super) fn channel(place: &str, problem: &str) -> Self {
-        Self::Changed { place: place.to_owned(), problem: format!(": {problem}, so the channel moves nothing") }
+    pub(super) fn channel(json_path: &str, problem: &str) -> Self {
+        Self::Changed { json_path: json_path.to_owned(), problem: format!(": {problem}, so the channel moves nothing") }
     }
 }
 
@@ -82,9 +82,9 @@ pub(super) struct Warnings<'a> {
     said: RefCell<HashSet<String>>,
 }
 
-/// Bytes of a warning in a list that doubles, and of an error that is kept for whoever asks for its part.
+/// Bytes of a warning in a list that doubles, and of an error that is stored until its part is used.
 const WARNING: u64 = 3 * size_of::<GltfWarning>() as u64 + 4 * size_of::<GltfError>() as u64 + 512;
-/// Bytes for each byte of its text: in the warning, in the kept error and its copies, and as what was said.
+/// Bytes for each byte of its text: in the warning, in the stored error and its copies, and in the list of messages.
 const TEXT: u64 = 8;
 
 impl<'a> Warnings<'a> {
@@ -102,7 +102,7 @@ impl<'a> Warnings<'a> {
         Ok(())
     }
 
-    /// The part, or its fault, to be kept until somebody asks for the part. The memory limit is the whole file's matter, so
+    /// The part, or its fault, which is stored until the part is used. The memory limit is about the whole file, so
     /// [`GltfError::TooLarge`] is no part's fault.
     pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Part<T>, GltfError> {
         match result {
@@ -120,7 +120,7 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Warns of faults that were kept and that nobody asked for.
+    /// Warns of stored faults of parts that nothing used.
     pub(super) fn damaged<'f>(&self, faults: impl Iterator<Item = &'f Box<GltfError>>) -> Result<(), GltfError> {
         faults.cloned().try_for_each(|fault| self.push(GltfWarning::Damaged { fault }))
     }

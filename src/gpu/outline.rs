@@ -82,8 +82,8 @@ pub struct OutlineStyle {
     pub crease_angle: f32,
     /// The colour of the edges of [`OutlineInputs::marked`], if they are nothing else that is drawn.
     pub marked: Option<[f32; 4]>,
-    /// How far a line may lie behind the depth that was drawn and still be seen, in units of depth. Slopes of surfaces are allowed
-    /// for in any case. It covers the rounding of depth: a few units of its last place, so 4e-5 for `Depth16Unorm`.
+    /// A line is visible up to this much behind the drawn depth, in units of depth. Slopes of surfaces are allowed for in any
+    /// case. It covers the rounding of depth: a few units in its last place, so 4e-5 for `Depth16Unorm`.
     pub depth_bias: f32,
 }
 
@@ -103,7 +103,7 @@ impl Default for OutlineStyle {
     }
 }
 
-/// The edges that outlines are of, and the light that stands for the eye: for a perspective camera
+/// The edges that outlines show, and the light that stands for the eye: for a perspective camera
 /// [`Light::point`](crate::Light::point) at the eye, for an orthographic one [`Light::directional`](crate::Light::directional)
 /// towards it.
 #[derive(Clone, Copy, Debug)]
@@ -243,7 +243,7 @@ pub enum OutlineError {
 }
 
 impl From<ExtractorError> for OutlineError {
-    /// A device is refused by the same case, whoever finds it.
+    /// Errors about the device have one variant, from any function.
     fn from(error: ExtractorError) -> Self {
         match error {
             ExtractorError::Device(error) => Self::Device(error),
@@ -253,7 +253,7 @@ impl From<ExtractorError> for OutlineError {
 }
 
 impl From<ShadowError> for OutlineError {
-    /// A device is refused by the same case, whoever finds it.
+    /// Errors about the device have one variant, from any function.
     fn from(error: ShadowError) -> Self {
         match error {
             ShadowError::Device(error) => Self::Device(error),
@@ -301,13 +301,13 @@ struct Pair {
 /// An outline that is ready to be drawn.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    kept: Kept,
+    source: Source,
     parts: Vec<Part>,
 }
 
-/// The results that an outline is of.
+/// The results that an outline reads. It keeps their buffers alive.
 #[derive(Clone, Debug)]
-enum Kept {
+enum Source {
     Extraction(Extraction),
     Scene(SceneFrame),
 }
@@ -331,15 +331,16 @@ impl Part {
 }
 
 impl Outline {
-    /// Draws the outline into a pass with the attachments of the pipeline's format, from [`OutlineFormat::of_pass`]. It sets pipelines and bind groups 0 and 1.
+    /// Draws the outline into a pass with the attachments of the pipeline's format, from [`OutlineFormat::of_pass`]. It sets
+    /// pipelines and bind groups 0 and 1.
     ///
     /// # Errors
     /// [`ExtractorError::Stale`] if the extractor was encoded again, [`ShadowError::StaleFrame`] if the scene was. Nothing is drawn
     /// then.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), OutlineError> {
-        match &self.kept {
-            Kept::Extraction(extraction) => extraction.check_current()?,
-            Kept::Scene(frame) => frame.check_current()?,
+        match &self.source {
+            Source::Extraction(extraction) => extraction.check_current()?,
+            Source::Scene(frame) => frame.check_current()?,
         }
         for part in &self.parts {
             if let Some((pipeline, edges)) = &part.features {
@@ -377,7 +378,7 @@ impl OutlinePipeline {
                 let results = results_bind_group_layout(&device, wgpu::ShaderStages::VERTEX);
                 let [of_extractions, of_scenes] =
                     [(results, true), (scene_layout(&shared), false)].map(|(first, marks)| {
-                        let layouts = [first, own_layout(&shared, format.is_depth_multisampled, marks)];
+                        let layouts = [first, view_layout(&shared, format.is_depth_multisampled, marks)];
                         let stage = stages[usize::from(!marks)];
                         Pair { stage, layouts, silhouettes: OnceLock::new(), features: OnceLock::new() }
                     });
@@ -409,7 +410,7 @@ impl OutlinePipeline {
             OutlineSource::Extraction(extraction, light) => {
                 let view = style.view(camera, light, depth, marked.is_some());
                 let parts = vec![self.of_extraction(extraction, light, depth, marked, &view)?];
-                Ok(Outline { kept: Kept::Extraction(extraction.clone()), parts })
+                Ok(Outline { source: Source::Extraction(extraction.clone()), parts })
             }
             OutlineSource::Scene(frame, light) => {
                 frame.check_current()?;
@@ -421,7 +422,7 @@ impl OutlinePipeline {
                     return Err(OutlineError::NoView);
                 }
                 let parts = self.of_scene(frame, light, depth, &style.view(camera, 0, depth, false))?;
-                Ok(Outline { kept: Kept::Scene(frame.clone()), parts })
+                Ok(Outline { source: Source::Scene(frame.clone()), parts })
             }
         }
     }
@@ -465,15 +466,15 @@ impl OutlinePipeline {
         }
         let pair = &self.of_extractions;
         let results = extraction.bind_group(&pair.layouts[0], light / 32)?;
-        let own = any_error(device, || {
+        let of_view = any_error(device, || {
             let view = filled(device, "outline view", bytemuck::bytes_of(view), wgpu::BufferUsages::UNIFORM);
             let marks = marked.unwrap_or(&shared.buffers.unused);
             let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
             group(device, "outline", &pair.layouts[1], &resources)
         });
         let hint = "is `depth` a view of the depth aspect alone, of one layer, and has `marked` usage STORAGE?";
-        let own = own.map_err(|message| OutlineError::Refused { message: format!("{hint} {message}") })?;
-        Ok(self.part(pair, view, [results, own], edges as u32, (arguments, offset)))
+        let of_view = of_view.map_err(|message| OutlineError::Refused { message: format!("{hint} {message}") })?;
+        Ok(self.part(pair, view, [results, of_view], edges as u32, (arguments, offset)))
     }
 
     fn of_scene(
@@ -493,8 +494,8 @@ impl OutlinePipeline {
                 let resources: Vec<_> = std::iter::once(whole(&of_group)).chain(outlined.resources()).collect();
                 let edges = group(device, "outlined edges", &pair.layouts[0], &resources);
                 let resources = [whole(&of_view), texture(depth), whole(outlined.faces())];
-                let own = group(device, "outline", &pair.layouts[1], &resources);
-                self.part(pair, view, [edges, own], outlined.edges(), outlined.arguments())
+                let of_style = group(device, "outline", &pair.layouts[1], &resources);
+                self.part(pair, view, [edges, of_style], outlined.edges(), outlined.arguments())
             };
             frame.outlined(light).map(part).collect()
         });
@@ -568,7 +569,7 @@ fn scene_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
 }
 
 /// The layout of the bind group beside the results.
-fn own_layout(pipelines: &Pipelines, is_depth_multisampled: bool, has_marks: bool) -> wgpu::BindGroupLayout {
+fn view_layout(pipelines: &Pipelines, is_depth_multisampled: bool, has_marks: bool) -> wgpu::BindGroupLayout {
     let depth = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: false },
         view_dimension: wgpu::TextureViewDimension::D2,

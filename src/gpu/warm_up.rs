@@ -23,12 +23,12 @@ pub enum Use<'a> {
     Scene(&'a SceneOptions),
     /// Its encodes with cameras.
     SceneShadows(&'a SceneOptions),
-    /// Its encodes with [`Receivers`](crate::gpu::Receivers) of so many samples a pixel, besides.
+    /// Also its encodes with [`Receivers`](crate::gpu::Receivers) of this many samples a pixel.
     Receivers {
         /// The sample count of the depth attachment.
         samples: u32,
     },
-    /// Its encodes with models that have no displacement, besides ([`Scene::insert_model`](crate::gpu::Scene::insert_model)).
+    /// Also its encodes with models that have no displacement ([`Scene::insert_model`](crate::gpu::Scene::insert_model)).
     SceneModels,
     /// Draws of a scene with [`SceneOptions::end_at_range`].
     EndedVolumes(&'a ShadowPipelines),
@@ -45,11 +45,11 @@ impl Pipelines {
     /// are not in the depth buffer. No frame makes what an earlier frame of the same scene and options had.
     ///
     /// On software Vulkan (llvmpipe, Mesa 22.3.6, two cores that were busy otherwise too) a scene's first encode with a camera took
-    /// 0.6 s to make its 16 pipelines on one thread. Many drivers compile a shader when it runs first, whatever was made before:
+    /// 0.6 s to make its 16 pipelines on one thread. Many drivers compile a shader when it first runs, even if its pipeline exists:
     /// another 3 s there, unless the driver finds all in its cache. An engine that cannot have that in its first frame also
     /// submits an encode with a small mesh beforehand.
     ///
-    /// A pipeline that the device refuses is not kept. The constructor or frame that needs it then gives the error.
+    /// A pipeline that the device refuses is not cached. The constructor or frame that needs it then gives the error.
     ///
     /// ```no_run
     /// # use rimline::gpu::{DeviceError, Pipelines, SceneOptions, Use};

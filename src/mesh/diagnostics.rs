@@ -14,7 +14,7 @@ pub struct MeshDiagnostics {
     pub edges: EdgeCounts,
     /// The number of undirected edges where more than two faces meet. Each has several records.
     pub non_manifold_edges: usize,
-    /// The number of faces that name a vertex twice. They keep their place in the list, face no light and have no edge
+    /// The number of faces that name a vertex twice. They stay in the list, face no light and have no edge
     /// records.
     pub degenerate_faces: usize,
     /// The number of faces with the same three vertices as an earlier face, in any order. Degenerate faces do not
@@ -108,7 +108,7 @@ impl Components {
         let mut volumes = vec![[0.0_f64; 2]; self.0.len()];
         for &[a, b, c] in mesh.faces().iter().filter(|face| !is_degenerate(**face)) {
             let Some(root) = self.0[a as usize] else { continue };
-            // From a point of the component, so that its place does not matter.
+            // From a point of the component, so that its position has no effect.
             let [a, b, c] = [a, b, c].map(|vertex| at(vertex) - at(root));
             let [sum, size] = &mut volumes[root as usize];
             *sum += a.dot(b.cross(c));
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn parts_met_in_any_order_join() {
-        // The triangles are separate at first, and the last ones join them: roots change after they were taken.
+        // The triangles are separate at first, and the last ones join them: roots change after they were read.
         let faces = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
         assert_eq!(diagnose(11, &faces).components, 1);
         assert_eq!(diagnose(11, &faces[..4]).components, 2);

@@ -7,7 +7,7 @@ use super::polygons::{PolygonLoops, Polygons};
 use super::topology::{EdgeCounts, EdgeRecords, is_degenerate};
 use super::weld::{self, Weld, WeldCounts};
 
-/// The faces of a mesh over welded vertices, and the edge records between them. Positions are not kept.
+/// The faces of a mesh over welded vertices, and the edge records between them. It has no positions.
 ///
 /// Faces are triangles, or polygons by [`Self::from_polygons_by_loop`]. A mesh of such polygons also has triangles, which
 /// are its surface. Edge records and facing masks never see those: a polygon is one face.
@@ -16,7 +16,7 @@ use super::weld::{self, Weld, WeldCounts};
 /// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position buffer
 /// as it is.
 ///
-/// Memory besides positions and indices: 16 bytes for each edge record. A closed mesh takes 24 bytes a face (1.5 records a
+/// Memory beside positions and indices: 16 bytes for each edge record. A closed mesh takes 24 bytes a face (1.5 records a
 /// face). The most is 48 bytes (no two faces share an edge).
 #[derive(Clone, Debug)]
 pub struct Mesh {
@@ -77,7 +77,7 @@ impl Mesh {
     /// [`MeshError`] for no faces, too many faces or vertices, or an index out of range.
     pub fn from_faces(vertex_count: usize, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         check(vertex_count, &faces)?;
-        Ok(Self::build(vertex_count, faces, WeldCounts::kept(vertex_count)))
+        Ok(Self::build(vertex_count, faces, WeldCounts::unchanged(vertex_count)))
     }
 
     /// Welds vertices, cuts polygons into triangles, and builds the edge records of these. This is the mesh of what is
@@ -143,7 +143,7 @@ impl Mesh {
         self.id
     }
 
-    /// The number of source vertices, including those that were welded to others. A position buffer must hold so many.
+    /// The number of source vertices, including those that were welded to others. A position buffer must hold this number of positions.
     pub fn vertex_count(&self) -> u32 {
         self.vertex_count
     }

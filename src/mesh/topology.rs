@@ -43,7 +43,7 @@ pub struct EdgeCounts {
 /// The edge records of a mesh, ordered by face 0 and its corner. The edge from corner 0 to corner 1 comes first.
 ///
 /// An edge with more than two faces has several records that partition its faces. Faces of opposite traversal are
-/// paired first, lowest face first. The faces that remain all traverse the edge alike. Neighbours among them are
+/// paired first, lowest face first. The faces that remain all traverse the edge in the same direction. Neighbours among them are
 /// paired, and a last single face makes a boundary record.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EdgeRecords {
@@ -132,7 +132,7 @@ impl EdgeRecords {
 /// The directed edges of faces. Each has a number, by which they are ordered: by face, and by corner in a face.
 pub(super) trait HalfEdges {
     /// One more than the largest number there may be, at most `3·MAX_FACES`.
-    fn places(&self) -> usize;
+    fn number_limit(&self) -> usize;
     /// Calls `visit(number, [a, b])` for each half-edge, in order. `a` and `b` differ.
     fn visit(&self, visit: impl FnMut(u32, [u32; 2]));
     /// The function from a half-edge's number to its face.
@@ -141,7 +141,7 @@ pub(super) trait HalfEdges {
 
 /// Triangles: corner `c` of face `f` begins the half-edge `3·f + c`. Degenerate faces have none.
 impl HalfEdges for [[u32; 3]] {
-    fn places(&self) -> usize {
+    fn number_limit(&self) -> usize {
         3 * self.len()
     }
 
@@ -178,7 +178,7 @@ const BOUNDARY: u32 = u32::MAX;
 /// The mate where a number has no half-edge, in a degenerate face.
 const UNUSED: u32 = u32::MAX - 1;
 
-/// Whether a half-edge belongs to face 0 of its record. The record is written at its place.
+/// Whether a half-edge belongs to face 0 of its record. The record is written at its index.
 fn is_first(half_edge: usize, mate: u32) -> bool {
     mate == BOUNDARY || (mate != UNUSED && half_edge < (mate & !INCONSISTENT_BIT) as usize)
 }
@@ -210,7 +210,7 @@ fn for_each_half_edge(faces: &(impl HalfEdges + ?Sized), mut visit: impl FnMut(u
 }
 
 /// For every number of a half-edge, the half-edge that shares its record, with [`INCONSISTENT_BIT`] set if both
-/// traverse the edge alike. Or [`BOUNDARY`], or [`UNUSED`].
+/// traverse the edge in the same direction. Or [`BOUNDARY`], or [`UNUSED`].
 fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
     let mut starts = vec![0_u32; vertex_count + 1];
     for_each_half_edge(faces, |lower, _| starts[lower as usize + 1] += 1);
@@ -219,7 +219,7 @@ fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Ve
     let mut entries = vec![Entry::default(); starts[vertex_count] as usize];
     if largest <= INSERTION_SORT_LIMIT {
         let mut next = starts.clone();
-        for_each_half_edge(faces, |lower, entry| place(&mut next, &mut entries, lower, entry));
+        for_each_half_edge(faces, |lower, entry| put(&mut next, &mut entries, lower, entry));
         for bucket in buckets(&starts) {
             insertion_sort(&mut entries[bucket]);
         }
@@ -227,7 +227,7 @@ fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Ve
         // One vertex has so many edges that only a second counting sort keeps the time linear.
         entries = sorted_by_both(faces, &starts);
     }
-    let mut mates = vec![UNUSED; faces.places()];
+    let mut mates = vec![UNUSED; faces.number_limit()];
     for bucket in buckets(&starts) {
         for run in entries[bucket].chunk_by(|a, b| a.upper == b.upper) {
             pair_run(run, &mut mates);
@@ -248,7 +248,7 @@ fn prefix_sum(starts: &mut [u32]) {
     }
 }
 
-fn place<T>(next: &mut [u32], sorted: &mut [T], key: u32, value: T) {
+fn put<T>(next: &mut [u32], sorted: &mut [T], key: u32, value: T) {
     let slot = &mut next[key as usize];
     sorted[*slot as usize] = value;
     *slot += 1;
@@ -277,12 +277,12 @@ fn sorted_by_both(faces: &(impl HalfEdges + ?Sized), starts: &[u32]) -> Vec<Entr
     prefix_sum(&mut next);
     let mut by_upper = vec![(0_u32, Entry::default()); starts.last().map_or(0, |&total| total as usize)];
     for_each_half_edge(faces, |lower, entry| {
-        place(&mut next, &mut by_upper, entry.upper, (lower, entry));
+        put(&mut next, &mut by_upper, entry.upper, (lower, entry));
     });
     next.copy_from_slice(starts);
     let mut sorted = vec![Entry::default(); by_upper.len()];
     for (lower, entry) in by_upper {
-        place(&mut next, &mut sorted, lower, entry);
+        put(&mut next, &mut sorted, lower, entry);
     }
     sorted
 }

@@ -38,7 +38,7 @@ pub struct WeldCounts {
     /// How many vertices remained separate from another at the same position, because their skin or morph data differ.
     /// They are included in `after`. With [`Weld::Distance`]: how many more groups there are because of such data.
     pub apart: usize,
-    /// How many faces welding made degenerate: their corners are fewer than three vertices now. They keep their place in the
+    /// How many faces welding made degenerate: their corners are fewer than three vertices now. They stay in the
     /// list, face no light and have no edge records.
     pub collapsed: usize,
     /// How many groups are wider than 10 times the distance of [`Weld::Distance`], from corner to corner of their box.
@@ -47,16 +47,16 @@ pub struct WeldCounts {
 
 impl WeldCounts {
     /// The counts of a mesh whose vertices are not welded.
-    pub(crate) fn kept(vertices: usize) -> Self {
+    pub(crate) fn unchanged(vertices: usize) -> Self {
         Self { before: vertices, after: vertices, ..Self::default() }
     }
 }
 
 /// The vertex that each vertex's group goes by, by position only, and the counts but that of collapsed faces. There are no
-/// groups if vertices are kept.
+/// groups with [`Weld::Keep`].
 pub(super) fn weld_positions(positions: &[[f32; 3]], weld: Weld) -> (Vec<u32>, WeldCounts) {
     let NearGroups { groups, wide } = match weld {
-        Weld::Keep => return (Vec::new(), WeldCounts::kept(positions.len())),
+        Weld::Keep => return (Vec::new(), WeldCounts::unchanged(positions.len())),
         Weld::Distance(distance) => near_groups(positions, distance, |_| 0),
         Weld::Data | Weld::Position => {
             let keys = Keys::new(3);
@@ -90,8 +90,8 @@ pub(crate) fn count(groups: &[u32]) -> usize {
     groups.iter().enumerate().filter(|&(v, &group)| v == group as usize).count()
 }
 
-/// Random keys for hashing words. They are drawn anew each time, so that nobody can choose vertices that collide.
-/// Results do not depend on them, because a group has the index of its lowest member whatever the hashes are.
+/// Random keys for hashing words. They are new each time, so that no input can choose vertices that collide.
+/// Results do not depend on them, because a group has the index of its lowest member for any hashes.
 pub(crate) struct Keys(Vec<u64>);
 
 impl Keys {
@@ -110,7 +110,7 @@ impl Keys {
 }
 
 /// For each of `count` elements, the lowest index of an equal element. The expected time is linear for any elements, if
-/// the upper bits of `hash` are universal. It uses chaining, since open addressing asks more of a hash.
+/// the upper bits of `hash` are universal. It uses chaining, since open addressing needs a better hash.
 pub(crate) fn groups(count: usize, hash: impl Fn(usize) -> u64, equal: impl Fn(usize, usize) -> bool) -> Vec<u32> {
     const END: u32 = u32::MAX;
     let bits = (count.max(1) * 2).next_power_of_two().ilog2();

@@ -108,8 +108,8 @@ fn hull(points: impl IntoIterator<Item = [f32; 3]>) -> Option<[Span; 3]> {
         if point.iter().any(|c| !c.is_finite()) {
             return None;
         }
-        let own = spans(point);
-        hull = axes(|axis| hull[axis].with(own[axis]));
+        let of_point = spans(point);
+        hull = axes(|axis| hull[axis].with(of_point[axis]));
     }
     (hull[0].low <= hull[0].high).then_some(hull)
 }
@@ -129,10 +129,10 @@ impl ModelBounds {
     }
 
     /// For each instance a box, in world space, that holds all of its vertices in this pose: its lowest and its highest
-    /// corner. The work is that of some joints and morph targets, whatever the number of vertices.
+    /// corner. The work is that of some joints and morph targets, for any number of vertices.
     ///
     /// `displaced_by` is the most by which the caller's displacement moves any coordinate of a vertex, with its own
-    /// rounding. It is 0 without a displacement. Infinity says that nothing is known.
+    /// rounding. It is 0 without a displacement. Infinity: no bound is known.
     ///
     /// An instance has no box if it has no vertices, a number that its pose uses is not finite, or numbers are so
     /// large that something may overflow.
@@ -169,9 +169,9 @@ impl GeometryBounds {
                 let range = influences.range(vertex);
                 for (&joint, &weight) in influences.joints()[range.clone()].iter().zip(&influences.weights()[range]) {
                     if weight != 0.0 {
-                        let (own, position) =
+                        let (span, position) =
                             (boxes.entry(joint as usize).or_insert([Span::EMPTY; 3]), spans(position));
-                        *own = axes(|axis| own[axis].with(position[axis]));
+                        *span = axes(|axis| span[axis].with(position[axis]));
                     }
                     positive += f64::from(weight.max(0.0));
                     negative += f64::from((-weight).max(0.0));
@@ -253,7 +253,7 @@ impl GeometryBounds {
     }
 }
 
-/// The sum of absolute values of a row times a place whose coordinates are at most `size`, and 1.
+/// The sum of absolute values of a row times a position whose coordinates are at most `size`, and 1.
 fn terms(row: &[f32; 4], size: [f64; 3]) -> f64 {
     let [x, y, z, shift] = row.map(|c| f64::from(c.abs()));
     x * size[0] + y * size[1] + z * size[2] + shift

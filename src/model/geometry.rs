@@ -16,7 +16,7 @@ pub struct Influences {
 impl Influences {
     /// Makes influences from three lists.
     ///
-    /// * `offsets` says where the entries of each vertex begin in `joints` and `weights`. It has one element more than
+    /// * `offsets`: where the entries of each vertex begin in `joints` and `weights`. It has one element more than
     ///   there are vertices, begins with 0 and ends with the number of entries.
     /// * `joints` are indices into the instance's palette ([`InstancePose::palette`](super::InstancePose::palette)).
     /// * `weights` are used as given. The weights of a vertex should sum to 1.
@@ -95,7 +95,7 @@ fn joints_needed(joints: &[u32]) -> usize {
     joints.iter().max().map_or(0, |&joint| (joint as usize).saturating_add(1))
 }
 
-/// The parts of a [`Geometry`] besides positions and faces.
+/// The parts of a [`Geometry`] beside positions and faces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeometryOptions {
     /// The name.
@@ -215,18 +215,18 @@ impl Geometry {
     pub fn welded(&self, weld: Weld) -> (Self, WeldCounts) {
         let count = self.positions.len();
         if weld == Weld::Keep {
-            return (self.clone(), WeldCounts::kept(count));
+            return (self.clone(), WeldCounts::unchanged(count));
         }
         let keys = Keys::new(self.most_words());
         let by_position = || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
         // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be searched
         // one by one, in quadratic time.
-        let (NearGroups { groups, wide }, places) = match weld {
+        let (NearGroups { groups, wide }, position_count) = match weld {
             Weld::Distance(distance) => self.near_groups(distance, &keys),
             Weld::Position => {
                 let groups = by_position();
-                let places = weld::count(&groups);
-                (NearGroups { groups, wide: 0 }, places)
+                let position_count = weld::count(&groups);
+                (NearGroups { groups, wide: 0 }, position_count)
             }
             _ => {
                 let same = |a, b| self.same_position(a, b) && self.same_data(a, b);
@@ -237,22 +237,28 @@ impl Geometry {
                 )
             }
         };
-        let mut kept: Vec<usize> = Vec::with_capacity(weld::count(&groups));
-        kept.extend((0..count).filter(|&v| groups[v] as usize == v));
+        let mut remaining: Vec<usize> = Vec::with_capacity(weld::count(&groups));
+        remaining.extend((0..count).filter(|&v| groups[v] as usize == v));
         let mut renumbered = vec![0_u32; count];
-        for (new, &old) in kept.iter().enumerate() {
+        for (new, &old) in remaining.iter().enumerate() {
             renumbered[old] = new as u32;
         }
         let welded = Self {
             name: self.name.clone(),
-            positions: kept.iter().map(|&v| self.positions[v]).collect(),
+            positions: remaining.iter().map(|&v| self.positions[v]).collect(),
             faces: self.faces.iter().map(|f| f.map(|v| renumbered[groups[v as usize] as usize])).collect(),
-            morph_targets: self.morph_targets.iter().map(|t| kept.iter().map(|&v| t[v]).collect()).collect(),
-            influences: self.influences.as_ref().map(|influences| influences.select(&kept)),
-            source_vertices: kept.iter().map(|&v| self.source_vertices[v]).collect(),
+            morph_targets: self.morph_targets.iter().map(|t| remaining.iter().map(|&v| t[v]).collect()).collect(),
+            influences: self.influences.as_ref().map(|influences| influences.select(&remaining)),
+            source_vertices: remaining.iter().map(|&v| self.source_vertices[v]).collect(),
         };
         let collapsed = weld::collapsed(&self.faces, &welded.faces);
-        let counts = WeldCounts { before: count, after: kept.len(), apart: kept.len() - places, collapsed, wide };
+        let counts = WeldCounts {
+            before: count,
+            after: remaining.len(),
+            apart: remaining.len() - position_count,
+            collapsed,
+            wide,
+        };
         (welded, counts)
     }
 
@@ -262,12 +268,12 @@ impl Geometry {
         let has_data = self.influences.is_some() || !self.morph_targets.is_empty();
         if distance.is_across_data() || !has_data {
             let found = by_position();
-            let places = weld::count(&found.groups);
-            return (found, places);
+            let position_count = weld::count(&found.groups);
+            return (found, position_count);
         }
         let classes = groups(self.positions.len(), |v| keys.hash(self.data(v)), |a, b| self.same_data(a, b));
-        let places = weld::count(&by_position().groups);
-        (near_groups(&self.positions, distance, |v| classes[v]), places)
+        let position_count = weld::count(&by_position().groups);
+        (near_groups(&self.positions, distance, |v| classes[v]), position_count)
     }
 
     /// An upper bound of the number of words of a vertex.

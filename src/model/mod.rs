@@ -38,7 +38,7 @@ impl Instance {
     }
 }
 
-/// Geometries and the instances that place them. All instances together make one [`Mesh`]: vertices and faces are
+/// Geometries and their instances. All instances together make one [`Mesh`]: vertices and faces are
 /// concatenated in the order of the instances. Vertices are welded within an instance, never across instances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
@@ -133,7 +133,7 @@ impl Model {
     }
 
     /// Checks that a mesh that [`Self::mesh`] made is that of this pose, too. It is not where an instance mirrors that did not, as
-    /// one may whose scale an animation moves through 0. Its faces would be taken for turned the other way. It looks at one face of
+    /// one may whose scale an animation moves through 0. Its faces would seem reversed. It looks at one face of
     /// each instance, so it may be called each frame.
     ///
     /// # Errors

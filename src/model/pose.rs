@@ -1,4 +1,4 @@
-//! Poses: the place and shape of each instance of a model at one time.
+//! Poses: the transform and shape of each instance of a model at one time.
 
 use glam::DAffine3;
 
@@ -36,7 +36,7 @@ impl InstancePose {
         Self::with(palette, morph_weights, mirroring > keeping)
     }
 
-    /// The same pose with faces turned or not, whatever the matrices are. Use it for skins with joints that no vertex
+    /// The same pose with faces reversed or not, for any matrices. Use it for skins with joints that no vertex
     /// follows, and for meshes that are wound inwards.
     #[must_use]
     pub fn with_faces_turned(self, faces_turned: bool) -> Self {
@@ -81,7 +81,7 @@ impl InstancePose {
         Self::with(palette, self.morph_weights.clone(), self.faces_turned != mirrors)
     }
 
-    /// Checks that this pose fits instance number `instance`, which is of `geometry`.
+    /// Checks that this pose fits the instance `instance` of `geometry`.
     pub(super) fn check(&self, instance: usize, geometry: &Geometry) -> Result<(), ModelError> {
         self.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
     }
@@ -125,7 +125,7 @@ impl Pose {
         Self { mixed_determinants, ..self }
     }
 
-    /// This pose at another place: all instances are moved by `at`, for example a figure of a file into a level. Matrices are
+    /// This pose moved: all instances are transformed by `at`, for example a figure of a file into a level. Matrices are
     /// multiplied in `f64` and rounded once.
     ///
     /// # Errors

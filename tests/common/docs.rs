@@ -111,7 +111,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A document by its place in the repository.
+/// A document by its path in the repository.
 fn shown(document: &Path) -> std::path::Display<'_> {
     document.strip_prefix(root()).unwrap_or(document).display()
 }

@@ -81,8 +81,8 @@ pub(crate) fn bound_structs() -> Outcome {
     for (name, source) in modules()? {
         let (module, _) = validated(&source)?;
         for (_, variable) in module.global_variables.iter() {
-            let own = variable.binding.as_ref().is_some_and(|binding| binding.group == 0);
-            if !own || !matches!(variable.space, AddressSpace::Uniform | AddressSpace::Storage { .. }) {
+            let is_in_group_0 = variable.binding.as_ref().is_some_and(|binding| binding.group == 0);
+            if !is_in_group_0 || !matches!(variable.space, AddressSpace::Uniform | AddressSpace::Storage { .. }) {
                 continue;
             }
             let mut ty = variable.ty;

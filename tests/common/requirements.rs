@@ -253,8 +253,10 @@ fn queries(watched: &Watched) -> Result<(), String> {
     for skip in [true, false] {
         let options = ShadowQueryOptions { max_points: 100, max_lights: 40, skip_by_boxes: skip, ..Default::default() };
         let mut query = ShadowQuery::new(&watched.gpu.pipelines, &mesh, options).map_err(text)?;
-        let places = packed(&positions);
-        watched.gpu.submit(|encoder| query.encode_at(encoder, places, places, 30, &lights()).map_err(text))?;
+        let packed_positions = packed(&positions);
+        watched.gpu.submit(|encoder| {
+            query.encode_at(encoder, packed_positions, packed_positions, 30, &lights()).map_err(text)
+        })?;
         watched.gpu.read::<i32>(query.depths(), 30 * 40)?;
     }
     watched.quiet("query")

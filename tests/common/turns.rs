@@ -39,8 +39,8 @@ fn check(table: &[(&str, &str, u32)]) -> Outcome {
             }
         };
         for (entry, turns) in found {
-            let place = listed.iter().position(|(of, name, _)| *of == module && *name == entry);
-            let stated = place.map(|place| listed.swap_remove(place).2);
+            let index = listed.iter().position(|(of, name, _)| *of == module && *name == entry);
+            let stated = index.map(|index| listed.swap_remove(index).2);
             let fits = stated.map_or(turns == 0, |stated| turns <= stated.into() && stated <= MOST_TURNS);
             if !fits {
                 wrong.push(format!("(\"{module}\", \"{entry}\", {turns}), stated {stated:?}"));

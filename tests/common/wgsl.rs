@@ -101,8 +101,8 @@ fn names() -> Outcome {
         }
         let twin = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         // The stage's own name, or that of a function in its WGSL file.
-        let own = source(stage.file).unwrap_or_default();
-        let functions = own.lines().filter_map(|line| line.strip_prefix("fn ")?.split('(').next());
+        let text = source(stage.file).unwrap_or_default();
+        let functions = text.lines().filter_map(|line| line.strip_prefix("fn ")?.split('(').next());
         let mut shared = functions.chain([stage.name]);
         let is_shown =
             |name: &str| ["pub", "pub(crate)"].iter().any(|shown| twin.contains(&format!("{shown} fn {name}(")));
@@ -121,12 +121,12 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
     ("cut_edges", "tests/polygon/pieces.rs"),
     ("cut_quads", "tests/polygon/pieces.rs"),
     ("needs", "tests/scene/needs.rs"),
-    ("reach", "tests/scene/stages.rs"),
+    ("reach", "tests/scene/cached.rs"),
     ("clusters", "tests/scene/cluster_decisions.rs"),
-    ("chunks", "tests/scene/lists.rs"),
+    ("chunks", "tests/scene/clusters.rs"),
     ("receiver_depth", "tests/shadow/receivers.rs"),
     ("receiver_pyramid", "tests/shadow/receivers.rs"),
-    ("relist", "tests/scene/kept.rs"),
+    ("relist", "tests/scene/cached.rs"),
     ("bounds", "tests/shadow/stages.rs"),
     ("choose", "tests/shadow/choice.rs"),
     ("zp_plus_2005_cases", "tests/shadow/zp_plus_2005.rs"),
@@ -362,8 +362,8 @@ fn broken_file() -> Outcome {
         std::fs::write(path, wgsl).map_err(text)?;
     }
     let composes = |folder: &Path| -> Result<std::process::Output, String> {
-        let own = std::env::current_exe().map_err(text)?;
-        Command::new(own).arg("wgsl_composes").env("RIMLINE_WGSL", folder).output().map_err(text)
+        let program = std::env::current_exe().map_err(text)?;
+        Command::new(program).arg("wgsl_composes").env("RIMLINE_WGSL", folder).output().map_err(text)
     };
     if !composes(&folder)?.status.success() {
         return Err("negative control: the files as they are do not compose from a folder".to_owned());
@@ -371,14 +371,14 @@ fn broken_file() -> Outcome {
     let path = folder.join("common/positions.wgsl");
     let wgsl = std::fs::read_to_string(&path).map_err(text)?;
     let line = wgsl.lines().position(|line| line.starts_with("fn position_bits(")).ok_or("no such function")? + 2;
-    let broken = |(at, own)| if at == line { "  let word = 1.0 + 1u;" } else { own };
+    let broken = |(number, text)| if number == line { "  let word = 1.0 + 1u;" } else { text };
     let broken: Vec<_> = (1..).zip(wgsl.lines()).map(broken).collect();
     std::fs::write(&path, broken.join("\n") + "\n").map_err(text)?;
     let output = composes(&folder)?;
     let message = String::from_utf8_lossy(&output.stdout);
-    let place = format!("wgsl/common/positions.wgsl:{line}: ");
-    if output.status.success() || !message.contains(&place) {
-        return Err(format!("no error at {place}: {message}"));
+    let location = format!("wgsl/common/positions.wgsl:{line}: ");
+    if output.status.success() || !message.contains(&location) {
+        return Err(format!("no error at {location}: {message}"));
     }
     Ok(())
 }

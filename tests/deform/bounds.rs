@@ -14,11 +14,11 @@ const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0
 /// Fails where a vertex is outside of its instance's box. `within` has the coordinates of each vertex.
 fn check<T: Copy + Into<f64>>(model: &Model, boxes: &[Option<Box3>], within: &[[T; 3]]) -> Result<(), String> {
     let mut rest = within.iter();
-    for (instance, (geometry, own)) in model.placed_geometries().zip(boxes).enumerate() {
-        let [low, high] = own.ok_or_else(|| format!("instance {instance} has no box"))?;
-        for (vertex, place) in rest.by_ref().take(geometry.positions().len()).enumerate() {
+    for (instance, (geometry, bounds)) in model.placed_geometries().zip(boxes).enumerate() {
+        let [low, high] = bounds.ok_or_else(|| format!("instance {instance} has no box"))?;
+        for (vertex, position) in rest.by_ref().take(geometry.positions().len()).enumerate() {
             for axis in 0..3 {
-                let c: f64 = place[axis].into();
+                let c: f64 = position[axis].into();
                 if !(f64::from(low[axis])..=f64::from(high[axis])).contains(&c) {
                     return Err(format!("vertex {vertex} of instance {instance}, axis {axis}: {c}, {low:?} {high:?}"));
                 }
@@ -39,11 +39,11 @@ fn check_pose(model: &Model, pose: &Pose) -> Result<Vec<Option<Box3>>, String> {
 
 fn skinned(positions: &[[f32; 3]], influences: &[&[(u32, f32)]], morph_targets: Vec<Vec<[f32; 3]>>) -> Model {
     let mut offsets = vec![0];
-    offsets.extend(influences.iter().scan(0, |end, own| {
-        *end += own.len() as u32;
+    offsets.extend(influences.iter().scan(0, |end, of_vertex| {
+        *end += of_vertex.len() as u32;
         Some(*end)
     }));
-    let (joints, weights) = influences.iter().flat_map(|own| own.iter().copied()).unzip();
+    let (joints, weights) = influences.iter().flat_map(|of_vertex| of_vertex.iter().copied()).unzip();
     let influences = Some(Influences::new(offsets, joints, weights).expect("they go together"));
     let options = GeometryOptions { influences, morph_targets, ..GeometryOptions::default() };
     let geometry = Geometry::new(positions.to_vec(), Vec::new(), options).expect("an offset a vertex");
@@ -67,8 +67,8 @@ fn boxes_hold_random_poses() {
             let mut boxes = check_pose(&model, &pose).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
             let positions = cpu::deform(&model, &pose, 0.0, None, Threads::ONE).expect("it fits");
             // Negative control: a box that ends before the last vertex.
-            let own = &positions[..model.geometries()[3].positions().len()];
-            let last = own.iter().fold(f32::MIN, |last, position| last.max(position[1]));
+            let of_tube = &positions[..model.geometries()[3].positions().len()];
+            let last = of_tube.iter().fold(f32::MIN, |last, position| last.max(position[1]));
             boxes[0].as_mut().expect("a box")[1][1] = last.next_down();
             assert!(check(&model, &boxes, &positions).is_err(), "seed {seed}: a box without a vertex holds all");
         }
@@ -106,7 +106,7 @@ fn boxes_hold_what_is_lost_to_cancellation() {
     assert!(outside > 500, "rounding matters in {outside} cases only");
 }
 
-/// A tube that bends leaves the box of its rest pose, wherever that is put. Its own boxes hold it, and are not much larger.
+/// A tube that bends leaves the box of its rest pose, at any transform. Its own boxes hold it, and are not much larger.
 #[test]
 fn the_box_at_rest_does_not_hold_a_pose() {
     let (model, pose) = bending_tube();

@@ -1,4 +1,4 @@
-//! Models, poses and their parts are checked when they are made, and each refusal names the place.
+//! Models, poses and their parts are checked when they are made, and each refusal names the part.
 
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::model::{influence_range, most_per_vertex};

@@ -82,13 +82,14 @@ fn corners(model: &Model, positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
     corners
 }
 
-/// The largest extent of all corners along an axis, and the largest distance from their place.
+/// The largest extent of all corners along an axis, and the largest distance from their expected position.
 fn size_and_error(found: &[[f32; 3]], expected: &[Posed]) -> (f64, f64) {
     let (mut size, mut error) = (0.0_f64, 0.0_f64);
     for axis in 0..3 {
-        let places = || expected.iter().map(|posed| posed.position[axis]);
-        size = size.max(places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min));
-        let errors = found.iter().zip(places()).map(|(found, place)| (f64::from(found[axis]) - place).abs());
+        let coordinates = || expected.iter().map(|posed| posed.position[axis]);
+        size = size.max(coordinates().fold(f64::MIN, f64::max) - coordinates().fold(f64::MAX, f64::min));
+        let errors =
+            found.iter().zip(coordinates()).map(|(found, coordinate)| (f64::from(found[axis]) - coordinate).abs());
         error = errors.fold(error, f64::max);
     }
     (size, error)
@@ -98,9 +99,9 @@ fn size_and_error(found: &[[f32; 3]], expected: &[Posed]) -> (f64, f64) {
 fn within_boxes(model: &Model, pose: &Pose, positions: &[[f32; 3]]) -> Result<f32, String> {
     let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(text)?;
     let (mut rest, mut most) = (positions, 0.0_f32);
-    for (instance, (geometry, own)) in model.placed_geometries().zip(boxes).enumerate() {
+    for (instance, (geometry, bounds)) in model.placed_geometries().zip(boxes).enumerate() {
         let (own_positions, others) = rest.split_at(geometry.positions().len());
-        let [low, high] = own.ok_or_else(|| format!("instance {instance} has no box"))?;
+        let [low, high] = bounds.ok_or_else(|| format!("instance {instance} has no box"))?;
         let ends = [f32::MAX, f32::MIN].map(|end| [end; 3]);
         let [least, greatest] = own_positions.iter().fold(ends, |[least, greatest], p| {
             [[0, 1, 2].map(|axis| least[axis].min(p[axis])), [0, 1, 2].map(|axis| greatest[axis].max(p[axis]))]

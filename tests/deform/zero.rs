@@ -48,7 +48,7 @@ fn nothing() -> Result<(), String> {
         let model = Model::new(geometries.to_vec(), placed).map_err(text)?;
         let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
         for weight in [0.0, 0.5] {
-            let poses = instances.iter().map(|&own| pose_of(&geometries[own], weight));
+            let poses = instances.iter().map(|&geometry| pose_of(&geometries[geometry], weight));
             let pose = Pose::new(poses.collect::<Result<_, _>>()?);
             let truth = cpu::deform(&model, &pose, 0.0, None, Threads::ONE).map_err(text)?;
             let mut found = deformed(gpu, &deformer, &model, &pose)?;

@@ -16,8 +16,8 @@ fn cases(random: &mut Random) -> Vec<(Case, Vec<Light>)> {
     cases.extend((0..40).map(|number| case(format!("soup {number}"), random_soup(random))));
     let snapped = |p: [f32; 3]| p.map(|c| (c * 64.0).round());
     let mut light = || {
-        let place = snapped(random.direction().map(|c| 5.0 * c));
-        Light::homogeneous([place[0], place[1], place[2], [1.0, 0.0, 2.0][random.below(3)]])
+        let p = snapped(random.direction().map(|c| 5.0 * c));
+        Light::homogeneous([p[0], p[1], p[2], [1.0, 0.0, 2.0][random.below(3)]])
     };
     let cases = cases.into_iter().map(|(name, positions, mesh)| {
         ((name, positions.into_iter().map(snapped).collect(), mesh), (0..LIGHTS).map(|_| light()).collect())

@@ -106,25 +106,25 @@ type ByPlace = (BTreeMap<Place, i64>, BTreeSet<Place>);
 
 fn by_place(positions: &[[f32; 3]], mesh: &Mesh, found: &Found, light: usize) -> ByPlace {
     let at = |v: u32| positions[v as usize].map(f32::to_bits);
-    let place = |(low, high): (u32, u32)| {
+    let ends = |(low, high): (u32, u32)| {
         let (p, q) = (at(low), at(high));
         ((p.min(q), p.max(q)), if p < q { 1 } else { -1 })
     };
     let sums = oracle::record_multiplicities(mesh, &found.masks, light);
     let signed = sums.into_iter().map(|(key, sum)| {
-        let (place, sign) = place(key);
-        (place, sign * sum)
+        let (ends, sign) = ends(key);
+        (ends, sign * sum)
     });
     let edges = oracle::edge_faces(mesh.faces());
     let silhouettes = oracle::record_silhouettes(mesh, &edges, &found.masks, light);
-    (signed.collect(), silhouettes.into_iter().map(|key| place(key).0).collect())
+    (signed.collect(), silhouettes.into_iter().map(|key| ends(key).0).collect())
 }
 
 fn shuffled() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(34);
     let mut cases: Vec<Case> = topologies();
-    // Vertices at one place would be renumbered to different ones; every case here is welded.
+    // Vertices with equal positions would be renumbered to different ones; every case here is welded.
     cases.push(case("random soup", random_soup(&mut random)));
     for (name, positions, mesh) in cases {
         let lights = lights(&mut random, 33);

@@ -18,7 +18,7 @@ const SIDE: u32 = 64u;
 override LIGHT: u32 = 0u;
 
 @vertex
-fn place(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+fn edge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
   let edge = rimline_silhouette(LIGHT, instance).edge;
   let corner = vec2<f32>(vec2<u32>(rimline_corner(vertex) & 1u, rimline_corner(vertex) >> 1u));
   let is_line = rimline_info.vertices_per_edge == 2u;
@@ -65,7 +65,7 @@ fn pipeline(
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
-            entry_point: Some("place"),
+            entry_point: Some("edge_vertex"),
             compilation_options: compilation_options.clone(),
             buffers: &[],
         },

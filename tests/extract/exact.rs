@@ -253,16 +253,16 @@ fn every_class() -> Result<(), String> {
             let signs = batch.signs();
             let right: Vec<bool> = signs.iter().map(|&sign| sign > 0).collect();
             let zero: Vec<bool> = signs.iter().map(|&sign| sign == 0).collect();
-            let own = |masks: &[u32]| -> Vec<bool> {
+            let bits_of_face = |masks: &[u32]| -> Vec<bool> {
                 (0..).zip(masks).map(|(face, mask)| mask >> (face % LIGHTS) & 1 != 0).collect()
             };
-            same(&format!("{what}, GPU"), &own(&found.facing), &right)?;
-            same(&format!("{what}, excluded"), &own(&found.excluded), &zero)?;
+            same(&format!("{what}, GPU"), &bits_of_face(&found.facing), &right)?;
+            same(&format!("{what}, excluded"), &bits_of_face(&found.excluded), &zero)?;
             if !negative_control {
                 negative_control = true;
                 let face = random.below(FACES);
                 found.facing[face] ^= 1 << (face % LIGHTS);
-                must_fail("a flipped facing bit", &same(&what, &own(&found.facing), &right))?;
+                must_fail("a flipped facing bit", &same(&what, &bits_of_face(&found.facing), &right))?;
             }
             counts.count(&signs);
             undecided += found.statistics.undecided_pairs as usize;

@@ -1,4 +1,4 @@
-//! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
+//! The WGSL include in a caller's output_layout shaders: from lists that fit and lists that overflow.
 
 use rimline::gpu::{
     Extraction, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
@@ -48,11 +48,11 @@ fn reader(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   let edge = rimline_silhouette(LIGHT, id.x);
   let ends = array<vec4<f32>, 2>(rimline_edge_vertex(LIGHT, id.x, 0u), rimline_edge_vertex(LIGHT, id.x, 1u));
-  let place = bitcast<u32>(ends[0].x) ^ bitcast<u32>(ends[1].y);
+  let checksum = bitcast<u32>(ends[0].x) ^ bitcast<u32>(ends[1].y);
   // 2: the ends are those of a silhouette, and the edge is none, or the other way round.
   let valid = select(2u, u32(edge.valid), all(vec2<f32>(ends[0].w, ends[1].w) == vec2<f32>(f32(edge.valid))));
   let words = array<u32, 8>(
-    valid, edge.edge, edge.a, edge.b, u32(edge.winding), edge.kind, place, rimline_silhouettes(LIGHT));
+    valid, edge.edge, edge.a, edge.b, u32(edge.winding), edge.kind, checksum, rimline_silhouettes(LIGHT));
   for (var at = 0u; at < 8u; at++) {
     found[8u * id.x + at] = words[at];
   }
@@ -106,13 +106,13 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
         },
         count: None,
     };
-    let own = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+    let output_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("reader"),
         entries: &[storage(0, true), storage(1, false)],
     });
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("reader"),
-        bind_group_layouts: &[Some(&own), Some(&results)],
+        bind_group_layouts: &[Some(&output_layout), Some(&results)],
         immediate_size: 0,
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -131,7 +131,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
     let draws = scene.extractor.results().draw_arguments;
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("reader"),
-        layout: &own,
+        layout: &output_layout,
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: draws.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
@@ -170,8 +170,8 @@ fn expected_of(scene: &Scene, masks: &[EdgeMasks], light: usize) -> Vec<[u32; 8]
         let [a, b] = edge.vertices;
         let winding = entry >> 31;
         let [from, to] = if winding == 1 { [a, b] } else { [b, a] };
-        let place = scene.positions[from as usize][0].to_bits() ^ scene.positions[to as usize][1].to_bits();
-        [1, index, a, b, winding, edge.kind as u32, place, list.len() as u32]
+        let checksum = scene.positions[from as usize][0].to_bits() ^ scene.positions[to as usize][1].to_bits();
+        [1, index, a, b, winding, edge.kind as u32, checksum, list.len() as u32]
     });
     entries.collect()
 }

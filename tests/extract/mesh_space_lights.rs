@@ -11,7 +11,7 @@ fn lattice(random: &mut Random) -> [f32; 3] {
     std::array::from_fn(|_| random.below(129) as f32 / 16.0 - 4.0)
 }
 
-fn place(transform: &DAffine3, position: [f32; 3]) -> [f32; 3] {
+fn to_world(transform: &DAffine3, position: [f32; 3]) -> [f32; 3] {
     let placed = transform.transform_point3(DVec3::from(position.map(f64::from)));
     let rounded = placed.as_vec3();
     assert_eq!(rounded.as_dvec3(), placed, "the transform is exact in f32");
@@ -43,7 +43,7 @@ fn bits_in_mesh_space_are_those_in_world_space() -> Result<(), String> {
                 translation: DVec3::from([0; 3].map(|_| random.below(21) as f64 - 10.0)),
             };
             let mirrored = transform.matrix3.determinant() < 0.0;
-            let world: Vec<_> = positions.iter().map(|&p| place(&transform, p)).collect();
+            let world: Vec<_> = positions.iter().map(|&p| to_world(&transform, p)).collect();
             let turned = shape.faces.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
             let turned: Vec<_> = turned.collect();
             let lights: Vec<_> = (0..24)

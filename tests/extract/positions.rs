@@ -13,7 +13,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{lights, same};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("positions_lie_at_any_offset_and_stride", places),
+    ("positions_lie_at_any_offset_and_stride", any_offset),
     ("one_buffer_has_positions_at_several_places", several_places),
     ("wrong_position_buffers_are_typed_errors", refused),
     ("faces_name_the_lowest_source_index", lowest_source_index),
@@ -32,12 +32,12 @@ fn options() -> ExtractorOptions {
     }
 }
 
-fn places() -> Result<(), String> {
+fn any_offset() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let lights = lights(&mut Random::new(51), 33);
     for (name, positions, mesh) in topologies() {
         let expected = extract(gpu, &positions, &mesh, &lights, options())?;
-        // One extractor for all, so that bind groups must follow the place.
+        // One extractor for all, so that bind groups must follow the slice of the buffer.
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options()).map_err(text)?;
         for offset in [0, 4, 252, 256, 260, 1000, 65_536 + 12] {
             for stride in [12, 16, 20, 32, 48] {

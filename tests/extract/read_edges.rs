@@ -58,8 +58,8 @@ fn check(
 ) -> Result<(), String> {
     let options = ExtractorOptions { max_lights: LIGHTS, lists, ..Default::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
-    let place = PositionBuffer { buffer, offset: 0, stride: 12 };
-    let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, lights).map_err(text))?;
+    let position_buffer = PositionBuffer { buffer, offset: 0, stride: 12 };
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, position_buffer, lights).map_err(text))?;
     let capacity = extraction.results().map_err(text)?.capacity as usize;
     for light in 0..LIGHTS {
         let what = format!("{name}, {lists:?}, light {light}");
@@ -97,12 +97,12 @@ fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("torus", shapes::torus(24, 16, 1.0, 0.4));
     let buffer = gpu.storage(&positions);
-    let place = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let position_buffer = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let light = Light::point([3.0, 2.0, 1.0]);
     let list = |capacity| Some(ListOptions { capacity: Some(capacity), ..ListOptions::default() });
     let options = ExtractorOptions { method: Method::PerEdge, lists: list(4), ..Default::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-    let mut encode = || gpu.submit(|encoder| extractor.encode(encoder, place, &[light]).map_err(text));
+    let mut encode = || gpu.submit(|encoder| extractor.encode(encoder, position_buffer, &[light]).map_err(text));
     let first = encode()?;
     let anew = rimline::Mesh::from_faces(positions.len(), mesh.faces().to_vec()).map_err(text)?;
     let clone = mesh.clone();

@@ -61,7 +61,7 @@ fn too_large() -> Result<(), String> {
     let listed = ExtractorOptions { max_lights: 32, lists: lists(1000, false), ..Default::default() };
     let ordered = ExtractorOptions { lists: lists(1, true), ..Default::default() };
     let many = ExtractorOptions { max_lights: 1024, ..options };
-    // Every face by itself: three records a face, and blocks of them past what compaction's places can be bound with.
+    // Every face by itself: three records a face, and blocks of them more blocks than a binding of block offsets holds.
     let mut loose = Shape::default();
     for face in 0..14_000 {
         loose.positions.extend([[0.0; 3]; 3]);

@@ -1,4 +1,4 @@
-//! Every bad file of the catalogue and of the shared models gives a typed error, or a warning, that names the place.
+//! Every bad file of the catalogue and of the shared models gives a typed error, or a warning, that names the JSON path.
 
 use std::path::Path;
 
@@ -85,7 +85,7 @@ fn no_position(path: &Path) -> Outcome {
 fn control() -> Outcome {
     let is_refused = |name: &str, says: &[&str]| Ok::<_, String>(refused(&files::made(name)?.path, says).is_ok());
     ensure(!is_refused("cube.glb", &[])?, || "a good file passed as bad".to_owned())?;
-    ensure(!is_refused(BAD[1].name, &["meshes[7]"])?, || "a wrong place passed".to_owned())?;
+    ensure(!is_refused(BAD[1].name, &["meshes[7]"])?, || "a wrong path passed".to_owned())?;
     ensure(is_refused(BAD[1].name, &["meshes[0]"])?, || "the right one did not".to_owned())
 }
 

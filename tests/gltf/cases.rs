@@ -68,8 +68,8 @@ fn animated_matrix(asset: &Asset) -> Outcome {
 fn per_object(asset: &Asset) -> Outcome {
     for (animations, x) in [(0..2, 5.0), (0..1, 0.0)] {
         let pose = asset.pose(animations, 1.0)?;
-        let places = pose.instances().iter().map(|instance| check::map(&instance.palette()[0], [0.0; 3]));
-        same(&places.collect(), &vec![[0.0, 0.0, 4.0], [3.0, x, 0.0]], "one or both move")?;
+        let positions = pose.instances().iter().map(|instance| check::map(&instance.palette()[0], [0.0; 3]));
+        same(&positions.collect(), &vec![[0.0, 0.0, 4.0], [3.0, x, 0.0]], "one or both move")?;
     }
     Ok(())
 }

@@ -119,7 +119,7 @@ fn zeros(count: u64) -> Maker {
     maker
 }
 
-/// The node places the mesh so often. A reproduction of 371 bytes, with 2,400,000 vertices and 880 instances, took more than
+/// The node has this number of instances of the mesh. A reproduction of 371 bytes, with 2,400,000 vertices and 880 instances, took more than
 /// 8 GB and ended the process, since an instance was charged a few hundred bytes, whatever its faces.
 fn instances(mut maker: Maker, count: u64) -> Maker {
     let attributes = json!({ "TRANSLATION": maker.zeros(count) });

@@ -20,7 +20,7 @@ pub(crate) fn tests() -> Vec<Trial> {
     ]
 }
 
-/// A place of a survey.
+/// Coordinates of a survey.
 const FAR: [f64; 3] = [392_143.517, 34.128, -5_820_467.702];
 
 /// A square of a fifth, turned by a quarter about Y and shifted, in a node that is far away.
@@ -43,8 +43,8 @@ fn composed() -> Outcome {
     same(&asset.origin(), &Origin::ZERO, "no origin before one is set")?;
     let origin = asset.suggested_origin(None, 0.0)?;
     let [ox, oy, oz] = origin.to_array();
-    for (c, place) in [ox, oy, oz].into_iter().zip(FAR) {
-        ensure((c - place).abs() < 1.0, || format!("{origin:?} is not near"))?;
+    for (c, position) in [ox, oy, oz].into_iter().zip(FAR) {
+        ensure((c - position).abs() < 1.0, || format!("{origin:?} is not near"))?;
     }
     // A quarter turn about Y takes x to −z and z to x.
     let world = |x: f64, y: f64| [FAR[0] - 0.002, FAR[1] + 0.2 * y, FAR[2] - 0.017 - 0.2 * x];
@@ -91,7 +91,7 @@ fn moving() -> Outcome {
         let origin = far.suggested_origin(animation, time)?;
         ensure(!origin.is_zero(), || format!("no origin at {time}"))?;
         far.set_origin(origin);
-        let shift: Vec<f64> = FAR.iter().zip(origin.to_array()).map(|(place, origin)| place - origin).collect();
+        let shift: Vec<f64> = FAR.iter().zip(origin.to_array()).map(|(position, origin)| position - origin).collect();
         let (expected, found) = (deformed(&near, animation, time)?, deformed(&far, animation, time)?);
         same(&found.len(), &expected.len(), "vertices")?;
         for (found, expected) in found.iter().zip(&expected) {
@@ -142,7 +142,7 @@ fn stored() -> Outcome {
 fn center() -> Outcome {
     let mut maker = far();
     let expected = maker.load()?;
-    // The node's place is the center, and the node stands at zero.
+    // The node's position is the center, and the node stands at zero.
     maker.json["nodes"][1]["translation"] = json!([0.0, 0.0, 0.0]);
     maker.json["extensions"]["CESIUM_RTC"] = json!({ "center": FAR });
     maker.json["extensionsUsed"] = json!(["CESIUM_RTC", "KHR_lights_punctual"]);
@@ -154,8 +154,8 @@ fn center() -> Outcome {
     expected.set_origin(origin);
     found.set_origin(origin);
     close(&moved(&found, 0, [1.0; 3])?, &moved(&expected, 0, [1.0; 3])?, 1e-6, "a corner")?;
-    let place = |asset: &Asset| asset.lights(None, 0.0).map(|lights| lights[0].light.xyz.map(f64::from));
-    close(&place(&found)?, &place(&expected)?, 1e-6, "the light")?;
+    let position = |asset: &Asset| asset.lights(None, 0.0).map(|lights| lights[0].light.xyz.map(f64::from));
+    close(&position(&found)?, &position(&expected)?, 1e-6, "the light")?;
     // A mesh that no node names is moved, too.
     maker.json["nodes"] = json!([]);
     let mut alone = maker.load()?;

@@ -23,12 +23,12 @@ pub(crate) fn tests() -> Vec<Trial> {
 }
 
 /// A folder `top` with `secret.bin`, and in it a folder `model` with `own.bin`: both hold the square's bytes.
-struct Place {
+struct Folders {
     top: tempfile::TempDir,
     maker: Maker,
 }
 
-impl Place {
+impl Folders {
     fn new() -> Result<Self, std::io::Error> {
         let (top, maker) = (tempfile::tempdir()?, Maker::square());
         std::fs::create_dir_all(top.path().join("model/below"))?;
@@ -53,8 +53,8 @@ impl Place {
     /// Refused, and the path that it leads to is named; let in where the caller says so.
     fn is_outside(&self, name: &str, leads_to: &Path) -> Outcome {
         match self.load(name, false) {
-            Err(GltfError::Outside { place, uri, path }) => {
-                ensure(place == "buffers[0].uri" && uri == name, || format!("{place}, {uri:?}"))?;
+            Err(GltfError::Outside { json_path, uri, path }) => {
+                ensure(json_path == "buffers[0].uri" && uri == name, || format!("{json_path}, {uri:?}"))?;
                 ensure(path == leads_to, || format!("{name} leads to {}, not {}", path.display(), leads_to.display()))?;
             }
             other => return Err(format!("{name}: {other:?}").into()),
@@ -65,38 +65,38 @@ impl Place {
 }
 
 fn by_name() -> Outcome {
-    let place = Place::new()?;
+    let folders = Folders::new()?;
     for name in ["../secret.bin", "below/../../secret.bin", "./../secret.bin", "../model/own.bin"] {
-        place.is_outside(name, Path::new(name))?;
+        folders.is_outside(name, Path::new(name))?;
     }
-    let rooted = place.top.path().join("secret.bin");
+    let rooted = folders.top.path().join("secret.bin");
     // An absolute path; on Windows it has a drive's letter, which is refused as a scheme.
-    if cfg!(unix) { place.is_outside(&rooted.to_string_lossy(), &rooted) } else { Ok(()) }
+    if cfg!(unix) { folders.is_outside(&rooted.to_string_lossy(), &rooted) } else { Ok(()) }
 }
 
 #[cfg(unix)]
 fn by_link() -> Outcome {
     use std::os::unix::fs::symlink;
-    let place = Place::new()?;
-    let secret = place.top.path().join("secret.bin").canonicalize()?;
-    symlink("../secret.bin", place.model().join("link.bin"))?;
-    symlink(&secret, place.model().join("rooted.bin"))?;
-    symlink("link.bin", place.model().join("second.bin"))?;
-    symlink("../..", place.model().join("below/up"))?;
+    let folders = Folders::new()?;
+    let secret = folders.top.path().join("secret.bin").canonicalize()?;
+    symlink("../secret.bin", folders.model().join("link.bin"))?;
+    symlink(&secret, folders.model().join("rooted.bin"))?;
+    symlink("link.bin", folders.model().join("second.bin"))?;
+    symlink("../..", folders.model().join("below/up"))?;
     for name in ["link.bin", "rooted.bin", "second.bin", "below/up/secret.bin"] {
-        place.is_outside(name, &secret)?;
+        folders.is_outside(name, &secret)?;
     }
     // A folder whose name begins like the glTF's.
-    std::fs::create_dir(place.top.path().join("model2"))?;
-    let other = place.top.path().join("model2/own.bin");
+    std::fs::create_dir(folders.top.path().join("model2"))?;
+    let other = folders.top.path().join("model2/own.bin");
     std::fs::copy(&secret, &other)?;
-    symlink("../model2", place.model().join("beside"))?;
-    place.is_outside("beside/own.bin", &other.canonicalize()?)?;
+    symlink("../model2", folders.model().join("beside"))?;
+    folders.is_outside("beside/own.bin", &other.canonicalize()?)?;
     // Links that stay, and a link to the glTF's folder itself.
-    symlink("own.bin", place.model().join("stays.bin"))?;
-    symlink("model", place.top.path().join("entry"))?;
-    place.load("stays.bin", false)?;
-    Asset::open(place.top.path().join("entry/model.gltf"), Weld::Keep)?;
+    symlink("own.bin", folders.model().join("stays.bin"))?;
+    symlink("model", folders.top.path().join("entry"))?;
+    folders.load("stays.bin", false)?;
+    Asset::open(folders.top.path().join("entry/model.gltf"), Weld::Keep)?;
     Ok(())
 }
 
@@ -106,9 +106,9 @@ fn by_link() -> Outcome {
 }
 
 fn detours() -> Outcome {
-    let place = Place::new()?;
+    let folders = Folders::new()?;
     for name in ["own.bin", "./own.bin", "below/../own.bin", "below/./../own.bin"] {
-        place.load(name, false)?;
+        folders.load(name, false)?;
     }
     Ok(())
 }
@@ -125,13 +125,13 @@ fn images() -> Outcome {
 
 /// A missing file cannot be resolved. A path outside is refused before it is looked up.
 fn missing() -> Outcome {
-    let place = Place::new()?;
-    match place.load("none.bin", false) {
+    let folders = Folders::new()?;
+    match folders.load("none.bin", false) {
         Err(GltfError::Read { path, .. }) if path.ends_with("model/none.bin") => {}
         other => return Err(format!("{other:?}").into()),
     }
-    let outside = place.load("../none.bin", false);
+    let outside = folders.load("../none.bin", false);
     ensure(matches!(outside, Err(GltfError::Outside { .. })), || format!("{outside:?}"))?;
-    let allowed = place.load("../none.bin", true);
+    let allowed = folders.load("../none.bin", true);
     ensure(matches!(allowed, Err(GltfError::Read { .. })), || format!("{allowed:?}"))
 }

@@ -28,14 +28,14 @@ pub(crate) fn tests() -> Vec<Trial> {
 fn instances() -> Outcome {
     let mut maker = Maker::square();
     let half = std::f32::consts::FRAC_1_SQRT_2;
-    let places = maker.floats("VEC3", &[1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+    let translations = maker.floats("VEC3", &[1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
     let turns = maker.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half, 0.0, 0.0, 0.0, 1.0]);
     let scales = maker.floats("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 1.0, -1.0]);
     maker.json["nodes"][0] = json!({
         "mesh": 0,
         "translation": [0, 0, 10],
         "extensions": { "EXT_mesh_gpu_instancing": {
-            "attributes": { "TRANSLATION": places, "ROTATION": turns, "SCALE": scales },
+            "attributes": { "TRANSLATION": translations, "ROTATION": turns, "SCALE": scales },
         } },
     });
     let asset = maker.load()?;

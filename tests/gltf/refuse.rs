@@ -1,4 +1,4 @@
-//! Hand-made bad files: each is refused, with its place.
+//! Hand-made bad files: each is refused, with its JSON path.
 
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions};
@@ -77,7 +77,7 @@ fn control() -> Outcome {
     ensure(refused(&Maker::square(), &nothing).is_err(), || "a good file passed as bad".to_owned())?;
     ensure(not_lit(&nothing).is_err(), || "good lights passed as bad".to_owned())?;
     let (name, change, _) = SQUARE[0];
-    ensure(refused(&Maker::square(), &(name, change, &["nodes[3]"])).is_err(), || "a wrong place passed".to_owned())
+    ensure(refused(&Maker::square(), &(name, change, &["nodes[3]"])).is_err(), || "a wrong path passed".to_owned())
 }
 
 /// 66,000 instances of 66,000 vertices are more than `u32` indices can name, however small the file. Memory is no limit here.

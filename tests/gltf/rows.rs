@@ -150,7 +150,7 @@ pub(crate) const SKINNED: &[Row] = &[
     ("view", Set("bufferViews[0]", "{'buffer': 9, 'byteLength': 1}"), &["bufferViews[0].buffer is 9"]),
     ("buffer", Set("buffers", "[{'uri': 'none.bin'}]"), &["buffers[0].byteLength is missing"]),
     ("scene", Set("scenes", "[{'nodes': [9]}]"), &["scenes[0].nodes[0] is 9"]),
-    // A joint may be where the scene is not, and then its place is needed, too.
+    // A joint may be where the scene is not, and then its transform is needed, too.
     ("joint", All(&[("scenes", "[{'nodes': [0]}]"), ("nodes[1].matrix", "[1]")]), &["nodes[1].matrix"]),
 ];
 
@@ -284,9 +284,9 @@ pub(crate) fn set_indices(maker: &mut Maker, component: u32, indices: &[u32], mo
 
 /// Two instances, which have these scales.
 fn instanced(maker: &mut Maker, scales: &[f32]) {
-    let (places, scales) = (maker.floats("VEC3", &[0.0; 6]), maker.floats("VEC3", scales));
+    let (translations, scales) = (maker.floats("VEC3", &[0.0; 6]), maker.floats("VEC3", scales));
     maker.json["nodes"][0]["extensions"] =
-        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places, "SCALE": scales } } });
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translations, "SCALE": scales } } });
 }
 
 fn target_counts(maker: &mut Maker) {

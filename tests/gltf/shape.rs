@@ -242,7 +242,7 @@ fn glb_chunks() -> Outcome {
 
 fn welding() -> Outcome {
     let mut maker = Maker::skinned([0, 1, 0, 0], [1.0, 0.0, 0.0, 0.0]);
-    // All corners at one place, the last one on another joint.
+    // All corners at one position, the last one on another joint.
     let (positions, joints) = (
         maker.floats("VEC3", &[1.0; 12]),
         maker.accessor(U8, "VEC4", 4, &[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]),

@@ -118,7 +118,7 @@ fn shared_child() -> Outcome {
         maker.json["scene"] = json!(scene);
         let asset = maker.load()?;
         same(&asset.model().instances().len(), &1, "instances")?;
-        check::close(&check::moved(&asset, 0, [0.0; 3])?, &at, 0.0, "the child's place")?;
+        check::close(&check::moved(&asset, 0, [0.0; 3])?, &at, 0.0, "the child's position")?;
         warned_once(&asset, &[&format!("nodes[0] is a child of nodes[{parent}] and again of nodes[{other}];")])?;
     }
     Ok(())

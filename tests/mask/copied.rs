@@ -4,15 +4,18 @@ use rimline::internals::stages::{MASK_SAMPLES, SHADOW_MASKS};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::{Drawing, TexelKernel, depth};
+use rimline_testkit::pipelines::TexelKernel;
 use rimline_testkit::{is_long, must_fail, same};
+use wgpu::TextureFormat::R8Uint;
 use wgpu::TextureFormat::{self, Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8};
+
+use crate::drawn::{DepthDraw, Picture, depth_view};
 
 pub(crate) const TESTS: &[Test] = &[("depth_survives_the_copy", survives)];
 
 const SIDE: u32 = 1024;
 
-/// Depths by the numbers of pixels, and the bits that `textureLoad` gives.
+/// Depths by the indices of pixels.
 const NUMBERED: &str = "
 @group(0) @binding(0) var<storage, read> first: array<u32>;
 @vertex fn whole(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
@@ -31,101 +34,39 @@ const READ: &str = "
 }
 ";
 
-struct Map {
-    texture: wgpu::Texture,
+/// The bits of the last sample of each pixel.
+fn read(gpu: &Gpu, map: &wgpu::Texture) -> Result<Vec<u32>, String> {
+    let samples = map.sample_count();
+    let ty = if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
+    let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
+    let kernel = TexelKernel::new(&gpu.device, ("read", &source), samples > 1);
+    let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
+    let group = kernel.group(&gpu.device, &depth_view(map), &values);
+    gpu.submit(|encoder| {
+        kernel.run(encoder, &group, [SIDE / 8, SIDE / 8]);
+        Ok(())
+    })?;
+    gpu.read(&values, usize::MAX)
 }
 
-impl Map {
-    fn new(gpu: &Gpu, format: TextureFormat, samples: u32) -> Self {
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("map"),
-            size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: samples,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        Self { texture }
-    }
-
-    fn view(&self) -> wgpu::TextureView {
-        let aspect = wgpu::TextureAspect::DepthOnly;
-        self.texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() })
-    }
-
-    /// Draws depth over all of it, by a source with its fragment shader and a resource.
-    fn draw(
-        &self,
-        gpu: &Gpu,
-        [source, vertex, fragment]: [&str; 3],
-        bound: wgpu::BindingResource<'_>,
-    ) -> Result<(), String> {
-        let (format, samples) = (self.texture.format(), self.texture.sample_count());
-        let pipeline = gpu.kept(&format!("{fragment} {format:?} {samples}"), || {
-            let depth_stencil = Some(depth(format, wgpu::CompareFunction::Always, true));
-            let entry_points = [Some(vertex), Some(fragment)];
-            Ok(Drawing { source, entry_points, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
-        })?;
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: bound }],
-        });
-        let operations = |load| wgpu::Operations { load, store: wgpu::StoreOp::Store };
-        gpu.submit(|encoder| {
-            let view = self.texture.create_view(&wgpu::TextureViewDescriptor::default());
-            let stencil = format
-                .has_stencil_aspect()
-                .then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store });
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &view,
-                    depth_ops: Some(operations(wgpu::LoadOp::Clear(0.5))),
-                    stencil_ops: stencil,
-                }),
-                ..Default::default()
-            });
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..3, 0..1);
-            Ok(())
-        })
-    }
-
-    /// The bits of the last sample of each pixel.
-    fn read(&self, gpu: &Gpu) -> Result<Vec<u32>, String> {
-        let samples = self.texture.sample_count();
-        let ty = if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
-        let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
-        let kernel = TexelKernel::new(&gpu.device, ("read", &source), samples > 1);
-        let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
-        let group = kernel.group(&gpu.device, &self.view(), &values);
-        gpu.submit(|encoder| {
-            kernel.run(encoder, &group, [SIDE / 8, SIDE / 8]);
-            Ok(())
-        })?;
-        gpu.read(&values, usize::MAX)
-    }
-}
-
-/// Draws depths into a map of a format, copies them by the stage, and returns the bits of both.
-fn copied(
-    gpu: &Gpu,
-    from: TextureFormat,
-    to: TextureFormat,
-    samples: u32,
-    first: [u32; 2],
-) -> Result<[Vec<u32>; 2], String> {
-    let [map, copy] = [from, to].map(|format| Map::new(gpu, format, samples));
+/// Draws depths into a texture, copies them by the stage, and returns the bits of both.
+fn copied(gpu: &Gpu, [from, to]: [TextureFormat; 2], samples: u32, first: [u32; 2]) -> Result<[Vec<u32>; 2], String> {
+    let picture = Picture { size: [SIDE, SIDE], depth: from, samples, target: R8Uint };
+    let [map, copy] = [from, to].map(|format| picture.texture(gpu, format, samples, 1));
     let fragment = if from == Depth32Float { "bits" } else { "parts" };
-    map.draw(gpu, [NUMBERED, "whole", fragment], gpu.storage(&first).as_entire_binding())?;
+    let first = gpu.storage(&first);
+    let (entry_points, bound) = ([Some("whole"), Some(fragment)], first.as_entire_binding());
+    let numbered = DepthDraw { name: fragment, source: NUMBERED, entry_points, bound };
     let stage = if samples > 1 { &MASK_SAMPLES } else { &SHADOW_MASKS };
     let source = stage.composed().map_err(text)?.wgsl;
-    // The layout that a pipeline finds by itself takes depth for a texture of floats that is filtered.
-    copy.draw(gpu, [&source, "mask_whole", "mask_depth"], wgpu::BindingResource::TextureView(&map.view()))?;
-    Ok([map.read(gpu)?, copy.read(gpu)?])
+    gpu.submit(|encoder| {
+        numbered.draw(gpu, encoder, &map)?;
+        // The automatic layout takes depth for a texture of filterable floats.
+        let (view, entry_points) = (depth_view(&map), [Some("mask_whole"), Some("mask_depth")]);
+        let bound = wgpu::BindingResource::TextureView(&view);
+        DepthDraw { name: "mask_depth", source: &source, entry_points, bound }.draw(gpu, encoder, &copy)
+    })?;
+    Ok([read(gpu, &map)?, read(gpu, &copy)?])
 }
 
 /// All values of 16 bits; values of 24 bits and of floats from 0 to 1, in a long run all of 24 bits.
@@ -134,7 +75,7 @@ fn survives() -> Result<(), String> {
     let parts = if is_long() { 16 } else { 1 };
     for samples in [1, 4] {
         for part in 0..parts {
-            let [map, copy] = copied(gpu, Depth24Plus, Depth32FloatStencil8, samples, [part, 16])?;
+            let [map, copy] = copied(gpu, [Depth24Plus, Depth32FloatStencil8], samples, [part, 16])?;
             same(&format!("24 bits, {samples} samples"), &copy, &map)?;
             if map.windows(2).any(|pair| pair[0] >= pair[1]) {
                 return Err("the depths are not all different".to_owned());
@@ -144,21 +85,21 @@ fn survives() -> Result<(), String> {
             must_fail("a depth that is changed", &same("24 bits", &other, &map))?;
             // Without the feature. llvmpipe multiplies by the reciprocal of 2²⁴ − 1 where it should divide, so that depths from 3/4 on
             // come out as the next one.
-            let [map, copy] = copied(gpu, Depth24Plus, Depth24PlusStencil8, samples, [part, 16])?;
+            let [map, copy] = copied(gpu, [Depth24Plus, Depth24PlusStencil8], samples, [part, 16])?;
             let next = |(map, copy): (&u32, &u32)| copy == map || (*map > 0.75_f32.to_bits() && *copy == map + 1);
             if !map.iter().zip(&copy).all(next) {
                 return Err("24 bits that are stored again are more than one step off".to_owned());
             }
         }
-        let [map, copy] = copied(gpu, Depth16Unorm, Depth32FloatStencil8, samples, [0, 16])?;
+        let [map, copy] = copied(gpu, [Depth16Unorm, Depth32FloatStencil8], samples, [0, 16])?;
         same(&format!("16 bits, {samples} samples"), &copy, &map)?;
         // To the nearest of 24 bits: no two of 16 bits become one, and the nearest of 16 bits is the one that it was.
-        let [map, copy] = copied(gpu, Depth16Unorm, Depth24PlusStencil8, samples, [0, 16])?;
+        let [map, copy] = copied(gpu, [Depth16Unorm, Depth24PlusStencil8], samples, [0, 16])?;
         let of_16 = |bits: &u32| (f64::from(f32::from_bits(*bits)) * 65535.0).round() as u32;
         let [map, copy] = [map, copy].map(|all| all.iter().map(of_16).collect::<Vec<_>>());
         same("16 bits in 24", &copy, &map)?;
         // From the least normal number to 1.
-        let [map, copy] = copied(gpu, Depth32Float, Depth32FloatStencil8, samples, [0x0080_0000, 1000])?;
+        let [map, copy] = copied(gpu, [Depth32Float, Depth32FloatStencil8], samples, [0x0080_0000, 1000])?;
         same(&format!("floats, {samples} samples"), &copy, &map)?;
     }
     Ok(())

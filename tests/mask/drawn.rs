@@ -1,4 +1,4 @@
-//! Pictures of a world: its depth, the masks from it, and the stencil that a caller would draw.
+//! Images of a world: its depth, its masks, and the stencil that a caller would draw.
 
 use rimline::gpu::{MaskInputs, SceneOptions, ShadowFormat, ShadowMasks, ShadowPipelines, read_back_vec};
 use rimline::{DepthDirection, ShadowCamera};
@@ -9,7 +9,7 @@ use wgpu::TextureFormat;
 
 use crate::world::{Encoded, World};
 
-/// Copies depth, as `textureLoad` gives it.
+/// Copies the depth of `textureLoad`. Without samples, the last index is the level.
 const COPY: &str = "
 @group(0) @binding(0) var map: TEXTURE;
 @vertex fn whole(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
@@ -34,7 +34,7 @@ const STENCIL: &str = "
 }
 ";
 
-/// Textures of a picture: what the caller has.
+/// The caller's textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Picture {
     pub(crate) size: [u32; 2],
@@ -65,7 +65,7 @@ impl Picture {
         self.texture(gpu, self.target, 1, lights.div_ceil(lights_a_layer(self.target)).max(1) as u32)
     }
 
-    /// The depth of a world, in a texture of the caller's.
+    /// The depth of a world, in a texture of the caller.
     pub(crate) fn depth(
         &self,
         gpu: &Gpu,
@@ -74,8 +74,7 @@ impl Picture {
     ) -> Result<wgpu::TextureView, String> {
         let texture = self.texture(gpu, self.depth, self.samples, 1);
         draw_depth(gpu, encoder, world, &texture)?;
-        let aspect = wgpu::TextureAspect::DepthOnly;
-        Ok(texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() }))
+        Ok(depth_view(&texture))
     }
 
     /// The masks of a target, a light each: the byte of a share, or 0 and 255.
@@ -95,13 +94,13 @@ impl Picture {
         Ok((0..lights).map(mask).collect())
     }
 
-    /// The stencils of the caller's own volumes, a light each, and of each sample of each pixel in them.
+    /// The stencils of volumes that the caller draws, one a light, with a word for each sample of each pixel.
     pub(crate) fn stencils(
         &self,
         gpu: &Gpu,
         world: &World,
         encoded: &Encoded,
-        options: &SceneOptions,
+        (options, trim): (&SceneOptions, bool),
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<Vec<wgpu::Buffer>, String> {
         let has_float = gpu.device.features().contains(wgpu::Features::DEPTH32FLOAT_STENCIL8);
@@ -110,7 +109,10 @@ impl Picture {
         let texture = self.texture(gpu, depth_stencil, self.samples, 1);
         if has_float && !matches!(self.depth, TextureFormat::Depth32Float | TextureFormat::Depth32FloatStencil8) {
             let drawn = self.depth(gpu, encoder, world)?;
-            copy_depth(gpu, encoder, &drawn, &texture)?;
+            let ty = if self.samples > 1 { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
+            let (source, bound) = (COPY.replace("TEXTURE", ty), wgpu::BindingResource::TextureView(&drawn));
+            let copy = DepthDraw { name: "copied", source: &source, entry_points: [None; 2], bound };
+            copy.draw(gpu, encoder, &texture)?;
         } else {
             draw_depth(gpu, encoder, world, &texture)?;
         }
@@ -120,6 +122,7 @@ impl Picture {
             samples: self.samples,
             has_far_plane: world.camera.has_far_plane(),
             count_bits: options.stencil.count_bits,
+            trim,
             ..ShadowFormat::default()
         };
         let make = if options.stencil.count_batches > 1 { ShadowPipelines::in_batches } else { ShadowPipelines::new };
@@ -149,7 +152,7 @@ impl Picture {
             let encoded = world.encode(gpu, encoder, *options)?;
             let inputs = MaskInputs { depth, view: 0, lights: &encoded.lights, target: &target };
             encoded.frame.write_masks(encoder, masks, &inputs).map_err(text)?;
-            self.stencils(gpu, world, &encoded, options, encoder)
+            self.stencils(gpu, world, &encoded, (options, masks.trim), encoder)
         })?;
         let read = |buffer: &wgpu::Buffer| {
             let words: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, buffer).map_err(text)?;
@@ -246,32 +249,46 @@ fn draw_depth(
     Ok(())
 }
 
-/// Copies the values that `textureLoad` gives of some depth.
-fn copy_depth(
-    gpu: &Gpu,
-    encoder: &mut wgpu::CommandEncoder,
-    from: &wgpu::TextureView,
-    texture: &wgpu::Texture,
-) -> Result<(), String> {
-    let (format, samples) = (texture.format(), texture.sample_count());
-    let pipeline = gpu.kept(&format!("copied {format:?} {samples}"), || {
-        let ty = if samples > 1 { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
-        let source = COPY.replace("TEXTURE", ty);
-        let depth_stencil = Some(depth(format, wgpu::CompareFunction::Always, true));
-        // Without samples, the index is the level.
-        Ok(Drawing { source: &source, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
-    })?;
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(from) }],
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let mut pass = begin(encoder, &view, Some(0.0));
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.draw(0..3, 0..1);
-    Ok(())
+/// A full-screen draw that writes depth, by a shader that reads one resource.
+pub(crate) struct DepthDraw<'a> {
+    /// A name for the pipeline: equal names have equal sources and entry points.
+    pub(crate) name: &'a str,
+    pub(crate) source: &'a str,
+    pub(crate) entry_points: [Option<&'a str>; 2],
+    pub(crate) bound: wgpu::BindingResource<'a>,
+}
+
+impl DepthDraw<'_> {
+    pub(crate) fn draw(
+        self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+    ) -> Result<(), String> {
+        let Self { name, source, entry_points, bound } = self;
+        let (format, samples) = (texture.format(), texture.sample_count());
+        let pipeline = gpu.kept(&format!("{name} {format:?} {samples}"), || {
+            let depth_stencil = Some(depth(format, wgpu::CompareFunction::Always, true));
+            Ok(Drawing { source, entry_points, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
+        })?;
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: bound }],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut pass = begin(encoder, &view, Some(0.0));
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+        Ok(())
+    }
+}
+
+/// A view of the depth aspect.
+pub(crate) fn depth_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    let aspect = wgpu::TextureAspect::DepthOnly;
+    texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() })
 }
 
 /// Reads stencils of a texture.

@@ -1,4 +1,4 @@
-//! Shadow masks of scenes: against the stencil that a caller would draw, bit for bit, and against rays in `f64`.
+//! Shadow masks of scenes against the stencil that a caller would draw, bit for bit. `tests/shadow/` compares stencils with rays.
 //!
 //! The stage is `shadow_masks`.
 
@@ -6,7 +6,6 @@ mod copied;
 mod drawn;
 mod frames;
 mod partial;
-mod rays;
 mod refusals;
 mod same;
 mod world;
@@ -14,6 +13,6 @@ mod world;
 use rimline_testkit::harness::{self, Test};
 
 fn main() {
-    let tests: [&[Test]; 6] = [same::TESTS, rays::TESTS, copied::TESTS, frames::TESTS, partial::TESTS, refusals::TESTS];
+    let tests: [&[Test]; 5] = [same::TESTS, copied::TESTS, frames::TESTS, partial::TESTS, refusals::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rimline::gpu::{Caster, FrameInputs, LightHandle, Scene, SceneFrame, SceneOptions, View};
 use rimline::{Cone, Counting, Light, Mesh, ShadowCamera, mesh::Weld};
-use rimline_testkit::cases::{Case, topologies};
+use rimline_testkit::cases::topologies;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
@@ -32,17 +32,7 @@ fn moved(positions: &[[f32; 3]], by: f32, to: DVec3) -> Vec<[f32; 3]> {
 impl World {
     /// `projection` is one of [`PROJECTIONS`](rimline_testkit::scenes::PROJECTIONS), whose odd ones have standard depth.
     pub(crate) fn new(seed: u64, projection: usize, lights: usize) -> Self {
-        Self::of(topologies(), seed, projection, lights)
-    }
-
-    /// The same with closed casters only, whose shadows are nowhere as thin as a line.
-    pub(crate) fn closed(seed: u64, projection: usize, lights: usize) -> Self {
         let mut cases = topologies();
-        cases.retain(|(.., mesh)| mesh.is_closed());
-        Self::of(cases, seed, projection, lights)
-    }
-
-    fn of(mut cases: Vec<Case>, seed: u64, projection: usize, lights: usize) -> Self {
         let random = &mut Random::new(seed);
         let mut casters = vec![shapes::torus(24, 16, 0.8, 0.3)];
         let (_, positions, mesh) = cases.swap_remove(random.below(cases.len()));
@@ -64,8 +54,8 @@ impl World {
         Self { casters, room, camera: pose.camera(projection, seed.is_multiple_of(2)), lights }
     }
 
-    /// The same with lights that reach a part of it: by a range, a cone, or both.
-    pub(crate) fn with_reach(mut self, seed: u64) -> Self {
+    /// The same with lights that affect a part of it, by a range, a cone, or both.
+    pub(crate) fn with_ranges(mut self, seed: u64) -> Self {
         let random = &mut Random::new(seed);
         for (number, light) in self.lights.iter_mut().enumerate().filter(|(_, light)| light.w != 0.0) {
             if number % 2 == 0 || random.below(2) == 0 {
@@ -79,7 +69,7 @@ impl World {
         self
     }
 
-    /// The corners of all faces that the eye sees, three a face.
+    /// The corners of all visible faces, three a face.
     pub(crate) fn corners(&self) -> Vec<[f32; 3]> {
         let bodies = self.casters.iter().chain([&self.room]);
         bodies.flat_map(|body| body.faces.iter().flatten().map(|&v| body.positions[v as usize])).collect()

@@ -175,8 +175,10 @@ fn check_orders(mesh: &Mesh, found: &Clusters) -> Outcome {
     let expected: Vec<_> = expected.collect();
     let records: Vec<u32> = expected.iter().map(|&(record, _)| record).collect();
     same("the groups of edges, one after the other", edges.records(), &records)?;
-    if let Some(&(record, place)) = expected.iter().find(|&&(record, place)| group(record) != Some(place)) {
-        return Err(format!("record {record} is at {place:?}, and belongs to {:?}", group(record)));
+    if let Some(&(record, expected_group)) =
+        expected.iter().find(|&&(record, expected_group)| group(record) != Some(expected_group))
+    {
+        return Err(format!("record {record} is at {expected_group:?}, and belongs to {:?}", group(record)));
     }
     let ordered = |pair: &[(u32, (i32, usize))]| pair[0].1 != pair[1].1 || pair[0].0 < pair[1].0;
     if !expected.windows(2).all(ordered) {

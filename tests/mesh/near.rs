@@ -188,14 +188,15 @@ fn data_keeps_vertices_apart_unless_it_is_said_otherwise() {
         };
         let geometry = Geometry::new(positions.clone(), faces.clone(), options).expect("a geometry");
         let all = oracle(&positions, distance, |_, _| true);
-        let own = oracle(&positions, distance, |a, b| joints[a] == joints[b] && offsets[a] == offsets[b]);
-        for (weld, groups) in [(by(distance), &own), (by(distance).across_data(), &all)] {
+        let by_data = oracle(&positions, distance, |a, b| joints[a] == joints[b] && offsets[a] == offsets[b]);
+        for (weld, groups) in [(by(distance), &by_data), (by(distance).across_data(), &all)] {
             let (welded, counts) = geometry.welded(Weld::Distance(weld));
             let kept: Vec<u32> = (0..positions.len() as u32).filter(|&v| groups[v as usize] == v).collect();
             assert_eq!(welded.source_vertices(), kept, "seed {seed}");
-            let places: Vec<[u32; 3]> = kept.iter().map(|&v| positions[v as usize].map(f32::to_bits)).collect();
+            let positions_of_groups: Vec<[u32; 3]> =
+                kept.iter().map(|&v| positions[v as usize].map(f32::to_bits)).collect();
             let found: Vec<[u32; 3]> = welded.positions().iter().map(|p| p.map(f32::to_bits)).collect();
-            assert_eq!(found, places, "seed {seed}");
+            assert_eq!(found, positions_of_groups, "seed {seed}");
             let new = |v: u32| kept.binary_search(&groups[v as usize]).expect("a kept vertex") as u32;
             assert_eq!(welded.faces(), faces.iter().map(|face| face.map(new)).collect::<Vec<_>>(), "seed {seed}");
             let bones: Vec<u32> = kept.iter().map(|&v| joints[v as usize]).collect();
@@ -203,8 +204,8 @@ fn data_keeps_vertices_apart_unless_it_is_said_otherwise() {
             let is_degenerate = |[a, b, c]: [u32; 3]| a == b || b == c || c == a;
             let fell = faces.iter().filter(|&&face| !is_degenerate(face) && is_degenerate(face.map(new))).count();
             assert_eq!((counts.collapsed, counts.after), (fell, kept.len()), "seed {seed}");
-            let places = all.iter().enumerate().filter(|&(v, &group)| v == group as usize).count();
-            assert_eq!(counts.apart, kept.len() - places, "seed {seed}");
+            let positions_of_groups = all.iter().enumerate().filter(|&(v, &group)| v == group as usize).count();
+            assert_eq!(counts.apart, kept.len() - positions_of_groups, "seed {seed}");
             (apart, collapsed) = (apart + counts.apart, collapsed + counts.collapsed);
         }
     }
@@ -282,7 +283,7 @@ fn hostile_clouds_weld_in_time() {
         ("sheets", sheets(count), 1.0, 2),
         ("ball in a sphere", ball, 1.0, count),
         ("circle about a line", circle, 1.0, count),
-        ("one place", same, 1e-3, 1),
+        ("one position", same, 1e-3, 1),
         ("a chain of ties", line.clone(), 1.0, 1),
         ("a chain just apart", line, 1.0_f32.next_down(), count),
     ] {

@@ -41,7 +41,7 @@ mod oracle {
             }
             records.extend(left.into_iter().map(|single| record(edge, single, None)));
         }
-        records.sort_by_key(|&(place, _)| place);
+        records.sort_by_key(|&(index, _)| index);
         records.into_iter().map(|(_, edge)| edge).collect()
     }
 
@@ -103,8 +103,8 @@ fn difference(records: &[Edge], faces: &[[u32; 3]]) -> Option<String> {
     if records.len() != expected.len() {
         return Some(format!("{} records, not {}", records.len(), expected.len()));
     }
-    let place = records.iter().zip(&expected).position(|(a, b)| a != b)?;
-    Some(format!("record {place}: {:?}, not {:?}", records[place], expected[place]))
+    let index = records.iter().zip(&expected).position(|(a, b)| a != b)?;
+    Some(format!("record {index}: {:?}, not {:?}", records[index], expected[index]))
 }
 
 fn assert_like_oracle(name: &str, shape: &Shape) {

@@ -113,9 +113,9 @@ mod oracle {
         if all.iter().zip(&kept).any(|(&new, &old)| welded.entries[new] != source.entries[old]) {
             return Some("influences".to_owned());
         }
-        let place =
+        let renamed =
             |v: u32| kept.iter().position(|&k| k == groups[v as usize]).expect("a group's lowest is kept") as u32;
-        let faces: Vec<[u32; 3]> = source.faces.iter().map(|face| face.map(place)).collect();
+        let faces: Vec<[u32; 3]> = source.faces.iter().map(|face| face.map(renamed)).collect();
         (welded.faces != faces).then(|| "faces".to_owned())
     }
 }
@@ -227,7 +227,7 @@ fn welding_again_gives_the_same() {
     }
 }
 
-/// Positions whose hashes all met in one place of the table while the hash was not keyed: multiply and rotate, low bits. The
+/// Positions whose hashes all met in one entry of the table while the hash was not keyed: multiply and rotate, low bits. The
 /// third word is chosen so that the others' share of the low bits is undone.
 fn colliding(count: usize) -> Vec<[f32; 3]> {
     const FACTOR: u64 = 0x517c_c1b7_2722_0a95;

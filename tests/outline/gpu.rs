@@ -62,20 +62,20 @@ impl View {
         Self { pose, is_parallel, camera, light, matrix }
     }
 
-    fn pixel(&self, place: DVec3) -> DVec2 {
+    fn pixel(&self, point: DVec3) -> DVec2 {
         let origin = DVec3::from(self.camera.origin.map(f64::from));
-        let clip: DVec4 = self.matrix * (place - origin).extend(1.0);
+        let clip: DVec4 = self.matrix * (point - origin).extend(1.0);
         DVec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w) * f64::from(SIDE)
     }
 
-    /// How far before the near plane a place is.
-    fn before_near(&self, place: DVec3) -> f64 {
-        (place - self.pose.eye).dot(self.pose.forward) - self.pose.near
+    /// How far before the near plane a point is.
+    fn before_near(&self, point: DVec3) -> f64 {
+        (point - self.pose.eye).dot(self.pose.forward) - self.pose.near
     }
 
     /// The part of an edge before the near plane.
     fn cut(&self, [a, b]: [DVec3; 2]) -> Option<[DVec3; 2]> {
-        let [x, y] = [a, b].map(|place| self.before_near(place) - 1e-6);
+        let [x, y] = [a, b].map(|point| self.before_near(point) - 1e-6);
         let at = a.lerp(b, x / (x - y));
         match (x > 0.0, y > 0.0) {
             (true, true) => Some([a, b]),
@@ -85,15 +85,15 @@ impl View {
         }
     }
 
-    /// Whether the ray to `place`, moved by so many pixels, meets a face before it has gone this share of the way.
-    fn is_blocked(&self, tracer: &Tracer<()>, place: DVec3, moved: DVec2, share: f64) -> bool {
+    /// Whether the ray to `point`, moved by this number of pixels, meets a face before this share of its length.
+    fn is_blocked(&self, tracer: &Tracer<()>, point: DVec3, moved: DVec2, share: f64) -> bool {
         let [right, up] = [self.pose.right, self.pose.up];
         // The world's length of a pixel there, by a small step, along each axis.
         let step = 1e-5;
-        let length = |axis: DVec3| step / (self.pixel(place + step * axis) - self.pixel(place)).length();
-        let place = place + right * moved.x * length(right) + up * moved.y * length(up);
-        let from = if self.is_parallel { place - 6.0 * self.pose.forward } else { self.pose.eye };
-        let direction = place - from;
+        let length = |axis: DVec3| step / (self.pixel(point + step * axis) - self.pixel(point)).length();
+        let point = point + right * moved.x * length(right) + up * moved.y * length(up);
+        let from = if self.is_parallel { point - 6.0 * self.pose.forward } else { self.pose.eye };
+        let direction = point - from;
         let is_met = |t: f64| t < share && self.before_near(from + t * direction) > 0.0;
         tracer.meetings((from, direction)).any(|(t, _)| is_met(t))
     }
@@ -178,17 +178,17 @@ fn truth(case: &Case, view: &View, classes: Classes, has_outline: impl Fn(u32) -
         let further = 1.5 / span.length().max(1e-9);
         for step in 0..=steps {
             let share = step as f64 / steps as f64;
-            let place = a.lerp(b, share);
-            let pixel = view.pixel(place);
+            let point = a.lerp(b, share);
+            let pixel = view.pixel(point);
             if (pixel / f64::from(SIDE) - 0.5).abs().max_element() > 0.52 {
                 continue;
             }
             let is_clear = |further: f64| {
-                let place = a.lerp(b, (share + further).clamp(0.0, 1.0));
-                !view.is_blocked(&tracer, place, DVec2::ZERO, 1.0 - 1e-6)
+                let point = a.lerp(b, (share + further).clamp(0.0, 1.0));
+                !view.is_blocked(&tracer, point, DVec2::ZERO, 1.0 - 1e-6)
             };
             // How many of the pixels around see something much nearer: a gap may be too narrow to see a line through.
-            let covered = around.iter().filter(|&&moved| view.is_blocked(&tracer, place, moved, 0.9)).count();
+            let covered = around.iter().filter(|&&moved| view.is_blocked(&tracer, point, moved, 0.9)).count();
             // At the border nothing tells what lies beyond it.
             let is_inner = (pixel / f64::from(SIDE) - 0.5).abs().max_element() < 0.49;
             if is_inner && covered == 0 && [0.0, further, -further].into_iter().all(is_clear) {
@@ -202,15 +202,15 @@ fn truth(case: &Case, view: &View, classes: Classes, has_outline: impl Fn(u32) -
     truth
 }
 
-/// Marks the pixel of a place, or those whose middles are this near.
-fn mark(pixels: &mut [bool], place: DVec2, near: f64) {
+/// Marks the pixel of a point, or those whose middles are this near.
+fn mark(pixels: &mut [bool], point: DVec2, near: f64) {
     let reach = near.ceil() as i32;
-    let (x, y) = (place.x.floor() as i32, place.y.floor() as i32);
+    let (x, y) = (point.x.floor() as i32, point.y.floor() as i32);
     for [dx, dy] in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| [dx, dy])) {
         let (x, y) = (x + dx, y + dy);
         let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let is_in = (0..SIDE as i32).contains(&x) && (0..SIDE as i32).contains(&y);
-        if is_in && (reach == 0 || middle.distance(place) <= near) {
+        if is_in && (reach == 0 || middle.distance(point) <= near) {
             pixels[(y * SIDE as i32 + x) as usize] = true;
         }
     }
@@ -218,9 +218,9 @@ fn mark(pixels: &mut [bool], place: DVec2, near: f64) {
 
 /// Compares a picture, the ink of each pixel, with what it has to be. Tells the first pixel of each kind.
 fn check(what: &str, ink: &[u8], truth: &Truth) -> Result<(), String> {
-    let place = |at: usize| [at as u32 % SIDE, at as u32 / SIDE];
-    let missing: Vec<_> = (0..ink.len()).filter(|&at| truth.must[at] && ink[at] < 200).map(place).collect();
-    let wrong: Vec<_> = (0..ink.len()).filter(|&at| !truth.may[at] && ink[at] > 0).map(place).collect();
+    let point = |at: usize| [at as u32 % SIDE, at as u32 / SIDE];
+    let missing: Vec<_> = (0..ink.len()).filter(|&at| truth.must[at] && ink[at] < 200).map(point).collect();
+    let wrong: Vec<_> = (0..ink.len()).filter(|&at| !truth.may[at] && ink[at] > 0).map(point).collect();
     if missing.is_empty() && wrong.is_empty() {
         return Ok(());
     }

@@ -83,13 +83,13 @@ fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("torus", shapes::torus(24, 16, 1.0, 0.4));
     let vertices = gpu.storage(&positions);
-    let place = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
+    let positions = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
     let encoded = |gpu: &Gpu, topology| {
         let lists = Some(ListOptions { topology, ..ListOptions::default() });
         let options = ExtractorOptions { lists, ..ExtractorOptions::default() };
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
         let lights = [Light::point([0.0, 0.0, 4.0])];
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, place, &lights).map_err(text))?;
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, positions, &lights).map_err(text))?;
         Ok::<_, String>((extractor, extraction))
     };
     let [(_, two), (mut extractor, four)] =
@@ -134,7 +134,7 @@ fn refused() -> Result<(), String> {
     ] {
         expect(what, prepared(&inputs), expected)?;
     }
-    gpu.submit(|encoder| extractor.encode(encoder, place, &[Light::point([4.0; 3])]).map_err(text).map(drop))?;
+    gpu.submit(|encoder| extractor.encode(encoder, positions, &[Light::point([4.0; 3])]).map_err(text).map(drop))?;
     expect("an old extraction", prepared(&good), "out of date")?;
     let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,

@@ -95,8 +95,8 @@ pub(crate) fn render(gpu: &Gpu, inputs: &Inputs<'_>) -> Result<Vec<u8>, String> 
     let vertices = gpu.storage(positions);
     let marks = marks.map(|marks| gpu.storage(marks));
     Picture { camera, corners: corners(case), attachments }.ink(gpu, |encoder, outlines, depth| {
-        let place = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
-        let extraction = extractor.encode(encoder, place, &[light]).map_err(text)?;
+        let positions = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
+        let extraction = extractor.encode(encoder, positions, &[light]).map_err(text)?;
         let of = OutlineSource::Extraction(&extraction, 0);
         let marked = marks.as_ref();
         outlines.prepare(&OutlineInputs { of, camera, depth, style, marked }).map_err(text)
@@ -120,8 +120,9 @@ impl Picture<'_> {
             let drawing = Drawing { source: SURFACE, depth_stencil, samples: depth_samples, ..Drawing::default() };
             Ok(drawing.pipeline(&gpu.device))
         })?;
-        let own = attachments.format();
-        let outlines = gpu.kept(&format!("{own:?}"), || OutlinePipeline::new(&gpu.pipelines, &own).map_err(text))?;
+        let of_pass = attachments.format();
+        let outlines =
+            gpu.kept(&format!("{of_pass:?}"), || OutlinePipeline::new(&gpu.pipelines, &of_pass).map_err(text))?;
 
         let [x, y, z] = camera.origin;
         let words = [camera.view_projection.concat(), vec![x, y, z, 0.0]].concat();
@@ -133,10 +134,10 @@ impl Picture<'_> {
         let layout = &surface.get_bind_group_layout(0);
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
 
-        let target = texture(gpu, own.color, 1);
+        let target = texture(gpu, of_pass.color, 1);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let depth_view = view(&texture(gpu, format, depth_samples));
-        let sampled = (own.samples > 1).then(|| view(&texture(gpu, own.color, own.samples)));
+        let sampled = (of_pass.samples > 1).then(|| view(&texture(gpu, of_pass.color, of_pass.samples)));
 
         let pixels = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
         gpu.submit(|encoder| {

@@ -55,9 +55,9 @@ impl Outlined {
         Ok(Self { scene, eye })
     }
 
-    fn insert(&mut self, (_, positions, mesh): &Case, place: Matrix3x4) -> Result<CasterHandle, String> {
+    fn insert(&mut self, (_, positions, mesh): &Case, transform: Matrix3x4) -> Result<CasterHandle, String> {
         let mesh = self.scene.add_mesh(mesh, positions).map_err(text)?;
-        self.scene.insert(Caster::rigid(mesh, place)).map_err(text)
+        self.scene.insert(Caster::rigid(mesh, transform)).map_err(text)
     }
 
     /// The picture of a frame for these cameras.
@@ -115,17 +115,17 @@ fn same_as_extractions() -> Result<(), String> {
             let what = format!("{}, {others} other lights, room for {lists}", case.0);
             let inputs = Inputs { case, camera, light, style, marks: None, capacity: None, attachments };
             let expected = render(&gpu, &inputs)?;
-            let mut own = Outlined::new(&gpu, light, others as usize, Some(lists))?;
-            let caster = own.insert(case, IDENTITY)?;
+            let mut drawing = Outlined::new(&gpu, light, others as usize, Some(lists))?;
+            let caster = drawing.insert(case, IDENTITY)?;
             let picture = Picture { camera, corners: corners(case), attachments };
-            same(&what, &own.ink(&gpu, &picture, style, &[])?, &expected)?;
+            same(&what, &drawing.ink(&gpu, &picture, style, &[])?, &expected)?;
             // A list that overflows would draw this without a test of each edge.
             let every = OutlineStyle { crease: Some([0.0, 0.0, 0.0, 1.0]), crease_angle: 0.0, ..style };
             let is_noticed = |found: &[u8]| usize::from(same(&what, found, &expected).is_err());
             pictures += 1;
-            wires += is_noticed(&own.ink(&gpu, &picture, every, &[])?);
-            own.scene.set_transform(caster, moved(IDENTITY, DVec3::splat(0.05))).map_err(text)?;
-            moves += is_noticed(&own.ink(&gpu, &picture, style, &[])?);
+            wires += is_noticed(&drawing.ink(&gpu, &picture, every, &[])?);
+            drawing.scene.set_transform(caster, moved(IDENTITY, DVec3::splat(0.05))).map_err(text)?;
+            moves += is_noticed(&drawing.ink(&gpu, &picture, style, &[])?);
         }
     }
     // Flat meshes have no creases, and some eyes are too near to see an edge.
@@ -143,7 +143,7 @@ fn moved(rows: Matrix3x4, by: DVec3) -> Matrix3x4 {
 /// A caster, as the oracle knows it.
 struct Body {
     case: Case,
-    place: Matrix3x4,
+    transform: Matrix3x4,
     /// Its positions in world space are in a buffer.
     buffer: Option<wgpu::Buffer>,
     handle: CasterHandle,
@@ -152,15 +152,15 @@ struct Body {
 
 impl Body {
     fn world(&self) -> Vec<[f32; 3]> {
-        in_world(&self.case.1, &self.place)
+        in_world(&self.case.1, &self.transform)
     }
 
     /// Moves it, in its buffer or by its matrix.
-    fn move_to(&mut self, gpu: &Gpu, scene: &mut Scene, place: Matrix3x4) -> Result<(), String> {
-        self.place = place;
+    fn move_to(&mut self, gpu: &Gpu, scene: &mut Scene, transform: Matrix3x4) -> Result<(), String> {
+        self.transform = transform;
         match &self.buffer {
             Some(buffer) => gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&in_buffer(&self.world()))),
-            None => scene.set_transform(self.handle, place).map_err(text)?,
+            None => scene.set_transform(self.handle, transform).map_err(text)?,
         }
         Ok(())
     }
@@ -174,8 +174,8 @@ fn in_buffer(world: &[[f32; 3]]) -> Vec<f32> {
     interleaved(world, OFFSET, STRIDE)
 }
 
-fn in_world(positions: &[[f32; 3]], place: &Matrix3x4) -> Vec<[f32; 3]> {
-    let rows = place.map(|row| row.map(f64::from));
+fn in_world(positions: &[[f32; 3]], transform: &Matrix3x4) -> Vec<[f32; 3]> {
+    let rows = transform.map(|row| row.map(f64::from));
     let at = |p: [f64; 3]| rows.map(|[x, y, z, w]| (x * p[0] + y * p[1] + z * p[2] + w) as f32);
     positions.iter().map(|p| at(p.map(f64::from))).collect()
 }
@@ -202,7 +202,7 @@ fn together(bodies: &[Body]) -> (Case, Vec<bool>) {
     (case("bodies", shape), have_outlines)
 }
 
-fn bodies(gpu: &Gpu, own: &mut Outlined, random: &mut Random) -> Result<Vec<Body>, String> {
+fn bodies(gpu: &Gpu, drawing: &mut Outlined, random: &mut Random) -> Result<Vec<Body>, String> {
     let squares = of_polygons("box of squares", &quad_box(2), 1.0, -1.0)?;
     let cases = [
         case("blob", shapes::blob(4, 0.3, 1)),
@@ -213,18 +213,18 @@ fn bodies(gpu: &Gpu, own: &mut Outlined, random: &mut Random) -> Result<Vec<Body
     ];
     let mut bodies = Vec::new();
     for (number, case) in cases.into_iter().enumerate() {
-        let place = placed(random, number == 4);
-        let world = in_world(&case.1, &place);
+        let transform = placed(random, number == 4);
+        let world = in_world(&case.1, &transform);
         let buffer = (number == 1).then(|| gpu.storage(&in_buffer(&world)));
         let handle = match &buffer {
             Some(buffer) => {
-                let mesh = own.scene.add_mesh(&case.2, &case.1).map_err(text)?;
+                let mesh = drawing.scene.add_mesh(&case.2, &case.1).map_err(text)?;
                 let positions = PositionBuffer { buffer, offset: OFFSET, stride: STRIDE };
-                own.scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)?
+                drawing.scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)?
             }
-            None => own.insert(&case, place)?,
+            None => drawing.insert(&case, transform)?,
         };
-        bodies.push(Body { case, place, buffer, handle, has_outline: true });
+        bodies.push(Body { case, transform, buffer, handle, has_outline: true });
     }
     Ok(bodies)
 }
@@ -236,10 +236,10 @@ fn seen() -> Result<(), String> {
     for projection in 0..6 {
         let view = View::new(&mut random, projection);
         let (others, lists) = ([0, 33][projection % 2], [None, Some(5)][projection / 2 % 2]);
-        let mut own = Outlined::new(&gpu, view.light, others, lists)?;
-        let mut bodies = bodies(&gpu, &mut own, &mut random)?;
+        let mut drawing = Outlined::new(&gpu, view.light, others, lists)?;
+        let mut bodies = bodies(&gpu, &mut drawing, &mut random)?;
         // Excluded faces cast nothing, and are seen.
-        own.scene.set_excluded(bodies[3].handle, own.eye, &[0, 1, 2]).map_err(text)?;
+        drawing.scene.set_excluded(bodies[3].handle, drawing.eye, &[0, 1, 2]).map_err(text)?;
         let attachments = Attachments::ALL[projection % Attachments::ALL.len()];
         let classes = [true, true, projection % 3 > 0, false];
         let mut before: Option<(Truth, Vec<u8>)> = None;
@@ -247,17 +247,17 @@ fn seen() -> Result<(), String> {
             match change {
                 "moved" => {
                     for body in &mut bodies {
-                        body.move_to(&gpu, &mut own.scene, placed(&mut random, body.case.0 == "mirrored cube"))?;
+                        body.move_to(&gpu, &mut drawing.scene, placed(&mut random, body.case.0 == "mirrored cube"))?;
                     }
                 }
                 "without the light" => {
-                    own.scene.set_lights(bodies[0].handle, LightMask::ALL.without(own.eye)).map_err(text)?;
+                    drawing.scene.set_lights(bodies[0].handle, LightMask::ALL.without(drawing.eye)).map_err(text)?;
                     bodies[0].has_outline = false;
                 }
-                "removed" => own.scene.remove(bodies.remove(2).handle).map_err(text)?,
+                "removed" => drawing.scene.remove(bodies.remove(2).handle).map_err(text)?,
                 "out of range" => {
                     // Directions have no range, and nothing is known of what is in a buffer.
-                    own.scene.set_light(own.eye, view.light.with_range(1e-3)).map_err(text)?;
+                    drawing.scene.set_light(drawing.eye, view.light.with_range(1e-3)).map_err(text)?;
                     for body in &mut bodies {
                         body.has_outline &= view.is_parallel || body.buffer.is_some();
                     }
@@ -267,7 +267,7 @@ fn seen() -> Result<(), String> {
             let what = format!("projection {projection}, {change}, {others} other lights, lists {lists:?}");
             let (case, have_outlines) = together(&bodies);
             let picture = Picture { camera: &view.camera, corners: corners(&case), attachments };
-            let ink = own.ink(&gpu, &picture, style(classes, attachments), &[])?;
+            let ink = drawing.ink(&gpu, &picture, style(classes, attachments), &[])?;
             let truth = truth(&case, &view, classes, |vertex| have_outlines[vertex as usize]);
             check(&what, &ink, &truth)?;
             (pictures, musts) = (pictures + 1, musts + truth.must.iter().filter(|&&must| must).count());
@@ -295,35 +295,35 @@ fn models() -> Result<(), String> {
         let (camera, light, attachments) = (&view.camera, view.light, Attachments::ALL[0]);
         let style = style([true, true, true, false], attachments);
         let expected = render(&gpu, &Inputs { case, camera, light, style, marks: None, capacity: None, attachments })?;
-        let mut own = Outlined::new(&gpu, light, 0, None)?;
-        let handle = own.scene.insert_model(&model, &pose, DeformerOptions::default()).map_err(text)?;
+        let mut drawing = Outlined::new(&gpu, light, 0, None)?;
+        let handle = drawing.scene.insert_model(&model, &pose, DeformerOptions::default()).map_err(text)?;
         let picture = Picture { camera, corners: corners(case), attachments };
         let from_behind = Pose { forward: -view.pose.forward, right: -view.pose.right, ..view.pose }.camera(0, false);
         let views = [from_behind, *camera].map(FrameView::new);
-        same("no view", &own.ink(&gpu, &picture, style, &[])?, &expected)?;
-        same("one of two views", &own.ink(&gpu, &picture, style, &views)?, &expected)?;
-        let other = own.ink(&gpu, &picture, style, &views[..1]);
+        same("no view", &drawing.ink(&gpu, &picture, style, &[])?, &expected)?;
+        same("one of two views", &drawing.ink(&gpu, &picture, style, &views)?, &expected)?;
+        let other = drawing.ink(&gpu, &picture, style, &views[..1]);
         let no_view = OutlineError::NoView.to_string();
         if other != Err(no_view.clone()) {
             return Err(format!("{:?}, expected {no_view}", other.map(|ink| ink.len())));
         }
-        own.scene.set_pose(handle, &bending_tube().1(2.6)).map_err(text)?;
-        must_fail("another pose", &same("pose", &own.ink(&gpu, &picture, style, &[])?, &expected))?;
+        drawing.scene.set_pose(handle, &bending_tube().1(2.6)).map_err(text)?;
+        must_fail("another pose", &same("pose", &drawing.ink(&gpu, &picture, style, &[])?, &expected))?;
     }
     Ok(())
 }
 
-fn encoded(gpu: &Gpu, own: &mut Outlined) -> Result<SceneFrame, String> {
-    gpu.submit(|encoder| own.scene.encode(encoder, FrameInputs::default()).map_err(text))
+fn encoded(gpu: &Gpu, drawing: &mut Outlined) -> Result<SceneFrame, String> {
+    gpu.submit(|encoder| drawing.scene.encode(encoder, FrameInputs::default()).map_err(text))
 }
 
 fn refused_outlines() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let light = Light::point([0.0, 0.0, 4.0]);
-    let mut own = Outlined::new(gpu, light, 0, None)?;
+    let mut drawing = Outlined::new(gpu, light, 0, None)?;
     let mut other = Outlined::new(gpu, light, 0, None)?;
-    own.insert(&case("cube", shapes::cube()), IDENTITY)?;
-    let (frame, empty) = (encoded(gpu, &mut own)?, encoded(gpu, &mut other)?);
+    drawing.insert(&case("cube", shapes::cube()), IDENTITY)?;
+    let (frame, empty) = (encoded(gpu, &mut drawing)?, encoded(gpu, &mut other)?);
     let outlines = OutlinePipeline::new(&gpu.pipelines, &OutlineFormat::default()).map_err(text)?;
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     let camera =
@@ -342,7 +342,7 @@ fn refused_outlines() -> Result<(), String> {
     };
     let depth = texture(wgpu::TextureFormat::Depth32Float, wgpu::TextureUsages::TEXTURE_BINDING);
     let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
-    let of = OutlineSource::Scene(&frame, own.eye);
+    let of = OutlineSource::Scene(&frame, drawing.eye);
     let good = OutlineInputs { of, camera, depth, style: OutlineStyle::default(), marked: None };
     let of = |frame, light| outlines.prepare(&OutlineInputs { of: OutlineSource::Scene(frame, light), ..good });
     let made = outlines.prepare(&good).map_err(text)?;
@@ -352,10 +352,10 @@ fn refused_outlines() -> Result<(), String> {
     let singular = &ShadowCamera { view_projection: [[0.0; 4]; 4], ..*camera };
     let elsewhere = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
     let theirs = OutlinePipeline::new(&elsewhere.pipelines, &OutlineFormat::default()).map_err(text)?;
-    own.scene.remove_light(own.eye).map_err(text)?;
-    let new = own.scene.add_light(light).map_err(text)?;
+    drawing.scene.remove_light(drawing.eye).map_err(text)?;
+    let new = drawing.scene.add_light(light).map_err(text)?;
     refused([
-        refusal("a removed light of the frame", of(&frame, own.eye), Expected::Taken),
+        refusal("a removed light of the frame", of(&frame, drawing.eye), Expected::Taken),
         refusal("no casters", of(&empty, other.eye), Expected::Taken),
         refusal("another scene's light", of(&frame, other.eye), is(scene(ShadowError::OtherScene { what: "light" }))),
         refusal("a light after the encode", of(&frame, new), is(scene(ShadowError::NotEncoded))),
@@ -364,7 +364,7 @@ fn refused_outlines() -> Result<(), String> {
         refusal("no camera", outlines.prepare(&OutlineInputs { camera: singular, ..good }), says(&["singular"])),
         refusal("another device", theirs.prepare(&good), says(&["the scene is of another device than the outline's"])),
     ])?;
-    encoded(gpu, &mut own)?;
+    encoded(gpu, &mut drawing)?;
     let target = texture(OutlineFormat::default().color, wgpu::TextureUsages::empty());
     let view = &target.create_view(&wgpu::TextureViewDescriptor::default());
     let drawn = gpu.submit(|encoder| {

@@ -37,8 +37,8 @@ fn looped(gpu: &Gpu, corners: Vec<[f32; 3]>, towards: [f32; 3]) -> Result<(Twist
     let mut set = PolygonSet::default();
     set.push_points(&[corners]);
     let mesh = set.mesh(Weld::Position).map_err(text)?;
-    let own = twisted(gpu, &set, &mesh, &[Light::directional(towards)])?.pop().ok_or("not twisted")?;
-    Ok((own, mesh.faces().len()))
+    let polygon = twisted(gpu, &set, &mesh, &[Light::directional(towards)])?.pop().ok_or("not twisted")?;
+    Ok((polygon, mesh.faces().len()))
 }
 
 /// For each edge the others that cut it, seen from above, in exact arithmetic.

@@ -32,7 +32,7 @@ impl DepthCase {
     }
 }
 
-/// At a corner, between corners, around them, and in line with a light and a place on an edge or diagonal.
+/// At a corner, between corners, around them, and in line with a light and a point on an edge or diagonal.
 fn point(random: &mut Random, set: &PolygonSet, light: Light) -> [f32; 3] {
     let any = |random: &mut Random| set.positions[random.below(set.positions.len())];
     let (p, q) = (any(random), any(random));

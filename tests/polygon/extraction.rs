@@ -147,7 +147,7 @@ fn soups_of_polygons_close() -> Outcome {
     Ok(())
 }
 
-/// Whether the record at a place of the masks has a face that counts for the light of this bit.
+/// Whether the record at an index of the masks has a face that counts for the light of this bit.
 fn sums_change(mesh: &Mesh, found: &Extraction, at: usize, lowest: u32) -> bool {
     let (batch, edge) = (at / mesh.edges().len(), at % mesh.edges().len());
     let edge = mesh.edges().get(edge).expect("a record");
@@ -233,8 +233,8 @@ fn planar_quadrilaterals_have_the_masks_of_their_triangles() -> Outcome {
         let excluded: Vec<u32> = masks.iter().map(|masks| masks.excluded).collect();
         same("excluded", &spread(&excluded), &cpu::excluded(&set.positions, triangles.faces(), &lights))?;
         let mut wrong = found.facing.clone();
-        let place = random.below(wrong.len());
-        wrong[place] ^= 1;
+        let index = random.below(wrong.len());
+        wrong[index] ^= 1;
         must_fail("a facing bit", &same("facing", &spread(&wrong), &of_triangles.facing))?;
     }
     Ok(())

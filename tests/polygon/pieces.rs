@@ -127,7 +127,7 @@ pub(crate) struct Twisted {
 /// The twisted polygons of each light. No other polygon has pieces. Those with a common middle are left out.
 pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Vec<Twisted>, String> {
     let polygons = mesh.polygons().ok_or("no polygons")?;
-    let place = |vertex: u32| set.positions[vertex as usize];
+    let position = |vertex: u32| set.positions[vertex as usize];
     let mut all = Vec::new();
     for (&light, list) in lights.iter().zip(listed(gpu, set, mesh, lights)?) {
         let mut pieces = BTreeMap::<_, Vec<Listed>>::new();
@@ -140,7 +140,7 @@ pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]
             if Boundary::new(edges, &set.positions).ok_or("not finite")?.orientation(light.to_array()).0
                 == Orientation::Twisted
             {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|quarter| place(edges[quarter * edges.len() / 4][0]));
+                let [a, b, c, d] = [0, 1, 2, 3].map(|quarter| position(edges[quarter * edges.len() / 4][0]));
                 let middle = [0, 1, 2].map(|axis| ((a[axis] + b[axis]) + (c[axis] + d[axis])) * 0.25);
                 by_middle.entry(bits(middle)).or_default().push(polygon);
             }
@@ -148,12 +148,16 @@ pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]
         if let Some(middle) = pieces.keys().find(|middle| !by_middle.contains_key(*middle)) {
             return Err(format!("{light:?}: pieces around {:?}, where nothing is twisted", middle.map(f32::from_bits)));
         }
-        for (middle, own) in by_middle.into_iter().filter(|(_, own)| own.len() == 1) {
+        for (middle, polygon) in by_middle.into_iter().filter(|(_, polygon)| polygon.len() == 1) {
             all.push(Twisted {
-                name: format!("polygon {}, {light:?}", own[0]),
+                name: format!("polygon {}, {light:?}", polygon[0]),
                 light,
-                edges: polygons.boundary(own[0]).iter().map(|edge| edge.map(place)).collect(),
-                triangles: mesh.faces()[polygons.triangles(own[0])].iter().flatten().map(|&v| place(v)).collect(),
+                edges: polygons.boundary(polygon[0]).iter().map(|edge| edge.map(position)).collect(),
+                triangles: mesh.faces()[polygons.triangles(polygon[0])]
+                    .iter()
+                    .flatten()
+                    .map(|&v| position(v))
+                    .collect(),
                 pieces: pieces.remove(&middle).unwrap_or_default(),
             });
         }
@@ -288,22 +292,22 @@ fn wind() -> Result<(), String> {
         let mesh = set.mesh(Weld::Position).map_err(text)?;
         let light_count = [2, 17, 25][random.below(3)];
         lights.extend(random_lights(&mut random, &set, light_count));
-        for mut own in twisted(gpu, &set, &mesh, &lights)? {
-            let what = |error| format!("seed {seed}, {}: {error}", own.name);
-            check_closed(&own.pieces).map_err(what)?;
-            match polygon_oracle::cuts(&own.edges, own.light) {
-                Some(cuts) => own.check_count(&cuts).map_err(|error| format!("seed {seed}: {error}"))?,
-                None if polygon_oracle::find(&own.edges, own.light).touches => touching += 1,
+        for mut polygon in twisted(gpu, &set, &mesh, &lights)? {
+            let what = |error| format!("seed {seed}, {}: {error}", polygon.name);
+            check_closed(&polygon.pieces).map_err(what)?;
+            match polygon_oracle::cuts(&polygon.edges, polygon.light) {
+                Some(cuts) => polygon.check_count(&cuts).map_err(|error| format!("seed {seed}: {error}"))?,
+                None if polygon_oracle::find(&polygon.edges, polygon.light).touches => touching += 1,
                 None => around += 1,
             }
             let before = random.clone();
-            let told = own.check_dark(&mut random, 12).map_err(|error| format!("seed {seed}: {error}"))?;
+            let told = polygon.check_dark(&mut random, 12).map_err(|error| format!("seed {seed}: {error}"))?;
             pairs += 1;
-            quads += usize::from(own.edges.len() == 4);
-            large += usize::from(own.edges.len() > 32);
+            quads += usize::from(polygon.edges.len() == 4);
+            large += usize::from(polygon.edges.len() > 32);
             (steps, dark) = (steps + told[0], dark + told[1]);
             if pairs % 16 == 0 && told[1] > 0 {
-                own.must_notice(&before)?;
+                polygon.must_notice(&before)?;
             }
         }
     }
@@ -333,10 +337,10 @@ fn edge_on() -> Result<(), String> {
             lights.push(Light::point(light));
         }
         let mesh = set.mesh(Weld::Position).map_err(text)?;
-        for own in twisted(gpu, &set, &mesh, &lights)? {
-            check_closed(&own.pieces).map_err(|error| format!("seed {seed}, {}: {error}", own.name))?;
+        for polygon in twisted(gpu, &set, &mesh, &lights)? {
+            check_closed(&polygon.pieces).map_err(|error| format!("seed {seed}, {}: {error}", polygon.name))?;
             pairs += 1;
-            cut += own.pieces.len() - own.edges.len();
+            cut += polygon.pieces.len() - polygon.edges.len();
         }
     }
     println!("{pairs} twisted, {cut} cuts");
@@ -368,15 +372,15 @@ fn in_planes() -> Result<(), String> {
             }
             let [x, y, z, w] = light.to_array();
             let light = if w == 0.0 { light } else { Light::point([x, y, z].map(|c| c * scale)) };
-            let Some(own) = twisted(gpu, &set, &mesh, &[light])?.pop() else { continue };
+            let Some(polygon) = twisted(gpu, &set, &mesh, &[light])?.pop() else { continue };
             let what = format!("{planes} planes, {others} others, seed {seed}");
-            let touches = polygon_oracle::find(&own.edges, light).touches;
-            if let Some(cuts) = polygon_oracle::cuts(&own.edges, light) {
-                own.check_count(&cuts).map_err(|error| format!("{what}: {error}"))?;
+            let touches = polygon_oracle::find(&polygon.edges, light).touches;
+            if let Some(cuts) = polygon_oracle::cuts(&polygon.edges, light) {
+                polygon.check_count(&cuts).map_err(|error| format!("{what}: {error}"))?;
             }
-            match check_closed(&own.pieces) {
+            match check_closed(&polygon.pieces) {
                 Ok(()) if !is_whole => {}
-                Ok(()) => steps += own.check_dark(&mut random, 12).map_err(|error| format!("{what}: {error}"))?[0],
+                Ok(()) => steps += polygon.check_dark(&mut random, 12).map_err(|error| format!("{what}: {error}"))?[0],
                 Err(error) => {
                     println!("{what}, touches: {touches}: {error}");
                     open[usize::from(touches)] += 1;
@@ -403,14 +407,14 @@ fn bow_tie() -> Result<(), String> {
     let mut set = PolygonSet::default();
     set.push_points(&[corners.to_vec()]);
     let mesh = set.mesh(Weld::Keep).map_err(text)?;
-    let own = twisted(gpu, &set, &mesh, &[Light::point([0.0, 0.0, 9.0])])?.pop().ok_or("not twisted")?;
+    let polygon = twisted(gpu, &set, &mesh, &[Light::point([0.0, 0.0, 9.0])])?.pop().ok_or("not twisted")?;
     // The two diagonals are cut in the middle, above each other.
     let [a, b, c, d] = corners;
     let middle = [0.0, 0.0, 0.15];
     let expected = [[a, middle], [middle, d], [d, a], [b, middle], [middle, c], [c, b]];
     let is_at = |p: [f32; 3], q: [f32; 3]| (0..3).all(|axis| (p[axis] - q[axis]).abs() < 1e-6);
     let is_there =
-        |[from, to]: &[[f32; 3]; 2]| own.pieces.iter().any(|piece| is_at(piece[0], *from) && is_at(piece[1], *to));
-    same("lobes", &[own.pieces.len(), expected.iter().filter(|piece| is_there(piece)).count()], &[6, 6])?;
+        |[from, to]: &[[f32; 3]; 2]| polygon.pieces.iter().any(|piece| is_at(piece[0], *from) && is_at(piece[1], *to));
+    same("lobes", &[polygon.pieces.len(), expected.iter().filter(|piece| is_there(piece)).count()], &[6, 6])?;
     same("a lobe the other way round", &[is_there(&[middle, a])], &[false])
 }

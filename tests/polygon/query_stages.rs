@@ -120,13 +120,13 @@ fn tangled() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(235);
     let mut most = 0;
-    for (corners, places, small) in [(1000, 0, 0), (1500, 9, 0), (400, 5, 3), (600, 0, 35_000)] {
+    for (corners, grid, small) in [(1000, 0, 0), (1500, 9, 0), (400, 5, 3), (600, 0, 35_000)] {
         let mut set = PolygonSet::default();
-        let mut place = || match places {
+        let mut point = || match grid {
             0 => random.direction().map(|c| 1.5 * c),
-            _ => [0; 3].map(|_| random.below(places) as f32 - 2.0),
+            _ => [0; 3].map(|_| random.below(grid) as f32 - 2.0),
         };
-        let mut ring = |count: usize| (0..count).map(|_| place()).collect::<Vec<_>>();
+        let mut ring = |count: usize| (0..count).map(|_| point()).collect::<Vec<_>>();
         let ring_of_all = ring(corners);
         set.push_points(&[ring_of_all]);
         for _ in 0..small {
@@ -135,7 +135,7 @@ fn tangled() -> Result<(), String> {
         }
         let second = ring(corners / 2);
         set.push_points(&[second]);
-        let points = if places == 0 { ring(8) } else { (0..8).map(|at| [at as f32 / 2.0 - 2.0, -4.0, 0.5]).collect() };
+        let points = if grid == 0 { ring(8) } else { (0..8).map(|at| [at as f32 / 2.0 - 2.0, -4.0, 0.5]).collect() };
         let mesh = set.mesh(Weld::Position).map_err(text)?;
         let lights =
             vec![Light::directional([0.0, 1.0, 0.0]), Light::point([0.5, 9.0, 0.5]), Light::point([0.25, 0.5, 0.125])];
@@ -143,7 +143,7 @@ fn tangled() -> Result<(), String> {
         let right = expected(&case)?;
         most = most.max(right.iter().copied().max().unwrap_or(0));
         for work in [1 << 28, 1] {
-            let what = format!("{corners} corners, {places} places, {small} triangles, {work} a dispatch");
+            let what = format!("{corners} corners, grid of {grid}, {small} triangles, {work} a dispatch");
             same(&what, &found(gpu, &case, work)?, &right)?;
         }
     }
@@ -172,7 +172,7 @@ fn large() -> Result<(), String> {
     }
 }
 
-/// Points on triangles of polygons, small and large, and of polygons before which places of clusters stay empty.
+/// Points on triangles of polygons, small and large, and of polygons with empty entries of clusters before them.
 fn on_polygons() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let first = 236_000;

@@ -28,14 +28,14 @@ fn words(points: &[[f32; 3]], on_face: &[u32], [offset, stride, face_at]: [u64; 
     let [offset, stride, face_at] = [offset, stride, face_at].map(|bytes| bytes as usize / 4);
     let mut words = vec![0xdead_beef; offset + points.len() * stride];
     for (at, (point, &face)) in points.iter().zip(on_face).enumerate() {
-        let own = &mut words[offset + at * stride..];
-        own[..3].copy_from_slice(&point.map(f32::to_bits));
-        own[face_at] = face;
+        let of_point = &mut words[offset + at * stride..];
+        of_point[..3].copy_from_slice(&point.map(f32::to_bits));
+        of_point[face_at] = face;
     }
     words
 }
 
-fn found(gpu: &Gpu, case: &ShadowCase, on_face: &[u32], place: [u64; 3]) -> Result<Vec<i32>, String> {
+fn found(gpu: &Gpu, case: &ShadowCase, on_face: &[u32], packing: [u64; 3]) -> Result<Vec<i32>, String> {
     let options = ShadowQueryOptions {
         max_points: case.points.len() as u32,
         max_lights: case.lights.len(),
@@ -43,9 +43,9 @@ fn found(gpu: &Gpu, case: &ShadowCase, on_face: &[u32], place: [u64; 3]) -> Resu
     };
     let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, options).map_err(text)?;
     let positions = gpu.storage(&case.shape.positions);
-    let points = gpu.storage(&words(&case.points, on_face, place));
+    let points = gpu.storage(&words(&case.points, on_face, packing));
     let positions = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
-    let [offset, stride, face_at] = place;
+    let [offset, stride, face_at] = packing;
     let points = QueryPoints { points: PositionBuffer { buffer: &points, offset, stride }, on_face: Some(face_at) };
     gpu.submit(|encoder| {
         query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights).map_err(text)
@@ -67,10 +67,10 @@ fn sphere() -> Result<(), String> {
     let case =
         ShadowCase { name: "sphere".to_owned(), points, lights: vec![Light::directional([0.0, 0.0, 1.0])], shape };
     let lit = |found: &[i32]| found.iter().filter(|&&depth| depth == 0).count();
-    let own: Vec<u32> = (0..2208).collect();
-    let named = found(gpu, &case, &own, [0, 16, 12])?;
+    let own_faces: Vec<u32> = (0..2208).collect();
+    let named = found(gpu, &case, &own_faces, [0, 16, 12])?;
     same("lit", &[lit(&named)], &[1104])?;
-    same("sphere", &named, &expected(&case, Some(&own))?)?;
+    same("sphere", &named, &expected(&case, Some(&own_faces))?)?;
     // A number that the mesh lacks is none.
     let none: Vec<u32> = (0..2208).map(|at| if at % 2 == 0 { NO_FACE } else { 2208 + at }).collect();
     let plain = found(gpu, &case, &none, [0, 16, 12])?;
@@ -114,9 +114,9 @@ fn small_limits() -> Result<(), String> {
     let on_face = put_on_faces(&mut random, &case.shape.positions, &case.shape.faces, &mut case.points);
     let right = expected(&case, Some(&on_face))?;
     must_fail("no face named", &same("torus", &expected(&case, None)?, &right))?;
-    for (binding, workgroups, place) in [(48 << 10, 64, [4, 16, 12]), (128 << 10, 33, [1000, 48, 40])] {
+    for (binding, workgroups, packing) in [(48 << 10, 64, [4, 16, 12]), (128 << 10, 33, [1000, 48, 40])] {
         let small = limited(binding, 2 << 20, workgroups)?;
-        same(&format!("{binding} bytes"), &found(&small, &case, &on_face, place)?, &right)?;
+        same(&format!("{binding} bytes"), &found(&small, &case, &on_face, packing)?, &right)?;
     }
     Ok(())
 }

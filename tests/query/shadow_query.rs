@@ -162,12 +162,12 @@ fn splits() -> Result<(), String> {
 }
 
 fn small_limits() -> Result<(), String> {
-    for (binding, workgroups, place) in
+    for (binding, workgroups, packing) in
         [(48 << 10, 64, [4, 12]), (64 << 10, 32, [260, 20]), (128 << 10, 33, [1000, 48])]
     {
         let small = limited(binding, 2 << 20, workgroups)?;
         let [_, case] = larger();
-        let depths = found(&small, &case, room(&case), place)?;
+        let depths = found(&small, &case, room(&case), packing)?;
         same(&format!("{binding} bytes, {workgroups} workgroups"), &depths, &expected(&case)?)?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Figures that walk about, in a scene that deforms them as far as a frame needs them, and in one that deforms all.
+//! Walking figures, in a scene that deforms those that a frame needs, and in one that deforms all.
 
 use glam::{Affine3A, DVec4, Quat, Vec3};
 use rimline::gpu::{
@@ -15,7 +15,7 @@ use rimline_testkit::random::Random;
 /// Half the width of the ground.
 const GROUND: f32 = 30.0;
 
-/// Where a figure is, how it bends, how large it is, and whether it is its mirror image.
+/// The position of a figure, its bend, its size, and whether it is mirrored.
 #[derive(Clone, Copy)]
 pub(crate) struct Figure {
     pub(crate) at: Vec3,
@@ -39,7 +39,7 @@ impl Crowd {
     }
 
     pub(crate) fn figures(&self, random: &mut Random) -> Vec<Figure> {
-        let figure = |_| Figure { at: place(random), time: random.between(0.0, 9.0), size: 1.0, is_mirrored: false };
+        let figure = |_| Figure { at: position(random), time: random.between(0.0, 9.0), size: 1.0, is_mirrored: false };
         (0..self.model.instances().len()).map(figure).collect()
     }
 
@@ -59,7 +59,7 @@ impl Crowd {
     }
 }
 
-pub(crate) fn place(random: &mut Random) -> Vec3 {
+pub(crate) fn position(random: &mut Random) -> Vec3 {
     Vec3::new(random.between(-GROUND, GROUND), random.between(0.5, 2.0), random.between(-GROUND, GROUND))
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn walk(figures: &mut [Figure], random: &mut Random) {
     for figure in figures {
         match random.below(4) {
             0 => {}
-            1 => figure.at = place(random),
+            1 => figure.at = position(random),
             _ => {
                 figure.at += Vec3::from(random.direction()) * Vec3::new(1.0, 0.0, 1.0);
                 figure.time += 0.3;
@@ -79,7 +79,7 @@ pub(crate) fn walk(figures: &mut [Figure], random: &mut Random) {
 
 pub(crate) fn lights(random: &mut Random) -> Vec<Light> {
     let light = |number: usize| {
-        let at = place(random) + 3.0 * Vec3::Y;
+        let at = position(random) + 3.0 * Vec3::Y;
         match number {
             0 => Light::directional([0.4, 1.0, 0.1]),
             1 => Light::homogeneous([2.0 * at.x, 2.0 * at.y, 2.0 * at.z, 2.0]).with_range(8.0),
@@ -96,7 +96,7 @@ pub(crate) fn lights(random: &mut Random) -> Vec<Light> {
 
 /// In the crowd, looking about level. Near 0.1, without a far plane.
 pub(crate) fn camera(random: &mut Random) -> ShadowCamera {
-    let origin = place(random);
+    let origin = position(random);
     let forward = (Vec3::from(random.direction()) * Vec3::new(1.0, 0.2, 1.0)).normalize();
     let right = forward.cross(Vec3::Y).normalize();
     let up = right.cross(forward);
@@ -114,7 +114,7 @@ pub(crate) fn sees(camera: &ShadowCamera, point: DVec4) -> bool {
     clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && clip.z <= clip.w
 }
 
-/// A scene of the crowd, which it deforms as far as a frame needs.
+/// A scene that deforms the crowd as far as a frame needs.
 pub(crate) struct Stage {
     pub(crate) scene: Scene,
     pub(crate) model: ModelHandle,
@@ -152,7 +152,7 @@ impl Stage {
     }
 }
 
-/// A scene of the crowd, which a deformer of the caller's own deforms, all of it.
+/// A scene of the crowd whose caller deforms all figures.
 pub(crate) struct Apart {
     pub(crate) scene: Scene,
     deformer: Deformer,
@@ -181,11 +181,11 @@ impl Apart {
         let meshes = [mesh(false)?, mesh(true)?];
         let lights = lights.iter().map(|light| scene.add_light(*light).map_err(text)).collect::<Result<_, _>>()?;
         let mut casters = Vec::new();
-        for ((instance, pose), own) in pose.instances().iter().enumerate().zip(crowd.boxes(pose)?) {
+        for ((instance, pose), bounds) in pose.instances().iter().enumerate().zip(crowd.boxes(pose)?) {
             let positions = deformer.instance_positions(instance).ok_or("no instance")?;
             let mesh = meshes[usize::from(pose.faces_turned())];
             let caster = scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)?;
-            scene.set_bounds(caster, own).map_err(text)?;
+            scene.set_bounds(caster, bounds).map_err(text)?;
             casters.push(caster);
         }
         Ok(Self { scene, deformer, casters, lights })

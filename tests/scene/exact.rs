@@ -12,8 +12,9 @@ use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same, shapes};
 
-use crate::found::{Found, check_frame};
-use crate::scenes::{check, roomy, sample};
+use crate::found::{Found, checked, entries_of, read_frame};
+use crate::random_scene::{IDENTITY, RandomScene};
+use crate::scenes::roomy;
 
 pub(crate) const TESTS: &[Test] = &[
     ("a_full_list_of_undecided_faces_loses_nothing", undecided_overflow),
@@ -26,13 +27,14 @@ fn undecided_overflow() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut undecided = 0;
     for seed in 1801..1811 {
-        println!("seed {seed}");
         let options = SceneOptions { capacities: Capacities { undecided: Some(1), ..roomy(8).capacities }, ..roomy(8) };
-        let (mut scene, frame, found) = sample(gpu, seed, options)?;
-        check_frame(&scene.content, &frame, &found)?;
+        let mut scene = RandomScene::filled(gpu, seed, options, [6, 10])?;
+        // Some lights lie in planes of faces of these.
+        (0..scene.content.meshes.len()).try_for_each(|mesh| scene.insert_at(mesh, IDENTITY).map(drop))?;
+        let found = checked(gpu, &mut scene)?.found;
         undecided += found.groups.iter().map(|group| group.statistics.undecided_pairs).sum::<u32>();
         scene.change(gpu)?;
-        check(gpu, &mut scene)?;
+        checked(gpu, &mut scene)?;
     }
     println!("{undecided} undecided pairs");
     if undecided < 1000 { Err("hardly anything was undecided".to_owned()) } else { Ok(()) }
@@ -43,34 +45,31 @@ fn fast() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut silhouettes = 0;
     for seed in 2601..2611 {
-        println!("seed {seed}");
-        // The order of slots is that of the mesh.
+        // Slots have the order of the mesh.
         let options = SceneOptions { measuring: Measuring::FAST, ..roomy(8) };
-        let (scene, frame, found) = sample(gpu, seed, options)?;
-        for own in &scene.content.casters {
-            let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
-            let lit = found.lit[index as usize];
-            let bits: Vec<u32> = (0..32).filter(|bit| lit >> bit & 1 != 0).collect();
-            let lights = bits.iter().map(|&bit| scene.content.own_light(own, bit));
+        let mut scene = RandomScene::filled(gpu, seed, options, [6, 10])?;
+        let (frame, found) = read_frame(gpu, &mut scene)?;
+        for caster in &scene.content.casters {
+            let (index, group) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
+            let relevant = found.relevant[index as usize];
+            let bits: Vec<u32> = (0..32).filter(|bit| relevant >> bit & 1 != 0).collect();
+            let lights = bits.iter().map(|&bit| scene.content.moved_light(caster, bit));
             let lights: Vec<_> = lights.collect::<Option<_>>().ok_or("a light is not allowed")?;
             if lights.is_empty() {
                 continue;
             }
-            let (mesh, positions) = scene.content.mesh_and_positions(own);
-            let caster = SceneTable(&found.table).caster(index);
+            let (mesh, positions) = scene.content.mesh_and_positions(caster);
+            let entry = SceneTable(&found.table).caster(index);
             let results = found.group(group, 0)?;
-            let slots = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
+            let slots = entry.first_face_slot as usize..(entry.first_face_slot + entry.faces) as usize;
             let gather =
-                |&mask: &u32| bits.iter().zip(0..).fold(0, |all, (bit, place)| all | (mask >> bit & 1) << place);
+                |&mask: &u32| bits.iter().zip(0..).fold(0, |all, (bit, index)| all | (mask >> bit & 1) << index);
             let facing: Vec<u32> = results.facing[slots].iter().map(gather).collect();
             check_facing(&format!("caster {index}"), &facing, positions, mesh.faces(), &lights)?;
             let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), lights.len(), Threads::ONE);
-            let edges = caster.first_edge_slot..caster.first_edge_slot + caster.edges;
-            for (place, &bit) in (0..).zip(&bits) {
-                let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
-                let list = &results.lists[bit as usize];
-                let mut list: Vec<u32> = list.iter().filter(own).map(|entry| entry - edges.start).collect();
-                let expected = listed(&masks, place);
+            for (light, &bit) in (0..).zip(&bits) {
+                let mut list = entries_of(&entry, &results.lists[bit as usize]);
+                let expected = listed(&masks, light);
                 same("list", &list, &expected)?;
                 silhouettes += list.len();
                 if let Some(entry) = list.last_mut() {
@@ -83,8 +82,8 @@ fn fast() -> Result<(), String> {
     if silhouettes == 0 { Err("no silhouettes".to_owned()) } else { Ok(()) }
 }
 
-/// Places past the last light of a caster repeat it, and each caster has a bound of its own lights: neither leaves
-/// faces undecided that a single mesh would not.
+/// Light indices past the last light of a caster repeat it, and each caster has a bound of its caster lights. Neither leaves more
+/// faces undecided than in a single mesh.
 fn few_undecided() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(2801);
@@ -133,15 +132,14 @@ fn full_invocations() -> Result<(), String> {
         let handles = lights.iter().map(|&light| scene.add_light(light).map_err(text));
         let handles = handles.collect::<Result<Vec<_>, _>>()?;
         let flat = scene.add_mesh(&mesh, &positions).map_err(text)?;
-        let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let mask = left_out.map_or(LightMask::ALL, |bit: usize| LightMask::ALL.without(handles[bit]));
-        scene.insert(Caster { lights: mask, ..Caster::rigid(flat, identity) }).map_err(text)?;
+        scene.insert(Caster { lights: mask, ..Caster::rigid(flat, IDENTITY) }).map_err(text)?;
         let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
         let found = Found::read(gpu, &frame)?;
         let group = found.group(0, 0)?;
-        let live = left_out.map_or(u32::MAX, |bit| !(1 << bit));
-        same("undecided pairs", &[group.statistics.undecided_pairs], &[live.count_ones() * FULL])?;
-        let expected: Vec<u32> = right.iter().map(|mask| mask & live).collect();
+        let allowed = left_out.map_or(u32::MAX, |bit| !(1 << bit));
+        same("undecided pairs", &[group.statistics.undecided_pairs], &[allowed.count_ones() * FULL])?;
+        let expected: Vec<u32> = right.iter().map(|mask| mask & allowed).collect();
         let mut facing = group.facing[..FULL as usize].to_vec();
         same("facing", &facing, &expected)?;
         facing[FULL as usize - 1] ^= 2;

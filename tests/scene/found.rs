@@ -1,30 +1,32 @@
 //! Results of a frame, read back from its buffers, and a comparison of each caster with its results alone.
 
 use glam::{DMat3, DVec3};
-use rimline::Mesh;
 use rimline::gpu::{CasterHandle, ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
 use rimline::internals::clusters::EdgeOrder;
 use rimline::internals::cpu;
-use rimline::internals::layout::{CHUNK, DrawArguments};
+use rimline::internals::layout::{CHUNK, DrawArguments, SceneCaster};
 use rimline::internals::scene::SceneTable;
+use rimline::{Cone, Light, Matrix3x4, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::same;
 
-use crate::random_scene::{Content, Expected, Own, Placed};
+use crate::cones::inside;
+use crate::random_scene::{Content, Expected, Placed, RandomScene, TestCaster};
 
 /// Results of a frame, read back from its buffers.
 pub(crate) struct Found {
     pub(crate) table: Vec<[u32; 4]>,
-    pub(crate) lit: Vec<u32>,
-    pub(crate) taken: Vec<u32>,
+    /// The relevant lights of each batch and caster, and the active ones.
+    pub(crate) relevant: Vec<u32>,
+    pub(crate) active: Vec<u32>,
     pub(crate) statistics: SceneStatistics,
     pub(crate) groups: Vec<GroupFound>,
 }
 
-/// Where a bit of a caster's first face is, for a light that reaches it.
+/// The first face of a caster, and a relevant light.
 pub(crate) struct LitFace {
-    /// The number of the caster in the frame.
+    /// The index of the caster in the frame.
     pub(crate) caster: usize,
     /// Position in [`Found::groups`].
     pub(crate) group: usize,
@@ -46,6 +48,8 @@ pub(crate) struct GroupFound {
     pub(crate) statistics: ExtractionStatistics,
     /// Faces that facing left to exact facing.
     pub(crate) undecided: u32,
+    /// Lights with a dirty list.
+    pub(crate) dirty: u32,
 }
 
 impl Found {
@@ -56,11 +60,12 @@ impl Found {
     pub(crate) fn of(gpu: &Gpu, results: &SceneResults<'_>) -> Result<Self, String> {
         let mut found = Self {
             table: gpu.read(results.table, usize::MAX)?,
-            lit: gpu.read(results.relevant_lights, usize::MAX)?,
-            taken: gpu.read(results.active_lights, usize::MAX)?,
+            relevant: gpu.read(results.relevant_lights, usize::MAX)?,
+            active: gpu.read(results.active_lights, usize::MAX)?,
             statistics: gpu.read(results.statistics, 1)?.remove(0),
             groups: Vec::new(),
         };
+        let work: Vec<u32> = gpu.read(results.work, usize::MAX)?;
         for group in &results.groups {
             let words: Vec<u32> = gpu.read(group.lists, usize::MAX)?;
             let (counts, lists) = sorted_lists(&words, group.capacity);
@@ -77,20 +82,21 @@ impl Found {
                 draws: gpu.read(group.draws, 32)?,
                 statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record[..5])),
                 undecided: record[5],
+                dirty: work[group.dispatch.work_count as usize + 2],
             });
         }
         Ok(found)
     }
 
-    /// The first face of a caster that a light of the first batch reaches.
+    /// A caster with a relevant light in the first batch.
     pub(crate) fn lit_face(&self, content: &Content, frame: &SceneFrame) -> Option<LitFace> {
-        let places = content.casters.iter().filter_map(|own| frame.locate(own.handle));
-        let (index, group) = places.into_iter().find(|(index, _)| self.lit[*index as usize] != 0)?;
+        let mut located = content.casters.iter().filter_map(|caster| frame.locate(caster.handle));
+        let (index, group) = located.find(|(index, _)| self.relevant[*index as usize] != 0)?;
         Some(LitFace {
             caster: index as usize,
             group: self.groups.iter().position(|found| (found.group, found.batch) == (group, 0))?,
             slot: SceneTable(&self.table).caster(index).first_face_slot as usize,
-            bit: 1 << self.lit[index as usize].trailing_zeros(),
+            bit: 1 << self.relevant[index as usize].trailing_zeros(),
         })
     }
 
@@ -100,111 +106,152 @@ impl Found {
     }
 }
 
-/// Whether the light certainly reaches the caster: a corner of a face is within its range.
-fn certainly_reaches(content: &Content, own: &Own, bit: u32) -> bool {
-    let Some((_, light)) = content.lights.iter().find(|(handle, _)| handle.bit() == bit) else { return false };
-    let is_boxed = matches!(own.placed, Placed::Rigid(_)) || own.bounds.is_some();
-    if !is_boxed || !light.range.is_finite() || light.w == 0.0 {
-        return true;
-    }
-    let (case, _) = &content.meshes[own.mesh];
-    let (_, rest, mesh) = &**case;
-    let placed = |vertex: u32| match &own.placed {
-        Placed::World(world) => world[vertex as usize].map(f64::from),
+/// A position in world space, in `f64`.
+fn in_world(caster: &TestCaster, rest: &[[f32; 3]], vertex: u32) -> DVec3 {
+    match &caster.placed {
+        Placed::World(world) => DVec3::from(world[vertex as usize].map(f64::from)),
         Placed::Rigid(rows) => {
-            let position = rest[vertex as usize].map(f64::from);
-            rows.map(|row| {
+            let position = DVec3::from(rest[vertex as usize].map(f64::from));
+            DVec3::from(rows.map(|row| {
                 let [a, b, c, d] = row.map(f64::from);
-                a * position[0] + b * position[1] + c * position[2] + d
-            })
+                DVec3::new(a, b, c).dot(position) + d
+            }))
         }
-    };
-    let squares = mesh.faces().iter().flatten().map(|&vertex| {
-        let placed = placed(vertex);
-        (0..3).map(|axis| (placed[axis] - f64::from(light.xyz[axis]) / f64::from(light.w)).powi(2)).sum::<f64>()
-    });
-    squares.fold(f64::MAX, f64::min).sqrt() <= f64::from(light.range) * (1.0 - 1e-5)
+    }
 }
 
-/// Whether the light is clearly out of range of a rigid caster whose matrix is a rotation times a scale.
-fn certainly_beyond(content: &Content, own: &Own, bit: u32) -> bool {
-    let Some((_, light)) = content.lights.iter().find(|(handle, _)| handle.bit() == bit) else { return false };
-    let Placed::Rigid(rows) = &own.placed else { return false };
-    let column = |at: usize| DVec3::from(rows.map(|row| f64::from(row[at])));
-    let matrix = DMat3::from_cols(column(0), column(1), column(2));
-    let scale = column(0).length();
-    let is_turned = (matrix.transpose() * matrix - DMat3::from_diagonal(DVec3::splat(scale * scale)))
-        .to_cols_array()
-        .iter()
-        .all(|off| off.abs() < 1e-5 * scale * scale);
-    let w = f64::from(light.w);
-    let place = matrix.inverse() * (DVec3::from(light.xyz.map(f64::from)) / w - column(3));
-    let (mesh, positions) = content.mesh_and_positions(own);
+/// Whether the caster must be relevant: a corner of a face is within the light's range, and one is in its cone.
+fn certainly_affects(content: &Content, caster: &TestCaster, light: Light) -> bool {
+    let is_boxed = matches!(caster.placed, Placed::Rigid(_)) || caster.bounds.is_some();
+    if !is_boxed || light.w == 0.0 {
+        return true;
+    }
+    let (_, rest, mesh) = &*content.meshes[caster.mesh].0;
+    let corners = || mesh.faces().iter().flatten().map(|&vertex| in_world(caster, rest, vertex));
+    let apex = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
+    let least = || corners().map(|corner| corner.distance(apex)).fold(f64::MAX, f64::min);
+    let is_in_range = !light.range.is_finite() || least() <= f64::from(light.range) * (1.0 - 1e-5);
+    // Faces that are not finite are in no box.
+    let has_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(rest[vertex as usize]));
+    let finite = || mesh.faces().iter().filter(has_finite).flatten().map(|&vertex| in_world(caster, rest, vertex));
+    is_in_range && light.cone.is_none_or(|cone| finite().any(|corner| inside(cone, apex, corner) > 0.0))
+}
+
+/// Why a rigid caster must be culled, by more than rounding: it is out of range, or beside the cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Culled {
+    ByRange,
+    ByCone,
+}
+
+pub(crate) fn certainly_culled(content: &Content, caster: &TestCaster, light: Light) -> Option<Culled> {
+    let Placed::Rigid(rows) = &caster.placed else { return None };
+    let (mesh, positions) = content.mesh_and_positions(caster);
     let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
     let corners = mesh.faces().iter().filter(is_finite).flatten();
     let corners = corners.map(|&vertex| DVec3::from(positions[vertex as usize].map(f64::from)));
-    let ends = corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)]);
-    let Some([low, high]) = ends.filter(|_| is_turned && light.range.is_finite() && w.abs() > 1e-6) else {
-        return false;
-    };
-    let size = place.abs().max(low.abs()).max(high.abs()).max_element();
-    let distance = scale * (place - place.clamp(low, high)).length();
-    size < 1e8 && distance > 1.003 * f64::from(light.range) + 1e-3 * scale * size
+    let ends = corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])?;
+    let apex = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
+    if light.w.abs() < 1e-6 {
+        None
+    } else if light.range.is_finite() && is_out_of_range(rows, ends, apex, light.range) {
+        Some(Culled::ByRange)
+    } else {
+        light.cone.filter(|&cone| is_beside(rows, ends, apex, cone)).map(|_| Culled::ByCone)
+    }
 }
 
-/// Counts of pairs of a scene, for tests that must not be vacuous.
+/// Whether a box that the matrix moves is clearly out of range. The matrix must be a rotation times a scale.
+fn is_out_of_range(rows: &Matrix3x4, [low, high]: [DVec3; 2], apex: DVec3, range: f32) -> bool {
+    let column = |index: usize| DVec3::from(rows.map(|row| f64::from(row[index])));
+    let matrix = DMat3::from_cols(column(0), column(1), column(2));
+    let scale = column(0).length();
+    let gram = matrix.transpose() * matrix - DMat3::from_diagonal(DVec3::splat(scale * scale));
+    let is_turned = gram.to_cols_array().iter().all(|off| off.abs() < 1e-5 * scale * scale);
+    let position = matrix.inverse() * (apex - column(3));
+    let size = position.abs().max(low.abs()).max(high.abs()).max_element();
+    let distance = scale * (position - position.clamp(low, high)).length();
+    is_turned && size < 1e8 && distance > 1.003 * f64::from(range) + 1e-3 * scale * size
+}
+
+/// Whether a ball around the moved box is clearly beside the cone.
+fn is_beside(rows: &Matrix3x4, [low, high]: [DVec3; 2], apex: DVec3, cone: Cone) -> bool {
+    // The box around the moved box, and the largest term of its coordinates.
+    let (mut middle, mut half, mut size) = (DVec3::ZERO, DVec3::ZERO, apex.abs().max_element());
+    for axis in 0..3 {
+        let [x, y, z, by] = rows[axis].map(f64::from);
+        let row = DVec3::new(x, y, z);
+        middle[axis] = row.dot(0.5 * (low + high)) + by;
+        half[axis] = row.abs().dot(0.5 * (high - low));
+        size = size.max(row.abs().dot(low.abs().max(high.abs())) + by.abs());
+    }
+    let away = middle - apex;
+    let cosine = away.normalize().dot(DVec3::from(cone.axis.map(f64::from)).normalize());
+    let angle = cosine.clamp(-1.0, 1.0).acos() - f64::from(cone.cosine).acos();
+    let beyond = away.length() * angle.clamp(0.0, std::f64::consts::FRAC_PI_2).sin();
+    (1e-6..1e15).contains(&size) && beyond > half.length() + 1e-3 * size
+}
+
+/// Counts of pairs of caster and light, for tests that must not be vacuous.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
-    pub(crate) lit: u32,
-    /// Lit pairs whose bits are those of an earlier frame.
-    pub(crate) kept: u32,
-    pub(crate) out_of_range: u32,
-    /// Pairs that are clearly out of range.
-    pub(crate) beyond: u32,
+    pub(crate) relevant: u32,
+    /// Relevant pairs whose bits are those of an earlier frame.
+    pub(crate) cached: u32,
+    /// Pairs that are culled by range or cone.
+    pub(crate) culled: u32,
+    /// Pairs that must be culled by range, and by cone.
+    pub(crate) certain: [u32; 2],
     pub(crate) silhouettes: usize,
     pub(crate) in_planes: u32,
 }
 
 impl Tally {
     pub(crate) fn add(&mut self, other: &Self) {
-        self.lit += other.lit;
-        self.kept += other.kept;
-        self.out_of_range += other.out_of_range;
-        self.beyond += other.beyond;
+        self.relevant += other.relevant;
+        self.cached += other.cached;
+        self.culled += other.culled;
+        self.certain = [0, 1].map(|rule| self.certain[rule] + other.certain[rule]);
         self.silhouettes += other.silhouettes;
         self.in_planes += other.in_planes;
     }
 }
 
-/// The lights that matter to a caster, a word for each batch. None that certainly reaches it may be missing.
-fn lit_of(
+/// The relevant lights of a caster, a word for each batch. No light that certainly affects it may be culled, and none may be
+/// relevant that must be culled.
+fn relevant_lights(
     content: &Content,
-    own: &Own,
+    caster: &TestCaster,
     found: &Found,
     index: u32,
     batches: usize,
     tally: &mut Tally,
 ) -> Result<Vec<u32>, String> {
     let casters = content.casters.len();
-    let lit: Vec<u32> = (0..batches).map(|batch| found.lit[batch * casters + index as usize]).collect();
+    let relevant: Vec<u32> = (0..batches).map(|batch| found.relevant[batch * casters + index as usize]).collect();
     for bit in 0..32 * batches as u32 {
-        let is_lit = lit[bit as usize / 32] >> (bit % 32) & 1 != 0;
-        let is_allowed = content.own_light(own, bit).is_some();
-        if is_lit && !is_allowed {
-            return Err(format!("light {bit} is not allowed for caster {index}, and it matters"));
+        let is_relevant = relevant[bit as usize / 32] >> (bit % 32) & 1 != 0;
+        let light = content.lights.iter().find(|(handle, _)| handle.bit() == bit).map(|(_, light)| *light);
+        let Some(light) = light.filter(|_| content.moved_light(caster, bit).is_some()) else {
+            if is_relevant {
+                return Err(format!("light {bit} is relevant to caster {index}, which does not allow it"));
+            }
+            continue;
+        };
+        if !is_relevant && certainly_affects(content, caster, light) {
+            return Err(format!("light {bit} affects caster {index}, and is culled: {light:?}"));
         }
-        if is_allowed && !is_lit && certainly_reaches(content, own, bit) {
-            return Err(format!("light {bit} reaches caster {index}, and it does not matter"));
+        let culled = certainly_culled(content, caster, light);
+        if is_relevant && let Some(rule) = culled {
+            return Err(format!("light {bit} is not culled for caster {index} {rule:?}: {light:?}"));
         }
-        let is_beyond = is_allowed && certainly_beyond(content, own, bit);
-        if is_lit && is_beyond {
-            return Err(format!("light {bit} does not reach caster {index}, and it matters"));
+        if let Some(rule) = culled {
+            tally.certain[rule as usize] += 1;
         }
-        tally.beyond += u32::from(is_beyond);
-        tally.lit += u32::from(is_lit);
-        tally.out_of_range += u32::from(is_allowed && !is_lit);
+        tally.relevant += u32::from(is_relevant);
+        tally.culled += u32::from(!is_relevant);
     }
-    Ok(lit)
+    Ok(relevant)
 }
 
 /// The face of each face slot of a caster, and the record of each edge slot.
@@ -238,62 +285,89 @@ pub(crate) fn records(order: Option<&SlotOrder>, mut list: Vec<u32>) -> Vec<u32>
     list
 }
 
-/// Compares one caster's part of the results.
+/// Compares one caster's part of the results. Returns the number of its silhouette edges.
 fn check_caster(
     found: &Found,
     (index, group): (u32, usize),
     order: Option<&SlotOrder>,
-    lit: &[u32],
+    relevant: &[u32],
     expected: &Expected,
 ) -> Result<usize, String> {
     let caster = SceneTable(&found.table).caster(index);
     let faces = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
-    let edges = caster.first_edge_slot..caster.first_edge_slot + caster.edges;
     let mut silhouettes = 0;
-    for (batch, &lit) in lit.iter().enumerate().filter(|(_, lit)| **lit != 0) {
+    for (batch, &relevant) in relevant.iter().enumerate().filter(|(_, relevant)| **relevant != 0) {
         let results = found.group(group, batch)?;
         let what = format!("caster {index}, batch {batch}");
         // Bits of other lights have no meaning.
-        let of_lit = |masks: &[u32]| masks.iter().map(|mask| mask & lit).collect::<Vec<_>>();
+        let meaningful = |masks: &[u32]| masks.iter().map(|mask| mask & relevant).collect::<Vec<_>>();
         let [facing, excluded] =
-            [&results.facing, &results.excluded].map(|masks| in_order(order, &of_lit(&masks[faces.clone()])));
-        same(&format!("{what}, facing"), &facing, &of_lit(&expected.facing[batch]))?;
-        same(&format!("{what}, lights in planes"), &excluded, &of_lit(&expected.excluded[batch]))?;
+            [&results.facing, &results.excluded].map(|masks| in_order(order, &meaningful(&masks[faces.clone()])));
+        same(&format!("{what}, facing"), &facing, &meaningful(&expected.facing[batch]))?;
+        same(&format!("{what}, lights in planes"), &excluded, &meaningful(&expected.excluded[batch]))?;
         for bit in 0..32 {
-            let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
-            let list: Vec<u32> = results.lists[bit].iter().filter(own).map(|entry| entry - edges.start).collect();
-            let list = records(order, list);
-            let is_lit = lit >> bit & 1 != 0;
+            let list = records(order, entries_of(&caster, &results.lists[bit]));
+            let is_relevant = relevant >> bit & 1 != 0;
             let expected = &expected.lists[32 * batch + bit];
-            same(&format!("{what}, list {bit}"), &list, if is_lit { expected } else { &[] })?;
+            same(&format!("{what}, list {bit}"), &list, if is_relevant { expected } else { &[] })?;
             silhouettes += list.len();
         }
     }
     Ok(silhouettes)
 }
 
-/// Compares a whole frame. Returns what it came to.
+/// The entries of a caster in a list, counted from its first edge slot.
+pub(crate) fn entries_of(caster: &SceneCaster, list: &[u32]) -> Vec<u32> {
+    let edges = caster.first_edge_slot..caster.first_edge_slot + caster.edges;
+    let is_own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
+    list.iter().filter(is_own).map(|entry| entry - edges.start).collect()
+}
+
+/// A frame that was compared with its casters alone.
+pub(crate) struct Checked {
+    pub(crate) frame: SceneFrame,
+    pub(crate) found: Found,
+    pub(crate) tally: Tally,
+}
+
+/// Encodes, submits and reads a frame.
+pub(crate) fn read_frame(gpu: &Gpu, scene: &mut RandomScene) -> Result<(SceneFrame, Found), String> {
+    let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+    let found = Found::read(gpu, &frame)?;
+    Ok((frame, found))
+}
+
+/// The same, and compares it.
+pub(crate) fn checked(gpu: &Gpu, scene: &mut RandomScene) -> Result<Checked, String> {
+    let (frame, found) = read_frame(gpu, scene)?;
+    let tally = check_frame(&scene.content, &frame, &found)?;
+    Ok(Checked { frame, found, tally })
+}
+
+/// Compares a whole frame.
 pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) -> Result<Tally, String> {
     let mut tally = Tally::default();
     let batches = frame.batches();
-    let mut non_finite = 0;
-    for own in &content.casters {
-        let (index, group) = frame.locate(own.handle).ok_or("the frame lacks a caster")?;
-        let lit = if batches == 0 { Vec::new() } else { lit_of(content, own, found, index, batches, &mut tally)? };
-        let expected = content.alone(own, &lit)?;
-        let (mesh, positions) = content.mesh_and_positions(own);
-        let order = slot_order(frame, own.handle, mesh);
-        tally.silhouettes += check_caster(found, (index, group), order.as_ref(), &lit, &expected)?;
+    let [mut non_finite, mut faces, mut edges] = [0; 3];
+    for caster in &content.casters {
+        let (index, group) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
+        let relevant = relevant_lights(content, caster, found, index, batches, &mut tally)?;
+        let expected = content.alone(caster, &relevant)?;
+        let (mesh, positions) = content.mesh_and_positions(caster);
+        let order = slot_order(frame, caster.handle, mesh);
+        tally.silhouettes += check_caster(found, (index, group), order.as_ref(), &relevant, &expected)?;
         tally.in_planes += expected.excluded.iter().flatten().map(|mask| mask.count_ones()).sum::<u32>();
-        let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
-        let taken = |batch: usize| found.taken[batch * content.casters.len() + index as usize];
-        for (batch, lit) in lit.iter().enumerate() {
-            if taken(batch) & !lit != 0 {
-                return Err(format!("caster {index}, batch {batch}: lights that do not matter are taken"));
+        let active = |batch: usize| found.active[batch * content.casters.len() + index as usize];
+        for (batch, relevant) in relevant.iter().enumerate() {
+            if active(batch) & !relevant != 0 {
+                return Err(format!("caster {index}, batch {batch}: active lights that are not relevant"));
             }
-            tally.kept += (lit & !taken(batch)).count_ones();
+            tally.cached += (relevant & !active(batch)).count_ones();
+            faces += if active(batch) != 0 { mesh.faces().len() } else { 0 };
+            edges += if relevant & found.group(group, batch)?.dirty != 0 { mesh.edges().len() } else { 0 };
         }
-        if (0..batches).any(|batch| taken(batch) != 0) {
+        if (0..batches).any(|batch| active(batch) != 0) {
+            let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
             non_finite += mesh.faces().len() - mesh.faces().iter().filter(is_finite).count();
         }
     }
@@ -302,9 +376,11 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
     let counted: u32 = found.groups.iter().map(|group| group.statistics.non_finite_faces).sum();
     same("faces that are not finite", &[counted], &[non_finite as u32])?;
     if batches > 0 && !content.casters.is_empty() {
-        let SceneStatistics { pairs, cached_pairs, pairs_culled_by_range, .. } = found.statistics;
-        let expected = [tally.lit, tally.kept, tally.out_of_range];
-        same("pairs, those kept, and those out of range", &[pairs, cached_pairs, pairs_culled_by_range], &expected)?;
+        let counted = found.statistics;
+        let pairs = [counted.pairs, counted.cached_pairs, counted.pairs_culled_by_range];
+        same("relevant, cached and culled pairs", &pairs, &[tally.relevant, tally.cached, tally.culled])?;
+        let items = [counted.faces + counted.untested_faces, counted.edges + counted.untested_edges];
+        same("faces and edges, tested or not", &items, &[faces as u32, edges as u32])?;
     }
     for group in &found.groups {
         let draws: Vec<u32> = group.draws.iter().map(|draw| draw.instance_count).collect();

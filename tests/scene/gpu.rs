@@ -1,5 +1,6 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod cached;
 mod closure;
 #[path = "../extract/rounding/cluster_cases.rs"]
 mod cluster_cases;
@@ -14,8 +15,6 @@ mod found;
 mod frames;
 mod hidden;
 mod histories;
-mod kept;
-mod lists;
 mod needs;
 mod occluded;
 #[path = "../extract/rounding/pairs.rs"]
@@ -23,7 +22,6 @@ mod pairs;
 mod random_scene;
 mod refusals;
 mod scenes;
-mod stages;
 mod zero;
 
 use rimline_testkit::harness;
@@ -35,11 +33,10 @@ fn main() {
         clusters::TESTS,
         cluster_decisions::TESTS,
         exact::TESTS,
-        stages::TESTS,
         frames::TESTS,
         hidden::TESTS,
         histories::TESTS,
-        kept::TESTS,
+        cached::TESTS,
         needs::TESTS,
         occluded::TESTS,
         cones::TESTS,

@@ -1,4 +1,4 @@
-//! Faces hidden by faces, in scenes: left out as excluded faces are, and only while all that was searched holds.
+//! Occluded faces in scenes: culled as excluded faces are, and only while all conditions of the search hold.
 
 use std::ops::ControlFlow;
 
@@ -15,6 +15,7 @@ use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{must_fail, same};
 
 use crate::found::Found;
+use crate::random_scene::IDENTITY;
 use crate::scenes::roomy;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -22,7 +23,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("hidden_faces_of_other_casters_are_typed_errors", refused),
 ];
 
-const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 const LIGHT: Light = Light::point([0.0, 0.0, 10.0]);
 
 fn shapes() -> [Shape; 3] {
@@ -76,14 +76,19 @@ fn search(meshes: &[(Shape, Mesh)]) -> Result<HiddenFaces, String> {
     HiddenFaces::find(LIGHT, &all, HiddenOptions::default(), |_, _| ControlFlow::Continue(())).map_err(text)
 }
 
-/// The masks of excluded faces and the lists of a new frame, and what it counts.
-type Seen = (Vec<Vec<u32>>, Vec<Vec<Vec<u32>>>, HiddenCounts);
+/// The masks of excluded faces, the lists and the counts of a new frame.
+struct Results {
+    excluded: Vec<Vec<u32>>,
+    lists: Vec<Vec<Vec<u32>>>,
+    counts: HiddenCounts,
+}
 
-fn seen(gpu: &Gpu, scene: &mut Scene) -> Result<Seen, String> {
+fn results(gpu: &Gpu, scene: &mut Scene) -> Result<Results, String> {
     let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
     let found = Found::read(gpu, &frame)?;
     let excluded = found.groups.iter().map(|group| group.excluded.clone()).collect();
-    Ok((excluded, found.groups.into_iter().map(|group| group.lists).collect(), frame.hidden()))
+    let lists = found.groups.into_iter().map(|group| group.lists).collect();
+    Ok(Results { excluded, lists, counts: frame.hidden() })
 }
 
 /// A change of something that the search read, or its reversal.
@@ -99,23 +104,23 @@ fn holds() -> Result<(), String> {
         return Err(format!("{sphere} faces of the sphere and {torus} of the torus are hidden"));
     }
     let Placed { mut scene, lights: [light, other], casters } = casters(gpu, &meshes, true)?;
-    let plain = seen(gpu, &mut scene)?;
+    let plain = results(gpu, &mut scene)?;
     let mut by_caller = self::casters(gpu, &meshes, true)?;
     for (number, &caster) in by_caller.casters.iter().enumerate() {
         by_caller.scene.set_excluded(caster, by_caller.lights[0], hidden.faces(number)).map_err(text)?;
     }
-    let expected = seen(gpu, &mut by_caller.scene)?;
-    must_fail("nothing left out", &same("excluded", &plain.0, &expected.0))?;
+    let expected = results(gpu, &mut by_caller.scene)?;
+    must_fail("nothing left out", &same("excluded", &plain.excluded, &expected.excluded))?;
 
     scene.set_hidden_faces(light, &casters, Some(&hidden)).map_err(text)?;
     let used = |scene: &mut Scene, what: &str| {
-        let (excluded, lists, counts) = seen(gpu, scene)?;
-        same(what, &excluded, &expected.0)?;
-        same(what, &lists, &expected.1)?;
+        let Results { excluded, lists, counts } = results(gpu, scene)?;
+        same(what, &excluded, &expected.excluded)?;
+        same(what, &lists, &expected.lists)?;
         same(what, &[counts], &[HiddenCounts { faces: count, ignored: 0, ignored_faces: 0 }])
     };
     let ignored = |scene: &mut Scene, what: &str| {
-        let counts = seen(gpu, scene)?.2;
+        let counts = results(gpu, scene)?.counts;
         same(what, &[counts], &[HiddenCounts { faces: 0, ignored: 1, ignored_faces: count }])
     };
     used(&mut scene, "set")?;
@@ -146,23 +151,23 @@ fn holds() -> Result<(), String> {
     used(&mut scene, "others")?;
     scene.set_light(light, LIGHT).map_err(text)?;
     scene.set_hidden_faces(light, &[], None).map_err(text)?;
-    let ended = seen(gpu, &mut scene)?;
-    same("ended", &ended.0, &plain.0)?;
-    same("ended", &[ended.2], &[HiddenCounts::default()])?;
+    let ended = results(gpu, &mut scene)?;
+    same("ended", &ended.excluded, &plain.excluded)?;
+    same("ended", &[ended.counts], &[HiddenCounts::default()])?;
     // A caster that is gone, then a light.
     scene.set_hidden_faces(light, &casters, Some(&hidden)).map_err(text)?;
     used(&mut scene, "set anew")?;
     scene.remove(wall).map_err(text)?;
     ignored(&mut scene, "removed")?;
     scene.remove_light(light).map_err(text)?;
-    let counts = seen(gpu, &mut scene)?.2;
+    let counts = results(gpu, &mut scene)?.counts;
     same("without its light", &[counts], &[HiddenCounts::default()])?;
     // Switched off.
     let mut off = self::casters(gpu, &meshes, false)?;
     off.scene.set_hidden_faces(off.lights[0], &off.casters, Some(&hidden)).map_err(text)?;
-    let (excluded, lists, counts) = seen(gpu, &mut off.scene)?;
-    same("off", &excluded, &plain.0)?;
-    same("off", &lists, &plain.1)?;
+    let Results { excluded, lists, counts } = results(gpu, &mut off.scene)?;
+    same("off", &excluded, &plain.excluded)?;
+    same("off", &lists, &plain.lists)?;
     same("off", &[counts], &[HiddenCounts { faces: 0, ignored: 1, ignored_faces: count }])
 }
 

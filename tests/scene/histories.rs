@@ -14,7 +14,7 @@ use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, same};
 
-use crate::random_scene::{Content, Placed, RandomScene};
+use crate::random_scene::{Content, Placed, RandomScene, encoder};
 
 pub(crate) const TESTS: &[Test] = &[("volumes_do_not_depend_on_what_a_scene_was_before", histories)];
 
@@ -24,10 +24,7 @@ type Excluded = Vec<(CasterHandle, LightHandle, Vec<u32>)>;
 /// A recorded frame, and its expected result: the content, the cameras and the excluded faces of that moment.
 struct Recorded {
     encoder: wgpu::CommandEncoder,
-    draws: Vec<wgpu::Buffer>,
-    statistics: wgpu::Buffer,
-    views: usize,
-    batches: usize,
+    volumes: VolumeBuffers,
     content: Content,
     cameras: Vec<ShadowCamera>,
     excluded: Excluded,
@@ -42,10 +39,6 @@ pub(crate) struct Volumes {
     cached_lists: u32,
 }
 
-fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
-    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
-}
-
 /// Near 0.1, without a far plane.
 pub(crate) fn camera(random: &mut Random) -> ShadowCamera {
     let far = [1.5, 8.0, 60.0][random.below(3)];
@@ -58,25 +51,47 @@ pub(crate) fn camera(random: &mut Random) -> ShadowCamera {
     ShadowCamera { view_projection: [x, y, z, [0.0, 0.0, 0.1, 0.0]], origin, depth: DepthDirection::Reversed }
 }
 
-pub(crate) fn volumes(
-    gpu: &Gpu,
-    (draws, statistics): (&[wgpu::Buffer], &wgpu::Buffer),
-    (views, batches): (usize, usize),
-    bits: &[u32],
-) -> Result<Volumes, String> {
-    let mut instances = vec![[0; 6]; views * bits.len()];
-    for buffer in draws {
-        let of_group: Vec<ShadowDraws> = gpu.read(buffer, usize::MAX)?;
-        let places = (0..views).flat_map(|view| bits.iter().map(move |&bit| view * 32 * batches + bit as usize));
-        for (sum, place) in instances.iter_mut().zip(places) {
-            let ShadowDraws { plain, clipped, near_front, near_back, far_front, far_back, .. } = of_group[place];
-            let kinds = [plain, clipped, near_front, near_back, far_front, far_back];
-            sum.iter_mut().zip(kinds).for_each(|(sum, draw)| *sum += draw.instance_count);
-        }
+/// The buffers of a frame's volumes. They hold the results after its submission, even if the frame is stale then.
+pub(crate) struct VolumeBuffers {
+    draws: Vec<wgpu::Buffer>,
+    statistics: wgpu::Buffer,
+    views: usize,
+    batches: usize,
+}
+
+impl VolumeBuffers {
+    pub(crate) fn new(frame: &SceneFrame, views: usize) -> Result<Self, String> {
+        Ok(Self {
+            draws: frame.results().map_err(text)?.shadow_draws.to_vec(),
+            statistics: frame.shadow_statistics().ok_or("no view")?.clone(),
+            views,
+            batches: frame.batches(),
+        })
     }
-    let mut statistics: Vec<ShadowStatistics> = gpu.read(statistics, 1)?;
-    let cached_lists = statistics.iter_mut().map(|statistics| std::mem::take(&mut statistics.cached_lists)).sum();
-    Ok(Volumes { instances, statistics: bytemuck::cast_slice(&statistics).to_vec(), cached_lists })
+
+    /// The volumes of the lights with these bits.
+    pub(crate) fn read(&self, gpu: &Gpu, bits: &[u32]) -> Result<Volumes, String> {
+        let mut instances = vec![[0; 6]; self.views * bits.len()];
+        for buffer in &self.draws {
+            let group: Vec<ShadowDraws> = gpu.read(buffer, usize::MAX)?;
+            let indices =
+                (0..self.views).flat_map(|view| bits.iter().map(move |&bit| view * 32 * self.batches + bit as usize));
+            for (sum, index) in instances.iter_mut().zip(indices) {
+                let ShadowDraws { plain, clipped, near_front, near_back, far_front, far_back, .. } = group[index];
+                let kinds = [plain, clipped, near_front, near_back, far_front, far_back];
+                sum.iter_mut().zip(kinds).for_each(|(sum, draw)| *sum += draw.instance_count);
+            }
+        }
+        let mut statistics: Vec<ShadowStatistics> = gpu.read(&self.statistics, 1)?;
+        let cached_lists = statistics.iter_mut().map(|statistics| std::mem::take(&mut statistics.cached_lists)).sum();
+        Ok(Volumes { instances, statistics: bytemuck::cast_slice(&statistics).to_vec(), cached_lists })
+    }
+}
+
+/// The volumes of all lights of a submitted frame.
+pub(crate) fn volumes(gpu: &Gpu, frame: &SceneFrame, views: usize) -> Result<Volumes, String> {
+    let bits: Vec<u32> = frame.lights().iter().map(|(light, _)| light.bit()).collect();
+    VolumeBuffers::new(frame, views)?.read(gpu, &bits)
 }
 
 fn bits(content: &Content) -> Vec<u32> {
@@ -91,31 +106,24 @@ impl Recorded {
         excluded: &Excluded,
     ) -> Result<Self, String> {
         let frame = scene.scene.encode(&mut encoder, FrameInputs::new(&views(&cameras))).map_err(text)?;
-        let (draws, statistics) = buffers(&frame)?;
+        let volumes = VolumeBuffers::new(&frame, cameras.len())?;
         let (content, excluded) = (scene.content.clone(), excluded.clone());
-        let (views, batches) = (cameras.len(), frame.batches());
-        Ok(Self { encoder, draws, statistics, views, batches, content, cameras, excluded })
+        Ok(Self { encoder, volumes, content, cameras, excluded })
     }
 
-    /// Submits it, and compares with a scene made anew.
+    /// Submits it, and compares it with a new scene.
     fn check(self, gpu: &Gpu, options: SceneOptions) -> Result<[u32; 2], String> {
         gpu.queue.submit([self.encoder.finish()]);
-        let sizes = (self.views, self.batches);
-        let mut found = volumes(gpu, (&self.draws, &self.statistics), sizes, &bits(&self.content))?;
-        let fresh = fresh(gpu, options, &self.content, &self.cameras, &self.excluded)?;
-        let cached_lists = std::mem::replace(&mut found.cached_lists, fresh.cached_lists);
-        same("volumes", &[&found], &[&fresh])?;
+        let mut found = self.volumes.read(gpu, &bits(&self.content))?;
+        let expected = without_past(gpu, options, &self.content, &self.cameras, &self.excluded)?;
+        let cached_lists = std::mem::replace(&mut found.cached_lists, expected.cached_lists);
+        same("volumes", &[&found], &[&expected])?;
         Ok([found.instances.iter().flatten().sum(), cached_lists])
     }
 }
 
-pub(crate) fn buffers(frame: &SceneFrame) -> Result<(Vec<wgpu::Buffer>, wgpu::Buffer), String> {
-    let draws = frame.results().map_err(text)?.shadow_draws.to_vec();
-    Ok((draws, frame.shadow_statistics().ok_or("no view")?.clone()))
-}
-
 /// The volumes of the same content in a scene without a past.
-fn fresh(
+fn without_past(
     gpu: &Gpu,
     options: SceneOptions,
     content: &Content,
@@ -127,28 +135,27 @@ fn fresh(
     let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
     let lights = content.lights.iter().map(|(old, light)| Ok((*old, scene.add_light(*light).map_err(text)?)));
     let lights: Vec<(LightHandle, LightHandle)> = lights.collect::<Result<_, String>>()?;
-    for own in &content.casters {
-        let positions = match &own.placed {
+    for known in &content.casters {
+        let positions = match &known.placed {
             Placed::Rigid(rows) => CasterPositions::Rigid((*rows).into()),
             Placed::World(world) => CasterPositions::Buffer { buffer: gpu.storage(world), offset: 0, stride: 12 },
         };
-        let allowed = lights.iter().filter(|(old, _)| own.lights.contains(*old)).map(|(_, new)| *new);
+        let allowed = lights.iter().filter(|(old, _)| known.lights.contains(*old)).map(|(_, new)| *new);
         let caster =
-            Caster { mesh: meshes[own.mesh], positions, lights: LightMask::only(allowed), in_depth: own.in_depth };
+            Caster { mesh: meshes[known.mesh], positions, lights: LightMask::only(allowed), in_depth: known.in_depth };
         let caster = scene.insert(caster).map_err(text)?;
-        if own.bounds.is_some() {
-            scene.set_bounds(caster, own.bounds).map_err(text)?;
+        if known.bounds.is_some() {
+            scene.set_bounds(caster, known.bounds).map_err(text)?;
         }
-        for (_, light, faces) in excluded.iter().filter(|(of, ..)| *of == own.handle) {
+        for (_, light, faces) in excluded.iter().filter(|(of, ..)| *of == known.handle) {
             if let Some((_, light)) = lights.iter().find(|(old, _)| old == light) {
                 scene.set_excluded(caster, *light, faces).map_err(text)?;
             }
         }
     }
     let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))?;
-    let (draws, statistics) = buffers(&frame)?;
     let bits: Vec<u32> = lights.iter().map(|(_, light)| light.bit()).collect();
-    volumes(gpu, (&draws, &statistics), (cameras.len(), frame.batches()), &bits)
+    VolumeBuffers::new(&frame, cameras.len())?.read(gpu, &bits)
 }
 
 /// Excludes faces of a caster for a light.
@@ -157,13 +164,13 @@ fn exclude(scene: &mut RandomScene, excluded: &mut Excluded) -> Result<(), Strin
     if casters.is_empty() || lights.is_empty() {
         return Ok(());
     }
-    let own = &casters[scene.random.below(casters.len())];
+    let known = &casters[scene.random.below(casters.len())];
     let (light, _) = lights[scene.random.below(lights.len())];
-    let faces = meshes[own.mesh].0.2.faces().len() as u32;
+    let faces = meshes[known.mesh].0.2.faces().len() as u32;
     let faces: Vec<u32> = (0..faces).filter(|_| scene.random.below(4) == 0).collect();
-    scene.scene.set_excluded(own.handle, light, &faces).map_err(text)?;
-    excluded.retain(|(of, by, _)| (*of, *by) != (own.handle, light));
-    excluded.push((own.handle, light, faces));
+    scene.scene.set_excluded(known.handle, light, &faces).map_err(text)?;
+    excluded.retain(|(of, by, _)| (*of, *by) != (known.handle, light));
+    excluded.push((known.handle, light, faces));
     Ok(())
 }
 
@@ -171,7 +178,6 @@ fn histories() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut instances, mut cached_lists, mut late, mut noticed) = (0_u64, 0, 0, 0);
     for seed in 3001..if is_long() { 3301 } else { 3021 } {
-        println!("seed {seed}");
         let mut random = Random::new(seed);
         let mut options = SceneOptions {
             max_lights: 40,
@@ -181,17 +187,12 @@ fn histories() -> Result<(), String> {
             ..SceneOptions::default()
         };
         options.measuring.set(Measuring::CULLED_BY_VIEW, random.below(2) == 0);
-        let mut scene = RandomScene::new(gpu, seed, options)?;
-        let mut excluded = Excluded::new();
-        for _ in 0..[3, 36][random.below(2)] {
-            scene.add_light()?;
-        }
-        // In every other scene no caster comes or goes, and all are rigid.
+        // In every other scene no caster is added or removed, and all are rigid.
         let is_calm = seed % 2 == 0;
-        for _ in 0..8 {
-            if is_calm { scene.insert_rigid()? } else { scene.insert(gpu)? }
-        }
-        let mut kept: Vec<Recorded> = Vec::new();
+        let fill = if is_calm { RandomScene::filled_rigid } else { RandomScene::filled };
+        let mut scene = fill(gpu, seed, options, [[3, 36][random.below(2)], 8])?;
+        let mut excluded = Excluded::new();
+        let mut late_frames: Vec<Recorded> = Vec::new();
         let mut cameras = [0; 3].map(|_| camera(&mut random));
         for step in 0..8 {
             let what = |error| format!("step {step}: {error}");
@@ -206,15 +207,15 @@ fn histories() -> Result<(), String> {
             match random.below(4) {
                 // Dropped.
                 0 => {}
-                1 => kept.push(recorded),
+                1 => late_frames.push(recorded),
                 _ => {
                     let [drawn, lists] = recorded.check(gpu, options).map_err(what)?;
                     instances += u64::from(drawn);
                     cached_lists += lists;
                 }
             }
-            if random.below(3) == 0 && !kept.is_empty() {
-                let recorded = kept.swap_remove(random.below(kept.len()));
+            if random.below(3) == 0 && !late_frames.is_empty() {
+                let recorded = late_frames.swap_remove(random.below(late_frames.len()));
                 recorded.check(gpu, options).map_err(|error| format!("late, {}", what(error)))?;
                 late += 1;
             }
@@ -243,9 +244,9 @@ fn histories() -> Result<(), String> {
         recorded.cameras = vec![camera(&mut random)];
         noticed += u32::from(recorded.check(gpu, options).is_err());
     }
-    println!("{instances} instances, {cached_lists} lists kept, {late} late frames, {noticed} other cameras noticed");
+    println!("{instances} instances, {cached_lists} lists cached, {late} late frames, {noticed} other cameras noticed");
     if cached_lists < 100 {
-        return Err("too few lists were kept".to_owned());
+        return Err("too few lists were cached".to_owned());
     }
     if instances < 100_000 || late < 10 || noticed < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }

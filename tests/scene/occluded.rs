@@ -1,4 +1,4 @@
-//! Casters that occluders hide: only those that are hidden, and all bits are right when they are not hidden any more.
+//! Casters behind occluders: only those are culled, and all bits are right when they are not culled any more.
 
 use glam::{DMat3, DVec3};
 use rimline::gpu::{
@@ -16,15 +16,15 @@ use rimline_testkit::{is_long, must_fail, same};
 use crate::found::Found;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("occluded_casters_are_hidden_and_others_are_not", random),
-    ("cracks_and_edges_hide_nothing", edges),
+    ("occluded_casters_are_culled_and_others_are_not", random),
+    ("cracks_and_edges_cull_nothing", edges),
     ("most_turns_of_reach", most_tried),
     ("polygons_that_are_no_occluders_are_refused", refused),
 ];
 
-/// A caster as the test knows it.
+/// A caster of the test.
 #[derive(Clone, Copy)]
-struct Own {
+struct Body {
     /// 0: a cube, 1: a sphere, 2: an open sheet.
     mesh: usize,
     rows: Matrix3x4,
@@ -72,7 +72,7 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(gpu: &Gpu, owns: &[Own], lights: &[Light], skip_occluded: bool) -> Result<Self, String> {
+    fn new(gpu: &Gpu, bodies: &[Body], lights: &[Light], skip_occluded: bool) -> Result<Self, String> {
         let mut options = SceneOptions { max_lights: 40, ..SceneOptions::default() };
         options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, !skip_occluded);
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
@@ -82,9 +82,9 @@ impl Stage {
         };
         let meshes: Vec<MeshHandle> = shapes().iter().map(add).collect::<Result<_, String>>()?;
         let mut casters = Vec::new();
-        for own in owns {
-            let caster = scene.insert(Caster::rigid(meshes[own.mesh], own.rows)).map_err(text)?;
-            let polygons = occluders(own.mesh);
+        for body in bodies {
+            let caster = scene.insert(Caster::rigid(meshes[body.mesh], body.rows)).map_err(text)?;
+            let polygons = occluders(body.mesh);
             let polygons: Vec<&[[f32; 3]]> = polygons.iter().map(|polygon| &polygon[..]).collect();
             scene.set_occluders(caster, &polygons).map_err(text)?;
             casters.push(caster);
@@ -134,16 +134,16 @@ fn is_between(polygon: &[DVec3], point: DVec3, light: Light) -> bool {
     edges.into_iter().all(|(a, b)| (*b - *a).cross(met - *a).dot(normal) > 0.0)
 }
 
-/// Whether the polygon is turned away from the light.
-fn is_averted(polygon: &[DVec3], light: Light, is_mirrored: bool) -> bool {
+/// Whether the polygon is back-facing.
+fn is_back_facing(polygon: &[DVec3], light: Light, is_mirrored: bool) -> bool {
     let normal = (polygon[1] - polygon[0]).cross(polygon[2] - polygon[0]);
     let toward = DVec3::from(light.xyz.map(f64::from)) - f64::from(light.w) * polygon[0];
     (normal.dot(toward) < 0.0) != is_mirrored
 }
 
-/// Whether one polygon of another caster is before all corners of a caster's box.
-fn is_hidden(owns: &[Own], number: usize, light: Light) -> bool {
-    let shape = &shapes()[owns[number].mesh];
+/// Whether one polygon of another caster is between the light and all corners of a caster's box.
+fn is_occluded(bodies: &[Body], number: usize, light: Light) -> bool {
+    let shape = &shapes()[bodies[number].mesh];
     let end = |pick: fn(f32, f32) -> f32| {
         shape.positions.iter().copied().reduce(|a, b| std::array::from_fn(|axis| pick(a[axis], b[axis])))
     };
@@ -151,15 +151,15 @@ fn is_hidden(owns: &[Own], number: usize, light: Light) -> bool {
     let corners: Vec<DVec3> = (0..8)
         .map(|corner| {
             let position = std::array::from_fn(|axis| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
-            placed(&owns[number].rows, position)
+            placed(&bodies[number].rows, position)
         })
         .collect();
-    owns.iter().enumerate().filter(|(other, _)| *other != number).any(|(_, own)| {
-        let columns = [0, 1, 2].map(|column| DVec3::from(own.rows.map(|row| f64::from(row[column]))));
+    bodies.iter().enumerate().filter(|(other, _)| *other != number).any(|(_, body)| {
+        let columns = [0, 1, 2].map(|column| DVec3::from(body.rows.map(|row| f64::from(row[column]))));
         let is_mirrored = columns[0].dot(columns[1].cross(columns[2])) < 0.0;
-        occluders(own.mesh).iter().any(|polygon| {
-            let polygon: Vec<DVec3> = polygon.iter().map(|&corner| placed(&own.rows, corner)).collect();
-            (own.mesh == 2 || is_averted(&polygon, light, is_mirrored))
+        occluders(body.mesh).iter().any(|polygon| {
+            let polygon: Vec<DVec3> = polygon.iter().map(|&corner| placed(&body.rows, corner)).collect();
+            (body.mesh == 2 || is_back_facing(&polygon, light, is_mirrored))
                 && corners.iter().all(|&corner| is_between(&polygon, corner, light))
         })
     })
@@ -179,58 +179,53 @@ fn lights(random: &mut Random) -> Vec<Light> {
 }
 
 /// Large plates and boxes, small bodies among them.
-fn own(random: &mut Random) -> Own {
+fn random_body(random: &mut Random) -> Body {
     let at = [(); 3].map(|()| random.between(-5.0, 5.0));
     if random.below(3) > 0 {
         let size = random.between(0.02, 0.3);
-        return Own { mesh: random.below(3), rows: rows(random, [size; 3], at) };
+        return Body { mesh: random.below(3), rows: rows(random, [size; 3], at) };
     }
     let size = random.between(2.0, 5.0);
     let scales = [[size, 0.05, size], [size; 3], [size, size, 0.5]][random.below(3)];
-    Own { mesh: random.below(3), rows: rows(random, scales, at) }
+    Body { mesh: random.below(3), rows: rows(random, scales, at) }
 }
 
-/// Fails where a pair is hidden that is not, or has other bits than in a new scene. Returns how many are hidden, and how many of those that are would be.
-fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<[u32; 2], String> {
+/// Fails if a pair is culled that is not occluded, or has other bits than in a new scene. Returns how many pairs are culled, and how
+/// many are occluded.
+fn check(gpu: &Gpu, stage: &mut Stage, bodies: &[Body], given: &[Light]) -> Result<[u32; 2], String> {
     let frame = stage.encode(gpu)?;
     let found = Found::read(gpu, &frame)?;
-    let mut plain = Stage::new(gpu, owns, given, false)?;
+    let mut plain = Stage::new(gpu, bodies, given, false)?;
     let plain_frame = plain.encode(gpu)?;
     let all = Found::read(gpu, &plain_frame)?;
-    let (mut hidden, mut could) = (0, 0);
+    let (mut culled, mut occluded) = (0, 0);
     for (number, (&caster, &other)) in stage.casters.iter().zip(&plain.casters).enumerate() {
         let (index, group) = frame.locate(caster).ok_or("no caster")?;
         let (plain_index, plain_group) = plain_frame.locate(other).ok_or("no caster")?;
         for batch in 0..frame.batches() {
-            let at = |index: u32| batch * owns.len() + index as usize;
-            let (lit, reaching) = (found.lit[at(index)], all.lit[at(plain_index)]);
-            let gone = reaching & !lit;
-            same("lights that do not reach", &[lit & !reaching], &[0])?;
-            for bit in 0..32 {
+            let at = |index: u32| batch * bodies.len() + index as usize;
+            let (relevant, plain_relevant) = (found.relevant[at(index)], all.relevant[at(plain_index)]);
+            same("lights that are culled without occluders", &[relevant & !plain_relevant], &[0])?;
+            for bit in (0..32).filter(|bit| plain_relevant >> bit & 1 != 0) {
                 let Some(&light) = given.get(32 * batch + bit) else { continue };
-                let is_gone = gone >> bit & 1 != 0;
-                let is_reaching = reaching >> bit & 1 != 0;
-                let may = is_reaching && is_hidden(owns, number, light);
-                if is_gone && !may {
-                    return Err(format!("caster {number} is not hidden from light {bit}, {light:?}"));
+                let [is_culled, is_occluded] = [relevant >> bit & 1 == 0, is_occluded(bodies, number, light)];
+                if is_culled && !is_occluded {
+                    return Err(format!("caster {number} is not occluded from light {bit}, {light:?}"));
                 }
-                hidden += u32::from(is_gone);
-                could += u32::from(may);
+                culled += u32::from(is_culled);
+                occluded += u32::from(is_occluded);
             }
             let masks = |found: &Found, group, index| -> Result<Vec<u32>, String> {
                 let caster = SceneTable(&found.table).caster(index);
                 let slots = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
-                Ok(found.group(group, batch)?.facing[slots].iter().map(|mask| mask & lit).collect())
+                Ok(found.group(group, batch)?.facing[slots].iter().map(|mask| mask & relevant).collect())
             };
-            same(
-                &format!("bits of caster {number}"),
-                &masks(&found, group, index)?,
-                &masks(&all, plain_group, plain_index)?,
-            )?;
+            let expected = masks(&all, plain_group, plain_index)?;
+            same(&format!("bits of caster {number}"), &masks(&found, group, index)?, &expected)?;
         }
     }
-    same("counter", &[found.statistics.pairs_culled_by_occluders], &[hidden])?;
-    Ok([hidden, could])
+    same("counter", &[found.statistics.pairs_culled_by_occluders], &[culled])?;
+    Ok([culled, occluded])
 }
 
 fn random() -> Result<(), String> {
@@ -239,15 +234,15 @@ fn random() -> Result<(), String> {
     for seed in 4601..if is_long() { 5601 } else { 4641 } {
         println!("seed {seed}");
         let mut random = Random::new(seed);
-        let mut owns: Vec<Own> = (0..2 + random.below(24)).map(|_| own(&mut random)).collect();
+        let mut bodies: Vec<Body> = (0..2 + random.below(24)).map(|_| random_body(&mut random)).collect();
         let mut given = lights(&mut random);
-        let mut stage = Stage::new(gpu, &owns, &given, true)?;
+        let mut stage = Stage::new(gpu, &bodies, &given, true)?;
         let mut last = 0;
         for _ in 0..5 {
-            let [hidden, could] = check(gpu, &mut stage, &owns, &given)?;
-            shown += u32::from(hidden < last);
-            last = hidden;
-            sum = [sum[0] + hidden, sum[1] + could];
+            let [culled, occluded] = check(gpu, &mut stage, &bodies, &given)?;
+            shown += u32::from(culled < last);
+            last = culled;
+            sum = [sum[0] + culled, sum[1] + occluded];
             match random.below(3) {
                 0 => {
                     let light = random.below(given.len());
@@ -255,89 +250,73 @@ fn random() -> Result<(), String> {
                     stage.scene.set_light(stage.lights[light], given[light]).map_err(text)?;
                 }
                 _ => {
-                    for (own_caster, &caster) in owns.iter_mut().zip(&stage.casters) {
+                    for (body, &caster) in bodies.iter_mut().zip(&stage.casters) {
                         if random.below(3) == 0 {
-                            own_caster.rows = own(&mut random).rows;
-                            stage.scene.set_transform(caster, own_caster.rows).map_err(text)?;
+                            body.rows = random_body(&mut random).rows;
+                            stage.scene.set_transform(caster, body.rows).map_err(text)?;
                         }
                     }
                 }
             }
         }
     }
-    println!("{} pairs hidden of {} that could be; fewer than before in {shown} frames", sum[0], sum[1]);
-    if sum[0] < 50 || 100 * sum[0] < 99 * sum[1] || shown == 0 { Err("not as meant".to_owned()) } else { Ok(()) }
+    println!("{} pairs culled of {} that are occluded; fewer than before in {shown} frames", sum[0], sum[1]);
+    if sum[0] < 50 || 100 * sum[0] < 99 * sum[1] || shown == 0 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
 /// A small sphere below plates, and a light above.
 fn edges() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let plate =
-        |x: f32, half: f32| Own { mesh: 2, rows: [[half, 0.0, 0.0, x], [0.0, 0.0, 2.0, 0.0], [0.0, 2.0, 0.0, 0.0]] };
-    let sheet = |x: f32, half: f32| Own {
-        rows: [[half, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0, 0.0]],
-        ..plate(x, half)
-    };
-    let ball = |x: f32, y: f32, size: f32| Own {
-        mesh: 1,
-        rows: [[size, 0.0, 0.0, x], [0.0, size, 0.0, y], [0.0, 0.0, size, 0.0]],
-    };
-    let cube = |x: f32, y: f32, half: f32| Own { mesh: 0, ..ball(x, y, half) };
+    let body = |mesh, rows| Body { mesh, rows };
+    let sheet = |x, half| body(2, [[half, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0, 0.0]]);
+    let at = |mesh, x, y, size| body(mesh, [[size, 0.0, 0.0, x], [0.0, size, 0.0, y], [0.0, 0.0, size, 0.0]]);
+    let (wide, ball) = (sheet(0.0, 2.0), at(1, 0.0, -1.0, 0.2));
     let sun = Light::directional([0.0, 1.0, 0.0]);
-    let lamp = Light::point([0.0, 4.0, 0.0]);
-    // A hundredth of a texel of 2,048 across a plate.
+    let [lamp, level] = [[0.0, 4.0, 0.0], [9.0, 0.0, 0.0]].map(Light::point);
+    // A hundredth of a texel of 2,048 across a sheet.
     let crack = 2.0 / 2048.0 / 100.0;
-    let cases: [(&str, Vec<Own>, Light, bool); 11] = [
-        ("below a plate", vec![sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)], sun, true),
-        ("below a plate, near light", vec![sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)], lamp, true),
-        ("above it", vec![sheet(0.0, 2.0), ball(0.0, 1.0, 0.2)], sun, false),
-        ("beyond the light", vec![sheet(0.0, 2.0), ball(0.0, 6.0, 0.2)], lamp, false),
-        ("through it", vec![sheet(0.0, 2.0), ball(0.0, -0.1, 0.2)], sun, false),
-        ("its box touches the plane", vec![sheet(0.0, 2.0), cube(0.0, -0.25, 0.25)], sun, false),
-        (
-            "below a crack",
-            vec![sheet(-1.0 - 0.5 * crack, 1.0), sheet(1.0 + 0.5 * crack, 1.0), ball(0.0, -1.0, 0.2)],
-            sun,
-            false,
-        ),
-        ("beside the crack", vec![sheet(-1.0 - crack, 1.0), sheet(1.0 + crack, 1.0), ball(0.5, -1.0, 0.2)], sun, true),
-        ("its box touches a side plane", vec![sheet(0.0, 2.0), cube(1.75, -1.0, 0.25)], sun, false),
-        ("nearly", vec![sheet(0.0, 2.0), cube(1.749, -1.0, 0.25)], sun, true),
-        (
-            "the light is in the plane",
-            vec![sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)],
-            Light::point([9.0, 0.0, 0.0]),
-            false,
-        ),
+    let apart = |by: f32| [sheet(-1.0 - by * crack, 1.0), sheet(1.0 + by * crack, 1.0)];
+    let cases: [(&str, Vec<Body>, Light, bool); 11] = [
+        ("below a sheet", vec![wide, ball], sun, true),
+        ("below a sheet, near light", vec![wide, ball], lamp, true),
+        ("above it", vec![wide, at(1, 0.0, 1.0, 0.2)], sun, false),
+        ("beyond the light", vec![wide, at(1, 0.0, 6.0, 0.2)], lamp, false),
+        ("through it", vec![wide, at(1, 0.0, -0.1, 0.2)], sun, false),
+        ("its box touches the plane", vec![wide, at(0, 0.0, -0.25, 0.25)], sun, false),
+        ("below a crack", [&apart(0.5)[..], &[ball]].concat(), sun, false),
+        ("beside the crack", [&apart(1.0)[..], &[at(1, 0.5, -1.0, 0.2)]].concat(), sun, true),
+        ("its box touches a side plane", vec![wide, at(0, 1.75, -1.0, 0.25)], sun, false),
+        ("nearly", vec![wide, at(0, 1.749, -1.0, 0.25)], sun, true),
+        ("the light is in the plane", vec![wide, ball], level, false),
     ];
-    for (what, owns, light, expected) in cases {
-        let mut stage = Stage::new(gpu, &owns, &[light], true)?;
-        check(gpu, &mut stage, &owns, &[light]).map_err(|error| format!("{what}: {error}"))?;
+    for (what, bodies, light, expected) in cases {
+        let mut stage = Stage::new(gpu, &bodies, &[light], true)?;
+        check(gpu, &mut stage, &bodies, &[light]).map_err(|error| format!("{what}: {error}"))?;
         let frame = stage.encode(gpu)?;
         let found = Found::read(gpu, &frame)?;
         let (index, _) = frame.locate(*stage.casters.last().ok_or("no caster")?).ok_or("no caster")?;
-        same(what, &[found.lit[index as usize] == 0], &[expected])?;
-        must_fail("the opposite", &same(what, &[found.lit[index as usize] == 0], &[!expected]))?;
+        same(what, &[found.relevant[index as usize] == 0], &[expected])?;
+        must_fail("the opposite", &same(what, &[found.relevant[index as usize] == 0], &[!expected]))?;
     }
-    // Without the switch, and with faces that are excluded, nothing is hidden.
-    let owns = [sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)];
+    // Without the switch, and with excluded faces, nothing is culled.
+    let bodies = [wide, ball];
     for (switch, excludes, expected) in [(true, false, 1), (false, false, 0), (true, true, 0)] {
-        let mut stage = Stage::new(gpu, &owns, &[sun], switch)?;
+        let mut stage = Stage::new(gpu, &bodies, &[sun], switch)?;
         if excludes {
             stage.scene.set_excluded(stage.casters[0], stage.lights[0], &[1]).map_err(text)?;
         }
         let frame = stage.encode(gpu)?;
-        same("hidden", &[Found::read(gpu, &frame)?.statistics.pairs_culled_by_occluders], &[expected])?;
+        same("culled", &[Found::read(gpu, &frame)?.statistics.pairs_culled_by_occluders], &[expected])?;
     }
     Ok(())
 }
 
-/// Occluders that are tried, as in `reach.wgsl`.
+/// The most occluders that are tested, as in `reach.wgsl`.
 const MOST_OCCLUDERS: usize = 128;
 
-/// Reach tries the maximum number of occluders, each with the maximum of corners, for all lights of a batch. All but the
-/// last have the box outside of their last edge alone. llvmpipe ends an invocation's loops after 65,535 turns without an
-/// error, and reach would then miss the last occluder. One more occluder is not tried.
+/// `reach` tests the maximum number of occluders, each with the maximum of corners, for all lights of a batch. For all but the last
+/// occluder the box is outside the last edge alone. llvmpipe ends an invocation's loops after 65,535 turns without an error, and
+/// `reach` would then miss the last occluder. A further occluder is not tested.
 fn most_tried() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     // In the plane of a sheet, with an edge on the right, from its last corner to its first.
@@ -373,22 +352,22 @@ fn most_tried() -> Result<(), String> {
         }
         let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
         let found = Found::read(gpu, &frame)?;
-        let place = |caster: CasterHandle| frame.locate(caster).map(|(index, _)| index).ok_or("no caster");
-        let places = casters.iter().map(|&caster| place(caster)).collect::<Result<Vec<_>, _>>()?;
-        if !places.is_sorted() {
-            return Err("the occluder that hides is not the last".to_owned());
+        let index = |caster: CasterHandle| frame.locate(caster).map(|(index, _)| index).ok_or("no caster");
+        let indices = casters.iter().map(|&caster| index(caster)).collect::<Result<Vec<_>, _>>()?;
+        if !indices.is_sorted() {
+            return Err("the occluder that culls is not the last".to_owned());
         }
-        let lit = found.lit[place(hidden)? as usize];
+        let relevant = found.relevant[index(hidden)? as usize];
         let what = format!("{near_misses} near misses");
-        same(&what, &[found.statistics.pairs_culled_by_occluders, (!lit).count_ones()], &[expected; 2])?;
+        same(&what, &[found.statistics.pairs_culled_by_occluders, (!relevant).count_ones()], &[expected; 2])?;
     }
     Ok(())
 }
 
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let owns = [Own { mesh: 0, rows: rows(&mut Random::new(1), [1.0; 3], [0.0; 3]) }];
-    let mut stage = Stage::new(gpu, &owns, &[], true)?;
+    let bodies = [Body { mesh: 0, rows: rows(&mut Random::new(1), [1.0; 3], [0.0; 3]) }];
+    let mut stage = Stage::new(gpu, &bodies, &[], true)?;
     let caster = stage.casters[0];
     let mut error = |polygons: &[&[[f32; 3]]]| stage.scene.set_occluders(caster, polygons).err();
     let good: &[[f32; 3]] = &[[1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];

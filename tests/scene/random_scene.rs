@@ -1,4 +1,4 @@
-//! Random scenes that change from frame to frame, and what each of their casters must come to when it is alone.
+//! Random scenes that change from frame to frame, and the results of each of their casters alone.
 
 use std::sync::Arc;
 
@@ -16,16 +16,18 @@ use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
-/// A caster, as the test knows it.
+use crate::cones::random_cone;
+
+/// A caster of the test.
 #[derive(Clone)]
-pub(crate) struct Own {
+pub(crate) struct TestCaster {
     pub(crate) handle: CasterHandle,
     pub(crate) mesh: usize,
     /// The transform of a rigid caster, or the positions in world space.
     pub(crate) placed: Placed,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
-    /// Stated bounds of positions in a buffer.
+    /// The stated box of positions in a buffer.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
 }
 
@@ -35,18 +37,18 @@ pub(crate) enum Placed {
     World(Vec<[f32; 3]>),
 }
 
-/// A scene beside a plain list of what is in it.
+/// A scene, and a plain list of its content.
 pub(crate) struct RandomScene {
     pub(crate) random: Random,
     pub(crate) scene: Scene,
     pub(crate) content: Content,
 }
 
-/// Content of a scene at a moment.
+/// The content of a scene at one time.
 #[derive(Clone)]
 pub(crate) struct Content {
     pub(crate) meshes: Vec<(Arc<Case>, MeshHandle)>,
-    pub(crate) casters: Vec<Own>,
+    pub(crate) casters: Vec<TestCaster>,
     pub(crate) lights: Vec<(LightHandle, Light)>,
 }
 
@@ -56,6 +58,13 @@ pub(crate) struct Expected {
     pub(crate) lists: Vec<Vec<u32>>,
     /// Lights in the planes of faces.
     pub(crate) excluded: Vec<Vec<u32>>,
+}
+
+pub(crate) const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// An encoder that a test submits late, or drops.
+pub(crate) fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
+    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
 }
 
 fn one_face() -> Shape {
@@ -92,8 +101,34 @@ impl RandomScene {
         Ok(Self { random, scene, content: Content { meshes, casters: Vec::new(), lights: Vec::new() } })
     }
 
+    /// A scene with these numbers of lights and casters.
+    pub(crate) fn filled(
+        gpu: &Gpu,
+        seed: u64,
+        options: SceneOptions,
+        [lights, casters]: [usize; 2],
+    ) -> Result<Self, String> {
+        println!("seed {seed}");
+        let mut scene = Self::new(gpu, seed, options)?;
+        (0..lights).try_for_each(|_| scene.add_light())?;
+        (0..casters).try_for_each(|_| scene.insert(gpu))?;
+        Ok(scene)
+    }
+
+    /// The same with rigid casters.
+    pub(crate) fn filled_rigid(
+        gpu: &Gpu,
+        seed: u64,
+        options: SceneOptions,
+        [lights, casters]: [usize; 2],
+    ) -> Result<Self, String> {
+        let mut scene = Self::filled(gpu, seed, options, [lights, 0])?;
+        (0..casters).try_for_each(|_| scene.insert_rigid())?;
+        Ok(scene)
+    }
+
     /// Rotations, mirrored, scales of 1e-3 to 1e3, translations up to 1e6; now and then singular or not finite.
-    pub(crate) fn transform(&mut self) -> Matrix3x4 {
+    fn transform(&mut self) -> Matrix3x4 {
         let random = &mut self.random;
         let axis = DVec3::from(random.direction().map(f64::from));
         let turn = DMat3::from_axis_angle(axis.normalize(), f64::from(random.between(-3.0, 3.0)));
@@ -127,7 +162,7 @@ impl RandomScene {
         let random = &mut self.random;
         let far = [2.0, 10.0, 100.0, 1e6][random.below(4)];
         let xyz = [(); 3].map(|()| random.between(-far, far));
-        let light = match random.below(4) {
+        let mut light = match random.below(4) {
             0 => Light::directional(random.direction()),
             1 => {
                 let w = random.between(0.2, 3.0);
@@ -137,6 +172,7 @@ impl RandomScene {
             2 => Light::point([xyz[0], 0.0, 0.0]),
             _ => Light::point(xyz),
         };
+        light.cone = (random.below(3) == 0).then(|| random_cone(random));
         if random.below(2) == 0 { light.with_range(far * random.between(0.01, 2.0)) } else { light }
     }
 
@@ -158,7 +194,7 @@ impl RandomScene {
         let mesh = self.random.below(self.content.meshes.len());
         let transform = self.transform();
         let rest = &self.content.meshes[mesh].0.1;
-        let world: Vec<_> = rest.iter().map(|&position| place(&transform, position)).collect();
+        let world: Vec<_> = rest.iter().map(|&position| moved(&transform, position)).collect();
         let (offset, stride) = ([0, 8, 260][self.random.below(3)], [12, 16, 28][self.random.below(3)]);
         let buffer = gpu.storage(&interleaved(&world, offset, stride));
         let ends = |pick: fn(f32, f32) -> f32, first: f32| {
@@ -170,8 +206,8 @@ impl RandomScene {
         // Half of the casters have a stated box that holds their positions.
         if bounds[0][0].is_finite() && self.content.casters.len().is_multiple_of(2) {
             self.scene.set_bounds(handle, Some(bounds)).map_err(text)?;
-            if let Some(own) = self.content.casters.last_mut() {
-                own.bounds = Some(bounds);
+            if let Some(caster) = self.content.casters.last_mut() {
+                caster.bounds = Some(bounds);
             }
         }
         Ok(())
@@ -184,7 +220,22 @@ impl RandomScene {
 
     pub(crate) fn insert_rigid_of(&mut self, mesh: usize) -> Result<(), String> {
         let transform = self.transform();
-        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform.into())).map(drop)
+        self.insert_at(mesh, transform).map(drop)
+    }
+
+    pub(crate) fn insert_at(&mut self, mesh: usize, rows: Matrix3x4) -> Result<CasterHandle, String> {
+        self.insert_as(mesh, Placed::Rigid(rows), CasterPositions::Rigid(rows.into()))
+    }
+
+    /// Adds a mesh. Returns its index.
+    pub(crate) fn add_mesh(&mut self, name: &str, shape: Shape) -> Result<usize, String> {
+        self.add_case(case(name, shape))
+    }
+
+    pub(crate) fn add_case(&mut self, case: Case) -> Result<usize, String> {
+        let handle = self.scene.add_mesh(&case.2, &case.1).map_err(text)?;
+        self.content.meshes.push((Arc::new(case), handle));
+        Ok(self.content.meshes.len() - 1)
     }
 
     pub(crate) fn insert_as(
@@ -197,15 +248,24 @@ impl RandomScene {
         let in_depth = self.random.below(2) == 0;
         let caster = Caster { mesh: self.content.meshes[mesh].1, positions, lights, in_depth };
         let handle = self.scene.insert(caster).map_err(text)?;
-        self.content.casters.push(Own { handle, mesh, placed, lights, in_depth, bounds: None });
+        self.content.casters.push(TestCaster { handle, mesh, placed, lights, in_depth, bounds: None });
         Ok(handle)
     }
 
     pub(crate) fn add_light(&mut self) -> Result<(), String> {
         let light = self.light();
+        self.put_light(light).map(drop)
+    }
+
+    pub(crate) fn put_light(&mut self, light: Light) -> Result<LightHandle, String> {
         let handle = self.scene.add_light(light).map_err(text)?;
         self.content.lights.push((handle, light));
-        Ok(())
+        Ok(handle)
+    }
+
+    pub(crate) fn remove_caster(&mut self, index: usize) -> Result<(), String> {
+        let caster = self.content.casters.swap_remove(index);
+        self.scene.remove(caster.handle).map_err(text)
     }
 
     /// Changes a few things, as a game would between frames.
@@ -214,10 +274,7 @@ impl RandomScene {
             let (caster, light) =
                 (self.random.below(self.content.casters.len()), self.random.below(self.content.lights.len()));
             match self.random.below(8) {
-                0 if !self.content.casters.is_empty() => {
-                    let own = self.content.casters.swap_remove(caster);
-                    self.scene.remove(own.handle).map_err(text)?;
-                }
+                0 if !self.content.casters.is_empty() => self.remove_caster(caster)?,
                 1 => self.insert(gpu)?,
                 2 if !self.content.lights.is_empty() => {
                     let (handle, _) = self.content.lights.swap_remove(light);
@@ -226,8 +283,7 @@ impl RandomScene {
                 3 if self.content.lights.len() < 40 => self.add_light()?,
                 4 if !self.content.lights.is_empty() => {
                     let moved = self.light();
-                    self.content.lights[light].1 = moved;
-                    self.scene.set_light(self.content.lights[light].0, moved).map_err(text)?;
+                    self.set_light(light, moved)?;
                 }
                 5 if !self.content.casters.is_empty() => {
                     let mask = self.mask();
@@ -240,16 +296,19 @@ impl RandomScene {
         Ok(())
     }
 
-    /// Gives some lights other places and ranges. Returns them.
+    pub(crate) fn set_light(&mut self, index: usize, light: Light) -> Result<(), String> {
+        self.content.lights[index].1 = light;
+        self.scene.set_light(self.content.lights[index].0, light).map_err(text)
+    }
+
+    /// Changes some lights. Returns them.
     pub(crate) fn move_lights(&mut self) -> Result<Vec<(LightHandle, Light)>, String> {
         let mut moved = Vec::new();
         for index in 0..self.content.lights.len() {
             if self.random.below(4) == 0 {
                 let light = self.light();
-                self.content.lights[index].1 = light;
-                let handle = self.content.lights[index].0;
-                self.scene.set_light(handle, light).map_err(text)?;
-                moved.push((handle, light));
+                self.set_light(index, light)?;
+                moved.push(self.content.lights[index]);
             }
         }
         Ok(moved)
@@ -257,9 +316,9 @@ impl RandomScene {
 
     /// All casters have all lights.
     pub(crate) fn set_all_lights(&mut self) -> Result<(), String> {
-        for own in &mut self.content.casters {
-            own.lights = LightMask::ALL;
-            self.scene.set_lights(own.handle, LightMask::ALL).map_err(text)?;
+        for caster in &mut self.content.casters {
+            caster.lights = LightMask::ALL;
+            self.scene.set_lights(caster.handle, LightMask::ALL).map_err(text)?;
         }
         Ok(())
     }
@@ -270,10 +329,10 @@ impl RandomScene {
         for index in 0..self.content.casters.len() {
             if matches!(self.content.casters[index].placed, Placed::Rigid(_)) && self.random.below(3) == 0 {
                 let transform = self.transform();
-                let own = &mut self.content.casters[index];
-                own.placed = Placed::Rigid(transform);
-                self.scene.set_transform(own.handle, transform).map_err(text)?;
-                moved.push(own.handle);
+                let caster = &mut self.content.casters[index];
+                caster.placed = Placed::Rigid(transform);
+                self.scene.set_transform(caster.handle, transform).map_err(text)?;
+                moved.push(caster.handle);
             }
         }
         Ok(moved)
@@ -285,11 +344,11 @@ impl RandomScene {
 }
 
 impl Content {
-    /// The light of a bit as a caster sees it, unless the mask or the space has none.
-    pub(crate) fn own_light(&self, own: &Own, bit: u32) -> Option<Light> {
+    /// The light of a bit in the space of a caster, unless the mask or the space has none.
+    pub(crate) fn moved_light(&self, caster: &TestCaster, bit: u32) -> Option<Light> {
         let (handle, light) = self.lights.iter().find(|(handle, _)| handle.bit() == bit)?;
-        own.lights.contains(*handle).then_some(())?;
-        match &own.placed {
+        caster.lights.contains(*handle).then_some(())?;
+        match &caster.placed {
             Placed::World(_) => Some(*light),
             Placed::Rigid(rows) => {
                 let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rows.map(|row| f64::from(row[column])));
@@ -299,28 +358,28 @@ impl Content {
     }
 
     /// A caster's mesh, and its positions in the space of its lights.
-    pub(crate) fn mesh_and_positions<'a>(&'a self, own: &'a Own) -> (&'a Mesh, &'a [[f32; 3]]) {
-        let (case, _) = &self.meshes[own.mesh];
+    pub(crate) fn mesh_and_positions<'a>(&'a self, caster: &'a TestCaster) -> (&'a Mesh, &'a [[f32; 3]]) {
+        let (case, _) = &self.meshes[caster.mesh];
         let (_, rest, mesh) = &**case;
-        (mesh, if let Placed::World(world) = &own.placed { world } else { rest })
+        (mesh, if let Placed::World(world) = &caster.placed { world } else { rest })
     }
 
-    /// Results of a caster alone, for the lights of `lit`, a word for each batch.
-    pub(crate) fn alone(&self, own: &Own, lit: &[u32]) -> Result<Expected, String> {
-        let (mesh, positions) = self.mesh_and_positions(own);
+    /// Results of a caster alone, for its relevant lights, a word for each batch.
+    pub(crate) fn alone(&self, caster: &TestCaster, relevant: &[u32]) -> Result<Expected, String> {
+        let (mesh, positions) = self.mesh_and_positions(caster);
         let mut expected = Expected { facing: Vec::new(), lists: Vec::new(), excluded: Vec::new() };
-        for (batch, lit) in (0..).zip(lit) {
-            let bits: Vec<u32> = (0..32).filter(|bit| lit >> bit & 1 != 0).collect();
-            let lights = bits.iter().map(|bit| self.own_light(own, 32 * batch + bit));
-            let lights: Vec<Light> = lights.collect::<Option<_>>().ok_or("a lit light is not allowed")?;
+        for (batch, relevant) in (0..).zip(relevant) {
+            let bits: Vec<u32> = (0..32).filter(|bit| relevant >> bit & 1 != 0).collect();
+            let lights = bits.iter().map(|bit| self.moved_light(caster, 32 * batch + bit));
+            let lights: Vec<Light> = lights.collect::<Option<_>>().ok_or("a relevant light is not allowed")?;
             let found = extract(positions, mesh, &lights)?;
-            let spread = |mask: u32| bits.iter().zip(0..).fold(0, |all, (bit, place)| all | (mask >> place & 1) << bit);
+            let spread = |mask: u32| bits.iter().zip(0..).fold(0, |all, (bit, index)| all | (mask >> index & 1) << bit);
             expected.facing.push(found.facing.iter().copied().map(spread).collect());
             let excluded = cpu::excluded(positions, mesh.faces(), &lights);
             expected.excluded.push(excluded.into_iter().map(spread).collect());
             for bit in 0..32 {
-                let place = bits.iter().position(|&own| own == bit);
-                let list = place.map(|place| listed(&found.masks, place as u32));
+                let index = bits.iter().position(|&other| other == bit);
+                let list = index.map(|index| listed(&found.masks, index as u32));
                 expected.lists.push(list.unwrap_or_default());
             }
         }
@@ -336,6 +395,6 @@ fn extract(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> Result<cpu:
     cpu::extract(positions, mesh, lights, Predicate::Exact, Threads::ONE).map_err(text)
 }
 
-fn place(rows: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
+fn moved(rows: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
     rows.map(|[a, b, c, d]| a * x + b * y + c * z + d)
 }

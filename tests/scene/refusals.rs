@@ -12,6 +12,8 @@ use rimline_testkit::polygons::{PolygonSet, quad_box};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::shapes;
 
+use crate::random_scene::IDENTITY;
+
 pub(crate) const TESTS: &[Test] = &[
     ("stale_handles_and_those_of_other_scenes_are_typed_errors", handles),
     ("meshes_in_use_and_missing_positions_are_typed_errors", meshes),
@@ -21,8 +23,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("views_that_do_not_fit_are_refused_once", views),
     ("what_fits_a_new_scene_fits_one_that_grew", grown),
 ];
-
-const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 fn cube() -> Result<(Vec<[f32; 3]>, Mesh), String> {
     let shape = shapes::cube();
@@ -148,7 +148,14 @@ fn memory() -> Result<(), String> {
     let options = SceneOptions { memory_limit: Some(1000), ..Default::default() };
     let mut small = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let page = small.add_mesh(&mesh, &positions);
-    refused([refusal("a page beyond the limit", page, shows(&["Device(MemoryLimit", "limit: 1000"]))])?;
+    // Statistics take memory without content, too.
+    let options = SceneOptions { memory_limit: Some(0), ..Default::default() };
+    let mut none = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+    let empty = gpu.submit(|encoder| Ok(none.encode(encoder, FrameInputs::default())))?;
+    refused([
+        refusal("a page beyond the limit", page, shows(&["Device(MemoryLimit", "limit: 1000"])),
+        refusal("no memory", empty, shows(&["Device(MemoryLimit", "limit: 0"])),
+    ])?;
     // A page fits, and the results of many casters do not.
     let options = SceneOptions { memory_limit: Some(2_000_000), ..Default::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;

@@ -1,32 +1,24 @@
-//! Random scenes: each caster comes to what it comes to alone.
+//! Random scenes: the results of each caster are those of the caster alone.
 
-use std::sync::Arc;
-
-use rimline::gpu::{Capacities, SceneFrame, SceneOptions};
+use rimline::gpu::{Capacities, SceneOptions};
 use rimline::internals::cpu;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
-use crate::found::{Found, LitFace, Tally, check_frame};
+use crate::found::{Culled, LitFace, Tally, certainly_culled, check_frame, checked, read_frame};
 use crate::random_scene::RandomScene;
 
 pub(crate) const TESTS: &[Test] = &[
     ("casters_of_random_scenes_come_to_what_they_come_to_alone", random_scenes),
-    ("forty_lights_are_two_batches", two_batches),
     ("comparators_notice_one_wrong_bit", controls),
     ("lists_of_one_entry_overflow_and_are_counted", overflow),
     ("pools_grow_in_mid_run", growth),
     ("small_devices_cut_groups_and_dispatches", small_device),
     ("a_scene_that_grows_keeps_its_buffers_for_some_frames", headroom),
 ];
-
-/// Encodes, submits and compares.
-pub(crate) fn check(gpu: &Gpu, scene: &mut RandomScene) -> Result<Tally, String> {
-    let frame = gpu.submit(|encoder| scene.encode(encoder))?;
-    check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)
-}
 
 /// Lists that hold every edge, so that nothing overflows.
 pub(crate) fn roomy(max_lights: usize) -> SceneOptions {
@@ -39,76 +31,31 @@ pub(crate) fn roomy(max_lights: usize) -> SceneOptions {
     }
 }
 
-fn run(seed: u64, scenes: usize, lights: usize, casters: usize) -> Result<(), String> {
-    println!("seed {seed}");
+fn random_scenes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut sum = Tally::default();
-    for number in 0..scenes as u64 {
-        let mut scene = RandomScene::new(gpu, seed + number, roomy(40))?;
-        for _ in 0..scene.random.below(lights) {
-            scene.add_light()?;
-        }
-        for _ in 0..scene.random.below(casters) {
-            scene.insert(gpu)?;
-        }
+    for seed in 1301..if is_long() { 3301 } else { 1401 } {
+        let mut random = Random::new(seed);
+        let mut scene = RandomScene::filled(gpu, seed, roomy(40), [random.below(16), random.below(16)])?;
         for step in 0..4 {
-            let tally = check(gpu, &mut scene).map_err(|error| format!("scene {number}, frame {step}: {error}"))?;
-            sum.lit += tally.lit;
-            sum.kept += tally.kept;
-            sum.out_of_range += tally.out_of_range;
-            sum.silhouettes += tally.silhouettes;
-            sum.in_planes += tally.in_planes;
+            sum.add(&checked(gpu, &mut scene).map_err(|error| format!("frame {step}: {error}"))?.tally);
             scene.change(gpu)?;
         }
     }
     println!("{sum:?}");
-    let is_vacuous =
-        sum.lit == 0 || sum.kept == 0 || sum.out_of_range == 0 || sum.silhouettes == 0 || sum.in_planes == 0;
-    if is_vacuous { Err(format!("nothing was tried: {sum:?}")) } else { Ok(()) }
-}
-
-fn random_scenes() -> Result<(), String> {
-    run(1301, if is_long() { 2000 } else { 100 }, 9, 16)
-}
-
-fn two_batches() -> Result<(), String> {
-    let seed = 1501;
-    println!("seed {seed}");
-    let gpu = &*Gpu::shared()?;
-    for number in 0..if is_long() { 40 } else { 4 } {
-        let mut scene = RandomScene::new(gpu, seed + number, roomy(40))?;
-        for _ in 0..40 {
-            scene.add_light()?;
-        }
-        for _ in 0..12 {
-            scene.insert(gpu)?;
-        }
-        for _ in 0..3 {
-            let tally = check(gpu, &mut scene).map_err(|error| format!("scene {number}: {error}"))?;
-            println!("{tally:?}");
-            scene.change(gpu)?;
-        }
+    let [by_range, by_cone] = sum.certain;
+    let counts = [sum.relevant, sum.cached, sum.culled, sum.silhouettes as u32, sum.in_planes];
+    if counts.contains(&0) || by_range < 100 || by_cone < 500 {
+        Err(format!("too few of a kind: {sum:?}"))
+    } else {
+        Ok(())
     }
-    Ok(())
-}
-
-/// A scene with a few casters and lights, extracted.
-pub(crate) fn sample(gpu: &Gpu, seed: u64, options: SceneOptions) -> Result<(RandomScene, SceneFrame, Found), String> {
-    let mut scene = RandomScene::new(gpu, seed, options)?;
-    for _ in 0..6 {
-        scene.add_light()?;
-    }
-    for _ in 0..10 {
-        scene.insert(gpu)?;
-    }
-    let frame = gpu.submit(|encoder| scene.encode(encoder))?;
-    let found = Found::read(gpu, &frame)?;
-    Ok((scene, frame, found))
 }
 
 fn controls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (scene, frame, mut found) = sample(gpu, 1601, roomy(8))?;
+    let mut scene = RandomScene::filled(gpu, 1601, roomy(40), [20, 10])?;
+    let (frame, mut found) = read_frame(gpu, &mut scene)?;
     check_frame(&scene.content, &frame, &found)?;
     let LitFace { caster, group: at, slot, bit } = found.lit_face(&scene.content, &frame).ok_or("nothing is lit")?;
     found.groups[at].facing[slot] ^= bit;
@@ -124,19 +71,38 @@ fn controls() -> Result<(), String> {
     let entry = found.groups[at].lists[list].pop();
     must_fail("a missing entry", &check_frame(&scene.content, &frame, &found))?;
     found.groups[at].lists[list].extend(entry);
-    found.lit[caster] = 0;
-    must_fail("a light that reaches and does not matter", &check_frame(&scene.content, &frame, &found))?;
-    found.lit[caster] = u32::MAX;
-    must_fail("a light that is not there", &check_frame(&scene.content, &frame, &found))
+    let relevant = std::mem::replace(&mut found.relevant[caster], 0);
+    must_fail("a light that affects the caster and is culled", &check_frame(&scene.content, &frame, &found))?;
+    found.relevant[caster] = relevant | 1 << 31;
+    must_fail("a light that is not there", &check_frame(&scene.content, &frame, &found))?;
+    found.relevant[caster] = relevant;
+    for rule in [Culled::ByRange, Culled::ByCone] {
+        let content = &scene.content;
+        let is_culled = |bit: u32, caster| {
+            let light = content.lights.iter().find(|(handle, _)| handle.bit() == bit).map(|(_, light)| *light);
+            content.moved_light(caster, bit).is_some()
+                && light.and_then(|light| certainly_culled(content, caster, light)) == Some(rule)
+        };
+        let mut pairs = content.casters.iter().flat_map(|caster| (0..20).map(move |bit| (caster, bit)));
+        let (caster, bit) = pairs.find(|&(caster, bit)| is_culled(bit, caster)).ok_or("no such pair")?;
+        let (index, _) = frame.locate(caster.handle).ok_or("no caster")?;
+        found.relevant[index as usize] ^= 1 << bit;
+        must_fail(&format!("a light that is culled {rule:?}"), &check_frame(content, &frame, &found))?;
+        found.relevant[index as usize] ^= 1 << bit;
+    }
+    check_frame(&scene.content, &frame, &found).map(drop)
 }
 
 fn overflow() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for seed in 1701..1705 {
-        println!("seed {seed}");
-        let (_, _, whole) = sample(gpu, seed, roomy(8))?;
         let small = SceneOptions { capacities: Capacities { lists: Some(1), ..Capacities::default() }, ..roomy(8) };
-        let (_, _, found) = sample(gpu, seed, small)?;
+        let found = [roomy(8), small].map(|options| {
+            let mut scene = RandomScene::filled(gpu, seed, options, [6, 10])?;
+            read_frame(gpu, &mut scene).map(|(_, found)| found)
+        });
+        let [whole, found] = found;
+        let (whole, found) = (whole?, found?);
         for (found, whole) in found.groups.iter().zip(&whole.groups) {
             same("counts", &found.counts, &whole.counts)?;
             same("facing", &found.facing, &whole.facing)?;
@@ -159,79 +125,60 @@ fn overflow() -> Result<(), String> {
     Ok(())
 }
 
-/// Meshes that do not fit the first page, while frames are encoded; and runs that are used again.
+/// Meshes that do not fit the first page, while frames are encoded. Regions of removed meshes are used again.
 fn growth() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut scene = RandomScene::new(gpu, 1901, roomy(8))?;
-    scene.add_light()?;
-    scene.add_light()?;
+    let mut scene = RandomScene::filled(gpu, 1901, roomy(8), [2, 0])?;
     for step in 0..6 {
-        let shape = shapes::torus(40 + 10 * step, 100, 1.0, 0.4);
-        let case = rimline_testkit::cases::case("torus", shape);
-        let handle = scene.scene.add_mesh(&case.2, &case.1).map_err(text)?;
-        scene.content.meshes.push((Arc::new(case), handle));
-        for _ in 0..5 {
-            scene.insert(gpu)?;
+        scene.add_mesh("torus", shapes::torus(40 + 10 * step, 100, 1.0, 0.4))?;
+        (0..5).try_for_each(|_| scene.insert(gpu))?;
+        checked(gpu, &mut scene).map_err(|error| format!("step {step}: {error}"))?;
+        let removed = scene.random.below(scene.content.meshes.len());
+        for caster in scene.content.casters.extract_if(.., |caster| caster.mesh == removed) {
+            scene.scene.remove(caster.handle).map_err(text)?;
         }
-        check(gpu, &mut scene).map_err(|error| format!("step {step}: {error}"))?;
-        // All casters of a mesh go, then the mesh; its run is used again later.
-        let gone = scene.random.below(scene.content.meshes.len());
-        for own in scene.content.casters.extract_if(.., |own| own.mesh == gone) {
-            scene.scene.remove(own.handle).map_err(text)?;
-        }
-        let (_, handle) = scene.content.meshes.swap_remove(gone);
+        let (_, handle) = scene.content.meshes.swap_remove(removed);
         scene.scene.remove_mesh(handle).map_err(text)?;
         let last = scene.content.meshes.len();
-        scene.content.casters.iter_mut().filter(|own| own.mesh == last).for_each(|own| own.mesh = gone);
-        check(gpu, &mut scene).map_err(|error| format!("step {step}, without a mesh: {error}"))?;
+        scene.content.casters.iter_mut().filter(|caster| caster.mesh == last).for_each(|caster| caster.mesh = removed);
+        checked(gpu, &mut scene).map_err(|error| format!("step {step}, without a mesh: {error}"))?;
     }
     let frame = gpu.submit(|encoder| scene.encode(encoder))?;
     if frame.groups() < 2 { Err("one page held everything".to_owned()) } else { Ok(()) }
 }
 
-/// Groups of more slots than a binding holds are several, and dispatches of more workgroups than the device allows,
-/// too.
+/// Casters with more slots than a binding holds are several groups. Dispatches of more workgroups than the device allows are
+/// cut, too.
 fn small_device() -> Result<(), String> {
     let gpu = limited(1 << 16, 1 << 20, 1)?;
     let mut cut = 0;
     for seed in 2501..2507 {
-        println!("seed {seed}");
-        let mut scene = RandomScene::new(&gpu, seed, SceneOptions { max_lights: 2, ..Default::default() })?;
-        for _ in 0..2 {
-            scene.add_light()?;
-        }
-        for _ in 0..100 {
-            scene.insert_rigid()?;
-        }
-        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
-        let found = Found::read(&gpu, &frame)?;
-        println!("{} groups of {} meshes", frame.groups(), scene.content.meshes.len());
+        let options = SceneOptions { max_lights: 2, ..Default::default() };
+        let mut scene = RandomScene::filled_rigid(&gpu, seed, options, [2, 100])?;
+        let (frame, found) = read_frame(&gpu, &mut scene)?;
         if found.groups.iter().any(|group| group.statistics.overflowed_lists > 0) {
             return Err("a list overflowed, so it cannot be compared; take another seed".to_owned());
         }
         check_frame(&scene.content, &frame, &found)?;
-        // Casters of one page have one group as long as its slots fit.
+        // Casters of one page have one group while its slots fit.
         cut += frame.groups().saturating_sub(scene.content.meshes.len());
     }
     if cut == 0 { Err("no group was cut".to_owned()) } else { Ok(()) }
 }
 
-/// A caster more in each frame makes the buffers anew in a few frames only.
+/// One caster more in each frame makes new buffers in few frames.
 fn headroom() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut scene = RandomScene::new(gpu, 2902, roomy(8))?;
-    scene.add_light()?;
+    let mut scene = RandomScene::filled(gpu, 2902, roomy(8), [1, 0])?;
     let (mut made, mut last) = (0, None);
-    for step in 0..60 {
+    for _ in 0..60 {
         scene.insert_rigid_of(0)?;
         let frame = gpu.submit(|encoder| scene.encode(encoder))?;
         let facing = frame.results().map_err(text)?.groups.first().map(|group| group.facing.clone());
         made += usize::from(facing != last);
         last = facing;
-        if step % 20 == 19 {
-            check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;
-        }
     }
+    checked(gpu, &mut scene)?;
     println!("made {made} times in 60 frames");
     if (2..=25).contains(&made) { Ok(()) } else { Err(format!("made {made} times in 60 frames")) }
 }

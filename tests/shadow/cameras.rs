@@ -80,7 +80,7 @@ fn z_fail() -> Result<(), String> {
                     return Err(what(format!("{specks} wrong pixels")));
                 }
                 cut += specks;
-                let in_shadow = traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+                let in_shadow = traced.shadowed();
                 shadowed += in_shadow;
                 counted.stencils[0].fill(0);
                 noticed += usize::from(in_shadow > 100 && unequal(&traced, &counted, false).is_err());

@@ -9,7 +9,7 @@ use crate::stages::{PLACES, instances, placed};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{chosen, draws, interleaved, one_caster, shadow_statistics};
+use rimline_testkit::on_gpu::{chosen, draws, interleaved, one_caster, shadow_statistics, text};
 use rimline_testkit::random::Random;
 use rimline_testkit::same;
 use rimline_testkit::scenes::{Scene, scene};
@@ -22,10 +22,6 @@ const METHODS: [Counting; 5] =
     [Counting::Auto, Counting::ZpPlus, Counting::ZpPlus2005, Counting::ZFail, Counting::ZPass];
 
 const LIGHTS: usize = 40;
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
 
 /// The draws with so many instances of each list: quadrilaterals, pentagons where they are clipped, and triangles. The published
 /// ZP+ clips nothing. Light caps, which casters that are not in the depth buffer alone have, are drawn from the lists of far caps.

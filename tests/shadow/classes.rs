@@ -1,7 +1,7 @@
 //! Classes of frames, by where eye, light and casters are to each other.
 
 use glam::{DVec3, Vec3};
-use rimline::{DepthDirection, Light};
+use rimline::Light;
 use rimline_testkit::shapes::{self, Shape};
 
 use crate::scene::{Body, Eye, Frame};
@@ -78,10 +78,6 @@ fn frame(bodies: Vec<Body>, eye: Eye, light: Light) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 96 }
 }
 
-fn eye(place: DVec3, forward: DVec3, near: f64) -> Eye {
-    Eye { place, forward, near, is_relative: false, depth: DepthDirection::Reversed, far: None, half_width: None }
-}
-
 /// A place in the room that is not in the tori's way.
 fn place(random: &mut Random, low: f32, high: f32) -> DVec3 {
     vector(random) * between(random, low, high)
@@ -92,7 +88,7 @@ fn random(random: &mut Random) -> Frame {
     let towards = place(random, 0.0, 2.0) - from;
     let near = near(random);
     let light = place(random, 2.6, 7.0);
-    frame(tori(), eye(from, towards, near), point(light))
+    frame(tori(), Eye::new(from, towards, near), point(light))
 }
 
 /// The eye is nearer to the light than the casters are.
@@ -100,10 +96,10 @@ fn outside(random: &mut Random) -> Frame {
     let light = place(random, 5.0, 6.5);
     let from = light + place(random, 0.2, 1.0);
     let towards = place(random, 0.0, 1.0) - from;
-    frame(tori(), eye(from, towards, 0.05), point(light))
+    frame(tori(), Eye::new(from, towards, 0.05), point(light))
 }
 
-/// A point of the casters' surface, or of an edge between a lit and an back-facing face.
+/// A point of the casters' surface, or of an edge between a lit and a back-facing face.
 fn surface(random: &mut Random, bodies: &[Body], light: DVec3, on_edge: bool) -> DVec3 {
     let shape = &bodies[random.below(2)].shape;
     let corners = |face: usize| shape.faces[face].map(|v| DVec3::from(shape.positions[v as usize].map(f64::from)));
@@ -138,7 +134,7 @@ fn inside(random: &mut Random, partly: bool, light_behind: bool) -> Frame {
     let middle = light + (through - light) * between(random, 1.3, 1.9);
     let away = (middle - light).normalize();
     let forward = (if light_behind { away } else { -away } + place(random, 0.0, 0.7)).normalize();
-    frame(bodies, eye(middle - forward * near, forward, near), point(light))
+    frame(bodies, Eye::new(middle - forward * near, forward, near), point(light))
 }
 
 /// The near plane goes through a caster and, but for `distance`, through the light.
@@ -151,7 +147,7 @@ fn along_near_plane(random: &mut Random, distance: f32) -> Frame {
     let offset = forward * f64::from(random.between(-distance, distance));
     // The near rectangle's middle is beyond the caster as seen from the light.
     let middle = light + (through - light) * between(random, 1.1, 2.0) + offset;
-    frame(bodies, eye(middle - forward * near, forward, near), point(light))
+    frame(bodies, Eye::new(middle - forward * near, forward, near), point(light))
 }
 
 fn directional(random: &mut Random) -> Frame {
@@ -163,7 +159,7 @@ fn directional(random: &mut Random) -> Frame {
     let forward = vector(random);
     let middle = through - towards * between(random, 0.2, 2.0);
     let light = Light::directional((towards * between(random, 0.1, 9.0)).as_vec3().to_array());
-    frame(bodies, eye(middle - forward * near, forward, near), light)
+    frame(bodies, Eye::new(middle - forward * near, forward, near), light)
 }
 
 /// In the tube of a torus.
@@ -175,19 +171,19 @@ fn in_tube(random: &mut Random) -> DVec3 {
 fn within(random: &mut Random) -> Frame {
     let light = place(random, 3.0, 6.0);
     let forward = vector(random);
-    frame(tori(), eye(in_tube(random) - forward * 0.05, forward, 0.05), point(light))
+    frame(tori(), Eye::new(in_tube(random) - forward * 0.05, forward, 0.05), point(light))
 }
 
 fn light_within(random: &mut Random) -> Frame {
     let from = place(random, 3.0, 6.0);
     let light = in_tube(random);
-    frame(tori(), eye(from, -from + place(random, 0.0, 1.0), near(random)), point(light))
+    frame(tori(), Eye::new(from, -from + place(random, 0.0, 1.0), near(random)), point(light))
 }
 
 fn both_within(random: &mut Random) -> Frame {
     let forward = vector(random);
     let light = in_tube(random);
-    frame(tori(), eye(in_tube(random) - forward * 0.05, forward, 0.05), point(light))
+    frame(tori(), Eye::new(in_tube(random) - forward * 0.05, forward, 0.05), point(light))
 }
 
 fn far(random: &mut Random, distance: f64, is_relative: bool) -> Frame {
@@ -246,7 +242,7 @@ pub(crate) fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {
             let middle = light + (through - light) * between(random, 1.05, 1.9);
             let forward = vector(random);
             let near = near(random);
-            frame(bodies.clone(), eye(middle - forward * near, forward, near), point(light))
+            frame(bodies.clone(), Eye::new(middle - forward * near, forward, near), point(light))
         }
         _ => outside(random),
     };

@@ -23,7 +23,7 @@ fn probe(source: &str, entry_point: &str, vertices: usize) -> String {
         ("@builtin(vertex_index) ", ""),
         ("@builtin(instance_index) ", ""),
         // One storage buffer less, of which a stage has eight.
-        ("var<storage, read> seen", "var<uniform> seen"),
+        ("var<storage, read> view_light", "var<uniform> view_light"),
     ] {
         source = source.replace(from, to);
     }

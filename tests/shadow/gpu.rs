@@ -22,7 +22,6 @@ mod passes;
 mod passing;
 mod polygons;
 mod proxies;
-mod query;
 mod range;
 mod rays;
 mod receivers;
@@ -73,7 +72,6 @@ fn main() {
         receivers::TESTS,
         levels::TESTS,
         mixed::TESTS,
-        query::TESTS,
         cameras::TESTS,
         skinned::TESTS,
         stages::TESTS,

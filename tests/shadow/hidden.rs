@@ -115,7 +115,7 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     let place = DVec3::new(f64::from(random.between(-1.0, 1.0)), 0.0, 1.5);
     let forward = DVec3::NEG_Z + 0.3 * direction(random);
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
-    let eye = Eye { place, forward, near: 0.05, is_relative: true, depth, far: None, half_width: None };
+    let eye = Eye { is_relative: true, depth, ..Eye::new(place, forward, 0.05) };
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 

@@ -24,7 +24,6 @@ use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("casters_in_a_scene_count_as_each_by_itself", alike),
-    ("casters_in_a_scene_with_lists_that_overflow", overflow),
     ("scenes_with_a_past_many_lights_and_views", busy),
     ("casters_counted_in_batches_do_not_wrap", batches),
     ("excluded_faces_count_as_if_they_were_not_there", excluded),
@@ -381,33 +380,6 @@ fn busy() -> Result<(), String> {
     if shadowed < 1000 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Lists with room for some, or for one: the same counts.
-fn overflow() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut overflowed = [0; 2];
-    for (index, class) in CLASSES.iter().enumerate() {
-        let seed = seed(class, 210);
-        let mut frame = (class.frame)(&mut Random::new(seed));
-        frame.bodies.iter_mut().for_each(|body| body.mirror = None);
-        frame.size = 48;
-        for counting in rotated(&RIGHT, index) {
-            let whole = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) }.count(&frame, counting)?;
-            for (list_capacity, cap_capacity) in [(Some(1), None), (Some(40), Some(3)), (None, Some(1))] {
-                let options = OneCasterOptions { cap_capacity, ..OneCasterOptions::default() };
-                let renderer = Renderer { placing: Placing::Scene, list_capacity, options, ..Renderer::new(gpu) };
-                let counted = renderer.count(&frame, counting)?;
-                let what =
-                    format!("{}, seed {seed}, {counting:?}, room for {list_capacity:?}, {cap_capacity:?}", class.name);
-                compare(&what, &whole, &counted)?;
-                overflowed[0] += counted.statistics[0].overflowed_sides;
-                overflowed[1] += counted.statistics[0].overflowed_caps;
-            }
-        }
-    }
-    println!("lights with lists that overflowed: of sides {}, of caps {}", overflowed[0], overflowed[1]);
-    if overflowed.contains(&0) { Err("no list of a kind overflowed".to_owned()) } else { Ok(()) }
-}
-
 /// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. And in frames of all
 /// classes a pixel is dark in either way alike.
 fn batches() -> Result<(), String> {
@@ -546,7 +518,7 @@ fn far_away() -> Result<(), String> {
             let seed = seed(class, number);
             let frame = movable((class.frame)(&mut Random::new(seed)));
             let traced = Traced::of(frame, seed);
-            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            shadowed += traced.shadowed();
             for counting in [Counting::Auto, Counting::ZpPlus] {
                 let renderer = Renderer { placing: Placing::Moved(seed), ..Renderer::new(gpu) };
                 match traced.check(&renderer, counting, false) {

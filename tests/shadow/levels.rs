@@ -141,7 +141,7 @@ fn levels() -> Result<(), String> {
                 counts[choice] = std::array::from_fn(|counter| counts[choice][counter] + of_choice[counter]);
                 pictures += 1;
             }
-            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            shadowed += traced.shadowed();
         }
     }
     println!("{pictures} pictures, {shadowed} pixels in shadow; {COUNTERS:?}:");

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rimline::gpu::ShadowFormat;
 use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines};
-use rimline::{Counting, DepthDirection, Light};
+use rimline::{Counting, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
@@ -34,18 +34,12 @@ fn shells(count: u32, is_one: bool) -> Frame {
     let shell = |number: u32| Body::caster(shapes::cube()).scaled(0.3 + 0.9 * number as f32 / count as f32);
     frame.bodies = (0..count).map(shell).collect();
     if is_one {
-        let mut joined = Shape::default();
-        for body in &frame.bodies {
-            let first = joined.positions.len() as u32;
-            joined.positions.extend(&body.shape.positions);
-            joined.faces.extend(body.shape.faces.iter().map(|face| face.map(|vertex| vertex + first)));
-        }
-        frame.bodies = vec![Body::caster(joined)];
+        frame.bodies = vec![Body::caster(Shape::joined(frame.bodies.iter().map(|body| &body.shape)))];
     }
     frame.bodies.push(Body::room([0.0; 3], 3.0));
     frame.lights = vec![Light::point([0.3, 2.9, 0.4])];
     let place = DVec3::new(2.2, -1.3, 2.5);
-    frame.eye = Eye { place, forward: DVec3::new(-2.2, -1.6, -2.5), near: 0.1, ..frame.eye };
+    frame.eye = Eye::new(place, DVec3::new(-2.2, -1.6, -2.5), 0.1);
     frame.size = 64;
     frame
 }
@@ -62,15 +56,7 @@ fn map(gpu: &Gpu, seed: u64) -> Result<(wgpu::Texture, rimline::ShadowCamera), S
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let place = DVec3::new(0.3, 2.9, 0.4);
-    let eye = Eye {
-        place,
-        forward: -place,
-        near: 0.5,
-        is_relative: false,
-        depth: DepthDirection::Reversed,
-        far: None,
-        half_width: None,
-    };
+    let eye = Eye::new(place, -place, 0.5);
     let depths: Vec<f32> =
         (0..MAP * MAP).map(|_| if random.below(3) == 0 { 0.0 } else { 0.5 / random.between(1.5, 5.5) }).collect();
     Ok((textures::texture(gpu, [MAP; 2], TextureFormat::R32Float, &depths)?, eye.camera()))

@@ -84,7 +84,7 @@ fn bounds() -> Result<(), String> {
     let [expected, without_last] = [box_words(&positions, &faces), box_words(&positions, &faces[..64])];
     let places = stated("BOUND_PLACES");
     let (batches, views) = (32, places / 32);
-    let caster = SceneCaster { faces: faces.len() as u32, position_stride: 3, ..bytemuck::Zeroable::zeroed() };
+    let caster = SceneCaster { faces: faces.len() as u32, position_stride: 3, ..Zeroable::zeroed() };
     let mut words: Vec<u32> = bytemuck::cast_slice(&[caster]).to_vec();
     let face_chunks_offset = words.len() as u32 / 4;
     words.extend((0..chunks).map(|_| 0));
@@ -134,7 +134,7 @@ fn caps() -> Result<(), String> {
     list.resize(128 + 64 * faces, u32::MAX);
     let capped = vec![false; 32];
     let table = with_depth(table(&mesh, PLACES[0], &lights, &capped), false);
-    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let draw = ShadowDraw::zeroed();
     let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &given)));
     let (positions, table) = (placed(gpu, &plane.positions, PLACES[0]), gpu.storage(&table));
     let (faces_buffer, facing, excluded) = (gpu.storage(mesh.faces()), gpu.storage(&masks), gpu.storage(&none));
@@ -178,11 +178,11 @@ fn list_sides() -> Result<(), String> {
     let mut random = Random::new(4711);
     let facing: Vec<u32> = (0..faces).map(|_| random.next_u64() as u32).collect();
     let none = vec![0; faces];
-    let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..bytemuck::Zeroable::zeroed() };
+    let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..Zeroable::zeroed() };
     let twin = sides::lists(&mesh, (0, &light), [&facing, &none], false).concat();
     let room = 2 * packed.len();
     let own = ShadowShape { capacity: 1, side_capacity: room as u32, ..shape(&mesh, 1) };
-    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let draw = ShadowDraw::zeroed();
     // Silhouettes that do not fit their list, so that all edges are gone over.
     let mut counts = [0; 33];
     counts[0] = packed.len() as u32;
@@ -232,7 +232,7 @@ fn stencil_pencil() -> Result<(), String> {
             high: [1.0; 3],
             flags: RIGID,
             faces: 1 + caster % 3,
-            ..bytemuck::Zeroable::zeroed()
+            ..Zeroable::zeroed()
         }
     };
     let does_cast = |caster: &u32| caster % 5 != 3;
@@ -263,7 +263,7 @@ fn stencil_pencil() -> Result<(), String> {
     words.extend((0..casters).flat_map(|caster| [u32::from(does_cast(&caster)), 0, 0, 0, 0, 0, 0, 0]));
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
     let own = ShadowShape { casters, choices_offset, ..shape(&mesh, 1) };
-    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let draw = ShadowDraw::zeroed();
     let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &[light])));
     let (table, boxes_buffer) = (gpu.storage(&words), gpu.storage(&[0_u32; 8]));
     let (pencils, bin_rows) = (gpu.storage(&[[0_u32; size_of::<StencilPencil>() / 4]]), gpu.storage(&[0_u32; 1028]));
@@ -324,7 +324,7 @@ fn stencil_crossings() -> Result<(), String> {
             bins[last + 1] = bins[last + 1].wrapping_sub(1);
         }
     }
-    let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..bytemuck::Zeroable::zeroed() };
+    let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..Zeroable::zeroed() };
     let mut words = table(&mesh, PLACES[0], &[light], &[false]);
     words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
     words.resize(words.len().next_multiple_of(4), 0);
@@ -332,7 +332,7 @@ fn stencil_crossings() -> Result<(), String> {
     words.resize(words.len() + edges.len().div_ceil(64).next_multiple_of(4), 0);
     // A caster that the axis does not meet.
     let boxes = box_words(&[[8.0, 0.0, 8.0], [12.0, 4.0, 12.0]], &[[0, 1, 1]]);
-    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let draw = ShadowDraw::zeroed();
     let (shape, draw, table) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
     let (boxes, positions) = (gpu.storage(&boxes), placed(gpu, &positions, PLACES[0]));
     let (edges, sides, pencils) = (gpu.storage(&edges), gpu.storage(&sides), gpu.storage(&[pencil]));
@@ -362,13 +362,13 @@ fn stencil_bound() -> Result<(), String> {
     }
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
     let own = ShadowShape { count_batches: rows as u32, ..shape(&mesh, 1) };
-    let draw = ShadowDraw { light: 0, first_light: 0, view: 0, count_batch: 0 };
+    let draw = ShadowDraw::zeroed();
     let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
     let (shape, draw, bin_rows) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
     Dispatch::stage(gpu, &STENCIL_BOUND).run(gpu, &[&shape, &draw, &bin_rows, &statistics], 1)?;
     let bounds: Vec<u32> = (0..rows).map(|row| weight(row).div_ceil(2)).collect();
     let most = |bounds: &[u32]| bounds.iter().copied().max().unwrap_or(0);
-    let expected = |count_bound| ShadowStatistics { count_bound, may_wrap: 1, ..bytemuck::Zeroable::zeroed() };
+    let expected = |count_bound| ShadowStatistics { count_bound, may_wrap: 1, ..Zeroable::zeroed() };
     let found = gpu.read::<ShadowStatistics>(&statistics, 1)?;
     same("statistics", &found, &[expected(most(&bounds))])?;
     must_fail("without the last row", &same("statistics", &found, &[expected(most(&bounds[..rows - 1]))]))

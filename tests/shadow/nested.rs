@@ -3,13 +3,13 @@
 //! cast".
 
 use glam::DVec3;
-use rimline::{Counting, DepthDirection, Light};
+use rimline::{Counting, Light};
 use rimline_testkit::shapes::{self, Shape};
 
 use crate::rays::Truth;
 use crate::render::Renderer;
 use crate::scene::{Body, Eye, Frame};
-use crate::shells::{component, joined, nested, somewhere};
+use crate::shells::{component, nested, somewhere};
 use crate::trials::{RIGHT, Test, Traced};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::is_long;
@@ -31,15 +31,7 @@ fn inwards_cube(light: Light) -> Frame {
         faces: vec![[0, 1, 2], [0, 2, 3]],
     };
     let place = DVec3::new(5.0, 4.0, 6.0);
-    let eye = Eye {
-        place,
-        forward: -place,
-        near: 0.05,
-        is_relative: false,
-        depth: DepthDirection::Reversed,
-        far: None,
-        half_width: None,
-    };
+    let eye = Eye::new(place, -place, 0.05);
     let bodies = vec![Body::caster(cube), Body { casts: false, ..Body::caster(ground) }];
     Frame { bodies, eye, lights: vec![light], size: 240 }
 }
@@ -76,7 +68,7 @@ fn at_the_box() -> Result<(), String> {
     // Two balls at opposite corners of their box, wound either way.
     let ball = |at: f32, is_inwards| component(shapes::blob(6, 0.2, 7), [at; 3], 0.8, is_inwards);
     for windings in [[true, true], [false, true], [false, false]] {
-        let shape = joined(&[ball(-1.2, windings[0]), ball(1.2, windings[1])]);
+        let shape = Shape::joined(&[ball(-1.2, windings[0]), ball(1.2, windings[1])]);
         let high: [f32; 3] = std::array::from_fn(|axis| {
             shape.positions.iter().map(|position| position[axis]).fold(f32::NEG_INFINITY, f32::max)
         });

@@ -6,6 +6,7 @@ use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{one_caster, text};
+use rimline_testkit::pipelines::Drawing;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{same, shapes};
 
@@ -200,27 +201,10 @@ fn lit(
     stencil: u32,
     before: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>,
 ) -> Result<usize, String> {
-    let device = &gpu.device;
-    let source = wgpu::ShaderSource::Wgsl(WHOLE.into());
-    let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    let options = wgpu::PipelineCompilationOptions::default();
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: None,
-        layout: None,
-        vertex: wgpu::VertexState { module, entry_point: None, compilation_options: options.clone(), buffers: &[] },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(state.clone()),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: None,
-            compilation_options: options,
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
+    let depth_stencil = Some(state.clone());
+    let drawing = Drawing { source: WHOLE, depth_stencil, targets: &[Some(format.into())], ..Drawing::default() };
+    let pipeline = drawing.pipeline(&gpu.device);
     let (view, depth_stencil) = (target(gpu, 1, format), target(gpu, 1, DEPTH_STENCIL));
     let copied = gpu.storage(&vec![0_u32; 64 * 64]);
     gpu.submit(|encoder| {

@@ -1,7 +1,7 @@
 //! A light that passes through a caster of a scene, by its faces, edges and vertices.
 
 use glam::{DVec3, Vec3};
-use rimline::{DepthDirection, Light};
+use rimline::Light;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::{must_fail, shapes};
 
@@ -24,13 +24,12 @@ fn passing() -> Result<(), String> {
                 let light = path(0.25 * f32::from(step));
                 for place in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(-0.2, 0.1, 0.3)] {
                     let forward = DVec3::new(0.3, -0.2, 0.1) - place;
-                    let (near, depth) = (0.05, DepthDirection::Reversed);
-                    let eye = Eye { place, forward, near, is_relative: true, depth, far: None, half_width: None };
+                    let eye = Eye { is_relative: true, ..Eye::new(place, forward, 0.05) };
                     let cube = Body { mirror, ..Body::caster(shapes::cube()) };
                     let beside = Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.75, 0.5, 0.0]);
                     let bodies = vec![cube, beside, Body::room([0.0; 3], 8.0)];
                     let traced = Traced::of(Frame { bodies, eye, lights: vec![Light::point(light)], size: 48 }, 0);
-                    shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+                    shadowed += traced.shadowed();
                     in_planes += usize::from(step == 4 || step == -4);
                     let what = |error| format!("light {light:?}, eye {place}, mirror {mirror:?}: {error}");
                     let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };

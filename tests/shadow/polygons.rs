@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 use rimline::mesh::Weld;
-use rimline::{Counting, DepthDirection, Light, Mesh};
+use rimline::{Counting, Light, Mesh};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
@@ -39,6 +39,7 @@ pub(crate) enum Truth {
 pub(crate) struct Rig {
     tracer: Tracer<(usize, bool)>,
     rays: Rays,
+    frame: Frame,
     light: Light,
     size: u32,
     /// Edges of triangles in the picture, and how far off the GPU's may be along either axis. Sides begin at some of them, and
@@ -46,7 +47,7 @@ pub(crate) struct Rig {
     edges: Vec<([DVec2; 2], f64)>,
 }
 
-/// Each takes a thousand rays.
+/// Pixels that are looked at one by one.
 const MOST_WRONG: usize = 5;
 
 impl Rig {
@@ -68,6 +69,7 @@ impl Rig {
             edges: edges.filter_map(seen).collect(),
             tracer: Tracer::build(own.chain(walls)),
             rays: Rays::new(&frame.eye.camera(), frame.size),
+            frame: frame.clone(),
             light: frame.lights[0],
             size: frame.size,
         }
@@ -100,47 +102,65 @@ impl Rig {
         pixels.map(|(x, y)| self.at(Self::pixel(x, y))).collect()
     }
 
-    /// Whether a place within a pixel has this truth.
-    fn is_near(&self, x: u32, y: u32, fits: impl Fn(Truth) -> bool) -> bool {
-        let steps = || (-16..=16).map(|step| f64::from(step) / 16.0);
-        steps().any(|dx| steps().any(|dy| fits(self.at(Self::pixel(x, y) + DVec2::new(dx, dy)))))
+    /// Whether a position that the GPU may see in the place of the pixel's centre has this truth: vertices move on the
+    /// rasteriser's grid, and depths that are compared are rounded.
+    fn is_near(&self, pixel: DVec2, fits: impl Fn(Truth) -> bool) -> bool {
+        let (from, direction) = self.rays.at(pixel);
+        let nearest = self.tracer.meetings((from, direction)).filter(|(t, _)| *t > 0.0).map(|(t, _)| t);
+        let point = from + direction * nearest.fold(f64::INFINITY, f64::min);
+        let moved = 2.0 * (HALF_STEP + picture(&self.frame, point).map_or(0.0, |(_, off)| off));
+        let steps = || (-6..=6).map(|step| f64::from(step) / 6.0 * moved);
+        steps().any(|dx| steps().any(|dy| fits(self.at(pixel + DVec2::new(dx, dy)))))
     }
 
-    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: docs/numerics/rasterisers.md,
+    /// How many edges are so close to the pixel's centre that a GPU may see them on the other side: docs/numerics/rasterisers.md,
     /// "Hairlines".
-    fn is_hairline(&self, x: u32, y: u32) -> bool {
-        let at = Self::pixel(x, y);
-        self.edges.iter().any(|&([a, b], off)| {
+    fn hairlines(&self, at: DVec2) -> u32 {
+        let is_close = |&&([a, b], off): &&([DVec2; 2], f64)| {
             let along = b - a;
             let part = ((at - a).dot(along) / along.length_squared().max(1e-30)).clamp(0.0, 1.0);
             (a + part * along - at).abs().max_element() <= 2.0 * off
-        })
+        };
+        self.edges.iter().filter(is_close).count() as u32
     }
 
-    /// Pixels where the stencil differs from the truth, and none within a pixel has what it says: the first ones.
-    pub(crate) fn wrong(
-        &self,
-        truths: &[Truth],
-        stencil: &[u8],
-        is_right: impl Fn(u32, u8) -> bool,
-    ) -> Vec<(u32, u32)> {
-        let fits = |truth: Truth, value: u8| matches!(truth, Truth::Odd(count) if is_right(count, value));
-        let all = (0..self.size).flat_map(|y| (0..self.size).map(move |x| (x, y)));
-        let at = |x: u32, y: u32| (y * self.size + x) as usize;
-        all.filter(|&(x, y)| {
-            let value = stencil[at(x, y)];
-            let is_receiver = truths[at(x, y)] != Truth::NoReceiver;
-            let around =
-                || (x.saturating_sub(1)..=x + 1).flat_map(move |x| (y.saturating_sub(1)..=y + 1).map(move |y| (x, y)));
-            let mut around = around().filter(|&(x, y)| x < self.size && y < self.size);
-            is_receiver
-                && !around.any(|(x, y)| fits(truths[at(x, y)], value))
-                && !self.is_near(x, y, |truth| fits(truth, value))
-                && !self.is_hairline(x, y)
-        })
-        .take(MOST_WRONG)
-        .collect()
+    /// Pixels where the stencil differs from the pixel's own ray, and neither a ray next to it nor hairlines explain the value:
+    /// the first ones. A hairline may change a count by the weight of a side, which is 2 at most.
+    pub(crate) fn wrong(&self, truths: &[Truth], stencil: &[u8], compared: Compared) -> Vec<(u32, u32)> {
+        let fits = |truth: Truth, value: u8| match (truth, compared) {
+            (Truth::Odd(count), Compared::Counts) => count as u8 == value,
+            (Truth::Odd(count), Compared::Darkness) => (count == 0) == (value == 0),
+            (Truth::NoReceiver, _) => false,
+        };
+        let pixels = (0..self.size).flat_map(|y| (0..self.size).map(move |x| (x, y)));
+        let is_wrong = |(&(x, y), (&truth, &value)): (&(u32, u32), (&Truth, &u8))| {
+            let Truth::Odd(count) = truth else { return false };
+            let pixel = Self::pixel(x, y);
+            let reach = || match compared {
+                Compared::Counts => 2 * self.hairlines(pixel),
+                Compared::Darkness => 256 * self.hairlines(pixel),
+            };
+            !fits(truth, value)
+                && !self.is_near(pixel, |truth| fits(truth, value))
+                && u32::from((value.wrapping_sub(count as u8) as i8).unsigned_abs()) > reach()
+        };
+        let pixels: Vec<_> = pixels.collect();
+        pixels
+            .iter()
+            .zip(truths.iter().zip(stencil))
+            .filter(|&pixel| is_wrong(pixel))
+            .map(|(&at, _)| at)
+            .take(MOST_WRONG)
+            .collect()
     }
+}
+
+/// What a stencil must agree in with the rays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Compared {
+    Counts,
+    /// Whether a count is 0.
+    Darkness,
 }
 
 /// A caster of polygons in a room, which begins beyond its hull.
@@ -157,8 +177,7 @@ pub(crate) fn frame(random: &mut Random, set: PolygonSet, mesh: &Mesh) -> Frame 
         // Right behind the polygons as the eye sees them, or before them: so the near rectangle is in shadow.
         _ => Light::point((from * f64::from(random.between(-0.8, -0.5))).as_vec3().to_array()),
     };
-    let depth = DepthDirection::Reversed;
-    let eye = Eye { place: from, forward: towards, near, is_relative: false, depth, far: None, half_width: None };
+    let eye = Eye::new(from, towards, near);
     Frame { bodies: vec![caster, Body::room([0.0; 3], 4.0)], eye, lights: vec![light], size: 96 }
 }
 
@@ -231,7 +250,7 @@ fn darken() -> Result<(), String> {
         // The same by a round for each polygon.
         if mesh.polygons().is_some_and(|polygons| polygons.len() < 128) {
             let rounds = parity_rounds(&Renderer::new(&gpu), &frame, &mesh)?;
-            let wrong = rig.wrong(&truths, &rounds, |count, value| count as u8 == value);
+            let wrong = rig.wrong(&truths, &rounds, Compared::Counts);
             if !wrong.is_empty() {
                 failures.push(format!("seed {seed}, {name}, by rounds: {} wrong {wrong:?}", wrong.len()));
             }
@@ -270,7 +289,7 @@ pub(crate) fn compare(
         if bound < most {
             failures.push(format!("{counting:?}: counts up to {most}, and a bound of {bound}"));
         }
-        let wrong = rig.wrong(truths, &counted.stencils[0], |count, value| count as u8 == value);
+        let wrong = rig.wrong(truths, &counted.stencils[0], Compared::Counts);
         if let Some(&(x, y)) = wrong.first() {
             let at = (y * frame.size + x) as usize;
             let (value, truth) = (counted.stencils[0][at], truths[at]);
@@ -283,12 +302,12 @@ pub(crate) fn compare(
         let mut stencil = counted.stencils[0].clone();
         if let Some(at) = truths.iter().position(|&truth| truth != Truth::NoReceiver) {
             stencil[at] = stencil[at].wrapping_add(100);
-            let wrong = rig.wrong(truths, &stencil, |count, value| count as u8 == value);
+            let wrong = rig.wrong(truths, &stencil, Compared::Counts);
             must_fail("other counts", &if wrong.is_empty() { Ok(()) } else { Err(String::new()) })?;
         }
         renderer.options = OneCasterOptions { every_face: false, ..renderer.options };
         let counted = renderer.count(frame, counting)?;
-        let wrong = rig.wrong(truths, &counted.stencils[0], |count, value| (count == 0) == (value == 0));
+        let wrong = rig.wrong(truths, &counted.stencils[0], Compared::Darkness);
         if !wrong.is_empty() {
             failures.push(format!("{counting:?}, back-facing: {} wrong {wrong:?}", wrong.len()));
         }
@@ -388,7 +407,7 @@ fn far_away() -> Result<(), String> {
             let mut renderer = Renderer { placing: Placing::Moved(seed), ..Renderer::new(gpu) };
             renderer.options.every_face = true;
             let counted = renderer.count(&frame, counting)?;
-            let wrong = rig.wrong(&truths, &counted.stencils[0], |count, value| count as u8 == value);
+            let wrong = rig.wrong(&truths, &counted.stencils[0], Compared::Counts);
             if !wrong.is_empty() {
                 failures.push(format!("seed {seed}, {name}, {counting:?}: {} wrong {wrong:?}", wrong.len()));
             }

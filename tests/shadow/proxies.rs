@@ -1,7 +1,7 @@
 //! Proxies: casters of a scene that are not in the depth buffer.
 
 use glam::DVec3;
-use rimline::{Counting, DepthDirection, Light};
+use rimline::{Counting, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::is_long;
@@ -30,8 +30,8 @@ fn frame(random: &mut Random, mut bodies: Vec<Body>, [place, light, at]: [DVec3;
     bodies.push(Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.5, 0.5, 0.0]));
     bodies.push(Body::room([0.0; 3], 8.0));
     let forward = direction(random) * 0.3 + at - place;
-    let (near, depth) = (f64::from(random.between(0.02, 0.3)), DepthDirection::Reversed);
-    let eye = Eye { place, forward, near, is_relative: true, depth, far: None, half_width: None };
+    let near = f64::from(random.between(0.02, 0.3));
+    let eye = Eye { is_relative: true, ..Eye::new(place, forward, near) };
     Frame { bodies, eye, lights: vec![Light::point(light.as_vec3().to_array())], size: 64 }
 }
 
@@ -66,7 +66,7 @@ fn check(first: u64, make: fn(&mut Random) -> Frame) -> Result<(), String> {
     let (mut shadowed, mut noticed, mut ended) = (0, 0, 0);
     for seed in first..first + if is_long() { 300 } else { 30 } {
         let mut traced = Traced::of(make(&mut Random::new(seed)), seed);
-        shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        shadowed += traced.shadowed();
         let placing = if seed % 3 == 0 { Placing::Alone } else { Placing::Scene };
         let (end_at_range, cap_capacity) = (seed % 2 == 0, if seed % 5 == 0 { Some(5) } else { None });
         let options = OneCasterOptions { end_at_range, cap_capacity, ..OneCasterOptions::default() };

@@ -8,10 +8,10 @@ use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};
 use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Frame};
-use crate::trials::{Test, Traced};
+use crate::trials::{Test, Traced, class};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, must_fail};
+use rimline_testkit::{is_long, must_fail, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("volumes_end_at_the_range", ended),
@@ -55,7 +55,7 @@ fn ended() -> Result<(), String> {
         for number in 50..if is_long() { 70 } else { 51 } {
             let (traced, beyond, range) = in_range(class, number);
             let renderer = Renderer { options, range, ..Renderer::new(&gpu) };
-            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            shadowed += traced.shadowed();
             for (method, counting) in methods.into_iter().enumerate() {
                 // Their volumes never end, and the published one is not right everywhere.
                 let is_endless = matches!(counting, Counting::ZpPlus | Counting::ZpPlus2005);
@@ -84,7 +84,7 @@ fn ended() -> Result<(), String> {
 /// A range that is said to be smaller than it is leaves shadows out that the rays see.
 fn control(gpu: &Gpu) -> Result<(), String> {
     let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
-    let class = CLASSES.iter().find(|class| class.name == "camera outside the shadow").ok_or("no such class")?;
+    let class = class("camera outside the shadow")?;
     let traced = Traced::new(class, 50);
     let distance = place(traced.frame.lights[0]).length() as f32;
     for counting in [Counting::Auto, Counting::ZPass, Counting::ZFail] {
@@ -106,12 +106,9 @@ fn just_within() -> Result<(), String> {
     let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
     let class = CLASSES.first().ok_or("no classes")?;
     for (height, floor) in [(1.0_f32, 4.0_f32), (0.5, 6.0), (2.0, 4.5)] {
-        let mut plate = Body::caster(rimline_testkit::shapes::cube());
-        for position in &mut plate.shape.positions {
-            *position = [position[0], 0.05 * position[1] - 0.05 - height, position[2]];
-        }
+        let plate = shapes::cube().placed(|[x, y, z]| [x, 0.05 * y - 0.05 - height, z]);
         let mut frame: Frame = (class.frame)(&mut Random::new(1));
-        frame.bodies = vec![plate, Body::room([0.0, 8.0 - floor, 0.0], 8.0)];
+        frame.bodies = vec![Body::caster(plate), Body::room([0.0, 8.0 - floor, 0.0], 8.0)];
         frame.lights = vec![Light::point([0.0; 3])];
         // Looking past the plate, from outside of the shadow.
         let spot = DVec3::new(0.0, -f64::from(floor), 0.0);
@@ -124,7 +121,7 @@ fn just_within() -> Result<(), String> {
                 truth[0] = Truth::Background;
             }
         }
-        let in_shadow = traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        let in_shadow = traced.shadowed();
         for counting in [Counting::Auto, Counting::ZPass, Counting::ZFail] {
             let renderer = Renderer { options, range, ..Renderer::new(&gpu) };
             let what = |error| format!("plate at {height}, floor at {floor}: {error}");
@@ -148,7 +145,7 @@ fn skipped() -> Result<(), String> {
     for (light, distance) in [([3.5, 0.1, -0.2], 3.0_f32), ([-0.1, 4.5, -3.5], 5.0), ([1.5, -2.5, 2.5], 3.0)] {
         for (range, casts) in [(distance * 0.999, false), (distance * 1.001, true), (distance * 1.3, true)] {
             let mut frame: Frame = (class.frame)(&mut Random::new(1));
-            frame.bodies = vec![Body::caster(rimline_testkit::shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
+            frame.bodies = vec![Body::caster(shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
             // Another w is the same place.
             for w in [1.0, 0.3] {
                 let [x, y, z] = light;

@@ -40,13 +40,6 @@ pub(crate) enum Truth {
 pub(crate) struct Between(pub(crate) [[u16; 2]; MOST_CASTERS]);
 
 impl Between {
-    /// One back-facing face, of the first caster.
-    pub(crate) fn some() -> Self {
-        let mut between = Self::default();
-        between.0[0][0] = 1;
-        between
-    }
-
     /// Expected stencil value. `every` says for which casters every face casts.
     pub(crate) fn count(&self, every: &[bool]) -> u16 {
         let faces = self.0.iter().zip(every);

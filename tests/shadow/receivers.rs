@@ -118,7 +118,7 @@ fn eye(random: &mut Random, number: usize) -> Eye {
     let place = 5.0 * DVec3::from(random.direction().map(f64::from));
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     let (far, half_width) = [(None, None), (Some(50.0), None), (Some(50.0), Some(8.0))][number / 2 % 3];
-    Eye { place, forward, near: 0.1, is_relative: random.below(5) > 0, depth, far, half_width }
+    Eye { is_relative: random.below(5) > 0, depth, far, half_width, ..Eye::new(place, forward, 0.1) }
 }
 
 /// The farthest of `by` times `by` cells, in rows of so many cells.

@@ -12,8 +12,9 @@ use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame};
 use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::uniform;
 use rimline_testkit::on_gpu::{chosen, draws, shadow_statistics, text};
-use rimline_testkit::pipelines::Drawing;
+use rimline_testkit::pipelines::{self, Drawing};
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -365,55 +366,25 @@ impl<'a> Renderer<'a> {
         let device = &self.gpu.device;
         let camera = frame.eye.camera();
         let is_reversed = frame.eye.depth == DepthDirection::Reversed;
-        let mut uniform: Vec<f32> = camera.view_projection.as_flattened().to_vec();
-        uniform.extend(camera.origin);
-        uniform.push(f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered)));
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("camera"),
-            size: 80,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&uniform));
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("scene"),
-            source: wgpu::ShaderSource::Wgsl(DEPTH.into()),
-        });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("scene"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: None,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: 12,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-                })],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: self.format,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(if is_reversed {
-                    wgpu::CompareFunction::Greater
-                } else {
-                    wgpu::CompareFunction::Less
-                }),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: None,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let mut words = [0.0; 20];
+        words[..16].copy_from_slice(camera.view_projection.as_flattened());
+        words[16..19].copy_from_slice(&camera.origin);
+        words[19] = f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered));
+        let buffer = uniform::<[f32; 20]>(self.gpu, &words);
+        let compare = if is_reversed { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
+        let drawing = Drawing {
+            label: "scene",
+            source: DEPTH,
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 12,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+            })],
+            depth_stencil: Some(pipelines::depth(self.format, compare, true)),
+            samples: self.samples,
+            ..Drawing::default()
+        };
+        let pipeline = drawing.pipeline(device);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),

@@ -9,6 +9,7 @@ use rimline::internals::shadow;
 use rimline::{DepthDirection, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::pipelines::{Drawing, depth};
 
 use crate::render::{Renderer, attachment};
 use crate::scene::Frame;
@@ -18,6 +19,7 @@ const ROUND: &str = "
 @vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
 }
+@fragment fn nothing() {}
 ";
 
 /// The bit of parity. The others count.
@@ -66,16 +68,12 @@ fn pipeline(
     [passed, failed]: [wgpu::StencilOperation; 2],
     [read_mask, write_mask]: [u32; 2],
 ) -> wgpu::RenderPipeline {
-    let device = &gpu.device;
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("rounds"),
-        source: wgpu::ShaderSource::Wgsl(ROUND.into()),
-    });
     let is_given = entry_point == "given";
     let nearer = match frame.eye.depth {
         DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
         DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
     };
+    let compare = if is_given { nearer } else { wgpu::CompareFunction::Always };
     let face = wgpu::StencilFaceState {
         compare: wgpu::CompareFunction::Equal,
         fail_op: wgpu::StencilOperation::Keep,
@@ -85,29 +83,19 @@ fn pipeline(
     let attributes = wgpu::vertex_attr_array![0 => Float32x4];
     let layout =
         wgpu::VertexBufferLayout { array_stride: 16, step_mode: wgpu::VertexStepMode::Vertex, attributes: &attributes };
-    let buffers = [Some(layout)];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("rounds"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: if is_given { &buffers } else { &[] },
-        },
-        primitive: wgpu::PrimitiveState::default(),
+    let stencil = wgpu::StencilState { front: face, back: face, read_mask, write_mask };
+    let drawing = Drawing {
+        label: "rounds",
+        source: ROUND,
+        entry_points: [Some(entry_point), None],
+        buffers: if is_given { &[Some(layout)] } else { &[] },
         depth_stencil: Some(wgpu::DepthStencilState {
-            format: wgpu::TextureFormat::Depth24PlusStencil8,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(if is_given { nearer } else { wgpu::CompareFunction::Always }),
-            stencil: wgpu::StencilState { front: face, back: face, read_mask, write_mask },
-            bias: wgpu::DepthBiasState::default(),
+            stencil,
+            ..depth(wgpu::TextureFormat::Depth24PlusStencil8, compare, false)
         }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: None,
-        multiview_mask: None,
-        cache: None,
-    })
+        ..Drawing::default()
+    };
+    drawing.pipeline(&gpu.device)
 }
 
 /// The stencil of a frame with one caster of polygons and one light, by a round for each polygon: fewer than 128.

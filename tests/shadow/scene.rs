@@ -96,6 +96,12 @@ pub(crate) struct Eye {
 }
 
 impl Eye {
+    /// A perspective camera with reversed depth, without a far plane.
+    pub(crate) fn new(place: DVec3, forward: DVec3, near: f64) -> Self {
+        let depth = DepthDirection::Reversed;
+        Self { place, forward, near, is_relative: false, depth, far: None, half_width: None }
+    }
+
     fn basis(&self) -> [DVec3; 3] {
         let forward = self.forward.normalize();
         let aside = if forward.y.abs() < 0.9 { DVec3::Y } else { DVec3::X };

@@ -21,7 +21,7 @@ const ROWS: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0
 
 fn camera(depth: DepthDirection, far: Option<f64>) -> ShadowCamera {
     let place = DVec3::new(0.0, 1.0, 6.0);
-    Eye { place, forward: -place, near: 0.1, is_relative: true, depth, far, half_width: None }.camera()
+    Eye { is_relative: true, depth, far, ..Eye::new(place, -place, 0.1) }.camera()
 }
 
 fn scene(gpu: &Gpu, options: SceneOptions) -> Result<(Scene, Caster), String> {

@@ -1,7 +1,7 @@
 //! Closed casters in one mesh of several components: wound inwards, nested, through each other.
 
 use glam::Vec3;
-use rimline::{DepthDirection, Light};
+use rimline::Light;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
@@ -17,17 +17,6 @@ pub(crate) fn component(mut shape: Shape, [x, y, z]: [f32; 3], scale: f32, is_in
         shape.faces.iter_mut().for_each(|face| face.swap(1, 2));
     }
     shape
-}
-
-/// Several components as one mesh.
-pub(crate) fn joined(components: &[Shape]) -> Shape {
-    let mut joined = Shape::default();
-    for component in components {
-        let first = joined.positions.len() as u32;
-        joined.positions.extend(&component.positions);
-        joined.faces.extend(component.faces.iter().map(|face| face.map(|vertex| vertex + first)));
-    }
-    joined
 }
 
 fn any_shape(random: &mut Random) -> Shape {
@@ -56,7 +45,7 @@ fn shells(random: &mut Random) -> Shape {
             components.push(component(any_shape(random), middle, inner, random.below(2) == 0));
         }
     }
-    joined(&components)
+    Shape::joined(&components)
 }
 
 /// A light within the box of the shells, at it, or far from it; and an eye within or without.
@@ -88,15 +77,8 @@ pub(crate) fn nested(random: &mut Random) -> Frame {
     let is_within = random.below(3) == 0;
     let place = if is_within { within(random) } else { Vec3::from(random.direction()) * random.between(3.0, 7.0) };
     let forward = if is_within { Vec3::from(random.direction()) } else { Vec3::from(somewhere(random, 1.0)) - place };
-    let eye = Eye {
-        place: place.as_dvec3(),
-        forward: forward.as_dvec3(),
-        near: f64::from(0.02 * 25_f32.powf(random.between(0.0, 1.0))),
-        is_relative: false,
-        depth: DepthDirection::Reversed,
-        far: None,
-        half_width: None,
-    };
+    let near = f64::from(0.02 * 25_f32.powf(random.between(0.0, 1.0)));
+    let eye = Eye::new(place.as_dvec3(), forward.as_dvec3(), near);
     let lights = vec![Light::point(light.to_array())];
     Frame { bodies: vec![Body::caster(shape), Body::room([0.0; 3], 8.0)], eye, lights, size: 96 }
 }

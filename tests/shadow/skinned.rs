@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Vec3};
 use rimline::gpu::{Deformer, DeformerOptions, FrameInputs, Scene, SceneOptions};
-use rimline::{Counting, DepthDirection, Instance, Light, Model, Pose, wgpu};
+use rimline::{Counting, Instance, Light, Model, Pose, wgpu};
 use rimline_testkit::shapes::Shape;
 
 use crate::classes::with_caster;
@@ -11,6 +11,7 @@ use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Tally, Test, Traced, every, frames};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::models::bending_tube;
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same};
 
@@ -22,15 +23,14 @@ fn skinned() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer::new(&gpu);
     let (model, pose) = bending_tube();
-    let text = |error: &dyn std::fmt::Display| error.to_string();
-    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(|error| text(&error))?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
     let mut tally = Tally::default();
     let mut shape = Shape { positions: Vec::new(), faces: model.geometries()[0].faces().to_vec() };
     let mut noticed = 0;
     for number in 0..frames() {
         let seed = 9000 + number;
         let pose = pose(number as f32 * 0.4);
-        gpu.submit(|encoder| deformer.encode(encoder, &pose).map_err(|error| text(&error)))?;
+        gpu.submit(|encoder| deformer.encode(encoder, &pose).map_err(text))?;
         let positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
         let before = std::mem::replace(&mut shape.positions, positions);
         let traced = Traced::of(with_caster(&mut Random::new(seed), shape.clone()), seed);
@@ -56,18 +56,17 @@ fn skinned() -> Result<(), String> {
 fn unneeded() -> Result<(), String> {
     const FIGURES: usize = 12;
     let gpu = Gpu::shared()?;
-    let text = |error: &dyn std::fmt::Display| error.to_string();
     let (tube, bend) = bending_tube();
     let geometry = &tube.geometries()[0];
-    let model = Model::new(vec![geometry.clone()], vec![Instance::new(0, None); FIGURES]).map_err(|e| text(&e))?;
-    let other = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(|error| text(&error))?;
+    let model = Model::new(vec![geometry.clone()], vec![Instance::new(0, None); FIGURES]).map_err(text)?;
+    let other = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
     let rest = Pose::new(vec![bend(0.0).instances()[0].clone(); FIGURES]);
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(|error| text(&error))?;
-    let inserted = scene.insert_model(&model, &rest, DeformerOptions::default()).map_err(|error| text(&error))?;
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
+    let inserted = scene.insert_model(&model, &rest, DeformerOptions::default()).map_err(text)?;
     let lights: Vec<Light> =
         vec![Light::point([-3.0, 4.0, 2.0]).with_range(9.0), Light::point([8.0, 6.0, -7.0]).with_range(9.0)];
     for light in &lights {
-        scene.add_light(*light).map_err(|error| text(&error))?;
+        scene.add_light(*light).map_err(text)?;
     }
     let (mut count, mut noticed, mut shadowed, mut turned) = (0, 0, 0, 0);
     let mut before = vec![0; FIGURES];
@@ -77,27 +76,20 @@ fn unneeded() -> Result<(), String> {
         let pose = |_| {
             let bent = bend(number as f32 * 0.4);
             let at = [random.between(-10.0, 10.0), random.between(-1.5, 1.0), random.between(-10.0, 10.0)];
-            let placed = bent.placed(Affine3A::from_translation(at.into())).map_err(|error| text(&error))?;
+            let placed = bent.placed(Affine3A::from_translation(at.into())).map_err(text)?;
             Ok::<_, String>(placed.instances()[0].clone())
         };
         let pose = Pose::new((0..FIGURES).map(pose).collect::<Result<_, _>>()?);
-        scene.set_pose(inserted, &pose).map_err(|error| text(&error))?;
+        scene.set_pose(inserted, &pose).map_err(text)?;
         let eye = Vec3::from(random.direction()) * Vec3::new(6.0, 1.0, 6.0);
-        let eye = Eye {
-            place: eye.as_dvec3(),
-            forward: DVec3::new(f64::from(random.between(-1.0, 1.0)), -0.1, f64::from(random.between(-1.0, 1.0))),
-            near: 0.1,
-            is_relative: true,
-            depth: DepthDirection::Reversed,
-            far: None,
-            half_width: None,
-        };
+        let forward = DVec3::new(f64::from(random.between(-1.0, 1.0)), -0.1, f64::from(random.between(-1.0, 1.0)));
+        let eye = Eye { is_relative: true, ..Eye::new(eye.as_dvec3(), forward, 0.1) };
         let inputs = [eye.camera().into()];
         gpu.submit(|encoder| {
-            scene.encode(encoder, FrameInputs::new(&inputs)).map_err(|error| text(&error))?;
-            other.encode(encoder, &pose).map_err(|error| text(&error))
+            scene.encode(encoder, FrameInputs::new(&inputs)).map_err(text)?;
+            other.encode(encoder, &pose).map_err(text)
         })?;
-        let own = scene.positions(inserted).map_err(|error| text(&error))?.buffer;
+        let own = scene.positions(inserted).map_err(text)?.buffer;
         let points: Vec<[f32; 3]> = gpu.read(own, model.vertex_count())?;
         let is_point = |figure: &[[f32; 3]]| u32::from(figure.iter().all(|position| *position == [0.0; 3]));
         let words: Vec<u32> = points.chunks(geometry.positions().len()).map(is_point).collect();

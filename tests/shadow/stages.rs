@@ -22,7 +22,7 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::{Dispatch, uniform};
 use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::interleaved;
+use rimline_testkit::on_gpu::{interleaved, text};
 use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{Scene, scene};
@@ -35,10 +35,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("sides_are_those_of_their_faces_and_close_what_casts", list_sides),
     ("shadow_arguments_are_those_of_their_counts", shadow_arguments),
 ];
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
 
 /// Where positions lie in their buffer: words before the first, and from one to the next.
 pub(crate) const PLACES: [(u32, u32); 3] = [(0, 3), (5, 3), (7, 8)];

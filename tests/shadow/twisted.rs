@@ -6,9 +6,7 @@ use glam::{Affine3A, DVec3, Quat, Vec3};
 use rimline::gpu::{Capacities, Deformer, DeformerOptions, Extractor, ExtractorOptions, PositionBuffer};
 use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::{
-    Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Mesh, Model, Pose,
-};
+use rimline::{Counting, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Mesh, Model, Pose};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::{read, shadow_statistics, text};
 use rimline_testkit::polygons::PolygonSet;
@@ -17,7 +15,7 @@ use rimline_testkit::same;
 use rimline_testkit::shapes::Shape;
 use rimline_testkit::{OneCaster, OneCasterOptions};
 
-use crate::polygons::{Rig, Truth, compare, frame};
+use crate::polygons::{Compared, Rig, Truth, compare, frame};
 use crate::render::Renderer;
 use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, frames};
@@ -131,15 +129,7 @@ fn bow_ties(random: &mut Random, count: usize) -> PolygonSet {
 fn in_room(set: &PolygonSet, light: Light) -> Result<(Mesh, Frame), String> {
     let mesh = set.mesh(Weld::Keep).map_err(text)?;
     let shape = Shape { positions: set.positions.clone(), faces: mesh.faces().to_vec() };
-    let eye = Eye {
-        place: DVec3::new(0.3, -0.8, 2.4),
-        forward: DVec3::new(-0.1, -1.2, -1.0),
-        near: 0.1,
-        is_relative: false,
-        depth: DepthDirection::Reversed,
-        far: None,
-        half_width: None,
-    };
+    let eye = Eye::new(DVec3::new(0.3, -0.8, 2.4), DVec3::new(-0.1, -1.2, -1.0), 0.1);
     let caster = Body { polygons: Some(set.clone()), ..Body::caster(shape) };
     let bodies = vec![caster, Body::room([0.0; 3], 4.0)];
     Ok((mesh, Frame { bodies, eye, lights: vec![light], size: 64 }))
@@ -166,7 +156,7 @@ fn room() -> Result<(), String> {
             let stencil = &counted.stencils[0];
             let mut wrong = Vec::new();
             if lost == 0 {
-                wrong = rig.wrong(&truths, stencil, |count, value| count as u8 == value);
+                wrong = rig.wrong(&truths, stencil, Compared::Counts);
             }
             let all = &*all.get_or_insert_with(|| stencil.clone());
             let changed = stencil.iter().zip(all).filter(|(own, all)| own != all).count();
@@ -222,7 +212,7 @@ fn thousand() -> Result<(), String> {
             let mut renderer = Renderer::new(gpu);
             renderer.options = OneCasterOptions { bound_counts: true, ..renderer.options };
             let counted = renderer.count(&frame, counting)?;
-            let wrong = rig.wrong(&truths, &counted.stencils[0], |count, value| count as u8 == value);
+            let wrong = rig.wrong(&truths, &counted.stencils[0], Compared::Counts);
             let statistics = counted.statistics[0];
             if !wrong.is_empty() || statistics.lost_pieces > 0 || statistics.may_wrap != 1 || most < 900 {
                 return Err(format!("{counting:?}: {} wrong, {statistics:?}, {most} between", wrong.len()));

@@ -68,7 +68,7 @@ fn has_contact(e: Edge, f: Edge, turns_at_e: vec2<i32>, turns_at_f: vec2<i32>) -
 // phases, so that `turn` is compiled once. Phase 0: all pairs, and the rightmost corner that the invocation sees. Phases 1
 // to 6: 64 invocations of a large boundary reduce to the rightmost corner of all, by halves. Phase 7: whether all corners
 // are left of the line to it.
-fn test_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
+fn orientation_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, BOUNDARY_LANES, work.is_large);
   var best = vec4<u32>(0u);
@@ -196,7 +196,7 @@ fn polygon_pairs(
     let part = atomicLoad(&undecided[entry_offset(entry) + 1u]);
     work = work_of(boundary, part, atomicLoad(&undecided[record + LIGHTS]), lane);
   }
-  test_pairs(boundary, work, lane);
+  orientation_by_pairs(boundary, work, lane);
   if (work.exists && (!work.is_large || lane == 0u)) {
     add_to_record(record, select(lane, 0u, work.is_large), work.light_index);
   }

@@ -8,7 +8,7 @@ use crate::process;
 use crate::summary::Summary;
 use crate::test::BENCH;
 
-const TARGETS: [&str; 5] = ["gltf", "npz", "obj", "wgsl", "args"];
+const TARGETS: [&str; 7] = ["gltf", "npz", "obj", "ply", "stl", "wgsl", "args"];
 /// Seconds for each target, unless asked otherwise.
 pub(crate) const SECONDS: u64 = 60;
 /// Seconds that continuous integration spends on each target.

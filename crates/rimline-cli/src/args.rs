@@ -22,8 +22,8 @@ pub(crate) struct Cli {
 
 const LONG_ABOUT: &str = "\
 Finds the silhouette edges of triangle meshes as seen from any number of lights, on any GPU that wgpu can use, \
-software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) \
-and NumPy archives (.npz).
+software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj), \
+PLY (.ply), STL (.stl) and NumPy archives (.npz).
 
 Inputs are regular files. `-` stands for standard input; it can be given once, and a glTF that comes from it cannot \
 name other files.
@@ -211,7 +211,7 @@ instances at rest in world space); each of these three with name, vertices (befo
 collapsed_faces, duplicate_faces, flipped_faces (of these the flipped copies), edges (consistent, inconsistent, boundary), \
 non_manifold_edges, components, inward_components, closed, \
 why_open, offending_edges (kind, vertices, positions), near_boundary (null where no two boundary edges nearly meet; edges, \
-gap, weld_distance, closes, collapses, across_data), t_junctions, joints_per_vertex, morph_targets, bounds (min, \
+gap, weld_distance, closes, collapses, across_data, by_position), t_junctions, advice (what to do, texts), joints_per_vertex, morph_targets, bounds (min, \
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
 nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), \
 animations (name, duration_seconds, channels), lights \
@@ -243,7 +243,7 @@ pub(crate) struct VerifyArgs {
     #[arg(long)]
     pub(crate) make: bool,
 
-    /// With --make: .gltf, .glb, .obj or .npz files to extract, in addition to the stress scenes
+    /// With --make: .gltf, .glb, .obj, .ply, .stl or .npz files to extract, in addition to the stress scenes
     #[arg(value_name = "MODEL", requires = "make")]
     pub(crate) models: Vec<PathBuf>,
 
@@ -270,9 +270,10 @@ pub(crate) struct VerifyArgs {
     pub(crate) json: bool,
 }
 
-/// Makes `--memory-limit` and `--allow-outside` require `--make`, because `verify` reads models only then.
+/// Makes options of loading require `--make`, because `verify` reads models only then.
 fn when_making(arg: clap::Arg) -> clap::Arg {
-    if arg.get_id() == "memory_limit" || arg.get_id() == "allow_outside" { arg.requires("make") } else { arg }
+    let is_of_models = ["memory_limit", "input_format", "allow_outside"].contains(&arg.get_id().as_str());
+    if is_of_models { arg.requires("make") } else { arg }
 }
 
 const VERIFY_EXAMPLES: &str = "\

@@ -235,8 +235,13 @@ pub(crate) enum UsageError {
     DepthLightApart { given: String, map: String },
     #[error("{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format", .out.display())]
     LinesFormat { out: PathBuf },
-    #[error("--scale needs an orthographic view; leave out --fov, or give --ortho with --eye")]
-    ScaleOfPerspective,
+    #[error("{option} needs an orthographic view; leave out --fov, or give --ortho with --eye")]
+    ScaleOfPerspective { option: &'static str },
+    #[error(
+        "{} looks like a file, but with --frames --out is the folder for numbered drawings; give the name of a folder, and the \
+         format by --format", .out.display()
+    )]
+    DrawingsFolderEnding { out: PathBuf },
     #[error(
         "at this scale the drawing takes {width}x{height} mm, and at most 100 m each way are drawn; give a smaller --scale"
     )]

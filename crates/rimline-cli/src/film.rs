@@ -26,6 +26,8 @@ use crate::target::{Inputs, check_folder};
 
 /// Moments that the camera is chosen by: it must see all of the motion.
 const LOOKS: u32 = 12;
+/// The ending of the pictures.
+const PNG: &str = "png";
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
@@ -42,7 +44,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
-    let file = |frame: u32| frame_file(&args.out, frame, frames);
+    let file = |frame: u32| frame_file(&args.out, frame, frames, PNG);
     let inputs = Inputs::new(props.files(scene));
     for frame in 0..frames {
         inputs.spare(&file(frame))?;
@@ -51,7 +53,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
             return Err(Failure::Output { file: file(frame), source });
         }
     }
-    check_earlier(&args.out, frames)?;
+    check_earlier(&args.out, frames, PNG)?;
     let mut output = Some(Output::create(&file(0))?);
 
     progress.step("opening the device");
@@ -127,10 +129,10 @@ fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
 }
 
 /// Refuses a folder with pictures of a film that this one does not replace: they would stand among its own.
-fn check_earlier(folder: &Path, frames: u32) -> Result<(), Failure> {
+pub(crate) fn check_earlier(folder: &Path, frames: u32, ending: &str) -> Result<(), Failure> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
-    let is_other = |path: &PathBuf| match frame_number(path) {
-        Some(frame) => frame >= u64::from(frames) || frame_file(folder, frame as u32, frames) != *path,
+    let is_other = |path: &PathBuf| match frame_number(path, ending) {
+        Some(frame) => frame >= u64::from(frames) || frame_file(folder, frame as u32, frames, ending) != *path,
         None => false,
     };
     let mut others: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_other).collect();
@@ -141,15 +143,15 @@ fn check_earlier(folder: &Path, frames: u32) -> Result<(), Failure> {
 }
 
 /// The number of a file that is named as pictures are: four digits or more, and nothing else.
-fn frame_number(path: &Path) -> Option<u64> {
-    let digits = path.file_name()?.to_str()?.strip_suffix(".png")?;
+fn frame_number(path: &Path, ending: &str) -> Option<u64> {
+    let digits = path.file_name()?.to_str()?.strip_suffix(ending)?.strip_suffix('.')?;
     let is_number = digits.len() >= 4 && digits.bytes().all(|digit| digit.is_ascii_digit());
     is_number.then(|| digits.parse().unwrap_or(u64::MAX))
 }
 
 /// Removes the pictures of an earlier film that this one is going to replace, so that one that is stopped leaves only its
 /// own.
-fn remove_earlier(files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+pub(crate) fn remove_earlier(files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
     for file in files.filter(|file| file.symlink_metadata().is_ok_and(|there| there.is_file())) {
         std::fs::remove_file(&file).map_err(|source| Failure::Output { file, source })?;
     }
@@ -157,15 +159,15 @@ fn remove_earlier(files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
 }
 
 /// Four digits or as many as it takes.
-fn frame_file(folder: &Path, frame: u32, frames: u32) -> PathBuf {
+pub(crate) fn frame_file(folder: &Path, frame: u32, frames: u32, ending: &str) -> PathBuf {
     let digits = (frames - 1).to_string().len().max(4);
-    folder.join(format!("{frame:0digits$}.png"))
+    folder.join(format!("{frame:0digits$}.{ending}"))
 }
 
 /// A film's claim of its folder, as long as it lives: a hidden file with the number of the process. Two films in one folder
 /// would remove and replace each other's pictures.
 #[derive(Debug)]
-struct Claim {
+pub(crate) struct Claim {
     file: PathBuf,
 }
 
@@ -173,7 +175,7 @@ const CLAIM: &str = ".rimline-film.part";
 
 impl Claim {
     /// Claims a folder that is there. A claim whose process is gone counts for nothing.
-    fn take(folder: &Path) -> Result<Self, Failure> {
+    pub(crate) fn take(folder: &Path) -> Result<Self, Failure> {
         let file = folder.join(CLAIM);
         let mut taken = claim(&file);
         if taken.as_ref().is_err_and(is_there) && is_stale(&file) {
@@ -217,11 +219,11 @@ mod tests {
 
     #[test]
     fn pictures_of_other_films() {
-        assert_eq!(frame_number(Path::new("a/0007.png")), Some(7));
+        assert_eq!(frame_number(Path::new("a/0007.png"), PNG), Some(7));
         for other in ["a/007.png", "a/0007.PNG", "a/0007.jpg", "a/x0007.png", "a/+007.png", "0007"] {
-            assert_eq!(frame_number(Path::new(other)), None, "{other}");
+            assert_eq!(frame_number(Path::new(other), PNG), None, "{other}");
         }
-        assert_eq!(frame_number(Path::new("99999999999999999999999.png")), Some(u64::MAX));
+        assert_eq!(frame_number(Path::new("99999999999999999999999.png"), PNG), Some(u64::MAX));
     }
 
     #[test]
@@ -232,7 +234,7 @@ mod tests {
             std::fs::write(at(name), "earlier").expect("there is room");
         }
         std::fs::create_dir(at("0002.png")).expect("there is room");
-        remove_earlier((1..3).map(|frame| frame_file(folder.path(), frame, 3))).expect("they can be removed");
+        remove_earlier((1..3).map(|frame| frame_file(folder.path(), frame, 3, PNG))).expect("they can be removed");
         for (name, is_left) in
             [("0000.png", true), ("0001.png", false), ("0002.png", true), ("0003.png", true), ("notes.txt", true)]
         {
@@ -243,9 +245,9 @@ mod tests {
     #[test]
     fn frames_are_numbered_in_their_folder() {
         for folder in ["a/frames", "a/frames/"] {
-            assert_eq!(frame_file(Path::new(folder), 7, 10), Path::new("a/frames/0007.png"));
+            assert_eq!(frame_file(Path::new(folder), 7, 10, PNG), Path::new("a/frames/0007.png"));
         }
-        assert_eq!(frame_file(Path::new("walk"), 12_345, 20_000), Path::new("walk/12345.png"));
+        assert_eq!(frame_file(Path::new("walk"), 12_345, 20_000, PNG), Path::new("walk/12345.png"));
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod text;
 use polygons::PolygonReport;
 use report::MeshReport;
 use rimline::{Light, Origin};
+pub(crate) use seams::Seams;
 use serde_json::{Value, json};
 use text::Text;
 

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use rimline::Origin;
 use rimline::mesh::{Weld, WeldDistance};
 use rimline_files::size::bytes;
-use rimline_files::{Polygons, ReadOptions};
+use rimline_files::{Format, Polygons, ReadOptions};
 
 use crate::coordinates::{Coordinate, relative};
 use crate::spec;
@@ -14,7 +14,7 @@ use crate::spec;
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
-    /// A .gltf, .glb, .obj or .npz file, or - for standard input. Faces of an .obj may have any number of corners. An .npz
+    /// A .gltf, .glb, .obj, .ply, .stl or .npz file, or - for standard input. Faces of an .obj or .ply may have any number of corners. An .npz
     /// contains `positions` (V,3) float32 and `faces` (F,3) of any integer type. Faces at infinite or NaN positions face no
     /// light, cast no shadow and are not drawn; a warning counts the positions
     pub(crate) file: PathBuf,
@@ -32,7 +32,7 @@ pub(crate) struct ModelArgs {
 /// Options for polygons.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct PolygonArgs {
-    /// Take each polygon of an .obj as one face, after Bergeron (1986): its outline decides whether it faces a light or the
+    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a light or the
     /// eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn is what is decided.
     /// Pictures show triangles in any case. With this option these pixels may not fit a polygon that is not planar: its own,
     /// those of what is within its hull, and those from which an even number of its triangles hide the light: they are lit.
@@ -189,14 +189,41 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     pub(crate) memory_limit: u64,
 
+    /// The format of the file, where neither its content nor its name tells it
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    input_format: Option<FormatArg>,
+
     /// Allow a glTF file to read buffers outside its folder, through `..`, an absolute path or a symbolic link
     #[arg(long)]
     allow_outside: bool,
 }
 
+/// A format that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum FormatArg {
+    Gltf,
+    Obj,
+    Ply,
+    Stl,
+    Npz,
+}
+
+impl From<FormatArg> for Format {
+    fn from(format: FormatArg) -> Self {
+        match format {
+            FormatArg::Gltf => Self::Gltf,
+            FormatArg::Obj => Self::Obj,
+            FormatArg::Ply => Self::Ply,
+            FormatArg::Stl => Self::Stl,
+            FormatArg::Npz => Self::Npz,
+        }
+    }
+}
+
 impl LoadArgs {
     pub(crate) fn options(self, weld: Weld) -> ReadOptions {
         ReadOptions {
+            format: self.input_format.map(Format::from),
             weld,
             memory_limit: self.memory_limit,
             allow_outside: self.allow_outside,

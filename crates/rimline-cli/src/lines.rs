@@ -12,80 +12,175 @@ mod style;
 mod svg;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use rimline::cpu::Threads;
 use rimline::{Mesh, Origin};
-use rimline_lines::{Drawing, Fault, LineOptions, LinesError, Object, draw, objects_of_model};
+use rimline_lines::{Drawing, Fault, LineClass, LineOptions, LinesError, Object, draw, objects_of_model};
 
 use crate::failure::{Failure, InputError};
+use crate::film::{self, Claim};
+use crate::info::Seams;
 use crate::input::{Input, Shape};
-use crate::output::{Output, note, print};
+use crate::output::{Folder, Output, note, print};
 use crate::posed_input::{animations, note_idle_time};
 use crate::progress::Progress;
 use crate::target::Inputs;
 use crate::{origin, shown};
-use args::LinesArgs;
+use args::{DxfUnits, Hidden, LinesArgs};
 use eye::Eye;
 use format::Format;
 use sheet::Sheet;
 use style::Style;
 
+/// Moments that the eye of a film is chosen by.
+const LOOKS: u32 = 12;
+
 pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     let format = Format::of(args)?;
-    args.check()?;
+    args.check(format)?;
     let style = args.style.as_deref().map_or_else(|| Ok(Style::default()), style::read)?;
+    if let (Some(file), Hidden::None, true) = (&args.style, args.hidden, style.has_hidden()) {
+        note(&format!("warning: {}: hidden lines are not drawn; give --hidden dashed or thin", file.display()));
+    }
+    let frames = args.frames.unwrap_or(1);
+    let file = |frame: u32| match args.frames {
+        Some(frames) => film::frame_file(&args.out, frame, frames, format.ending()),
+        None => args.out.clone(),
+    };
+    let _folder = args.frames.map(|_| Folder::create(&args.out)).transpose()?;
+    let _claim = args.frames.map(|_| Claim::take(&args.out)).transpose()?;
     let progress = Progress::start();
     progress.step("reading the models");
     let (inputs, chosen) = read(args)?;
     let read = inputs.iter().flat_map(Input::files).map(Path::to_owned).chain(args.style.clone());
-    Inputs::new(read.collect::<Vec<PathBuf>>()).spare(&args.out)?;
-    let output = Output::create(&args.out)?;
+    let read = Inputs::new(read.collect::<Vec<PathBuf>>());
+    (0..frames).try_for_each(|frame| read.spare(&file(frame)))?;
+    if args.frames.is_some() {
+        film::check_earlier(&args.out, frames, format.ending())?;
+    }
+    let mut output = Some(Output::create(&file(0))?);
 
-    let mut objects = Vec::new();
-    for (input, playing) in inputs.iter().zip(&chosen) {
-        objects.extend(objects_of(input, playing, args.pose.time, inputs.len() > 1)?);
+    let is_moving = frames > 1 && chosen.iter().any(|playing| !playing.is_empty());
+    let objects_at = |frame: u32| {
+        let time_s = args.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
+        let mut objects = Vec::new();
+        for (input, playing) in inputs.iter().zip(&chosen) {
+            objects.extend(objects_of(input, playing, time_s, inputs.len() > 1)?);
+        }
+        tell_apart(&mut objects);
+        Ok::<_, Failure>(objects)
+    };
+    let first = objects_at(0)?;
+    let objects_of_frame = |frame: u32| match is_moving && frame > 0 {
+        true => objects_at(frame).map(Cow::Owned),
+        false => Ok(Cow::Borrowed(&first)),
+    };
+    let refused = |error: LinesError| refused(&args.files[0], error);
+    let mut corners = eye::corners(&first);
+    for look in 1..if is_moving { LOOKS.min(frames) } else { 1 } {
+        corners.extend(eye::corners(&objects_at(look * frames / LOOKS.min(frames))?));
     }
     let origin = inputs[0].origin();
-    let eye = Eye::new(args, origin, &objects).map_err(|error| error.on(&args.files[0]))?;
-    progress.step("finding lines");
-    let options = LineOptions {
+    let eye = Eye::new(args, origin, &corners).map_err(|error| error.on(&args.files[0]))?;
+    drop(corners);
+    let eye_of = |frame: u32| eye.turned(args.turn * f64::from(frame) / f64::from(frames)).map_err(refused);
+    let mut extent = sheet::Extent::default();
+    for frame in 0..frames {
+        extent.add(args, &eye_of(frame)?.view, &objects_of_frame(frame)?);
+    }
+    let mut remarks = Remarks::default();
+    let mut said = String::new();
+    for frame in 0..frames {
+        let (objects, eye) = (objects_of_frame(frame)?, eye_of(frame)?);
+        let what = if frames == 1 { "finding lines".to_owned() } else { format!("drawing {} of {frames}", frame + 1) };
+        progress.step(what.clone());
+        let drawing = draw(&objects, &eye.view, &options(args), |done, all| {
+            progress.step(format!("{what}, {:.0} %", 100.0 * done as f64 / (all as f64).max(1.0)));
+            ControlFlow::Continue(())
+        });
+        let drawing = drawing.map_err(refused)?;
+        let is_left_out = remarks.of_drawing(&drawing, objects.len());
+        if is_left_out && frame == 0 {
+            return Err(Failure::input(&args.files[0])(InputError::NothingToDraw));
+        }
+        if frame == 0 && drawing.spans.iter().any(|span| span.class == LineClass::Boundary) {
+            remarks.of_seams(&inputs);
+        }
+        let units = (format == Format::Dxf && args.dxf_units == DxfUnits::Model).then(|| eye.page_of_origin(origin));
+        let sheet = Sheet::new(args, &style, &drawing, extent.window(args), units)?;
+        sheet.remarks.iter().for_each(|remark| remarks.say(remark.clone()));
+        if frames == 1 {
+            progress.step("writing");
+        }
+        let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
+        output.finish(|file| {
+            format
+                .write(file, &Picture { args, eye: &eye, objects: &objects, drawing: &drawing, sheet: &sheet, origin })
+        })?;
+        if args.frames.is_some() && frame == 0 {
+            film::remove_earlier((1..frames).map(file))?;
+        }
+        said = sheet.said(args, eye.view.is_perspective(), &[file(0), file(frame)]);
+    }
+    drop(progress);
+    print(&said)
+}
+
+fn options(args: &LinesArgs) -> LineOptions {
+    LineOptions {
         classes: args.classes(),
-        crease_degrees: args.crease,
+        crease_degrees: args.crease(),
         window: sheet::taken(args),
         memory_limit: Some(args.load.memory_limit),
         threads: Threads::all(),
         ..LineOptions::default()
-    };
-    let percent = |done: f64| format!("finding lines, {:.0} %", 100.0 * done);
-    let drawing = draw(&objects, &eye.view, &options, |done, all| {
-        progress.step(percent(done as f64 / (all as f64).max(1.0)));
-        ControlFlow::Continue(())
-    });
-    let drawing = drawing.map_err(|error| refused(&args.files[0], error))?;
-    for left_out in &drawing.left_out {
-        note(&format!("warning: `{}`: {}", left_out.name, left_out.fault));
     }
-    let is_left_out = |object: usize| {
-        drawing
-            .left_out
-            .iter()
-            .any(|left_out| left_out.object == object && !matches!(left_out.fault, Fault::NoSuchEdge { .. }))
-    };
-    if (0..objects.len()).all(is_left_out) {
-        return Err(Failure::input(&args.files[0])(InputError::NothingToDraw));
+}
+
+/// What is said to the user, once.
+#[derive(Default)]
+struct Remarks(BTreeSet<String>);
+
+impl Remarks {
+    fn say(&mut self, remark: String) {
+        if !self.0.contains(&remark) {
+            note(&remark);
+            self.0.insert(remark);
+        }
     }
-    if drawing.spans.is_empty() {
-        note("warning: no line of these classes is in sight");
+
+    /// Says which objects are left out. Returns whether all are.
+    fn of_drawing(&mut self, drawing: &Drawing, objects: usize) -> bool {
+        for left_out in &drawing.left_out {
+            self.say(format!("warning: `{}`: {}", left_out.name, left_out.fault));
+        }
+        let is_left_out = |object: usize| {
+            let mut faults = drawing.left_out.iter().filter(|left_out| left_out.object == object);
+            faults.any(|left_out| !matches!(left_out.fault, Fault::NoSuchEdge { .. }))
+        };
+        if (0..objects).all(is_left_out) {
+            return true;
+        }
+        if drawing.spans.is_empty() {
+            self.say("warning: no line of these classes is in sight".to_owned());
+        }
+        false
     }
-    let sheet = Sheet::new(args, &style, &drawing, eye.view.is_perspective())?;
-    progress.step("writing");
-    output.finish(|file| {
-        format.write(file, &Picture { args, eye: &eye, objects: &objects, drawing: &drawing, sheet: &sheet, origin })
-    })?;
-    drop(progress);
-    print(&sheet.said(args))
+
+    /// Says where boundaries are cracks that rounding left.
+    fn of_seams(&mut self, inputs: &[Input]) {
+        for input in inputs.iter().filter(|input| input.polygons().is_none()) {
+            for geometry in input.model().geometries() {
+                let seams = geometry.mesh().ok().and_then(|mesh| Seams::of(geometry, &mesh));
+                if let Some(seams) = seams.filter(|seams| seams.closes > 0) {
+                    self.say(format!("warning: {}: {}", input.file.display(), seams.text()));
+                }
+            }
+        }
+    }
 }
 
 /// A drawing, and all that the formats say of it.
@@ -107,7 +202,7 @@ impl Picture<'_> {
 
     /// The view and the scale in a sentence.
     fn description(&self) -> String {
-        format!("{}; {}", self.eye.said(self.args), self.sheet.scale_said())
+        format!("{}; {}", self.eye.said(self.args), self.sheet.scale_said(self.eye.view.is_perspective()))
     }
 }
 
@@ -150,6 +245,20 @@ fn objects_of(
         }
     }
     Ok(objects)
+}
+
+/// Numbers names that several objects have.
+fn tell_apart(objects: &mut [Object<'_>]) {
+    let mut names: BTreeSet<String> = objects.iter().map(|object| object.name.clone()).collect();
+    let mut met = BTreeSet::new();
+    for object in objects {
+        if met.insert(object.name.clone()) {
+            continue;
+        }
+        let mut numbered = (2..).map(|number| format!("{} {number}", object.name));
+        object.name = numbered.find(|name| names.insert(name.clone())).unwrap_or_default();
+        met.insert(object.name.clone());
+    }
 }
 
 /// Without faces that are not finite, as long as there are others: a warning has counted them. Polygons stay as they are.

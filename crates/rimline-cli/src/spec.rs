@@ -344,6 +344,11 @@ pub(crate) fn crease(text: &str) -> Result<f64, SpecError> {
     if (0.0..=180.0).contains(&degrees) { Ok(degrees.into()) } else { Err(SpecError::Crease) }
 }
 
+/// An angle in degrees by which an eye moves around.
+pub(crate) fn turn(text: &str) -> Result<f64, SpecError> {
+    within(text, -36_000.0, 36_000.0).map(f64::from)
+}
+
 pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {
     within(text, -MOST_SECONDS, MOST_SECONDS)
 }

@@ -9,7 +9,9 @@ use rimline::{MeshError, ModelError};
 use crate::format::FormatError;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
+use crate::ply::PlyError;
 use crate::size::size;
+use crate::stl::StlError;
 
 /// Why a file is refused. The messages do not say its name.
 #[derive(Debug, thiserror::Error)]
@@ -20,7 +22,7 @@ pub enum FileError {
     Read(#[from] io::Error),
     /// Neither its first bytes nor its name say a format that is read.
     #[error(
-        "cannot read {what}: use .glb, .gltf, .obj or .npz; Blender and `assimp export IN OUT.glb` convert most others"
+        "cannot read {what}: use .glb, .gltf, .obj, .ply, .stl or .npz; Blender and `assimp export IN OUT.glb` convert most others"
     )]
     Format {
         /// The ending, or what stands for it.
@@ -70,4 +72,10 @@ pub enum FileError {
     /// What is wrong with an OBJ.
     #[error(transparent)]
     Obj(#[from] ObjError),
+    /// What is wrong with a PLY.
+    #[error(transparent)]
+    Ply(#[from] PlyError),
+    /// What is wrong with an STL.
+    #[error(transparent)]
+    Stl(#[from] StlError),
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use zip::ZipArchive;
 
 use crate::error::FileError;
-use crate::obj;
+use crate::{obj, stl};
 
 /// A format that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +16,10 @@ pub enum Format {
     Gltf,
     /// Wavefront OBJ.
     Obj,
+    /// PLY, as text or in binary.
+    Ply,
+    /// STL, as text or in binary.
+    Stl,
     /// A NumPy archive with `positions`, and `faces` or `polygon_loops`.
     Npz,
 }
@@ -28,10 +32,12 @@ impl Format {
     pub(crate) fn of(reader: &mut (impl Read + Seek), name: Option<&Path>) -> Result<Self, FileError> {
         let ending = name.and_then(Path::extension).map(|ending| ending.to_string_lossy().to_lowercase());
         match (begins(reader)?, ending.as_deref()) {
+            (Begins::Ply, _) | (Begins::Unknown, Some("ply")) => Ok(Self::Ply),
+            (Begins::Stl, _) | (Begins::Unknown, Some("stl")) => Ok(Self::Stl),
             (Begins::Archive, _) | (Begins::Unknown, Some("npz")) => Ok(Self::Npz),
-            (Begins::Glb, _) | (Begins::Json, Some("obj" | "npz")) => Ok(Self::Gltf),
+            (Begins::Glb, _) | (Begins::Json, Some("obj" | "npz" | "ply" | "stl")) => Ok(Self::Gltf),
             (Begins::Json, _) if name.is_none() => Ok(Self::Gltf),
-            (Begins::Obj, Some("gltf" | "glb" | "npz")) | (_, Some("obj")) => Ok(Self::Obj),
+            (Begins::Obj, Some("gltf" | "glb" | "npz" | "ply" | "stl")) | (_, Some("obj")) => Ok(Self::Obj),
             (Begins::Obj, _) if name.is_none() => Ok(Self::Obj),
             (_, Some("gltf" | "glb")) => Ok(Self::Gltf),
             // Any text may begin like an OBJ.
@@ -47,6 +53,8 @@ impl Format {
 enum Begins {
     Glb,
     Archive,
+    Ply,
+    Stl,
     /// Text that is a glTF if it is a model at all.
     Json,
     /// Text that is an OBJ if it is a model at all.
@@ -83,7 +91,7 @@ const SCENE: &str = "convert it to .glb, in Blender or by `assimp export IN OUT.
 const BLENDER: &str = "open it in Blender and export it as .glb";
 const UNPACK: &str = "unpack it and give the model file in it";
 const ARCHIVE: &str = "give an .npz, as `numpy.savez` writes it";
-const NO_MODEL: &str = "give a .glb, .gltf, .obj or .npz";
+const NO_MODEL: &str = "give a .glb, .gltf, .obj, .ply, .stl or .npz";
 
 const FIRST_BYTES: &[(&[u8], &str, &str)] = &[
     (b"Kaydara FBX Binary", "an FBX file", SCENE),
@@ -129,6 +137,9 @@ fn begins(reader: &mut (impl Read + Seek)) -> Result<Begins, FormatError> {
     if start.starts_with(b"glTF") {
         return Ok(Begins::Glb);
     }
+    if let Some(found) = ply_or_stl(&start, length(reader)?) {
+        return Ok(found);
+    }
     let is_zip = start.starts_with(b"PK\x03\x04") || start.starts_with(b"PK\x05\x06");
     if let Some(foreign) = if is_zip { in_zip(reader)? } else { foreign(&start, length(reader)?) } {
         return Err(foreign.into());
@@ -151,6 +162,8 @@ pub fn archive<R: Read + Seek>(mut reader: R) -> Result<R, FormatError> {
             Err(Foreign { advice: ARCHIVE, ..foreign }.into())
         }
         Ok(Begins::Glb | Begins::Json) => Err(Foreign { what: "a glTF", advice: ARCHIVE }.into()),
+        Ok(Begins::Ply) => Err(Foreign { what: "a PLY file", advice: ARCHIVE }.into()),
+        Ok(Begins::Stl) => Err(Foreign { what: "an STL file", advice: ARCHIVE }.into()),
         Ok(Begins::Obj) => Err(Foreign { what: "an OBJ file", advice: ARCHIVE }.into()),
         found => found.map(|_| reader),
     }
@@ -174,6 +187,19 @@ fn text(start: &[u8]) -> &[u8] {
     start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start()
 }
 
+/// Finds models that are recognised by more than their first word.
+fn ply_or_stl(start: &[u8], length: u64) -> Option<Begins> {
+    let is_foreign = FIRST_BYTES.iter().any(|(first, ..)| start.starts_with(first));
+    if stl::is_binary(start, length) && !is_foreign {
+        return Some(Begins::Stl);
+    }
+    if stl::is_text(start) {
+        return Some(Begins::Stl);
+    }
+    let is_ply = [&b"ply\n"[..], b"ply\r"].iter().any(|first| start.starts_with(first));
+    (is_ply && start.windows(6).any(|word| word == b"format")).then_some(Begins::Ply)
+}
+
 /// Finds a format that is not read, by the first bytes and the length of the file.
 fn foreign(start: &[u8], length: u64) -> Option<Foreign> {
     let of = |what, advice| Some(Foreign { what, advice });
@@ -182,12 +208,6 @@ fn foreign(start: &[u8], length: u64) -> Option<Foreign> {
     }
     if is_utf16(start) {
         return of("text in UTF-16 or UTF-32", "save it as UTF-8, or by `iconv -f UTF-16 -t UTF-8 IN > OUT`");
-    }
-    // A binary STL is a header of 80 bytes, a count, and 50 bytes a triangle. Some tools write a little behind them.
-    let count = start.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
-    let fits = |count: u32| (0..=512).contains(&length.wrapping_sub(84 + 50 * u64::from(count)));
-    if count.is_some_and(|count| count > 0 && fits(count)) {
-        return of("an STL file", SURFACE);
     }
     // A chunk that is as long as the file.
     let chunk = start.get(2..6).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
@@ -198,12 +218,6 @@ fn foreign(start: &[u8], length: u64) -> Option<Foreign> {
     let contains = |word: &[u8]| text.windows(word.len()).any(|window| window == word);
     if let Some(&(_, what, advice)) = FIRST_WORDS.iter().find(|(first, ..)| text.starts_with(first)) {
         return of(what, advice);
-    }
-    if text.starts_with(b"solid") && (contains(b"facet") || contains(b"endsolid")) {
-        return of("an STL file", SURFACE);
-    }
-    if [&b"ply\n"[..], b"ply\r"].iter().any(|first| text.starts_with(first)) && contains(b"format") {
-        return of("a PLY file", SURFACE);
     }
     match text.first() {
         Some(b'<') if contains(b"<collada") => of("a COLLADA file", SCENE),

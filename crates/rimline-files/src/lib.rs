@@ -1,4 +1,4 @@
-//! Model files for [`rimline`]: glTF 2.0, Wavefront OBJ and NumPy archives, recognised by how they begin.
+//! Model files for [`rimline`]: glTF 2.0, Wavefront OBJ, PLY, STL and NumPy archives, recognised by how they begin.
 //!
 //! A file may hold anything: memory has a bound ([`ReadOptions::memory_limit`]), nothing panics, and errors say what is
 //! wrong, where, and what to do. Their advice names options of the command `rimline`, which go by the names of the fields of
@@ -15,17 +15,24 @@
 #![allow(clippy::doc_markdown, reason = "NumPy is a name")]
 
 mod charge;
+mod collected;
+mod coordinates;
 mod error;
 mod file;
 mod format;
+mod line;
 #[doc(hidden)]
 pub mod npz;
 #[doc(hidden)]
 pub mod obj;
 mod origin;
+#[doc(hidden)]
+pub mod ply;
 mod read;
 #[doc(hidden)]
 pub mod size;
+#[doc(hidden)]
+pub mod stl;
 
 pub use error::FileError;
 pub use file::{File, GivenPolygons, resting};

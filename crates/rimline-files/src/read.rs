@@ -11,7 +11,7 @@ use rimline::{Geometry, GeometryOptions, Instance, Mesh, Model};
 use crate::error::FileError;
 use crate::file::{File, GivenPolygons};
 use crate::format::Format;
-use crate::{npz, obj};
+use crate::{npz, obj, ply, stl};
 
 /// How polygons are taken. Those of an .npz are always taken whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -107,15 +107,14 @@ fn format(reader: &mut (impl Read + Seek), name: Option<&Path>, options: &ReadOp
 
 /// Reads a file that names no others.
 fn of_reader(format: Format, reader: impl BufRead + Seek, options: &ReadOptions) -> Result<File, FileError> {
-    match format {
-        Format::Obj => {
-            let are_kept = options.polygons != Polygons::Triangles;
-            of_arrays(obj::read(reader, options.memory_limit, are_kept)?, options.weld, options.polygons)
-        }
-        Format::Npz | Format::Gltf => {
-            of_arrays(npz::read(reader, options.memory_limit)?, options.weld, Polygons::Whole)
-        }
-    }
+    let (limit, are_kept) = (options.memory_limit, options.polygons != Polygons::Triangles);
+    let arrays = match format {
+        Format::Obj => obj::read(reader, limit, are_kept)?,
+        Format::Ply => ply::read(reader, limit, are_kept)?,
+        Format::Stl => stl::read(reader, limit)?,
+        Format::Npz | Format::Gltf => return of_arrays(npz::read(reader, limit)?, options.weld, Polygons::Whole),
+    };
+    of_arrays(arrays, options.weld, options.polygons)
 }
 
 /// Converts an error of a glTF, with advice for users of the command.
@@ -128,7 +127,7 @@ fn of_gltf(file: &Path, error: GltfError) -> FileError {
             let is_whole = Path::new(&what) == file;
             FileError::TooLarge { what: if is_whole { "the file".into() } else { what }, needed, limit }
         }
-        GltfError::Outside { place, uri, path } => FileError::Outside { place, uri, path },
+        GltfError::Outside { json_path, uri, path } => FileError::Outside { place: json_path, uri, path },
         error => FileError::Gltf(error),
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::target::Target;
 
 pub(crate) const USAGE: &str = "\
-Usage: rimline-fuzz --target gltf|npz|obj|wgsl|args [--seconds 60] [--seed N] [--slow 5] [--out target/fuzz] [--case N]
+Usage: rimline-fuzz --target gltf|npz|obj|ply|stl|wgsl|args [--seconds 60] [--seed N] [--slow 5] [--out target/fuzz] [--case N]
 
 --case N runs the one case of that number.";
 

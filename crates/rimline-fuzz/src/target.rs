@@ -5,14 +5,18 @@ pub(crate) enum Target {
     Gltf,
     Npz,
     Obj,
+    Ply,
+    Stl,
     Wgsl,
     Arguments,
 }
 
-const TARGETS: [(Target, &str, &str); 5] = [
+const TARGETS: [(Target, &str, &str); 7] = [
     (Target::Gltf, "gltf", "glb"),
     (Target::Npz, "npz", "npz"),
     (Target::Obj, "obj", "obj"),
+    (Target::Ply, "ply", "ply"),
+    (Target::Stl, "stl", "stl"),
     (Target::Wgsl, "wgsl", "wgsl"),
     (Target::Arguments, "args", "txt"),
 ];

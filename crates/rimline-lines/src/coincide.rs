@@ -8,7 +8,7 @@ use crate::frame::{Frame, Part};
 use crate::hiders::Reach;
 use crate::options::LineClass;
 use crate::parallel::ranges;
-use crate::tree::Tree;
+use crate::tree::{Box3, Tree};
 
 /// Overlaps shorter than this share of a line's page are none.
 const LEAST: f64 = 1e-7;
@@ -20,14 +20,15 @@ impl Drawn<'_> {
     /// with fewer faces in front, then the first.
     pub(crate) fn once(&self, frame: &Frame, threads: Threads) -> Vec<Piece> {
         let item = |(line, part): (u32, &Option<Part>)| Some((frame.bounds_of_part(part.as_ref()?), line));
-        let tree = Tree::new((0..).zip(self.parts).filter_map(item).collect(), 2, threads);
+        let items: Vec<_> = (0..).zip(self.parts).filter_map(item).collect();
+        let tree = Tree::new(items.len(), (2, &Box3::UNIT), threads, |at| items[at]);
         let found = ranges(threads, self.lines.len(), RUN, |range| {
             let mut pairs = Vec::new();
             for line in range {
                 let Some(part) = &self.parts[line] else { continue };
                 let reach = Reach::new(frame, part);
                 tree.visit(
-                    |around| reach.meets(around),
+                    |row| reach.meets(row),
                     |other: u32| {
                         if other as usize != line && self.coincide(line, other as usize) {
                             pairs.extend([[line as u32, other], [other, line as u32]]);

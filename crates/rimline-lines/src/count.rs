@@ -53,7 +53,7 @@ pub(crate) fn count(
     scratch.toggles.clear();
     let reach = Reach::new(frame, part);
     tree.visit(
-        |around| reach.meets(around),
+        |row| reach.meets(row),
         |triangle| {
             let Some(covered) = segment.covered_by(triangle) else { return };
             if triangle.polygon() == Triangle::ALONE {

@@ -8,6 +8,7 @@ use crate::cover::Triangle;
 use crate::drawing::{Drawing, Span};
 use crate::edges::{Line, lines};
 use crate::error::{LinesError, check_count};
+use crate::fold::without_touching;
 use crate::frame::{Frame, Part};
 use crate::hiders::hiders;
 use crate::meet::meet;
@@ -43,6 +44,7 @@ pub fn draw(
     if options.classes.contains(LineClass::Intersection) {
         let mut tick = |_| progress(0, 0);
         meet(&mut world, &mut lines, options.threads, &mut tick)?;
+        without_touching(&mut lines, &world);
     }
     check_memory(&world, lines.len(), options)?;
     if progress(0, lines.len()).is_break() {

@@ -7,6 +7,7 @@ use rimline::{Mesh, Predicate};
 use crate::crease::Crease;
 use crate::drawing::FaceId;
 use crate::error::{Fault, LeftOut, LinesError};
+use crate::fold::Fold;
 use crate::options::{LineClass, LineOptions};
 use crate::parallel::ranges;
 use crate::world::{Placed, World};
@@ -51,8 +52,9 @@ pub(crate) fn lines(
         let masks = extract(&object.positions, &object.mesh, &[world.view.eye()], Predicate::Exact, options.threads)?;
         let shared = shared_edges(&object.mesh);
         let marked = Marked::new(placed, left_out);
-        let asked =
-            Asked { placed, number, options, crease: Crease::new(options.crease_degrees), masks, shared, marked };
+        let crease = Crease::new(options.crease_degrees);
+        let mut asked = Asked { placed, number, options, crease, masks, shared, folds: Vec::new(), marked };
+        asked.folds = asked.folds();
         let found = ranges(options.threads, object.mesh.edges().len(), RUN, |range| {
             range.filter_map(|record| asked.line(record as u32)).collect::<Vec<_>>()
         });
@@ -70,6 +72,8 @@ struct Asked<'a> {
     masks: Extraction,
     /// Records of edges that have several, and the first of each edge.
     shared: Vec<[u32; 2]>,
+    /// Edges of several records whose faces lie in two half-planes, by the first record, in order.
+    folds: Vec<(u32, Fold)>,
     marked: Marked,
 }
 
@@ -79,19 +83,55 @@ impl Asked<'_> {
         let masks = self.masks.masks[record as usize];
         let is_silhouette = masks.silhouette & 1 != 0;
         let first = self.shared.binary_search_by_key(&record, |&[shared, _]| shared).map(|at| self.shared[at][1]);
+        let fold = first.ok().and_then(|first| self.folds.binary_search_by_key(&first, |&(first, _)| first).ok());
+        let fold = fold.map(|at| self.folds[at].1);
         let is = |class: LineClass| match class {
-            LineClass::Silhouette => is_silhouette && edge.kind != EdgeKind::Boundary,
+            LineClass::Silhouette => match fold {
+                Some(fold) => fold.is_silhouette,
+                None => is_silhouette && edge.kind != EdgeKind::Boundary,
+            },
             LineClass::Boundary => edge.kind == EdgeKind::Boundary && first.is_err(),
-            LineClass::NonManifold => first.is_ok(),
-            LineClass::Crease => self.is_crease(&edge),
+            LineClass::NonManifold => first.is_ok() && fold.is_none(),
+            LineClass::Crease => fold.map_or_else(|| self.is_crease(&edge), |fold| fold.is_crease),
             LineClass::Intersection => false,
             LineClass::Marked => self.marked.contains(edge.vertices),
         };
         let class = LineClass::ALL.into_iter().find(|&class| self.options.classes.contains(class) && is(class))?;
-        let is_forward = masks.winding & 1 != 0;
+        let is_forward = match fold {
+            Some(fold) => fold.is_left == (edge.vertices[0] < edge.vertices[1]),
+            None => masks.winding & 1 != 0,
+        };
         let [a, b] = edge.vertices.map(|vertex| vertex + self.placed.first_vertex);
         let vertices = if is_forward { [a, b] } else { [b, a] };
         Some(Line { vertices, class, placed: self.number, record: first.unwrap_or(record) })
+    }
+
+    fn folds(&self) -> Vec<(u32, Fold)> {
+        let object = self.placed.object;
+        if object.mesh.polygons().is_some() {
+            return Vec::new();
+        }
+        let mut by_edge: Vec<[u32; 2]> = self.shared.iter().map(|&[record, first]| [first, record]).collect();
+        by_edge.sort_unstable();
+        let fold = |records: &[[u32; 2]]| {
+            let mut faces = Vec::new();
+            let mut vertices = [0; 2];
+            for &[_, record] in records {
+                let edge = object.mesh.edges().get(record as usize)?;
+                let masks = self.masks.masks[record as usize];
+                vertices = sorted(edge.vertices);
+                // A face is to the left of the edge if the eye is in front of it and it walks the edge that way.
+                let (is_forward, facing) = (edge.vertices == vertices, masks.winding & 1 != 0);
+                faces.push((edge.face_0, is_forward == facing));
+                if let Some(face_1) = edge.face_1 {
+                    let is_same_way = edge.kind == EdgeKind::Inconsistent;
+                    let is_facing = facing != ((masks.silhouette & 1 != 0) != is_same_way);
+                    faces.push((face_1, (is_forward == is_same_way) == is_facing));
+                }
+            }
+            Some((records[0][0], Fold::new(object, vertices, &faces, self.crease)?))
+        };
+        by_edge.chunk_by(|one, other| one[0] == other[0]).filter_map(fold).collect()
     }
 
     fn is_crease(&self, edge: &Edge) -> bool {

@@ -77,6 +77,11 @@ impl Plane {
         self.normal
     }
 
+    /// The product of the sums of sizes of the vectors that span it.
+    pub(crate) fn size(&self) -> f64 {
+        self.size / RELATIVE
+    }
+
     /// The determinant at `p`, and a bound of its error.
     pub(crate) fn height(&self, p: [f64; 3]) -> Height {
         self.along(difference(p, self.at))
@@ -123,7 +128,7 @@ fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     from_fn(|axis| p[axis] - q[axis])
 }
 
-fn sum_of_sizes(v: [f64; 3]) -> f64 {
+pub(crate) fn sum_of_sizes(v: [f64; 3]) -> f64 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 

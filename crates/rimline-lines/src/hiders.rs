@@ -5,7 +5,7 @@ use rimline::cpu::Threads;
 use crate::cover::Triangle;
 use crate::frame::{Frame, Part};
 use crate::parallel::ranges;
-use crate::tree::{Box3, Tree};
+use crate::tree::{Box3, Row, Tree, bits};
 use crate::world::World;
 
 /// Faces or vertices at a time.
@@ -39,7 +39,7 @@ pub(crate) fn hiders(world: &World<'_>, frame: &Frame, parts: &[Option<Part>], t
         });
         items.extend(found.into_iter().flatten());
     }
-    Tree::new(items, 2, threads)
+    Tree::new(items.len(), (2, &Box3::UNIT), threads, |at| items[at])
 }
 
 fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
@@ -63,19 +63,21 @@ impl Reach {
         Self { around, across: [(-dy / length) as f32, (dx / length) as f32], at: frame.on_page(a) }
     }
 
-    pub(crate) fn meets(&self, Box3 { low, high }: &Box3) -> bool {
-        let own = &self.around;
-        if low[2] > own.high[2] || (0..2).any(|axis| low[axis] > own.high[axis] || high[axis] < own.low[axis]) {
-            return false;
-        }
-        let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
-        let from = [0, 1].map(|axis| 0.5 * (high[axis] + low[axis]) - self.at[axis]);
-        let [nx, ny] = self.across;
-        let reach = nx.abs() * half[0] + ny.abs() * half[1];
-        // Many times the roundings. A NaN of boxes without end is not apart.
-        let error = 1e-5 * (1.0 + half[0] + half[1] + from[0].abs() + from[1].abs());
-        let is_apart = (nx * from[0] + ny * from[1]).abs() > reach + error;
-        !is_apart
+    /// A bit for each box of a row that the line meets.
+    pub(crate) fn meets(&self, Row { low, high }: &Row) -> u32 {
+        let ([left, below, _], [right, above, far]) = (self.around.low, self.around.high);
+        let ([nx, ny], [at_x, at_y]) = (self.across, self.at);
+        bits(|at| {
+            let (low_x, low_y, high_x, high_y) = (low[0][at], low[1][at], high[0][at], high[1][at]);
+            let is_apart = (low[2][at] > far) | (low_x > right) | (low_y > above) | (high_x < left) | (high_y < below);
+            let (half_x, half_y) = (0.5 * (high_x - low_x), 0.5 * (high_y - low_y));
+            let (x, y) = (0.5 * (high_x + low_x) - at_x, 0.5 * (high_y + low_y) - at_y);
+            let reach = nx.abs() * half_x + ny.abs() * half_y;
+            // Many times the roundings. A NaN of boxes without end is not apart.
+            let error = 1e-5 * (1.0 + half_x + half_y + x.abs() + y.abs());
+            let is_beside = (nx * x + ny * y).abs() > reach + error;
+            !(is_apart | is_beside)
+        })
     }
 
     /// The part of `columns` that the line passes between two heights, and perhaps a few more at each end.

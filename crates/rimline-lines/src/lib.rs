@@ -30,6 +30,7 @@ mod drawing;
 mod edges;
 mod error;
 mod exact;
+mod fold;
 mod frame;
 mod hiders;
 mod meet;

@@ -8,14 +8,11 @@ use rimline::cpu::Threads;
 use crate::drawing::FaceId;
 use crate::edges::Line;
 use crate::error::{LinesError, check_count};
-use crate::exact::{Plane, face_value};
+use crate::exact::{Plane, face_value, sum_of_sizes};
 use crate::options::LineClass;
-use crate::parallel::ranges;
 use crate::tree::{Box3, Tree};
+use crate::view::{cross, dot};
 use crate::world::{Pierce, World};
-
-/// Faces at a time.
-const RUN: usize = 1 << 14;
 
 /// An end of a line where two faces meet.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -45,23 +42,23 @@ pub(crate) fn meet(
     tick: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<(), LinesError> {
     let faces = Faces::new(world);
-    let boxes = ranges(threads, faces.count as usize, RUN, |range| {
-        range
-            .map(|number| (Box3::around(faces.positions(faces.corners(number as u32))), number as u32))
-            .collect::<Vec<_>>()
+    let around = world.positions.iter().fold(Box3::EMPTY, |all, &position| all.join(Box3::of(position)));
+    let tree = Tree::new(faces.count as usize, (3, &around), threads, |number| {
+        let corners = faces.corners(number as u32);
+        let [a, b, c] = faces.positions(corners).map(Box3::of);
+        (a.join(b).join(c), (number as u32, corners))
     });
-    let tree = Tree::new(boxes.concat(), 3, threads);
-    let found = tree.pairs(threads, tick, |found, one: u32, other: u32| {
-        let numbers = [one.min(other), one.max(other)];
-        let [corners, others] = numbers.map(|number| faces.corners(number));
-        // Faces of an edge meet there.
-        if corners.iter().filter(|vertex| others.contains(vertex)).count() < 2 {
+    let prepare = |&(number, corners): &(u32, [u32; 3])| Own::new(number, corners, &world.positions);
+    let found = tree.pairs(threads, tick, prepare, |found, own: &Own, &(other, corners)| {
+        if own.may_meet(corners, &world.positions) {
+            let numbers = [own.number.min(other), own.number.max(other)];
             let [one, other] = numbers.map(|number| faces.get(number));
             if let Some(ends) = meeting(&one, &other) {
                 found.push((numbers, ends, [one, other].map(|face| (face.placed, face.number))));
             }
         }
     });
+    drop(tree);
     let Some(found) = found else { return Err(LinesError::Cancelled) };
     let mut found = found.concat();
     found.sort_unstable_by_key(|&(numbers, ..)| numbers);
@@ -133,6 +130,69 @@ impl<'a> Faces<'a> {
     }
 }
 
+/// A face that is asked for several others.
+struct Own {
+    number: u32,
+    corners: [u32; 3],
+    plane: Plane,
+}
+
+impl Own {
+    fn new(number: u32, corners: [u32; 3], positions: &[[f32; 3]]) -> Self {
+        let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
+        Self { number, corners, plane: Plane::of_face(a, b, c) }
+    }
+
+    /// Whether another face may pass through this one. `false` is certain.
+    fn may_meet(&self, others: [u32; 3], positions: &[[f32; 3]]) -> bool {
+        let is_shared = |at: usize| self.corners.contains(&others[at]);
+        let is_in = [is_shared(0), is_shared(1), is_shared(2)];
+        let position = |at: usize| positions[others[at] as usize];
+        match is_in {
+            [false, false, false] => !is_beside(&self.plane, &is_in, [position(0), position(1), position(2)]),
+            [true, false, false] => self.may_meet_at(others[0], [position(1), position(2)], positions),
+            [false, true, false] => self.may_meet_at(others[1], [position(2), position(0)], positions),
+            [false, false, true] => self.may_meet_at(others[2], [position(0), position(1)], positions),
+            // Faces of an edge meet there.
+            _ => false,
+        }
+    }
+
+    /// The same for a face that shares one corner, and has two others.
+    fn may_meet_at(&self, shared: u32, [p, q]: [[f32; 3]; 2], positions: &[[f32; 3]]) -> bool {
+        let heights = [self.plane.height(p.map(f64::from)), self.plane.height(q.map(f64::from))];
+        let signs = heights.map(|height| height.certain_sign());
+        if signs[0] * signs[1] > 0 {
+            return false;
+        }
+        let [Some(from_p), Some(from_q)] = heights.map(|height| height.accurate()) else { return true };
+        let at = positions[shared as usize];
+        let [a, b] = match self.corners {
+            [first, b, c] if first == shared => [b, c],
+            [c, first, b] if first == shared => [b, c],
+            [b, c, _] => [b, c],
+        };
+        // Both planes meet along the line from the corner to where the other face's third edge pierces this plane. This face lies
+        // there between its two edges, or elsewhere.
+        let away = |to: [f32; 3]| [0, 1, 2].map(|axis| f64::from(to[axis]) - f64::from(at[axis]));
+        let [p, q] = [away(p), away(q)];
+        let (from_p, from_q) = (from_p.number().abs(), from_q.number().abs());
+        let along = [0, 1, 2].map(|axis| from_q * p[axis] + from_p * q[axis]);
+        let size = from_q * sum_of_sizes(p) + from_p * sum_of_sizes(q);
+        let is_outside = |edge: [f64; 3], turn: f64| {
+            let inside = turn * dot(cross(self.plane.normal(), edge), along);
+            inside < -1e-7 * self.plane.size() * sum_of_sizes(edge) * size
+        };
+        !(is_outside(away(positions[a as usize]), 1.0) || is_outside(away(positions[b as usize]), -1.0))
+    }
+}
+
+/// Whether `f64` is certain that the corners are on one side of a plane, but for those that are in it.
+fn is_beside(plane: &Plane, is_in: &[bool; 3], corners: [[f32; 3]; 3]) -> bool {
+    let signs = corners.map(|corner| plane.height(corner.map(f64::from)).certain_sign());
+    [1, -1].into_iter().any(|side| (0..3).all(|at| is_in[at] || signs[at] == side))
+}
+
 /// The ends of the line where two faces pass through each other.
 fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
     if (one.placed, one.number) == (other.placed, other.number) {
@@ -152,7 +212,7 @@ fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
     // One direction for all faces of two surfaces that meet: across the normals of both.
     let [n, m] =
         [one, other].map(|face| Plane::of_face(face.positions[0], face.positions[1], face.positions[2]).normal());
-    let is_forward = crate::view::cross(n, m)[axis] > 0.0;
+    let is_forward = cross(n, m)[axis] > 0.0;
     (from.1[axis] < to.1[axis]).then_some(if is_forward { [from.0, to.0] } else { [to.0, from.0] })
 }
 
@@ -161,12 +221,11 @@ fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
     let is_shared = face.corners.map(|vertex| other.corners.contains(&vertex));
-    let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
     // A shared corner is in the plane. With all others on one side, that is all that is.
-    let is_on = |side: i32| (0..3).all(|at| is_shared[at] || heights[at].certain_sign() == side);
-    if is_on(1) || is_on(-1) {
+    if is_beside(&plane, &is_shared, face.positions) {
         return None;
     }
+    let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
     let value = |at: usize| {
         if is_shared[at] {
             0.0

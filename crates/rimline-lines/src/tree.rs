@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use rimline::cpu::Threads;
 
-use crate::parallel::blocks;
+use crate::parallel::{blocks, ranges};
 
 /// A box along three axes. On the page the third is the depth.
 #[derive(Clone, Copy, Debug)]
@@ -14,11 +14,12 @@ pub(crate) struct Box3 {
 }
 
 impl Box3 {
-    const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+    /// Of a page, and of depths.
+    pub(crate) const UNIT: Self = Self { low: [0.0; 3], high: [1.0; 3] };
+    pub(crate) const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
 
-    /// Around points.
-    pub(crate) fn around(points: [[f32; 3]; 3]) -> Self {
-        points.into_iter().fold(Self::EMPTY, |all, point| all.join(Self { low: point, high: point }))
+    pub(crate) fn of(point: [f32; 3]) -> Self {
+        Self { low: point, high: point }
     }
 
     pub(crate) fn join(self, other: Self) -> Self {
@@ -27,172 +28,256 @@ impl Box3 {
             high: [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis])),
         }
     }
+}
 
-    pub(crate) fn meets(&self, other: &Self) -> bool {
-        (0..3).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
+/// Boxes of a [`Row`].
+pub(crate) const WIDE: usize = 8;
+
+/// Boxes side by side, which are tested together. Those that are missing are empty.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    pub(crate) low: [[f32; WIDE]; 3],
+    pub(crate) high: [[f32; WIDE]; 3],
+}
+
+impl Row {
+    fn new(boxes: impl Iterator<Item = Box3>) -> Self {
+        let mut row = Self { low: [[f32::INFINITY; WIDE]; 3], high: [[f32::NEG_INFINITY; WIDE]; 3] };
+        for (at, Box3 { low, high }) in boxes.enumerate() {
+            for axis in 0..3 {
+                (row.low[axis][at], row.high[axis][at]) = (low[axis], high[axis]);
+            }
+        }
+        row
+    }
+
+    fn get(&self, at: usize) -> Box3 {
+        Box3 { low: [0, 1, 2].map(|axis| self.low[axis][at]), high: [0, 1, 2].map(|axis| self.high[axis][at]) }
+    }
+
+    fn around(&self) -> Box3 {
+        (0..WIDE).fold(Box3::EMPTY, |all, at| all.join(self.get(at)))
+    }
+
+    /// A bit for each of the boxes that meets another one.
+    fn meets(&self, Box3 { low, high }: &Box3) -> u32 {
+        let ([x, y, z], [right, above, far]) = (*low, *high);
+        bits(|at| {
+            let [low, high] = [&self.low, &self.high];
+            (low[0][at] <= right)
+                & (high[0][at] >= x)
+                & (low[1][at] <= above)
+                & (high[1][at] >= y)
+                & (low[2][at] <= far)
+                & (high[2][at] >= z)
+        })
     }
 }
 
-/// Nodes lie in the order of a walk that takes the left child first, so a node with n leaves has its right child 2·⌊n/2⌋ nodes
-/// later. Each leaf has [`LEAF`] items, the last one may have fewer.
+/// A bit for each box of a row that `is` says yes to.
+#[inline(always)]
+pub(crate) fn bits(is: impl Fn(usize) -> bool) -> u32 {
+    const BITS: [u32; WIDE] = [1, 2, 4, 8, 16, 32, 64, 128];
+    let mut all = 0;
+    for (at, bit) in BITS.into_iter().enumerate() {
+        all |= if is(at) { bit } else { 0 };
+    }
+    all
+}
+
+/// The positions of the bits of a mask.
+fn positions_of(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let at = mask.trailing_zeros();
+        mask &= mask.wrapping_sub(1);
+        (at < u32::BITS).then_some(at as usize)
+    })
+}
+
+/// Items in the order of a curve through space. Rows of the first level have their boxes, those of each other level the boxes around
+/// the rows of the one below; the last level is one row.
 pub(crate) struct Tree<T> {
-    nodes: Vec<Box3>,
-    items: Vec<(Box3, T)>,
+    levels: Vec<Vec<Row>>,
+    items: Vec<T>,
 }
 
-/// A node, its first leaf, and how many it has.
-#[derive(Clone, Copy, Default)]
-struct Below {
-    node: usize,
-    first: usize,
-    leaves: usize,
-}
-
-impl Below {
-    fn children(self) -> [Self; 2] {
-        let left = self.leaves / 2;
-        let right = Self { node: self.node + 2 * left, first: self.first + left, leaves: self.leaves - left };
-        [Self { node: self.node + 1, first: self.first, leaves: left }, right]
-    }
-}
-
-const LEAF: usize = 4;
-/// With fewer items a thread of its own is not worth its cost.
-const LEAST: usize = 1 << 14;
-/// Pairs of nodes that threads share.
-const SHARED: usize = 1 << 10;
+/// Items or rows at a time.
+const RUN: usize = 1 << 14;
+/// Rows whose pairs are looked for at a time.
+const PAIR_RUN: usize = 1 << 8;
 
 impl<T: Copy + Send + Sync> Tree<T> {
-    /// Boxes are told apart along the first `axes` axes.
-    pub(crate) fn new(mut items: Vec<(Box3, T)>, axes: usize, threads: Threads) -> Self {
-        let leaves = items.len().div_ceil(LEAF);
-        let mut nodes = vec![Box3::EMPTY; (2 * leaves).saturating_sub(1)];
-        if leaves > 0 {
-            build(&mut items, &mut nodes, axes, threads.count());
+    /// Of `count` items, each with a box. They are ordered along the first `axes` axes, 2 or 3. Most are within `around`.
+    pub(crate) fn new(
+        count: usize,
+        (axes, around): (usize, &Box3),
+        threads: Threads,
+        item: impl Fn(usize) -> (Box3, T) + Sync,
+    ) -> Self {
+        let middle = |at: usize| {
+            let Box3 { low, high } = item(at).0;
+            [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis])
+        };
+        let curve = Curve::new(around, axes);
+        let order = sorted(threads, count, |at| u64::from(curve.place(middle(at))) << 32 | at as u64);
+        let rows = ranges(threads, order.len().div_ceil(WIDE), RUN / WIDE, |range| {
+            let own = &order[WIDE * range.start..(WIDE * range.end).min(order.len())];
+            let items: Vec<_> = own.iter().map(|&key| item(key as u32 as usize)).collect();
+            let rows: Vec<_> = items.chunks(WIDE).map(|row| Row::new(row.iter().map(|&(around, _)| around))).collect();
+            (rows, items.into_iter().map(|(_, item)| item).collect::<Vec<_>>())
+        });
+        drop(order);
+        let mut tree = Self { levels: Vec::new(), items: Vec::with_capacity(count) };
+        let mut level = Vec::with_capacity(count.div_ceil(WIDE));
+        for (rows, items) in rows {
+            level.extend(rows);
+            tree.items.extend(items);
         }
-        Self { nodes, items }
+        while level.len() > 1 {
+            let next = level.chunks(WIDE).map(|rows| Row::new(rows.iter().map(Row::around))).collect();
+            tree.levels.push(std::mem::replace(&mut level, next));
+        }
+        tree.levels.push(level);
+        tree
     }
 
-    fn root(&self) -> Below {
-        Below { node: 0, first: 0, leaves: self.items.len().div_ceil(LEAF) }
+    /// Calls `found` for each item whose box, and those around it, are among those that `meets` gives bits for.
+    pub(crate) fn visit(&self, meets: impl Fn(&Row) -> u32, mut found: impl FnMut(T)) {
+        self.rows(&meets, 0, |row, mask| positions_of(mask).for_each(|at| found(self.items[WIDE * row + at])));
     }
 
-    fn leaf(&self, below: Below) -> &[(Box3, T)] {
-        &self.items[LEAF * below.first..(LEAF * (below.first + 1)).min(self.items.len())]
-    }
-
-    /// Calls `found` for each item whose box, and those around it, `meets` says yes to.
-    pub(crate) fn visit(&self, meets: impl Fn(&Box3) -> bool, mut found: impl FnMut(T)) {
-        let mut stack = [Below::default(); 64];
-        stack[0] = self.root();
-        let mut count = usize::from(!self.nodes.is_empty());
+    /// The rows of the first level from `first` on, with their bits.
+    fn rows(&self, meets: &impl Fn(&Row) -> u32, first: usize, mut found: impl FnMut(usize, u32)) {
+        // At most 11 levels with 7 rows that wait.
+        let mut stack = [(0_u32, 0_u32); 80];
+        stack[0] = (self.levels.len() as u32 - 1, 0);
+        let mut count = usize::from(!self.items.is_empty());
         while count > 0 {
             count -= 1;
-            let below = stack[count];
-            if !meets(&self.nodes[below.node]) {
+            let (level, row) = stack[count];
+            let below = if level == 0 { self.items.len() } else { self.levels[level as usize - 1].len() };
+            let missing = (WIDE * (row as usize + 1)).saturating_sub(below);
+            let mask = meets(&self.levels[level as usize][row as usize]) & 0xff >> missing;
+            if level == 0 {
+                if mask != 0 {
+                    found(row as usize, mask);
+                }
                 continue;
             }
-            if below.leaves == 1 {
-                self.leaf(below).iter().filter(|(around, _)| meets(around)).for_each(|&(_, what)| found(what));
-                continue;
+            for at in positions_of(mask) {
+                let below = WIDE * row as usize + at;
+                if (below + 1) << (3 * (level - 1)) > first {
+                    stack[count] = (level - 1, below as u32);
+                    count += 1;
+                }
             }
-            let [left, right] = below.children();
-            (stack[count], stack[count + 1]) = (right, left);
-            count += 2;
         }
     }
 
-    /// Results that `found` adds for all pairs of items whose boxes meet, in any order. `None` if `tick` ends it.
-    pub(crate) fn pairs<R: Send>(
+    /// Results that `found` adds for all pairs of items whose boxes meet, in any order. The first one is given by what
+    /// `prepare` made of it. `None` if `tick` ends it.
+    pub(crate) fn pairs<P, R: Send>(
         &self,
         threads: Threads,
         tick: &mut dyn FnMut(usize) -> ControlFlow<()>,
-        found: impl Fn(&mut Vec<R>, T, T) + Sync,
+        prepare: impl Fn(&T) -> P + Sync,
+        found: impl Fn(&mut Vec<R>, &P, &T) + Sync,
     ) -> Option<Vec<Vec<R>>> {
-        let mut pairs = if self.nodes.is_empty() { Vec::new() } else { vec![[self.root(); 2]] };
-        // The same pairs of nodes with any number of threads.
-        while (1..SHARED).contains(&pairs.len()) && pairs.iter().any(|pair| pair[0].leaves + pair[1].leaves > 2) {
-            let mut next = Vec::new();
-            for pair in pairs {
-                self.split(pair, |pair| next.push(pair));
-            }
-            pairs = next;
-        }
-        let work = |number: usize| {
+        let rows = &self.levels[0];
+        let work = |block: usize| {
             let mut results = Vec::new();
-            let mut stack = vec![pairs[number]];
-            while let Some(pair) = stack.pop() {
-                if pair[0].leaves + pair[1].leaves > 2 {
-                    self.split(pair, |pair| stack.push(pair));
-                    continue;
-                }
-                let [one, other] = pair.map(|below| self.leaf(below));
-                let is_same = pair[0].node == pair[1].node;
-                for (at, (around, what)) in one.iter().enumerate() {
-                    let others = if is_same { &other[at + 1..] } else { other };
-                    for (other_around, other_what) in others {
-                        if around.meets(other_around) {
-                            found(&mut results, *what, *other_what);
+            for number in block * PAIR_RUN..((block + 1) * PAIR_RUN).min(rows.len()) {
+                let (own, around) = (&rows[number], rows[number].around());
+                let items = &self.items[WIDE * number..self.items.len().min(WIDE * (number + 1))];
+                let prepared: Vec<_> = items.iter().map(&prepare).collect();
+                self.rows(&|row| row.meets(&around), number, |other, mask| {
+                    let row = &rows[other];
+                    for at in 0..items.len() {
+                        let later = if other == number { u32::MAX << at << 1 } else { u32::MAX };
+                        for other_at in positions_of(row.meets(&own.get(at)) & mask & later) {
+                            found(&mut results, &prepared[at], &self.items[WIDE * other + other_at]);
                         }
                     }
-                }
+                });
             }
             results
         };
-        blocks(threads, pairs.len(), work, tick)
-    }
-
-    /// The pairs of nodes below a pair of nodes whose boxes meet. Pairs of leaves stay.
-    fn split(&self, [one, other]: [Below; 2], mut add: impl FnMut([Below; 2])) {
-        if one.node == other.node {
-            if one.leaves == 1 {
-                return add([one, other]);
-            }
-            let [left, right] = one.children();
-            add([left, left]);
-            add([right, right]);
-            if self.nodes[left.node].meets(&self.nodes[right.node]) {
-                add([left, right]);
-            }
-            return;
-        }
-        if one.leaves + other.leaves == 2 {
-            return add([one, other]);
-        }
-        let [large, small] = if one.leaves >= other.leaves { [one, other] } else { [other, one] };
-        for child in large.children() {
-            if self.nodes[child.node].meets(&self.nodes[small.node]) {
-                add([child, small]);
-            }
-        }
+        blocks(threads, rows.len().div_ceil(PAIR_RUN), work, tick)
     }
 }
 
-/// Orders the items and fills the nodes above them.
-fn build<T: Copy + Send + Sync>(items: &mut [(Box3, T)], nodes: &mut [Box3], axes: usize, threads: usize) {
-    nodes[0] = items.iter().fold(Box3::EMPTY, |all, &(around, _)| all.join(around));
-    let leaves = items.len().div_ceil(LEAF);
-    if leaves == 1 {
-        return;
-    }
-    let middle = |item: &(Box3, T), axis: usize| item.0.low[axis] + item.0.high[axis];
-    let spreads = [0, 1, 2].map(|axis| {
-        let finite = items.iter().map(|item| middle(item, axis)).filter(|c| axis < axes && c.is_finite());
-        let [low, high] = finite.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)]);
-        high - low
+/// The keys of all numbers below `count`, in order. No two are equal.
+fn sorted(threads: Threads, count: usize, key: impl Fn(usize) -> u64 + Sync) -> Vec<u64> {
+    let runs = ranges(threads, count, RUN, |range| {
+        let mut keys: Vec<_> = range.map(&key).collect();
+        keys.sort_unstable();
+        keys
     });
-    let axis = (1..3).fold(0, |best, axis| if spreads[axis] > spreads[best] { axis } else { best });
-    let left = leaves / 2;
-    items.select_nth_unstable_by(LEAF * left, |one, other| middle(one, axis).total_cmp(&middle(other, axis)));
-    let (before, after) = items.split_at_mut(LEAF * left);
-    let (nodes_before, nodes_after) = nodes[1..].split_at_mut(2 * left - 1);
-    if threads > 1 && after.len() > LEAST {
-        std::thread::scope(|scope| {
-            scope.spawn(|| build(before, nodes_before, axes, threads / 2));
-            build(after, nodes_after, axes, threads - threads / 2);
-        });
-    } else {
-        build(before, nodes_before, axes, 1);
-        build(after, nodes_after, axes, 1);
+    if runs.len() == 1 {
+        return runs.concat();
+    }
+    // Keys that part the others to about equal shares.
+    let mut borders: Vec<_> = runs.iter().flat_map(|run| run.iter().step_by(RUN / 16)).copied().collect();
+    borders.sort_unstable();
+    let borders: Vec<_> = borders.into_iter().step_by(16).skip(1).collect();
+    let parts = ranges(threads, borders.len() + 1, 1, |range| {
+        let mut part = Vec::new();
+        for run in &runs {
+            let from = if range.start == 0 { 0 } else { run.partition_point(|key| *key < borders[range.start - 1]) };
+            let to = borders.get(range.start).map_or(run.len(), |border| run.partition_point(|key| key < border));
+            part.extend_from_slice(&run[from..to]);
+        }
+        part.sort_unstable();
+        part
+    });
+    parts.concat()
+}
+
+/// A curve through all cells of a square or a cube, on which neighbours are neighbours: Hilbert's.
+struct Curve {
+    low: [f32; 3],
+    scale: f32,
+    axes: usize,
+}
+
+impl Curve {
+    fn new(around: &Box3, axes: usize) -> Self {
+        let size = (0..axes).map(|axis| around.high[axis] - around.low[axis]).fold(0.0, f32::max);
+        let scale = (1_u32 << Self::bits(axes)) as f32 / size;
+        Self { low: around.low, scale: if scale.is_finite() { scale } else { 0.0 }, axes }
+    }
+
+    /// Bits of a cell along an axis.
+    fn bits(axes: usize) -> u32 {
+        if axes == 2 { 15 } else { 10 }
+    }
+
+    /// Where the cell of a point is on the curve, by Skilling (2004): "Programming the Hilbert curve".
+    fn place(&self, point: [f32; 3]) -> u32 {
+        let bits = Self::bits(self.axes);
+        let most = (1_u32 << bits) - 1;
+        // Numbers that are not finite go to a border.
+        let cell = |axis: usize| (((point[axis] - self.low[axis]) * self.scale) as u32).min(most);
+        let mut x = [0, 1, 2].map(|axis| if axis < self.axes { cell(axis) } else { 0 });
+        let last = self.axes - 1;
+        for bit in (1..bits).rev() {
+            let (bit, below) = (1 << bit, (1 << bit) - 1);
+            for axis in 0..self.axes {
+                let flip = if x[axis] & bit != 0 { below } else { 0 };
+                let swap = (x[0] ^ x[axis]) & below & !flip;
+                x[0] ^= flip | swap;
+                x[axis] ^= swap;
+            }
+        }
+        for axis in 1..self.axes {
+            x[axis] ^= x[axis - 1];
+        }
+        let mut flip = 0;
+        for bit in (1..bits).rev() {
+            flip ^= if x[last] >> bit & 1 != 0 { (1 << bit) - 1 } else { 0 };
+        }
+        let x = x.map(|x| x ^ flip);
+        let digits = (0..bits).rev().flat_map(|bit| (0..self.axes).map(move |axis| x[axis] >> bit & 1));
+        digits.fold(0, |place, digit| place << 1 | digit)
     }
 }

@@ -63,11 +63,11 @@ pub fn on_models<E: Into<Failed>>(
 /// A trial on a file of the catalogue, then on a real one, where there are any.
 pub fn on_both<E: Into<Failed>>(
     name: &str,
-    [own, real]: [&'static str; 2],
+    [generated, real]: [&'static str; 2],
     test: impl Fn(&Path) -> Result<(), E> + Send + 'static,
 ) -> Trial {
     let run = move || {
-        let file = made(own)?;
+        let file = made(generated)?;
         let paths = [Some(file.path.clone()), assets().map(|folder| folder.join(real))];
         paths.into_iter().flatten().try_for_each(|path| {
             test(&path).map_err(|error| {

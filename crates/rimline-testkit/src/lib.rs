@@ -60,7 +60,7 @@ pub fn shared_cases() -> Option<PathBuf> {
     assets().map(|folder| folder.with_file_name("cases")).filter(|folder| folder.is_dir())
 }
 
-/// Fails with the first place at which two slices differ, and how many there are.
+/// Fails with the first index at which two slices differ, and their number.
 pub fn same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], expected: &[T]) -> Result<(), String> {
     if got.len() != expected.len() {
         return Err(format!("{what}: {} items, expected {}", got.len(), expected.len()));

@@ -148,21 +148,21 @@ fn words(text: &str) -> Vec<String> {
 pub fn value(root: &mut Value, random: &mut Random) {
     let count = count(root);
     let other = pick(root, &mut random.below(count)).cloned().unwrap_or(Value::Null);
-    let Some(place) = pick(root, &mut random.below(count)) else { return };
+    let Some(node) = pick(root, &mut random.below(count)) else { return };
     match random.below(12) {
-        0 => *place = Value::Null,
-        1 => *place = json!([place.clone()]),
-        2 => *place = json!({ "extras": place.clone() }),
-        3 => *place = other,
-        4 => *place = json!(-1),
-        5 => *place = json!(1e30),
-        6 => *place = json!(extreme(random)),
+        0 => *node = Value::Null,
+        1 => *node = json!([node.clone()]),
+        2 => *node = json!({ "extras": node.clone() }),
+        3 => *node = other,
+        4 => *node = json!(-1),
+        5 => *node = json!(1e30),
+        6 => *node = json!(extreme(random)),
         7 => {
             for _ in 0..1 << random.below(11) {
-                *place = json!([place.take()]);
+                *node = json!([node.take()]);
             }
         }
-        8 => match place {
+        8 => match node {
             Value::Array(list) if !list.is_empty() => {
                 let at = random.below(list.len());
                 if random.below(2) == 0 {
@@ -176,9 +176,9 @@ pub fn value(root: &mut Value, random: &mut Random) {
                 let key = map.keys().nth(random.below(map.len())).cloned();
                 key.and_then(|key| map.remove(&key));
             }
-            _ => *place = json!("x"),
+            _ => *node = json!("x"),
         },
-        _ if place.is_number() => *place = json!(random.below(12)),
+        _ if node.is_number() => *node = json!(random.below(12)),
         _ => {}
     }
 }

@@ -1,6 +1,6 @@
 //! How a light sees a boundary, by brute force and written apart from `src/`: the light is really moved, the boundary is
 //! projected to a plane, and the plane is cut into strips at every corner and crossing. In each strip the winding numbers
-//! of all places are counted from below. All in big integers.
+//! of all positions are counted from below. All in big integers.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -268,7 +268,7 @@ fn touch([a, b]: &[Vector; 2], [c, d]: &[Vector; 2]) -> bool {
     is_within(&s, &whole) && is_within(&t, &whole) && !(is_end(&s, &whole) && is_end(&t, &whole))
 }
 
-/// The winding numbers of all places in the plane that have an area.
+/// The winding numbers of all regions of the plane with an area.
 fn windings(edges: &[[Point; 2]]) -> BTreeSet<i32> {
     let lines: Vec<[BigInt; 3]> = edges.iter().map(|[p, q]| line(p, q)).collect();
     let mut cuts: Vec<(BigInt, BigInt)> = edges.iter().map(|[p, _]| (p.x.clone(), p.z.clone())).collect();

@@ -250,13 +250,13 @@ pub fn quad_box(cuts: u32) -> PolygonSet {
     set
 }
 
-/// A polygon that is planar but for rounding, and a place for a light in its plane but for rounding.
+/// A polygon that is planar but for rounding, and a position for a light in its plane but for rounding.
 pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
     let corners = 4 + random.below(29);
     let [u, v] = [random.direction(), random.direction()];
     let middle = [0, 1, 2].map(|_| random.between(-3.0, 3.0));
-    let place = |x: f32, y: f32| [0, 1, 2].map(|axis| middle[axis] + x * u[axis] + y * v[axis]);
-    let on_circle = |radius: f32, angle: f32| place(radius * angle.cos(), radius * angle.sin());
+    let at = |x: f32, y: f32| [0, 1, 2].map(|axis| middle[axis] + x * u[axis] + y * v[axis]);
+    let on_circle = |radius: f32, angle: f32| at(radius * angle.cos(), radius * angle.sin());
     let is_regular = random.below(2) == 0;
     let points = (0..corners)
         .map(|corner| {

@@ -82,14 +82,14 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
             label,
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let own: Vec<_> = bound.iter().map(|&(binding, bound)| layout_entry(binding, bound.ty())).collect();
+        let stage_entries: Vec<_> = bound.iter().map(|&(binding, bound)| layout_entry(binding, bound.ty())).collect();
         let written = |read_only| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only },
             has_dynamic_offset: false,
             min_binding_size: None,
         };
         let probed = [layout_entry(0, written(true)), layout_entry(1, written(false))];
-        let layouts = [&own[..], &probed[..]]
+        let layouts = [&stage_entries[..], &probed[..]]
             .map(|entries| gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries }));
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
@@ -117,12 +117,12 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
                 .collect();
             gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
         };
-        let own = group(&self.layouts[0], bound);
+        let stage_entries = group(&self.layouts[0], bound);
         let probed = group(&self.layouts[1], &[(0, Bound::Storage(&given)), (1, Bound::Storage(&found))]);
         gpu.submit(|encoder| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &own, &[]);
+            pass.set_bind_group(0, &stage_entries, &[]);
             pass.set_bind_group(1, &probed, &[]);
             pass.dispatch_workgroups((inputs.len() as u32).div_ceil(64), 1, 1);
             Ok(())

@@ -129,8 +129,8 @@ pub fn scene(random: &mut Random, number: usize, light_count: usize) -> Scene {
     let is_relative = offset > 2e3 || random.below(2) == 0;
     let turn = DQuat::from_axis_angle(direction(random), f64::from(random.between(0.0, 6.0)));
     let size = scale * f64::from(random.between(0.2, 1.2));
-    let place = |p: [f32; 3]| (middle + turn * (DVec3::from_array(p.map(f64::from)) * size)).as_vec3().to_array();
-    let positions = positions.into_iter().map(place).collect();
+    let moved = |p: [f32; 3]| (middle + turn * (DVec3::from_array(p.map(f64::from)) * size)).as_vec3().to_array();
+    let positions = positions.into_iter().map(moved).collect();
     Scene {
         name: format!("{name}, projection {projection}, at {offset}, relative {is_relative}, scale {scale}"),
         camera: pose.camera(projection, is_relative),

@@ -11,8 +11,8 @@ pub(crate) type Vector = [BigInt; 3];
 
 /// The value times a power of two that makes an integer of it.
 pub(crate) fn scaled(value: f32, exponent: i32) -> BigInt {
-    let (mantissa, own) = decode(value);
-    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (own + exponent) as usize }
+    let (mantissa, exponent_of_value) = decode(value);
+    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (exponent_of_value + exponent) as usize }
 }
 
 /// The least power of two in these values; 0 where all are zero.

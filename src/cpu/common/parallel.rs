@@ -50,7 +50,7 @@ impl Threads {
     }
 }
 
-/// Calls `work` on each run: the first on the calling thread, each other one on a thread of its own.
+/// Calls `work` on each run: the first on the calling thread, the others on further threads.
 fn share_runs<T: Send, R: Send>(mut runs: impl Iterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     let Some(first) = runs.next() else { return Vec::new() };
     std::thread::scope(|scope| {
@@ -64,7 +64,7 @@ fn share_runs<T: Send, R: Send>(mut runs: impl Iterator<Item = T>, work: impl Fn
     })
 }
 
-/// With fewer items a thread of its own is not worth its cost.
+/// With fewer items a further thread costs more than it saves.
 const LEAST: usize = 4096;
 
 impl Default for Threads {

@@ -24,8 +24,8 @@ pub fn deform(
     let mut positions = vec![[0.0; 3]; model.vertex_count()];
     let mut rest = positions.as_mut_slice();
     for (geometry, pose) in model.placed_geometries().zip(pose.instances()) {
-        let (own, others) = rest.split_at_mut(geometry.positions().len());
-        threads.share(own, |first, positions| {
+        let (of_instance, others) = rest.split_at_mut(geometry.positions().len());
+        threads.share(of_instance, |first, positions| {
             for (vertex, position) in (first..).zip(positions) {
                 *position = deform_vertex(geometry, pose, vertex);
                 if let Some(displace) = displace {

@@ -20,7 +20,7 @@ pub(crate) struct Batch {
 }
 
 impl Batch {
-    /// Takes at most [`LANES`] faces. Unused places hold the first vertex three times.
+    /// `faces` has at most [`LANES`] faces. Unused lanes hold the first vertex three times.
     #[inline]
     pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], light_batch: &LightBatch) -> Self {
         let mut corners = [[[0.0; LANES]; 3]; 3];

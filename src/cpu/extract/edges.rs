@@ -72,14 +72,14 @@ fn fill<T: Send>(
     for (batch, (plane, facing)) in planes.enumerate() {
         let live = low_bits(light_count - 32 * batch);
         let twisted = faces.twisted.get(face_count * batch..face_count * (batch + 1)).unwrap_or_default();
-        threads.share(plane, |first, kept| {
-            let records = kept.iter_mut().zip(&records.packed_faces()[first..]);
+        threads.share(plane, |first, words| {
+            let records = words.iter_mut().zip(&records.packed_faces()[first..]);
             if !twisted.is_empty() {
-                records.for_each(|(kept, &faces)| *kept = keep(masks_beside_twisted(faces, facing, twisted, live)));
+                records.for_each(|(word, &faces)| *word = keep(masks_beside_twisted(faces, facing, twisted, live)));
             } else if is_closed {
-                records.for_each(|(kept, &faces)| *kept = keep(consistent_masks(faces, facing)));
+                records.for_each(|(word, &faces)| *word = keep(consistent_masks(faces, facing)));
             } else {
-                records.for_each(|(kept, &faces)| *kept = keep(edge_masks(faces, facing, live)));
+                records.for_each(|(word, &faces)| *word = keep(edge_masks(faces, facing, live)));
             }
         });
     }

@@ -9,8 +9,8 @@ use crate::cpu::common::double_sign::{cross, difference, dot, sum_of_sizes, to_l
 /// With fewer edges, all pairs take less time.
 pub(crate) const MANY_EDGES: usize = 64;
 
-/// How the light sees the edges of a boundary, none of which has length 0. It is what all pairs of edges tell. `None` where
-/// this way does not tell: the light is close to the boundary, or in the midst of it.
+/// How the light sees the edges of a boundary, none of which has length 0. It equals the result of all pairs of edges. `None` if
+/// this way cannot decide: the light is close to the boundary, or amid its corners.
 pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Orientation> {
     if is_in_plane(edges, light) {
         return Some(Orientation::InPlane);
@@ -32,8 +32,8 @@ pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Orientation>
     })
 }
 
-/// Whether each edge is in one plane with the light and each corner. An edge that points at the light is so in any case; else
-/// one edge tells of all corners.
+/// Whether each edge is in one plane with the light and each corner. An edge that points at the light always is. Any other edge
+/// decides for all corners.
 fn is_in_plane(edges: &[Edge], light: [f32; 4]) -> bool {
     let Some(&[a, b]) = edges.iter().find(|&&edge| !points_at(edge, light)) else { return true };
     edges.iter().all(|&[c, _]| turn_as_given(a, b, c, light) == 0)
@@ -58,8 +58,8 @@ fn chains(edges: &[Edge]) -> Vec<usize> {
     let next = |edge: usize| {
         let end = key(edges[edge][1]);
         let first = starts.partition_point(|&(start, _)| start < end);
-        let mut there = starts[first..].iter().take_while(|&&(start, _)| start == end);
-        match (there.next(), there.next()) {
+        let mut nexts = starts[first..].iter().take_while(|&&(start, _)| start == end);
+        match (nexts.next(), nexts.next()) {
             (Some(&(_, next)), None) => Some(next),
             _ => None,
         }
@@ -76,16 +76,16 @@ fn chains(edges: &[Edge]) -> Vec<usize> {
             continue;
         }
         first_edges.push(first);
-        let mut here = Some(first);
-        while let Some(edge) = here.filter(|&edge| !is_walked[edge]) {
+        let mut walk = Some(first);
+        while let Some(edge) = walk.filter(|&edge| !is_walked[edge]) {
             is_walked[edge] = true;
-            here = next[edge];
+            walk = next[edge];
         }
     }
     first_edges
 }
 
-/// The edges in a plane, as the light sees them, each point less than `margin` from its place along both axes.
+/// The edges in a plane, as the light sees them, each point less than `margin` from its exact position along both axes.
 struct Flat {
     edges: Vec<[[f64; 2]; 2]>,
     margin: f64,

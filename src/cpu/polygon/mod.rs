@@ -1,6 +1,5 @@
 //! Polygons as a light sees them: front-facing, back-facing, in a plane with the light, or L-twisted; docs/numerics/polygons.md.
 
-pub(crate) mod boundary;
 pub(crate) mod corner_turn;
 pub(crate) mod edge_pair;
 pub(crate) mod half_space;
@@ -8,5 +7,6 @@ pub(crate) mod many_edges;
 pub(crate) mod orientation;
 pub(crate) mod polygon_facing;
 pub(crate) mod polygon_masks;
+pub(crate) mod polygon_pairs;
 pub(crate) mod polygon_turns;
 pub(crate) mod turns_batch;

@@ -1,8 +1,8 @@
 //! Polygon facing: for each polygon and light whether it faces the light, and whether it is L-twisted.
 
-use super::boundary::Boundary;
 use super::orientation::Orientation;
 use super::polygon_masks::{PolygonMasks, polygon_masks};
+use super::polygon_pairs::Boundary;
 use super::turns_batch::{Decided, turns_batch};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;

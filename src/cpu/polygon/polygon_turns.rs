@@ -1,9 +1,9 @@
-//! Polygon turns: the cheap way to what a light sees of most boundaries.
+//! Polygon turns: a fast test that decides most polygons.
 
 use super::corner_turn::turn_as_given;
 use super::orientation::Orientation;
 
-/// The corners whose turns must be alike for a loop of `count` corners to be strictly convex. Four corners need four
+/// The corners whose turns must be equal for a loop of `count` corners to be strictly convex. Four corners need four
 /// turns; more corners also need those that show that the loop goes around once.
 pub(crate) fn convex_turns(count: usize) -> impl Iterator<Item = [usize; 3]> {
     let next = move |corner: usize| if corner + 1 < count { corner + 1 } else { 0 };
@@ -11,7 +11,8 @@ pub(crate) fn convex_turns(count: usize) -> impl Iterator<Item = [usize; 3]> {
     corners.chain((3..count.max(4) - 1).flat_map(|corner| [[0, 1, corner], [0, corner - 1, corner]]))
 }
 
-/// How a light sees one loop of corners, if turns tell: it is strictly convex, or a quadrilateral of which no turn is 0.
+/// The side of one loop of corners that a light sees, if turns decide: for strictly convex loops, and for quadrilaterals
+/// without a turn of 0.
 pub fn polygon_turns(corners: &[[f32; 3]], light: [f32; 4]) -> Option<Orientation> {
     if corners.len() < 3 {
         return None;

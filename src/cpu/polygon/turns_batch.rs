@@ -38,15 +38,15 @@ impl Turns {
     }
 }
 
-/// Decides a run of polygons. `largest` is the largest coordinate there is.
+/// Decides a range of polygons. `largest` is the largest coordinate there is.
 pub(crate) fn turns_batch(
     positions: &[[f32; 3]],
     polygons: &Polygons,
-    run: Range<usize>,
+    range: Range<usize>,
     largest: f32,
     light_batch: &LightBatch,
 ) -> impl Iterator<Item = Decided> {
-    let mut turns = vec![Turns { are_all_positive: u32::MAX, positive: [0; 3], are_certain: false }; run.len()];
+    let mut turns = vec![Turns { are_all_positive: u32::MAX, positive: [0; 3], are_certain: false }; range.len()];
     let mut waiting = Waiting { corners: [[0; 3]; LANES], polygons: [0; LANES], count: 0 };
     let decide = |waiting: &mut Waiting, turns: &mut [Turns]| {
         let batch = Batch::new(positions, &waiting.corners[..waiting.count], light_batch);
@@ -56,15 +56,15 @@ pub(crate) fn turns_batch(
         }
         waiting.count = 0;
     };
-    for (place, polygon) in run.clone().enumerate() {
+    for (index, polygon) in range.clone().enumerate() {
         let boundary = polygons.boundary(polygon);
         if !is_loop(boundary) {
             continue;
         }
-        turns[place].are_certain = true;
+        turns[index].are_certain = true;
         for corners in convex_turns(boundary.len()) {
             waiting.corners[waiting.count] = corners.map(|corner| boundary[corner][0]);
-            waiting.polygons[waiting.count] = place;
+            waiting.polygons[waiting.count] = index;
             waiting.count += 1;
             if waiting.count == LANES {
                 decide(&mut waiting, &mut turns);
@@ -73,7 +73,7 @@ pub(crate) fn turns_batch(
     }
     decide(&mut waiting, &mut turns);
     let live = light_batch.active_bits;
-    turns.into_iter().zip(run).map(move |(turns, polygon)| {
+    turns.into_iter().zip(range).map(move |(turns, polygon)| {
         let [once, twice, thrice] = turns.positive.map(|lights| lights & live);
         if !turns.are_certain {
             return Decided { facing: 0, twisted: 0, undecided: live };

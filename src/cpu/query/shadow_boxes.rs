@@ -34,18 +34,19 @@ pub fn shadow_boxes(positions: &[[f32; 3]], mesh: &Mesh, threads: Threads) -> Ve
 /// A run of clusters that holds every mesh.
 const ANY_RUN: usize = usize::MAX / CLUSTER;
 
-/// The clusters of a mesh without their boxes, with its faces in order. No polygon lies in two runs of `run` clusters: before one that would, places stay
-/// empty. One with more faces than a run lies in several all the same, see [`largest_polygon`].
+/// The clusters of a mesh without their boxes, with its faces in order. No polygon lies in two
+/// runs of `run` clusters: entries before one that would stay empty. A polygon with more faces than a run still does, see
+/// [`largest_polygon`].
 pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
     let mut clusters = vec![FaceCluster::zeroed(); cluster_count(mesh, run)];
-    let mut put = |place: usize, number: usize, head: usize| {
-        let (cluster, face) = (&mut clusters[place / CLUSTER], mesh.faces()[number]);
-        if place.is_multiple_of(CLUSTER) {
+    let mut put = |index: usize, number: usize, head: usize| {
+        let (cluster, face) = (&mut clusters[index / CLUSTER], mesh.faces()[number]);
+        if index.is_multiple_of(CLUSTER) {
             cluster.first_face = number as u32;
         }
-        cluster.corners[place % CLUSTER * 3..][..3].copy_from_slice(&face);
-        cluster.continues |= u32::from(place > head) << (place % CLUSTER);
-        if place.is_multiple_of(CLUSTER) && place > head {
+        cluster.corners[index % CLUSTER * 3..][..3].copy_from_slice(&face);
+        cluster.continues |= u32::from(index > head) << (index % CLUSTER);
+        if index.is_multiple_of(CLUSTER) && index > head {
             cluster.head = (head % (run * CLUSTER)) as u32;
         }
     };
@@ -58,9 +59,9 @@ pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
     let mut end = 0;
     for polygon in 0..polygons.len() {
         let triangles = polygons.triangles(polygon);
-        let first = first_place(end, triangles.len(), run);
-        for (place, face) in (first..).zip(triangles.clone()) {
-            put(place, face, first);
+        let first = first_index(end, triangles.len(), run);
+        for (index, face) in (first..).zip(triangles.clone()) {
+            put(index, face, first);
         }
         end = first + triangles.len();
     }
@@ -71,7 +72,7 @@ pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
 pub(crate) fn cluster_count(mesh: &Mesh, run: usize) -> usize {
     let end = mesh.polygons().map_or(mesh.faces().len(), |polygons| {
         let sizes = (0..polygons.len()).map(|polygon| polygons.triangles(polygon).len());
-        sizes.fold(0, |end, size| first_place(end, size, run) + size)
+        sizes.fold(0, |end, size| first_index(end, size, run) + size)
     });
     end.div_ceil(CLUSTER)
 }
@@ -83,8 +84,8 @@ pub(crate) fn largest_polygon(mesh: &Mesh) -> usize {
         .map_or(1, |polygons| (0..polygons.len()).map(|polygon| polygons.triangles(polygon).len()).max().unwrap_or(0))
 }
 
-/// Where a polygon of `size` triangles begins if all places below `end` are taken.
-fn first_place(end: usize, size: usize, run: usize) -> usize {
+/// Where a polygon of `size` triangles begins if all entries below `end` are in use.
+fn first_index(end: usize, size: usize, run: usize) -> usize {
     let run = run * CLUSTER;
     if end / run == (end + size).saturating_sub(1) / run { end } else { end.next_multiple_of(run) }
 }

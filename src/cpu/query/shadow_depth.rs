@@ -12,12 +12,12 @@ use crate::light::{MAX_LIGHTS, check_shadow_lights};
 use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 
 /// The depths of `points` for `lights`: the number of faces of `mesh` strictly between point and light. Each face counts once,
-/// whatever its orientation. A polygon counts once if an odd number of its triangles lie between, and not at all otherwise:
+/// in either orientation. A polygon counts once if an odd number of its triangles lie between, and not at all otherwise:
 /// where it is folded, it darkens what its boundary does, L-twisted or not. All inputs are in one space. Points follow each
 /// other in the result, with one number for each light. A point that is infinite or NaN has −1.
 ///
-/// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that contains the point or the light does not lie between them. Other
-/// ties are broken as if the light were moved by `(ε, ε², ε³)`; see docs/numerics/query.md.
+/// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that
+/// contains the point or the light does not lie between them. Other ties are broken as if the light were moved by `(ε, ε², ε³)`; see docs/numerics/query.md.
 ///
 /// A point that is on a face may lie before or behind it after rounding: [`shadow_depth_on_faces`] leaves that face out, and
 /// [`Light::lift`] moves points off all faces.
@@ -93,23 +93,23 @@ impl Segment {
 
     fn depth(&self, positions: &[[f32; 3]], clusters: &[FaceCluster]) -> i32 {
         let mut depth = 0;
-        // The polygon at hand, by the place where it begins, and whether an odd number of its triangles are between so far.
+        // The current polygon, by the index of its first face, and whether an odd number of its triangles lie between so far.
         let mut odd = (0, false);
-        for (group_at, group) in clusters.chunks(CLUSTER).enumerate() {
+        for (group_index, group) in clusters.chunks(CLUSTER).enumerate() {
             if self.misses(group[0].group_low, group[0].group_high) {
                 continue;
             }
-            for (at, cluster) in group.iter().enumerate() {
+            for (index, cluster) in group.iter().enumerate() {
                 if self.misses(cluster.low, cluster.high) {
                     continue;
                 }
                 let bound = self.edge_bound(cluster);
-                for place in 0..CLUSTER {
-                    if cluster.first_face.wrapping_add(place as u32) == self.on_face {
+                for lane in 0..CLUSTER {
+                    if cluster.first_face.wrapping_add(lane as u32) == self.on_face {
                         continue;
                     }
-                    if self.crosses(positions, corners_of(cluster, place), bound) {
-                        let head = head_of(cluster, group_at * CLUSTER + at, place);
+                    if self.crosses(positions, corners_of(cluster, lane), bound) {
+                        let head = head_of(cluster, group_index * CLUSTER + index, lane);
                         odd = (head, odd.0 == head && odd.1);
                         // 1, or −1 after an odd number of triangles of the same polygon.
                         depth += if odd.1 { -1 } else { 1 };
@@ -128,14 +128,14 @@ impl Segment {
         }
         let [low, high] = [low, high].map(corner_of);
         // The box is before both ends or beyond both. These signs are exact.
-        let ends = |at: f64, axis: usize| [at - self.p[axis], self.w * at - self.l[axis]];
+        let ends = |c: f64, axis: usize| [c - self.p[axis], self.w * c - self.l[axis]];
         let is_apart = |axis: usize| {
             ends(high[axis], axis).into_iter().all(|d| d < 0.0) || ends(low[axis], axis).into_iter().all(|d| d > 0.0)
         };
         if (0..3).any(is_apart) {
             return true;
         }
-        // The box is beside the line, seen along an axis.
+        // The line passes beside the box, seen along an axis.
         let middle = [0, 1, 2].map(|axis| ((low[axis] - self.p[axis]) + (high[axis] - self.p[axis])) * 0.5);
         let extent = [0, 1, 2].map(|axis| {
             let half = (high[axis] - low[axis]) * 0.5;
@@ -150,8 +150,8 @@ impl Segment {
     /// A bound on the error of a determinant for any edge of the cluster. The box of the cluster holds all its edges.
     fn edge_bound(&self, cluster: &FaceCluster) -> f64 {
         let [low, high] = [cluster.low, cluster.high].map(corner_of);
-        let reach = [0, 1, 2].map(|axis| (low[axis] - self.p[axis]).abs().max((high[axis] - self.p[axis]).abs()));
-        RELATIVE * sum_of_sizes(difference(high, low)) * sum_of_sizes(reach) * sum_of_sizes(self.towards)
+        let distance = [0, 1, 2].map(|axis| (low[axis] - self.p[axis]).abs().max((high[axis] - self.p[axis]).abs()));
+        RELATIVE * sum_of_sizes(difference(high, low)) * sum_of_sizes(distance) * sum_of_sizes(self.towards)
     }
 
     /// Whether a face lies strictly between point and light. `bound` is that of its cluster.
@@ -168,9 +168,9 @@ impl Segment {
             return false;
         }
         let vectors = [(a, b, from_a), (b, c, from_b), (c, a, from_c)];
-        let sides = [0, 1, 2].map(|at| {
-            let (a, b, from_a) = vectors[at];
-            certain_sign(sides[at], [difference(b, a), from_a, self.towards])
+        let sides = [0, 1, 2].map(|side| {
+            let (a, b, from_a) = vectors[side];
+            certain_sign(sides[side], [difference(b, a), from_a, self.towards])
         });
         if sides.contains(&1) && sides.contains(&-1) {
             return false;
@@ -196,15 +196,15 @@ fn corner_of([x, y, z, _]: [u32; 4]) -> [f64; 3] {
     [x, y, z].map(|bits| f64::from(f32::from_bits(bits)))
 }
 
-/// Where the polygon of a face begins. `at` is the cluster, and `place` the face in it.
-fn head_of(cluster: &FaceCluster, at: usize, place: usize) -> usize {
-    let begins = !cluster.continues & (u32::MAX >> (CLUSTER - 1 - place));
-    begins.checked_ilog2().map_or(cluster.head as usize, |begin| CLUSTER * at + begin as usize)
+/// The index of the first face of a face's polygon. `index` is the index of the cluster, `lane` that of the face in it.
+fn head_of(cluster: &FaceCluster, index: usize, lane: usize) -> usize {
+    let begins = !cluster.continues & (u32::MAX >> (CLUSTER - 1 - lane));
+    begins.checked_ilog2().map_or(cluster.head as usize, |begin| CLUSTER * index + begin as usize)
 }
 
 /// The vertices of a face of a cluster.
-fn corners_of(cluster: &FaceCluster, place: usize) -> [u32; 3] {
-    [0, 1, 2].map(|corner| cluster.corners[3 * place + corner])
+fn corners_of(cluster: &FaceCluster, lane: usize) -> [u32; 3] {
+    [0, 1, 2].map(|corner| cluster.corners[3 * lane + corner])
 }
 
 fn light_xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {

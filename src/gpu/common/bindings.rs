@@ -19,7 +19,7 @@ impl Bindings {
         let Ok(module) = naga::front::wgsl::parse_str(wgsl) else { return Self::default() };
         let mut found: Vec<(String, wgpu::BindGroupLayoutEntry)> = Vec::new();
         for (_, variable) in module.global_variables.iter() {
-            let (Some(place), Some(name)) = (&variable.binding, &variable.name) else { continue };
+            let (Some(binding), Some(name)) = (&variable.binding, &variable.name) else { continue };
             let ty = match module.types[variable.ty].inner {
                 naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => {
                     Some(texture_type(wgpu::TextureSampleType::Depth, multi))
@@ -32,11 +32,11 @@ impl Bindings {
                 }
                 _ => buffer_type(variable.space),
             };
-            let Some(ty) = ty.filter(|_| place.group == 0) else { continue };
+            let Some(ty) = ty.filter(|_| binding.group == 0) else { continue };
             let visibility = wgpu::ShaderStages::COMPUTE;
             found.push((
                 name.clone(),
-                wgpu::BindGroupLayoutEntry { binding: place.binding, visibility, ty, count: None },
+                wgpu::BindGroupLayoutEntry { binding: binding.binding, visibility, ty, count: None },
             ));
         }
         found.sort_by_key(|(_, entry)| entry.binding);

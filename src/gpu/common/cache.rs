@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::memory::any_error;
 
-/// A value, or the place for it. The thread that makes the value holds its lock, so other threads wait for it instead
+/// A value, or an empty cell for it. The thread that makes the value holds its lock, so other threads wait for it instead
 /// of making it again. Other values can be made meanwhile.
 type Room<V> = Arc<Mutex<Option<V>>>;
 
@@ -22,7 +22,7 @@ impl<K, V> Default for Cache<K, V> {
 }
 
 impl<K: Eq + Hash, V: Clone> Cache<K, V> {
-    /// The value of `key`. `make` makes it unless it exists. If the device reports an error, the value is not kept. It
+    /// The value of `key`. `make` makes it unless it exists. If the device reports an error, the value is not cached. It
     /// is then made again outside the cache's error scopes, because error scopes belong to the calling thread: the
     /// error goes where the caller wants it.
     pub(crate) fn get<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V) -> V
@@ -43,7 +43,7 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
         make()
     }
 
-    /// Makes the value of `key` unless it exists. If the device reports an error, none is kept, and who asks for the value
+    /// Makes the value of `key` unless it exists. If the device reports an error, none is cached, and a caller that needs the value
     /// gets the error.
     pub(crate) fn fill<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V)
     where

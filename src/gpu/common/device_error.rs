@@ -59,7 +59,7 @@ pub enum DeviceError {
     #[error("the device is lost; make a new one, and everything on it anew")]
     Lost,
     /// Objects of two devices were used together. This is found only for devices of one [`wgpu::Instance`]. For two
-    /// instances wgpu cannot tell the objects apart; it panics or takes one for another.
+    /// instances wgpu cannot distinguish the objects; it panics or confuses them.
     #[error("{what} is of another device than {with}; make both on one device")]
     OtherDevice {
         /// The object that was given.
@@ -67,7 +67,7 @@ pub enum DeviceError {
         /// The object that it was given to.
         with: &'static str,
     },
-    /// The device refuses something, and no limit, feature or flag says why.
+    /// The device refuses an object for no reason that limits, features or flags show.
     #[error("the device refuses what Rimline makes: {message}")]
     Refused {
         /// The message of the device.
@@ -167,7 +167,7 @@ pub enum DeviceError {
     /// belongs to another device or was destroyed.
     #[error("the device did not hand back {bytes} bytes: {message}")]
     ReadBack {
-        /// Bytes that were asked for.
+        /// Requested bytes.
         bytes: u64,
         /// The message of the device.
         message: String,
@@ -178,7 +178,7 @@ pub enum DeviceError {
     )]
     CannotWait,
 
-    /// The queue does not say how long a tick is.
+    /// The queue has no length of a tick.
     #[error("the queue's timestamp period is {period} ns, so its timestamps are no times; measure by a clock")]
     TimestampPeriod {
         /// Nanoseconds for each tick, as [`wgpu::Queue::get_timestamp_period`] returns it.
@@ -193,7 +193,7 @@ pub enum DeviceError {
         /// Passes that were timed.
         passes: usize,
     },
-    /// Timestamps of compute passes are taken too late, as Mesa's llvmpipe does once it has drawn anything.
+    /// Timestamps of compute passes are written too late, as Mesa's llvmpipe does once it has drawn anything.
     #[error(
         "a load of at least {least_ms} ms took {ms} ms by the device's timestamps: they do not belong to their passes; measure by a \
          clock, or on a device that draws nothing"
@@ -215,7 +215,7 @@ pub enum DeviceError {
 }
 
 impl DeviceError {
-    /// Whether the device's timestamps tell no times. A clock on the CPU's side does.
+    /// Whether the device's timestamps are no times. Measure with a clock of the CPU then.
     pub fn is_clock(&self) -> bool {
         use DeviceError::{ClockBackwards, ClockLate, ClockStill, TimestampPeriod};
         matches!(self, TimestampPeriod { .. } | ClockStill { .. } | ClockBackwards { .. } | ClockLate { .. })

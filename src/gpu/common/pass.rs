@@ -41,7 +41,7 @@ pub(crate) enum Step {
     Pass(&'static str, Vec<Dispatch>),
     /// Sets a part of a buffer to zeros.
     Clear(wgpu::Buffer, Range<u64>),
-    /// Copies so many bytes from a place in a buffer to one in another.
+    /// Copies bytes from an offset in a buffer to an offset in another.
     Copy([(wgpu::Buffer, u64); 2], u64),
 }
 
@@ -52,7 +52,7 @@ impl Step {
     }
 }
 
-/// Records steps, with the dispatches of the given batches. Each pass has a compute pass of its own if there is a timer. If
+/// Records steps, with the dispatches of the given batches. With a timer, each pass has a separate compute pass. If
 /// not, passes that follow each other share one, which costs less.
 pub(crate) fn record<'s>(
     steps: impl IntoIterator<Item = &'s Step>,

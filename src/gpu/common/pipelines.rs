@@ -33,7 +33,7 @@ use crate::stages::{DEFORM, Stage};
 /// ```
 ///
 /// Different options, limits and formats have different pipelines. Displacements share a pipeline if their sources are
-/// equal and their bind group layout is the same object. Pipelines are kept until the last clone, and the last thing
+/// equal and their bind group layout is the same object. Pipelines live until the last clone, and the last thing
 /// made with it, are dropped. If a displacement changes again and again, give the device instead.
 ///
 /// Each constructor first compares the device with the needs of its stages. The first limit, feature or flag that is

@@ -33,7 +33,7 @@ impl PositionBuffer<'_> {
         self.end_of(vertices, 12)
     }
 
-    /// The same if each takes so many bytes from its x on.
+    /// The same for positions with this number of bytes from x on.
     pub(crate) fn end_of(&self, vertices: u32, bytes: u64) -> Result<u64, DeviceError> {
         let Self { buffer, offset, stride } = *self;
         if offset % 4 != 0 || stride % 4 != 0 || stride < 12 {

@@ -82,7 +82,7 @@ pub(crate) fn read_back_first<T: bytemuck::Pod>(
     end: u64,
 ) -> Result<Vec<T>, DeviceError> {
     let mut items = Items::with_capacity_for(end);
-    // The next piece is copied after this one was taken, so only one piece is in memory twice.
+    // The next piece is copied after this one was read, so only one piece is in memory twice.
     for range in pieces(buffer, end)? {
         wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut |bytes| items.take(bytes))?;
     }

@@ -5,7 +5,7 @@ use super::device_error::DeviceError;
 use super::memory::{any_error, buffer, mapped, scoped, write_mapped};
 use super::timer::StageTimer;
 
-/// A group of stages with its own needs.
+/// A group of stages with equal requirements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     Extract,
@@ -133,7 +133,7 @@ fn check_flag(
 
 /// A fragment shader that runs for each sample, which only draws with several samples a pixel need.
 pub(crate) const SAMPLE_SHADING: &str =
-    "@fragment fn of_sample(@location(0) @interpolate(linear, sample) place: vec2<f32>) {}";
+    "@fragment fn of_sample(@location(0) @interpolate(linear, sample) pixel: vec2<f32>) {}";
 
 /// Compares a device with what draws with several samples a pixel need.
 pub(crate) fn check_sample_shading(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {
@@ -150,7 +150,7 @@ fn vertex_storage_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("vertex storage"), entries })
 }
 
-/// Refuses a device that was lost or destroyed. wgpu tells only the caller's callback, but no buffer of a lost device
+/// Refuses a device that was lost or destroyed. wgpu calls only the caller's callback, but no buffer of a lost device
 /// can be mapped. In a browser it can be mapped, so a lost device is not noticed there.
 pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
     let make = || mapped(device, "alive", 4, wgpu::BufferUsages::COPY_SRC);
@@ -164,8 +164,11 @@ pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> 
 }
 
 /// Refuses objects of two devices.
-pub(crate) fn check_same([what, with]: [&'static str; 2], [given, own]: [&wgpu::Device; 2]) -> Result<(), DeviceError> {
-    if given == own { Ok(()) } else { Err(DeviceError::OtherDevice { what, with }) }
+pub(crate) fn check_same(
+    [what, with]: [&'static str; 2],
+    [given, expected]: [&wgpu::Device; 2],
+) -> Result<(), DeviceError> {
+    if given == expected { Ok(()) } else { Err(DeviceError::OtherDevice { what, with }) }
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub struct StageTimes {
 /// llvmpipe takes those of compute passes too late once the device has drawn anything. So reading runs a load of a few
 /// milliseconds there, and checks its times.
 ///
-/// Reading returns a [`DeviceError`] where the times have no meaning; [`DeviceError::is_clock`] tells these. Measure by a clock
+/// Reading returns a [`DeviceError`] where the times have no meaning; [`DeviceError::is_clock`] is true for these. Measure by a clock
 /// then.
 #[derive(Debug)]
 pub struct StageTimer {
@@ -159,7 +159,7 @@ impl StageTimer {
         Ok(times)
     }
 
-    /// Submits the load that tells whether times of compute passes mean anything, if there are such times.
+    /// Submits the load that decides whether times of compute passes are valid, if there are such times.
     fn submit_check(&self, queue: &wgpu::Queue) -> Option<&wgpu::Buffer> {
         self.check.as_ref().filter(|_| self.has_compute).map(|check| check.submit(&self.device, queue))
     }

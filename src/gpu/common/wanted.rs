@@ -4,7 +4,7 @@ use super::device_error::DeviceError;
 use super::memory::{Allocation, buffer, filled, padded};
 use super::uniforms::UniformTable;
 
-/// A buffer that is to be made. All that there is to say about it is said here, once: a subject lists its buffers in a function
+/// A buffer to make, with all its properties. A subject lists its buffers once, in a function
 /// that runs twice, first to sum them in an [`Account`], then to make them.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {

@@ -43,7 +43,7 @@ pub struct PoseInputs<'a> {
     /// before each encode, so a scene keeps nothing that was computed from the positions.
     pub resources: Option<&'a wgpu::BindGroup>,
     /// The most by which the displacement moves any coordinate of a vertex, for scenes. Infinity, as in [`Self::new`]: nothing
-    /// is known, so every frame needs all instances. It does not matter without a displacement.
+    /// is known, so every frame needs all instances. Without a displacement it has no effect.
     pub displaced_by: f32,
 }
 
@@ -99,10 +99,10 @@ pub enum DeformError {
     },
 }
 
-/// Deforms a model every frame into its own position buffer. The buffer holds all instances in the vertex order of
+/// Deforms a model every frame into a position buffer of its own. The buffer holds all instances in the vertex order of
 /// [`Model::mesh`]: three tightly packed `f32` for each vertex, in world space.
 ///
-/// A [`Scene`](crate::gpu::Scene) deforms the models that it is given by itself, as far as a frame needs them.
+/// A [`Scene`](crate::gpu::Scene) deforms its models itself, those that a frame needs.
 #[derive(Debug)]
 pub struct Deformer {
     device: wgpu::Device,
@@ -142,7 +142,7 @@ impl Deformer {
         Self::beside(&pipelines.into(), model, options, (0, None))
     }
 
-    /// The same for a scene that takes so many bytes besides, and may take so many in all.
+    /// The same for a scene: the bytes of its other buffers, and its limit for all bytes.
     pub(crate) fn beside(
         pipelines: &Pipelines,
         model: &Model,
@@ -312,19 +312,19 @@ impl Deformer {
         uploads.into_iter().filter(|_| !self.plan.is_empty())
     }
 
-    /// Records the deformation of what was uploaded. `unneeded` has a word for each instance, from a byte on: 1 if its
+    /// Records the deformation of what was uploaded. `culled` has a word for each instance, from a byte on: 1 if its
     /// positions need only be a point, else 2.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        unneeded: Option<(&wgpu::Buffer, u64)>,
+        culled: Option<(&wgpu::Buffer, u64)>,
         resources: Option<&wgpu::BindGroup>,
         timer: Option<&mut StageTimer>,
     ) {
         if !self.plan.is_empty() {
             let bytes = 4 * self.layouts.len() as u64;
             encoder.copy_buffer_to_buffer(&self.held, 0, &self.pose, 4 * self.before, bytes);
-            if let Some((words, from)) = unneeded {
+            if let Some((words, from)) = culled {
                 encoder.copy_buffer_to_buffer(words, from, &self.pose, 4 * self.before + bytes, bytes);
             }
             // The same commands write what the positions are, so an encoder that is dropped changes both or neither.

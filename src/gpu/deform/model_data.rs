@@ -135,7 +135,7 @@ impl ModelData {
     pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, DeviceError> {
         // There is never more than one dispatch for each chunk.
         let uniforms = self.chunks * UniformTable::stride::<DeformDispatch>() as u64;
-        let own = [
+        let of_model = [
             ("positions", self.vertices * 12),
             ("pose", 4 * (self.pose_words + self.workgroups)),
             ("deform dispatches", uniforms),
@@ -143,7 +143,7 @@ impl ModelData {
         ];
         let arrays = LABELS.into_iter().zip(self.bytes);
         let allocation = |(label, bytes)| Allocation { label, bytes: padded(bytes) };
-        check(&arrays.chain(own).map(allocation).collect::<Vec<_>>(), split.buffer, memory_limit)
+        check(&arrays.chain(of_model).map(allocation).collect::<Vec<_>>(), split.buffer, memory_limit)
     }
 
     /// Rest positions, morph targets, influences and source vertices as buffers.
@@ -152,11 +152,11 @@ impl ModelData {
             model.geometries().iter().zip(&self.geometries).flat_map(|(g, chunks)| chunks.iter().map(move |c| (g, c)))
         };
         let make = |array: usize,
-                    place: fn(&GeometryChunk) -> &Range<u64>,
+                    range: fn(&GeometryChunk) -> &Range<u64>,
                     words: fn(&Geometry, &Range<usize>) -> Vec<u32>| {
             let mut contents: Vec<u32> = Vec::with_capacity(self.bytes[array] as usize / 4);
             for (geometry, chunk) in chunks() {
-                contents.resize(place(chunk).start as usize / 4, 0);
+                contents.resize(range(chunk).start as usize / 4, 0);
                 contents.append(&mut words(geometry, &chunk.vertices));
             }
             contents.resize(self.bytes[array] as usize / 4, 0);
@@ -179,23 +179,23 @@ impl ModelData {
     /// The dispatches over all instances, in order.
     pub(super) fn plan(&self, model: &Model, split: &DispatchLimits) -> Plan {
         let mut plan = Plan::default();
-        let mut taken: Vec<InstanceChunk> = Vec::new();
+        let mut chunks_of_dispatch: Vec<InstanceChunk> = Vec::new();
         let mut arrays: [Range<u64>; ARRAYS] = Default::default();
         let mut workgroups = 0;
         for chunk in self.instance_chunks(model, split) {
-            let own = u64::from(chunk.record.count.div_ceil(WORKGROUP));
+            let added = u64::from(chunk.record.count.div_ceil(WORKGROUP));
             let whole: [Range<u64>; ARRAYS] = std::array::from_fn(|array| union(&arrays[array], &chunk.arrays[array]));
             let fits = whole.iter().all(|range| range.end - range.start <= split.binding);
-            if !taken.is_empty() && (!fits || workgroups + own > split.workgroups) {
-                plan.dispatch(std::mem::take(&mut taken), &arrays, self.pose_words);
-                (arrays, workgroups) = (chunk.arrays.clone(), own);
+            if !chunks_of_dispatch.is_empty() && (!fits || workgroups + added > split.workgroups) {
+                plan.dispatch(std::mem::take(&mut chunks_of_dispatch), &arrays, self.pose_words);
+                (arrays, workgroups) = (chunk.arrays.clone(), added);
             } else {
-                (arrays, workgroups) = (whole, workgroups + own);
+                (arrays, workgroups) = (whole, workgroups + added);
             }
-            taken.push(chunk);
+            chunks_of_dispatch.push(chunk);
         }
-        if !taken.is_empty() {
-            plan.dispatch(taken, &arrays, self.pose_words);
+        if !chunks_of_dispatch.is_empty() {
+            plan.dispatch(chunks_of_dispatch, &arrays, self.pose_words);
         }
         plan
     }
@@ -228,7 +228,7 @@ impl ModelData {
     }
 }
 
-/// The smallest range with both. An empty range has no place.
+/// The smallest range with both. An empty range counts nowhere.
 fn union(a: &Range<u64>, b: &Range<u64>) -> Range<u64> {
     if a.is_empty() { b.clone() } else { a.start.min(b.start)..a.end.max(b.end) }
 }
@@ -237,10 +237,10 @@ impl Plan {
     /// Adds a dispatch for chunks that lie in these parts of the arrays. The workgroups' chunks follow `pose_words` words.
     fn dispatch(&mut self, chunks: Vec<InstanceChunk>, arrays: &[Range<u64>; ARRAYS], pose_words: u64) {
         let first = self.workgroups.len();
-        for InstanceChunk { instance, record, arrays: own } in chunks {
+        for InstanceChunk { instance, record, arrays: of_chunk } in chunks {
             let word = (CHUNK_WORDS * self.chunks.len() as u64) as u32;
             let [rest, morph, skin, sources, positions] =
-                [0, 1, 2, 3, 4].map(|array: usize| ((own[array].start - arrays[array].start) / 4) as u32);
+                [0, 1, 2, 3, 4].map(|array: usize| ((of_chunk[array].start - arrays[array].start) / 4) as u32);
             let record = DeformChunk {
                 first_workgroup: (self.workgroups.len() - first) as u32,
                 rest,
@@ -261,28 +261,28 @@ impl Plan {
     }
 }
 
-/// Cuts a geometry so that the arrays of each chunk fit a binding, and places them behind `ends`.
+/// Cuts a geometry so that the arrays of each chunk fit a binding, and appends them at `ends`.
 fn chunk_geometry(
     geometry: &Geometry,
     split: &DispatchLimits,
     ends: &mut [u64; 4],
 ) -> Result<Vec<GeometryChunk>, DeviceError> {
-    // A dispatch also binds positions before its own, up to one alignment.
+    // A dispatch also binds positions before its first, up to one alignment.
     let morph_bytes = 12 * geometry.morph_targets().len() as u64;
     let most_influences = geometry.influences().map_or(0, |influences| influences.most_per_vertex() as u64);
     let bytes_per_vertex = 13.max(morph_bytes).max(8 + 8 * most_influences);
     let runs = split.chunks("vertices of a deforming mesh", geometry.positions().len(), bytes_per_vertex)?;
-    let mut place = |array: usize, bytes: u64| {
+    let mut append = |array: usize, bytes: u64| {
         let begin = split.align_up(ends[array]);
         // The range is never empty, because an array without elements is still bound.
         ends[array] = begin + bytes.max(4);
         begin..ends[array]
     };
     let chunks = runs.into_iter().map(|vertices| GeometryChunk {
-        rest: place(0, 12 * vertices.len() as u64),
-        morph: place(1, morph_bytes * vertices.len() as u64),
-        skin: place(2, 4 * skin_word_count(geometry, &vertices)),
-        sources: place(3, 4 * vertices.len() as u64),
+        rest: append(0, 12 * vertices.len() as u64),
+        morph: append(1, morph_bytes * vertices.len() as u64),
+        skin: append(2, 4 * skin_word_count(geometry, &vertices)),
+        sources: append(3, 4 * vertices.len() as u64),
         vertices,
     });
     Ok(chunks.collect())

@@ -115,7 +115,7 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// For the per-edge method.
     pub(super) edge_corners: Option<B>,
     pub(crate) facing: Vec<B>,
-    /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are asked for.
+    /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are requested.
     pub(crate) masks: Vec<B>,
     pub(crate) lists: Vec<B>,
     /// For which lights a face is excluded, for shadow volumes.

@@ -52,7 +52,7 @@ pub enum ExtractorError {
     /// The extraction has no light with this index.
     #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
     NoSuchLight {
-        /// The light that was asked for.
+        /// The requested light.
         light: usize,
         /// Lights of the extraction.
         lights: usize,
@@ -66,7 +66,7 @@ pub enum ExtractorError {
     /// The extraction has no batch of lights with this index.
     #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]
     NoSuchBatch {
-        /// The batch that was asked for.
+        /// The requested batch.
         batch: usize,
         /// Batches of the extraction.
         batches: usize,

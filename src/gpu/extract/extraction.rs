@@ -22,7 +22,7 @@ pub(crate) struct Shared {
     /// The windows of facing masks.
     pub(super) facing: Windows,
     pub(crate) mesh: MeshId,
-    /// Whether the masks were asked for.
+    /// Whether the masks were requested.
     pub(crate) has_masks: bool,
     /// Vertices of the draw of each edge; 0 without lists.
     pub(crate) vertices_per_edge: u32,
@@ -30,27 +30,27 @@ pub(crate) struct Shared {
     pub(super) include_groups: Mutex<Vec<IncludeGroup>>,
 }
 
-/// A bind group of the include that is kept.
+/// A cached bind group of the include.
 #[derive(Debug)]
 pub(super) struct IncludeGroup {
     layout: wgpu::BindGroupLayout,
     batch: usize,
-    place: Place,
+    positions: PositionSlice,
     group: wgpu::BindGroup,
 }
 
-/// The largest number of the include's bind groups that are kept. A program has one layout, or a few.
-const KEPT_GROUPS: usize = 64;
+/// The most cached bind groups of the include. A program has one layout, or a few.
+const CACHED_GROUPS: usize = 64;
 
-/// A place in a position buffer, kept from an encode.
+/// The part of a position buffer that an encode read.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct PositionSlice {
     pub(crate) buffer: wgpu::Buffer,
     pub(crate) offset: u64,
     pub(crate) stride: u64,
 }
 
-impl Place {
+impl PositionSlice {
     pub(crate) fn of(positions: PositionBuffer<'_>) -> Self {
         let PositionBuffer { buffer, offset, stride } = positions;
         Self { buffer: buffer.clone(), offset, stride }
@@ -97,14 +97,14 @@ impl Shared {
 #[derive(Clone, Debug)]
 pub struct Extraction {
     pub(crate) shared: Arc<Shared>,
-    pub(crate) place: Place,
+    pub(crate) positions: PositionSlice,
     lights: Arc<[Light]>,
     encode: u64,
 }
 
 impl Extraction {
-    pub(crate) fn new(shared: Arc<Shared>, place: Place, lights: &[Light], encode: u64) -> Self {
-        Self { shared, place, lights: lights.into(), encode }
+    pub(crate) fn new(shared: Arc<Shared>, positions: PositionSlice, lights: &[Light], encode: u64) -> Self {
+        Self { shared, positions, lights: lights.into(), encode }
     }
 
     /// The lights, in the order of their bits in the masks.
@@ -114,7 +114,7 @@ impl Extraction {
 
     /// The positions that the extraction was made from.
     pub fn positions(&self) -> PositionBuffer<'_> {
-        self.place.as_buffer()
+        self.positions.as_buffer()
     }
 
     /// The number of batches of 32 lights: ⌈lights / 32⌉.
@@ -163,7 +163,7 @@ impl Extraction {
 
     /// The bind group with which a shader reads the results of lights `32 · batch` to `32 · batch + 31`, through
     /// [`include_wgsl`](crate::gpu::include_wgsl). It includes the positions of the extraction. `layout` is that of
-    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). Bind groups are kept, so the same call
+    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). Bind groups are cached, so the same call
     /// gives the same group.
     ///
     /// # Errors
@@ -175,18 +175,24 @@ impl Extraction {
         if batch >= batches {
             return Err(ExtractorError::NoSuchBatch { batch, batches });
         }
-        let mut kept = self.shared.include_groups.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_it = |kept: &&IncludeGroup| kept.batch == batch && kept.place == self.place && kept.layout == *layout;
-        if let Some(made) = kept.iter().find(is_it) {
+        let mut cached = self.shared.include_groups.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it =
+            |made: &&IncludeGroup| made.batch == batch && made.positions == self.positions && made.layout == *layout;
+        if let Some(made) = cached.iter().find(is_it) {
             return Ok(made.group.clone());
         }
-        let group = self.shared.include_group(layout, batch, self.place.as_buffer())?;
-        // Places that the positions left are unlikely to come again.
-        kept.retain(|kept| kept.place == self.place);
-        if kept.len() >= KEPT_GROUPS {
-            kept.remove(0);
+        let group = self.shared.include_group(layout, batch, self.positions.as_buffer())?;
+        // Positions that an encode read before are unlikely to come again.
+        cached.retain(|made| made.positions == self.positions);
+        if cached.len() >= CACHED_GROUPS {
+            cached.remove(0);
         }
-        kept.push(IncludeGroup { layout: layout.clone(), batch, place: self.place.clone(), group: group.clone() });
+        cached.push(IncludeGroup {
+            layout: layout.clone(),
+            batch,
+            positions: self.positions.clone(),
+            group: group.clone(),
+        });
         Ok(group)
     }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
-use super::extraction::{Extraction, Place, Shared};
+use super::extraction::{Extraction, PositionSlice, Shared};
 use super::options::ExtractorOptions;
 use super::results::ExtractionResults;
 use super::stages::{Binder, Made, Runs, from_facing, from_positions, made, programs};
@@ -30,10 +30,10 @@ pub struct Extractor {
     shared: Arc<Shared>,
     options: ExtractorOptions,
     runs: Runs,
-    /// The stages that read positions, for windows of so many words.
+    /// The stages that read positions, for windows of this number of words.
     reading: (u32, Vec<Made>),
     /// Their steps for each batch of lights, and the positions that they are bound to.
-    from_positions: Option<(Place, Vec<Vec<Step>>)>,
+    from_positions: Option<(PositionSlice, Vec<Vec<Step>>)>,
     /// The steps before all stages, for each batch those after facing, and the last.
     before: [Step; 2],
     from_facing: Vec<Vec<Step>>,
@@ -47,7 +47,7 @@ impl Extractor {
     /// # Errors
     /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh does not
     /// fit the device's limits, the `memory_limit` or the device's memory. Polygons of
-    /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) are taken with exact facing masks only, and with
+    /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) need exact facing masks, and
     /// boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn new(
         pipelines: impl Into<Pipelines>,
@@ -137,33 +137,33 @@ impl Extractor {
         check_lights(lights, self.options.max_lights)?;
         check_timer(timer.as_deref(), self.shared.device())?;
         let bound = positions.bind(self.shared.shape.vertices, &self.shared.limits)?;
-        let place = Place::of(positions);
-        self.bind_positions(&place, &bound)?;
+        let slice = PositionSlice::of(positions);
+        self.bind_positions(&slice, &bound)?;
 
         let mut batches = UniformTable::default();
         for lights in lights.chunks(32) {
             batches.push(&LightBatch::new(lights, bound.offset_words, bound.stride_words));
         }
         upload(self.shared.device(), encoder, &[(&self.shared.buffers.light_batches, batches.bytes())])?;
-        // Compaction counts in one buffer that all batches share, and so do the masks if nobody asked for them. Each
+        // Compaction counts in one buffer that all batches share, and so do the masks if they are not requested. Each
         // batch of lights then goes through all stages alone.
         let from_positions = self.from_positions.iter().flat_map(|(_, batches)| batches);
         let of_batches = from_positions.zip(&self.from_facing).take(light::batches(lights.len()));
         let of_batches = of_batches.flat_map(|(first, then)| first.iter().chain(then));
         record(self.before.iter().chain(of_batches).chain(&self.at_last), encoder, 0..1, timer);
         let encode = self.shared.begin_encode();
-        Ok(Extraction::new(Arc::clone(&self.shared), place, lights, encode))
+        Ok(Extraction::new(Arc::clone(&self.shared), slice, lights, encode))
     }
 
-    /// Makes the bind groups that read positions, unless they exist for this place.
-    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), DeviceError> {
-        if self.from_positions.as_ref().is_some_and(|(made, _)| made == place) {
+    /// Makes the bind groups that read positions, unless they exist for this slice.
+    fn bind_positions(&mut self, slice: &PositionSlice, bound: &BoundPositions) -> Result<(), DeviceError> {
+        if self.from_positions.as_ref().is_some_and(|(made, _)| made == slice) {
             return Ok(());
         }
         self.from_positions = None;
         let Self { shared, options, runs, reading, .. } = self;
         let Shared { pipelines, shape, buffers, facing, .. } = &**shared;
-        let (device, positions) = (pipelines.device(), Some((&place.buffer, bound)));
+        let (device, positions) = (pipelines.device(), Some((&slice.buffer, bound)));
         let binder = Binder { device, shape, buffers, runs, facing, positions, given: None };
         let steps = positions::bound(device, || {
             let words = bound.windows.words;
@@ -172,7 +172,7 @@ impl Extractor {
             }
             (0..shape.batches()).map(|batch| binder.read_positions(&reading.1, batch)).collect()
         })?;
-        self.from_positions = Some((place.clone(), steps));
+        self.from_positions = Some((slice.clone(), steps));
         Ok(())
     }
 
@@ -207,7 +207,7 @@ impl Extractor {
 }
 
 impl Shape {
-    /// The stages that read positions, in windows of so many words.
+    /// The stages that read positions, in windows of this number of words.
     fn reading(&self, device: &wgpu::Device, options: &ExtractorOptions, words: u32) -> Vec<super::stages::Planned> {
         from_positions(device, options, self.polygons.map(|polygons| polygons.pieces > 0), words)
     }

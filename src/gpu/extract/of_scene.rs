@@ -1,5 +1,5 @@
 //! The extraction of a mesh of polygons in a scene: the stages of [`Extractor`](super::extractor::Extractor), in buffers of the
-//! scene. A caster of such a mesh is a group of its own, so its slots are the triangles of the mesh.
+//! scene. A caster of such a mesh is the only one of its group, so its slots are the triangles of the mesh.
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
@@ -65,7 +65,7 @@ pub(crate) struct PolygonPart<'a> {
     /// The topology, and where vertices are.
     pub(crate) topology: [&'a wgpu::Buffer; 3],
     pub(crate) positions: (&'a wgpu::Buffer, BoundPositions),
-    /// The faces that count nowhere, whatever is extracted.
+    /// The faces that count nowhere, in any extraction.
     pub(crate) given: Option<&'a wgpu::Buffer>,
     pub(crate) light_batch: &'a wgpu::Buffer,
     /// The results: facing masks and behind them twisted masks, excluded masks, statistics, and the lists with bytes before

@@ -24,7 +24,7 @@ pub struct ExtractorOptions {
     /// The lists of silhouette edges. `None`: no lists.
     pub lists: Option<ListOptions>,
     /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no limit.
-    /// wgpu does not tell the memory of a device, so only the device then finds that a mesh is too large. Buffers allocated
+    /// wgpu has no function for the memory of a device, so only the device detects then that a mesh is too large. Buffers allocated
     /// before that are freed.
     pub memory_limit: Option<u64>,
     /// With lists, find what only the shadow volumes of a scene read, too: which faces have a light in their plane, and the
@@ -69,7 +69,7 @@ pub struct ListOptions {
     /// others, and each light for at least sixteen times their square root.
     ///
     /// An overflow loses nothing: the draw then goes over all edges, and the include rejects those that are no
-    /// silhouette. It uses the facing masks for this. The per-edge method has none, so there only the edge masks tell.
+    /// silhouette. It uses the facing masks for this. The per-edge method has none, so only the edge masks decide there.
     /// [`ExtractionStatistics`](crate::gpu::ExtractionStatistics) counts overflows.
     pub capacity: Option<u32>,
     /// Whether lists have the order of the edges, which is the same in every run. It costs the memory traffic of the

@@ -28,7 +28,7 @@ pub(super) const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 
 /// Counts before the lists of pieces, and words of a piece.
 pub(crate) const PIECE_COUNTS: u64 = 32;
 pub(crate) const PIECE_WORDS: u64 = 9;
-/// Pieces of all lights of a batch together for which there is room, if there can be so many.
+/// The room for pieces of all lights of a batch together, unless fewer are possible.
 const SHARED_PIECES: u64 = 1 << 20;
 
 /// Numbers of a mesh of polygons that all sizes follow from.

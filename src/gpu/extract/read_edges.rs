@@ -71,14 +71,14 @@ impl Extraction {
         Ok(Download::new(self.shared.device(), queue, &self.shared.buffers.counts, at..at + 4)?)
     }
 
-    /// Submits the copy of what says which edges they are. `None` if there are none.
+    /// Submits the copy of the list of edges, or of the masks if it overflowed. `None` if there are none.
     fn download_edges(
         &self,
         queue: &wgpu::Queue,
         light: usize,
         count: u32,
     ) -> Result<Option<(Source, Download)>, ExtractorError> {
-        // Since the count was read, somebody may have encoded again.
+        // The extractor may have encoded again since the count was read.
         self.check_current()?;
         let (batch, capacity) = (light / 32, self.shared.shape.capacity);
         let (device, buffers) = (self.shared.device(), &self.shared.buffers);

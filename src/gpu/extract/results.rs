@@ -14,7 +14,7 @@ pub struct ExtractionResults<'a> {
     /// which the polygon is L-twisted. [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them.
     pub facing: &'a [wgpu::Buffer],
     /// One buffer for each batch, with an [`EdgeMasks`](crate::gpu::EdgeMasks) for each edge record. Empty unless
-    /// asked for.
+    /// requested.
     pub masks: &'a [wgpu::Buffer],
     /// One buffer for each batch, with [`Self::capacity`] entries for each of its lights. An entry is one `u32`: the
     /// index of an edge record, with the winding bit as bit 31. Entries past the light's count have no meaning. Empty

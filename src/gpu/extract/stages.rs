@@ -55,7 +55,7 @@ fn switch(is_on: bool) -> f64 {
     f64::from(u8::from(is_on))
 }
 
-/// Masks are written if they are asked for or if ordered lists are made from them. Appending makes unordered lists.
+/// Masks are written if they are requested or if ordered lists are made from them. Appending makes unordered lists.
 fn emit_constants(options: &ExtractorOptions) -> [(&'static str, f64); 2] {
     let ordered = options.is_ordered();
     [("WRITE_MASKS", switch(options.masks || ordered)), ("APPEND", switch(options.lists.is_some() && !ordered))]
@@ -87,7 +87,7 @@ pub(super) fn from_positions(
             (&CUT_EDGES, 1, Size::Written(ROW_WORKGROUPS)),
             (&CUT_EDGES, 2, Size::Written(ROW_WORKGROUPS)),
             (&CUT_EDGES, 3, Size::Written(ROW_WORKGROUPS)),
-            // Quadrilaterals of which no sign is in doubt. Their pieces are behind the others, in places that have no cuts.
+            // Quadrilaterals whose signs are all certain. Their pieces follow the others, where the list has no cuts.
             (&CUT_QUADS, 0, Size::Written(RECORD_WORKGROUPS)),
         ];
         return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();
@@ -107,7 +107,7 @@ pub(super) fn from_positions(
     stages
 }
 
-/// The stages after facing, in their order. Masks are read in windows of so many words. Those of twisted polygons begin at
+/// The stages after facing, in their order. Masks are read in windows of `words` words. Those of twisted polygons begin at
 /// `twisted_offset`, if it is not 0.
 pub(super) fn from_facing(options: &ExtractorOptions, twisted_offset: usize, words: u32) -> Vec<Planned> {
     let [masks, append] = emit_constants(options);
@@ -233,11 +233,11 @@ impl<'a> Binder<'a> {
             "faces" => part(&buffers.faces, at.bytes(12)),
             "facing_masks" => of_faces(of_batch(&buffers.facing)?, 4, face_words),
             "excluded_masks" => or_unused(of_batch(&buffers.excluded).map(|masks| of_faces(masks, 4, faces))),
-            // Its length tells the shaders how many undecided faces there is room for.
+            // Its length is the number of undecided faces that shaders have room for.
             "record" => part(&buffers.record, 0..self.shape.record_bytes()),
             "edge_faces" => part(&buffers.edge_faces, at.bytes(8)),
             "edge_corners" => part(buffers.edge_corners.as_ref()?, at.bytes(16)),
-            // The batch has its own, or all share one.
+            // Each batch has one, or all share one.
             "masks" => {
                 let masks = of_batch(&buffers.masks).or(buffers.masks.first());
                 or_unused(masks.map(|masks| part(masks, at.bytes(size_of::<EdgeMasks>() as u64))))
@@ -272,7 +272,7 @@ impl<'a> Binder<'a> {
         pipeline.dispatch(self.device, workgroups, |name| self.get(name, at))
     }
 
-    /// Workgroups that take turns if the device does not allow so many.
+    /// Workgroups. If the device allows fewer, they take several items in turn.
     fn in_turn(&self, wanted: usize) -> Workgroups {
         let most = self.device.limits().max_compute_workgroups_per_dimension;
         Workgroups::Known([(wanted as u32).min(most), 1])

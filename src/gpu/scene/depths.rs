@@ -75,14 +75,14 @@ impl Scene {
             SceneDepthCasters::Only(listed) => (listed, false),
             SceneDepthCasters::Except(listed) => (listed, true),
             SceneDepthCasters::NotCastingFor(light) => {
-                self.lights.check(light)?;
+                self.content.lights.check(light)?;
                 (&[][..], true)
             }
         };
         let mut keys = HashSet::new();
         for handle in listed {
             let key = handle.key_in(self.id)?;
-            if !self.casters.contains_key(key) {
+            if !self.content.casters.contains_key(key) {
                 return Err(ShadowError::Removed { what: "caster" });
             }
             keys.insert(key);
@@ -92,11 +92,12 @@ impl Scene {
             _ => keys.contains(&key) != is_left_out,
         };
         let mut groups: Vec<DepthGroup<'_>> = Vec::new();
-        for (key, caster) in &self.casters {
+        for (key, caster) in &self.content.casters {
             if !is_chosen(key, caster) {
                 continue;
             }
-            let Some(drawn) = self.meshes.get(caster.mesh).and_then(|mesh| DepthCaster::new(caster, mesh)) else {
+            let Some(drawn) = self.content.meshes.get(caster.mesh).and_then(|mesh| DepthCaster::new(caster, mesh))
+            else {
                 continue;
             };
             match groups.iter_mut().find(|group| group.source == caster.source) {
@@ -109,8 +110,8 @@ impl Scene {
 
     /// A group with one caster.
     fn depth_group(&self, source: DefaultKey, caster: DepthCaster) -> Option<DepthGroup<'_>> {
-        let positions = self.sources.get(source)?;
-        let page = self.pages.get(positions.page)?;
+        let positions = self.content.sources.get(source)?;
+        let page = self.content.pages.get(positions.page)?;
         let (positions, range) = positions.bound_positions(page);
         Some(DepthGroup { source, faces: &page.faces, positions, range, casters: vec![caster] })
     }

@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering;
 use bytemuck::Zeroable;
 
 use super::frame::SceneFrame;
+use super::layout::Layout;
 use super::options::Measuring;
 use super::receivers::{self, ReceiverState, ViewVersion};
 use super::scene::Scene;
@@ -17,6 +18,7 @@ use super::view::{FrameInputs, View};
 use super::volumes::Volumes;
 use crate::ShadowCamera;
 use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::record;
 use crate::gpu::common::requirements::check_timer;
 use crate::gpu::common::uniforms::upload;
@@ -68,7 +70,7 @@ impl Scene {
         };
         self.update_view_versions(&shadow_views, views);
         let view_lights = volumes.as_ref().map_or_else(Vec::new, |volumes| self.view_lights(volumes, views));
-        let light_batches = structure.light_batches(&self.meshes, &self.casters, &self.lights);
+        let light_batches = structure.light_batches(&self.content);
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
         uploads.extend(needs.iter().flat_map(|needs| self.deform_uploads(needs)));
@@ -92,8 +94,8 @@ impl Scene {
             volumes.stages.record(encoder, structure.batches, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
-        self.pages.reclaim(encode);
-        let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
+        self.content.pages.reclaim(encode);
+        let (encodes, lights) = (Arc::clone(&self.encodes), self.content.lights.listed());
         Ok(SceneFrame {
             structure,
             volumes,
@@ -159,19 +161,24 @@ impl Scene {
         Convention { counting, depth: camera.depth, is_unclipped, count_bits, mirrors }
     }
 
+    /// The inputs of structures and volumes.
+    fn inputs(&self) -> Inputs<'_> {
+        Inputs {
+            pipelines: &self.pipelines,
+            content: &self.content,
+            others: self.content.pages.bytes + self.deformed_bytes,
+            options: &self.options,
+            views: self.views,
+            has_receivers: self.receiver_words > 0,
+        }
+    }
+
     /// The volumes of the structure.
     fn volumes(&mut self, structure: &Structure) -> Result<Arc<Volumes>, ShadowError> {
         if let Some(volumes) = &self.volumes {
             return Ok(Arc::clone(volumes));
         }
-        let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, deformed_bytes, .. } =
-            self;
-        let has_receivers = *receiver_words > 0;
-        let others = pages.bytes + *deformed_bytes;
-        let inputs =
-            Inputs { pipelines, meshes, sources, pages, others, lights, options, views: *views, has_receivers };
-        let others = others + structure.bytes();
-        let made = Arc::new(Volumes::new(&inputs, structure, *views, *receiver_words, others)?);
+        let made = Arc::new(Volumes::new(&self.inputs(), structure, self.receiver_words)?);
         self.volumes = Some(Arc::clone(&made));
         Ok(made)
     }
@@ -199,8 +206,11 @@ impl Scene {
         for (number, (given, &ViewVersion { view, version, .. })) in views.iter().zip(&self.view_versions).enumerate() {
             let receivers = if given.depth.is_some() { receivers::offset(number, sizes.receivers) } else { 0 };
             for bit in 0..sizes.lights as u32 {
-                let light =
-                    self.lights.get(bit).map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
+                let light = self
+                    .content
+                    .lights
+                    .get(bit)
+                    .map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
                 all.push(ViewLight { view, light, version: [version, receivers, 0, 0], ..ViewLight::zeroed() });
             }
         }
@@ -262,14 +272,13 @@ impl Scene {
     fn lay_out(&mut self) -> Result<Arc<Structure>, ShadowError> {
         self.structures = self.structures.wrapping_add(1).max(1);
         let versions = Versions { structure: self.structures, encode: self.encode_number() };
-        self.lights.update_versions(versions.encode);
-        let (views, has_receivers) = (self.views, self.receiver_words > 0);
+        self.content.lights.update_versions(versions.encode);
         self.index_deforming();
-        let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
-        let others = pages.bytes + self.deformed_bytes;
-        let inputs = Inputs { pipelines, meshes, sources, pages, others, lights, options, views, has_receivers };
-        let made = Arc::new(Structure::new(&inputs, casters, table, self.last.as_deref(), versions)?);
-        self.steps = steps(&inputs, casters, &made)?;
+        let limits = DispatchLimits::new(&self.pipelines.device().limits());
+        let layout = Layout::new(&mut self.table, &mut self.content, versions.encode, &limits)?;
+        let inputs = self.inputs();
+        let made = Arc::new(Structure::new(&inputs, layout, &self.table, self.last.as_deref(), versions)?);
+        self.steps = steps(&inputs, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));
         self.structure = Some(Arc::clone(&made));
@@ -279,28 +288,28 @@ impl Scene {
     /// Writes changed casters and lights to the table.
     fn update(&mut self, structure: &Structure) {
         let encode = self.encode_number();
-        let Self { casters, meshes, lights, table, moved, .. } = self;
-        let moved_lights = lights.moved;
+        let Self { content, table, moved, .. } = self;
+        let moved_lights = content.lights.moved;
         if moved.is_empty() && moved_lights.is_empty() {
             return;
         }
         let order = &structure.layout.order;
         let mut changed = &*moved;
         if !moved_lights.is_empty() {
-            lights.update_versions(encode);
-            table.put_ranges(lights);
+            content.lights.update_versions(encode);
+            table.put_ranges(&content.lights);
             changed = order;
         }
         for &key in changed {
-            let Some(caster) = casters.get_mut(key) else { continue };
+            let Some(caster) = content.casters.get_mut(key) else { continue };
             if caster.is_moved || !caster.lights.and(&moved_lights).is_empty() {
                 if std::mem::take(&mut caster.is_moved) {
                     caster.version = encode;
                     table.put_change(caster);
                 }
-                table.put_lights(caster, lights);
+                table.put_lights(caster, &content.lights);
             }
         }
-        structure.layout.occluders.write(table, order, casters, meshes, lights);
+        structure.layout.occluders.write(table, order, content);
     }
 }

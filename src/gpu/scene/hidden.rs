@@ -49,12 +49,12 @@ impl Scene {
         casters: &[CasterHandle],
         hidden: Option<&HiddenFaces>,
     ) -> Result<(), ShadowError> {
-        self.lights.check(light)?;
+        self.content.lights.check(light)?;
         let made = hidden.map(|hidden| self.hidden_of_light(light, casters, hidden)).transpose()?;
-        let Self { hidden: all, casters, structure, .. } = self;
+        let Self { hidden: all, content, structure, .. } = self;
         if let Some(index) = all.iter().position(|of| of.light.bit == light.bit) {
             all.swap_remove(index);
-            for entry in casters.values_mut() {
+            for entry in content.casters.values_mut() {
                 entry.hidden.retain(|(of, _)| of.bit != light.bit);
             }
             *structure = None;
@@ -77,8 +77,8 @@ impl Scene {
         let mut sources = Vec::with_capacity(given);
         for (number, (caster, of_caster)) in casters.iter().zip(hidden.casters()).enumerate() {
             let key = caster.key_in(self.id)?;
-            let entry = self.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
-            let mesh = self.meshes.get(entry.mesh);
+            let entry = self.content.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
+            let mesh = self.content.meshes.get(entry.mesh);
             let faces = mesh.map_or(0, |mesh| mesh.faces as usize);
             if faces != of_caster.face_count || !keys.insert(key) {
                 return Err(ShadowError::HiddenCaster { caster: number, faces, found: of_caster.face_count });
@@ -97,7 +97,7 @@ impl Scene {
     pub(super) fn update_hidden_faces(&mut self) {
         let mut all = std::mem::take(&mut self.hidden);
         // Occluded faces of removed lights end.
-        all.retain(|of| self.lights.check(of.light).is_ok());
+        all.retain(|of| self.content.lights.check(of.light).is_ok());
         for of in &mut all {
             let holds = self.holds(of);
             if holds == of.is_used {
@@ -106,7 +106,7 @@ impl Scene {
             of.is_used = holds;
             self.structure = None;
             for source in of.casters.iter().filter(|source| !source.slots.is_empty()) {
-                let Some(entry) = self.casters.get_mut(source.key) else { continue };
+                let Some(entry) = self.content.casters.get_mut(source.key) else { continue };
                 entry.hidden.retain(|(light, _)| *light != of.light);
                 if holds {
                     entry.hidden.push((of.light, Arc::clone(&source.slots)));
@@ -121,9 +121,9 @@ impl Scene {
         if self.options.measuring.has(Measuring::OCCLUDED_FACES) {
             return false;
         }
-        let light = self.lights.get(of.light.bit);
+        let light = self.content.lights.get(of.light.bit);
         let is_same = |source: &HiddenCaster| {
-            self.casters.get(source.key).is_some_and(|entry| {
+            self.content.casters.get(source.key).is_some_and(|entry| {
                 let is_placed = match &entry.placement {
                     Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
                     Placement::World { .. } => {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use slotmap::{DefaultKey, SecondaryMap, SlotMap};
 
 use super::caster::{CasterEntry, MeshEntry, Placement};
-use super::lights::Lights;
+use super::content::Content;
 use super::mask::LightMask;
 use super::occluders::OccluderLayout;
 use super::table::{LIGHT_PARTS, Part, Slots, Table};
@@ -102,12 +102,11 @@ impl Layout {
     /// Lays out casters and lights. Writes the table, and the offsets of each caster to its entry.
     pub(crate) fn new(
         table: &mut Table,
-        casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-        lights: &Lights,
+        content: &mut Content,
         encode: u32,
         limits: &DispatchLimits,
     ) -> Result<Self, DeviceError> {
+        let Content { meshes, casters, lights, .. } = content;
         // Excluded faces of removed lights end.
         for caster in casters.values_mut() {
             caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
@@ -147,8 +146,8 @@ impl Layout {
             layout.groups.push(group);
         }
         layout.mark_excluding_groups(casters, &mut slots);
-        layout.assign_offsets(table, casters, lights, limits)?;
-        layout.write(table, casters, meshes, lights, &slots, encode);
+        layout.assign_offsets(table, content, limits)?;
+        layout.write(table, content, &slots, encode);
         Ok(layout)
     }
 
@@ -169,10 +168,10 @@ impl Layout {
     fn assign_offsets(
         &mut self,
         table: &mut Table,
-        casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        lights: &Lights,
+        content: &mut Content,
         limits: &DispatchLimits,
     ) -> Result<(), DeviceError> {
+        let Content { casters, lights, .. } = content;
         let parts = std::mem::take(&mut table.parts);
         *table = Table { parts, casters: self.order.len(), batches: lights.batches(), ..*table };
         let mut next = table.caster_lights_offset();
@@ -211,15 +210,8 @@ impl Layout {
         Ok(())
     }
 
-    fn write(
-        &self,
-        table: &mut Table,
-        casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-        lights: &Lights,
-        slots: &[Slots],
-        encode: u32,
-    ) {
+    fn write(&self, table: &mut Table, content: &mut Content, slots: &[Slots], encode: u32) {
+        let Content { meshes, casters, lights, .. } = content;
         for (&key, &slots) in self.order.iter().zip(slots) {
             let Some(caster) = casters.get_mut(key) else { continue };
             caster.is_moved = false;
@@ -230,17 +222,12 @@ impl Layout {
             table.put_lights(caster, lights);
         }
         table.put_ranges(lights);
-        self.occluders.write(table, &self.order, casters, meshes, lights);
-        self.write_chunks(table, casters, meshes);
+        self.occluders.write(table, &self.order, content);
+        self.write_chunks(table, content);
     }
 
     /// Writes the caster of each chunk.
-    fn write_chunks(
-        &self,
-        table: &mut Table,
-        casters: &SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-    ) {
+    fn write_chunks(&self, table: &mut Table, Content { meshes, casters, .. }: &Content) {
         let ends = self.groups.iter().skip(1).map(|group| group.first).chain([self.order.len() as u32]);
         for (group, end) in self.groups.iter().zip(ends) {
             let casters_with_meshes = || {

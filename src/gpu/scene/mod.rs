@@ -3,6 +3,7 @@
 
 pub(crate) mod buffers;
 pub(crate) mod caster;
+pub(crate) mod content;
 #[cfg(feature = "depth-map")]
 pub(crate) mod depths;
 mod encode;

@@ -53,7 +53,7 @@ impl Scene {
         pose: impl Into<PoseInputs<'a>>,
         options: DeformerOptions<'_>,
     ) -> Result<ModelHandle, ShadowError> {
-        let used = self.used() + self.pages.bytes;
+        let used = self.used() + self.content.pages.bytes;
         let deformer = Deformer::beside(&self.pipelines, model, options, (used, self.options.memory_limit))?;
         self.deformed_bytes += deformer.bytes;
         let geometry = |geometry: &Geometry| (geometry.positions().len(), geometry.faces().into());
@@ -150,7 +150,7 @@ impl Scene {
         };
         let instances: Vec<_> = entry.casters.iter().enumerate().map(compare).collect();
         for (((caster, is_same), bounds), mesh) in instances.into_iter().zip(boxes).zip(meshes) {
-            let Some(entry) = self.casters.get_mut(caster) else { continue };
+            let Some(entry) = self.content.casters.get_mut(caster) else { continue };
             let is_cached = is_same && entry.positions_version.is_some();
             if entry.bounds != bounds || !is_cached {
                 entry.bounds = bounds;
@@ -197,7 +197,7 @@ impl Scene {
             };
             let caster = Caster::in_buffer(MeshHandle { scene: self.id, key: mesh }, positions);
             let caster = self.insert(caster)?;
-            if let Some(entry) = self.casters.get_mut(caster.key) {
+            if let Some(entry) = self.content.casters.get_mut(caster.key) {
                 entry.is_of_model = true;
             }
             if let Some(entry) = self.models.get_mut(key) {
@@ -209,17 +209,17 @@ impl Scene {
 
     /// Gives an instance another mesh, with the same faces turned. Slots of excluded faces stay the same.
     fn set_mesh(&mut self, caster: DefaultKey, mesh: DefaultKey) {
-        let Some(entry) = self.casters.get(caster).filter(|entry| entry.mesh != mesh) else { return };
-        let Some(buffer) = self.sources.get(entry.source).map(|source| source.buffer.clone()) else { return };
-        let page = self.meshes.get(mesh).map_or(0, |mesh| mesh.region.page);
-        let source = self.sources.acquire(page, buffer);
-        if let Some(entry) = self.casters.get_mut(caster) {
-            self.sources.release(std::mem::replace(&mut entry.source, source));
+        let Some(entry) = self.content.casters.get(caster).filter(|entry| entry.mesh != mesh) else { return };
+        let Some(buffer) = self.content.sources.get(entry.source).map(|source| source.buffer.clone()) else { return };
+        let page = self.content.meshes.get(mesh).map_or(0, |mesh| mesh.region.page);
+        let source = self.content.sources.acquire(page, buffer);
+        if let Some(entry) = self.content.casters.get_mut(caster) {
+            self.content.sources.release(std::mem::replace(&mut entry.source, source));
             let before = std::mem::replace(&mut entry.mesh, mesh);
-            if let Some(before) = self.meshes.get_mut(before) {
+            if let Some(before) = self.content.meshes.get_mut(before) {
                 before.casters -= 1;
             }
-            if let Some(mesh) = self.meshes.get_mut(mesh) {
+            if let Some(mesh) = self.content.meshes.get_mut(mesh) {
                 mesh.casters += 1;
             }
         }
@@ -230,7 +230,7 @@ impl Scene {
     pub(super) fn index_deforming(&mut self) {
         self.deforming = self.models.values().flat_map(|model| model.casters.iter().map(|caster| caster.key)).collect();
         for (key, number) in self.deforming.iter().zip(1..) {
-            if let Some(entry) = self.casters.get_mut(*key) {
+            if let Some(entry) = self.content.casters.get_mut(*key) {
                 entry.deforming_index = number;
             }
         }

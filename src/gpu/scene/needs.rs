@@ -85,7 +85,7 @@ impl Scene {
     pub(super) fn take_deformed(&mut self, views: &[ShadowView]) -> Option<wgpu::Buffer> {
         let bytes = bytemuck::cast_slice::<ShadowView, u8>;
         // Moved rigid casters do not matter to models.
-        let is_same = self.structure.is_some() && self.lights.moved.is_empty();
+        let is_same = self.structure.is_some() && self.content.lights.moved.is_empty();
         self.deformed.take().filter(|of| is_same && bytes(&of.views) == bytes(views)).map(|of| of.states)
     }
 
@@ -118,13 +118,14 @@ impl Scene {
 
     /// The deforming casters for the stage: boxes and bits of lights.
     fn deforming_records(&self) -> Vec<[u32; 4]> {
-        let batches = self.lights.batches();
+        let batches = self.content.lights.batches();
         let mut records = Vec::with_capacity(self.deforming.len() * (2 + batches.div_ceil(4)));
-        for entry in self.deforming.iter().filter_map(|&key| self.casters.get(key)) {
+        for entry in self.deforming.iter().filter_map(|&key| self.content.casters.get(key)) {
             let [low, high] = entry.bounds.unwrap_or_default().map(|corner| corner.map(f32::to_bits));
             records.push([low[0], low[1], low[2], entry.bounds.is_some().into()]);
             records.push([high[0], high[1], high[2], 0]);
-            let word = |batch| if batch < batches { entry.lights.and(&self.lights.used).word(batch) } else { 0 };
+            let word =
+                |batch| if batch < batches { entry.lights.and(&self.content.lights.used).word(batch) } else { 0 };
             records.extend((0..batches.div_ceil(4)).map(|part| [0, 1, 2, 3].map(|batch| word(4 * part + batch))));
         }
         records
@@ -132,12 +133,12 @@ impl Scene {
 
     /// The lights of each view, up to the last light and at least one.
     fn view_lights_for_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Vec<ViewLight> {
-        let last = (0..32 * self.lights.batches() as u32).rfind(|&bit| self.lights.get(bit).is_some());
+        let last = (0..32 * self.content.lights.batches() as u32).rfind(|&bit| self.content.lights.get(bit).is_some());
         let lights = last.unwrap_or(0) + 1;
         let mut all = Vec::with_capacity(views.len() * lights as usize);
         for (given, &view) in given.iter().zip(views) {
             for bit in 0..lights {
-                let given_light = self.lights.get(bit);
+                let given_light = self.content.lights.get(bit);
                 let light = given_light.map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
                 let cone = given_light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
                 all.push(ViewLight { view, light, cone, ..ViewLight::zeroed() });
@@ -157,7 +158,7 @@ impl Scene {
         ];
         let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
         let bytes = check(&allocations, limits.binding, None)?;
-        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.pages.bytes };
+        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.content.pages.bytes };
         check(&[Allocation { label: "needs", bytes }, others], u64::MAX, self.options.memory_limit)?;
         let [view_lights, records, states] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
         let mut table = UniformTable::default();

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3, DVec4};
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
-use super::lights::Lights;
+use super::content::Content;
 use super::mask::{LightMask, bits};
 use super::table::{Part, Table};
 use crate::gpu::shadow::errors::ShadowError;
@@ -67,14 +67,8 @@ impl OccluderLayout {
     }
 
     /// Writes the occluders and the lights.
-    pub(crate) fn write(
-        &self,
-        table: &mut Table,
-        order: &[DefaultKey],
-        casters: &SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-        lights: &Lights,
-    ) {
+    pub(crate) fn write(&self, table: &mut Table, order: &[DefaultKey], content: &Content) {
+        let Content { meshes, casters, lights, .. } = content;
         if self.count == 0 {
             return;
         }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{Caster, CasterEntry, CasterPositions, HiddenFacesOfLight, MeshEntry, Placement, Rigid};
+use super::content::Content;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;
@@ -45,11 +46,7 @@ pub struct Scene {
     pub(crate) pipelines: Pipelines,
     pub(super) queue: wgpu::Queue,
     pub(super) options: SceneOptions,
-    pub(super) meshes: SlotMap<DefaultKey, MeshEntry>,
-    pub(super) casters: SlotMap<DefaultKey, CasterEntry>,
-    pub(super) sources: Sources,
-    pub(super) lights: Lights,
-    pub(super) pages: Pages,
+    pub(super) content: Content,
     pub(super) table: Table,
     /// Casters that changed since the table was written. Some may have been removed.
     pub(super) moved: Vec<DefaultKey>,
@@ -102,14 +99,16 @@ impl Scene {
         let id = SceneId::next();
         Ok(Self {
             id,
-            lights: Lights::new(id, options.max_lights)?,
+            content: Content {
+                meshes: SlotMap::new(),
+                pages: Pages::new(),
+                casters: SlotMap::new(),
+                sources: Sources::default(),
+                lights: Lights::new(id, options.max_lights)?,
+            },
             pipelines,
             queue: queue.clone(),
             options,
-            meshes: SlotMap::new(),
-            casters: SlotMap::new(),
-            sources: Sources::default(),
-            pages: Pages::new(),
             table: Table {
                 culls_by_range: !options.measuring.has(Measuring::CULLED_BY_RANGE),
                 culls_by_occluders: !options.measuring.has(Measuring::CULLED_BY_OCCLUDERS),
@@ -164,16 +163,22 @@ impl Scene {
         positions: &[[f32; 3]],
     ) -> Result<DefaultKey, ShadowError> {
         let (device, used, limit) = (self.pipelines.device(), self.used(), self.options.memory_limit);
-        let polygons = PolygonMesh::new(device, mesh, used + self.pages.bytes, limit)?;
+        let polygons = PolygonMesh::new(device, mesh, used + self.content.pages.bytes, limit)?;
         let further = polygons.as_ref().map_or(0, PolygonMesh::bytes);
-        let region =
-            self.pages.add(device, topology, positions.len() as u32, polygons.is_some(), used + further, limit)?;
-        if let Err(error) = self.pages.upload(device, &self.queue, &region, topology, positions) {
-            self.pages.free(region, self.encodes.load(Ordering::Relaxed));
+        let region = self.content.pages.add(
+            device,
+            topology,
+            positions.len() as u32,
+            polygons.is_some(),
+            used + further,
+            limit,
+        )?;
+        if let Err(error) = self.content.pages.upload(device, &self.queue, &region, topology, positions) {
+            self.content.pages.free(region, self.encodes.load(Ordering::Relaxed));
             return Err(error.into());
         }
-        self.pages.bytes += further;
-        Ok(self.meshes.insert(MeshEntry::new(region, mesh, positions, topology.order.clone(), polygons)))
+        self.content.pages.bytes += further;
+        Ok(self.content.meshes.insert(MeshEntry::new(region, mesh, positions, topology.order.clone(), polygons)))
     }
 
     /// The bytes of all but pages.
@@ -201,13 +206,13 @@ impl Scene {
     /// [`ShadowError::MeshInUse`], or an error of the handle.
     pub fn remove_mesh(&mut self, mesh: MeshHandle) -> Result<(), ShadowError> {
         let key = mesh.key_in(self.id)?;
-        let casters = self.meshes.get(key).ok_or(ShadowError::Removed { what: "mesh" })?.casters;
+        let casters = self.content.meshes.get(key).ok_or(ShadowError::Removed { what: "mesh" })?.casters;
         if casters > 0 {
             return Err(ShadowError::MeshInUse { casters });
         }
-        if let Some(entry) = self.meshes.remove(key) {
-            self.pages.bytes -= entry.polygons.as_ref().map_or(0, PolygonMesh::bytes);
-            self.pages.free(entry.region, self.encodes.load(Ordering::Relaxed));
+        if let Some(entry) = self.content.meshes.remove(key) {
+            self.content.pages.bytes -= entry.polygons.as_ref().map_or(0, PolygonMesh::bytes);
+            self.content.pages.free(entry.region, self.encodes.load(Ordering::Relaxed));
         }
         Ok(())
     }
@@ -217,7 +222,7 @@ impl Scene {
     /// # Errors
     /// [`ShadowError::Light`] for a light that is refused, or [`ShadowError::NoLightBit`].
     pub fn add_light(&mut self, light: Light) -> Result<LightHandle, ShadowError> {
-        let handle = self.lights.add(light)?;
+        let handle = self.content.lights.add(light)?;
         self.structure = None;
         Ok(handle)
     }
@@ -227,7 +232,7 @@ impl Scene {
     /// # Errors
     /// [`ShadowError::Light`] for a light that is refused, or an error of the handle.
     pub fn set_light(&mut self, handle: LightHandle, light: Light) -> Result<(), ShadowError> {
-        self.lights.set(handle, light)
+        self.content.lights.set(handle, light)
     }
 
     /// Removes a light and frees its bit.
@@ -235,7 +240,7 @@ impl Scene {
     /// # Errors
     /// An error of the handle.
     pub fn remove_light(&mut self, handle: LightHandle) -> Result<(), ShadowError> {
-        self.lights.remove(handle)?;
+        self.content.lights.remove(handle)?;
         self.structure = None;
         Ok(())
     }
@@ -249,7 +254,7 @@ impl Scene {
         let mesh = mesh.key_in(self.id)?;
         let (placement, source) = self.place(mesh, positions)?;
         let mut has_polygons = false;
-        if let Some(entry) = self.meshes.get_mut(mesh) {
+        if let Some(entry) = self.content.meshes.get_mut(mesh) {
             entry.casters += 1;
             has_polygons = entry.polygons.is_some();
         }
@@ -273,7 +278,7 @@ impl Scene {
             index: 0,
             first_light: 0,
         };
-        Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
+        Ok(CasterHandle { scene: self.id, key: self.content.casters.insert(entry) })
     }
 
     /// Moves a rigid caster. A caster with a buffer moves by what is written to the buffer; another buffer is given by
@@ -337,7 +342,7 @@ impl Scene {
     /// A caster.
     fn entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
         let key = caster.key_in(self.id)?;
-        self.casters.get_mut(key).map(|entry| (key, entry)).ok_or(ShadowError::Removed { what: "caster" })
+        self.content.casters.get_mut(key).map(|entry| (key, entry)).ok_or(ShadowError::Removed { what: "caster" })
     }
 
     /// A caster that is no instance of a model.
@@ -354,7 +359,7 @@ impl Scene {
 
     /// Marks a caster that must be written to the table.
     pub(super) fn mark_changed(&mut self, key: DefaultKey) {
-        if let Some(entry) = self.casters.get_mut(key).filter(|entry| !entry.is_moved) {
+        if let Some(entry) = self.content.casters.get_mut(key).filter(|entry| !entry.is_moved) {
             entry.is_moved = true;
             self.moved.push(key);
         }
@@ -373,13 +378,13 @@ impl Scene {
         let (key, entry) = self.entry_of_caller(caster)?;
         let mesh = entry.mesh;
         let (placement, source) = self.place(mesh, positions.into())?;
-        if let Some(entry) = self.casters.get_mut(key) {
+        if let Some(entry) = self.content.casters.get_mut(key) {
             entry.placement = placement;
             (entry.positions_version, entry.bounds) = (None, None);
             if let Placement::World { .. } = entry.placement {
                 entry.occluders.clear();
             }
-            self.sources.release(std::mem::replace(&mut entry.source, source));
+            self.content.sources.release(std::mem::replace(&mut entry.source, source));
         }
         self.structure = None;
         Ok(())
@@ -387,7 +392,7 @@ impl Scene {
 
     /// The placement of a caster of a mesh, and the source of its positions, which counts the caster.
     fn place(&mut self, mesh: DefaultKey, positions: CasterPositions) -> Result<(Placement, DefaultKey), ShadowError> {
-        let entry = self.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
+        let entry = self.content.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
         let (page, vertices) = (entry.region.page, entry.vertices);
         let (placement, bound) = match positions {
             CasterPositions::Rigid(transform) => (Placement::Rigid(Rigid::new(transform.rows())), None),
@@ -397,7 +402,7 @@ impl Scene {
                 (placement, Some(bound))
             }
         };
-        Ok((placement, self.sources.acquire(page, bound)))
+        Ok((placement, self.content.sources.acquire(page, bound)))
     }
 
     /// Changes the lights for which a caster throws shadows.
@@ -423,9 +428,9 @@ impl Scene {
     /// [`ShadowError::NoSuchFace`], [`ShadowError::Polygons`], or an error of a handle.
     pub fn set_excluded(&mut self, caster: CasterHandle, light: LightHandle, faces: &[u32]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
-        self.lights.check(light)?;
-        let entry = self.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
-        let mesh = self.meshes.get(entry.mesh);
+        self.content.lights.check(light)?;
+        let entry = self.content.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
+        let mesh = self.content.meshes.get(entry.mesh);
         let count = mesh.map_or(0, |mesh| mesh.faces);
         if let Some(&face) = faces.iter().find(|&&face| face >= count) {
             return Err(ShadowError::NoSuchFace { face, faces: count });
@@ -433,7 +438,7 @@ impl Scene {
         if entry.has_polygons && !faces.is_empty() {
             return Err(ShadowError::Polygons);
         }
-        entry.excluded.retain(|(of, _)| *of != light && self.lights.check(*of).is_ok());
+        entry.excluded.retain(|(of, _)| *of != light && self.content.lights.check(*of).is_ok());
         if !faces.is_empty() {
             let order = mesh.and_then(|mesh| mesh.order.as_ref());
             let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
@@ -455,11 +460,11 @@ impl Scene {
     /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of the handle.
     pub fn set_occluders(&mut self, caster: CasterHandle, polygons: &[&[[f32; 3]]]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
-        let entry = self.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
+        let entry = self.content.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
         if matches!(entry.placement, Placement::World { .. }) {
             return Err(ShadowError::NotRigid);
         }
-        if let Some(mesh) = self.meshes.get(entry.mesh) {
+        if let Some(mesh) = self.content.meshes.get(entry.mesh) {
             for (number, polygon) in polygons.iter().enumerate() {
                 occluders::check(number, polygon, mesh)?;
             }
@@ -480,11 +485,11 @@ impl Scene {
     }
 
     pub(super) fn remove_caster(&mut self, key: DefaultKey) {
-        let Some(entry) = self.casters.remove(key) else { return };
-        if let Some(mesh) = self.meshes.get_mut(entry.mesh) {
+        let Some(entry) = self.content.casters.remove(key) else { return };
+        if let Some(mesh) = self.content.meshes.get_mut(entry.mesh) {
             mesh.casters -= 1;
         }
-        self.sources.release(entry.source);
+        self.content.sources.release(entry.source);
         self.structure = None;
     }
 }

@@ -1,9 +1,6 @@
 //! The dispatches of a scene's stages, with the buffers that they bind.
 
-use slotmap::{DefaultKey, SlotMap};
-
 use super::buffers::{Buffers, LISTS_HEAD, WORK_WORDS};
-use super::caster::CasterEntry;
 use super::structure::{GroupBatch, Inputs, PolygonCaster, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
@@ -70,11 +67,7 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
 ///
 /// # Errors
 /// [`DeviceError::Refused`] if a caller destroyed the buffer of a caster.
-pub(crate) fn steps(
-    inputs: &Inputs<'_>,
-    casters: &SlotMap<DefaultKey, CasterEntry>,
-    structure: &Structure,
-) -> Result<Vec<Step>, DeviceError> {
+pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
     let Inputs { pipelines, options, views, .. } = *inputs;
     let (device, predicate) = (pipelines.device(), options.predicate());
     let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };
@@ -93,7 +86,7 @@ pub(crate) fn steps(
             let parts = if let Items::Pairs = items { std::slice::from_ref(first) } else { &structure.parts };
             if pipeline.label == ARGUMENTS.name {
                 for part in parts.iter().filter(|part| part.sizes.polygons.is_some()) {
-                    steps.extend(binder.polygons(casters, part).transpose()?.unwrap_or_default());
+                    steps.extend(binder.polygons(part).transpose()?.unwrap_or_default());
                 }
             }
             let dispatch = |part: &GroupBatch| {
@@ -157,18 +150,13 @@ impl<'a> Binder<'a> {
     }
 
     /// The extraction of the polygons of a group.
-    fn polygons(
-        &self,
-        casters: &SlotMap<DefaultKey, CasterEntry>,
-        group_batch: &GroupBatch,
-    ) -> Option<Result<Vec<Step>, DeviceError>> {
+    fn polygons(&self, group_batch: &GroupBatch) -> Option<Result<Vec<Step>, DeviceError>> {
         let Self { structure, inputs, limits, .. } = self;
         let &GroupBatch { group, batch, ref sizes, lights, .. } = group_batch;
         let buffers = structure.buffers.groups.get(group)?.get(batch)?;
         let of_polygons = buffers.polygons.as_ref()?;
-        let (page, source) = structure.source(inputs, group)?;
-        let PolygonCaster { mesh, offset_words, stride_words, .. } =
-            structure.polygons(inputs.meshes, casters, group)?;
+        let (page, source) = structure.source(inputs.content, group)?;
+        let PolygonCaster { mesh, offset_words, stride_words, .. } = structure.polygons(inputs.content, group)?;
         let (positions, range) = source.bound_positions(page);
         // One binding holds them, so this is no error.
         let windows = limits.windows("positions", range.end - range.start).ok()?;
@@ -201,7 +189,7 @@ impl<'a> Binder<'a> {
         let Buffers { relevant_lights, active_lights, cache, work, statistics, .. } = buffers;
         let &GroupBatch { group, batch, ref sizes, offset, shape, .. } = group_batch;
         let of_group = buffers.groups.get(group)?.get(batch)?;
-        let (page, source) = self.structure.source(self.inputs, group)?;
+        let (page, source) = self.structure.source(self.inputs.content, group)?;
         Some(match name {
             "group" => uniform::<SceneDispatch>(uniforms, offset),
             "shape" => uniform::<DrawShape>(shapes, shape),

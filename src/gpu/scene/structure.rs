@@ -4,12 +4,13 @@ use bytemuck::Zeroable;
 use slotmap::{DefaultKey, SlotMap};
 
 use super::buffers::{Buffers, CLUSTER_WORDS, GroupSizes, Sizes, WorkOffsets, work_offsets};
-use super::caster::{CasterEntry, MeshEntry};
+use super::caster::CasterEntry;
+use super::content::Content;
 use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
-use super::pages::{Page, Pages};
-use super::sources::{GroupTopology, Source, Sources};
+use super::pages::Page;
+use super::sources::{GroupTopology, Source};
 use super::table::{Part, Table};
 use crate::Light;
 use crate::gpu::common::device_error::DeviceError;
@@ -80,12 +81,9 @@ pub(crate) struct Versions {
 /// The parts of a scene that a structure is made from.
 pub(crate) struct Inputs<'a> {
     pub(crate) pipelines: &'a Pipelines,
-    pub(crate) meshes: &'a SlotMap<DefaultKey, MeshEntry>,
-    pub(crate) sources: &'a Sources,
-    pub(crate) pages: &'a Pages,
+    pub(crate) content: &'a Content,
     /// The bytes of pages and deformers.
     pub(crate) others: u64,
-    pub(crate) lights: &'a Lights,
     pub(crate) options: &'a SceneOptions,
     /// Views that the table has room for.
     pub(crate) views: usize,
@@ -94,18 +92,18 @@ pub(crate) struct Inputs<'a> {
 }
 
 impl Structure {
-    /// Makes a new layout. It reuses buffers of `old` that are large enough.
+    /// Makes the buffers of a layout. It reuses those of `old` that are large enough.
     pub(crate) fn new(
         inputs: &Inputs<'_>,
-        casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        table: &mut Table,
+        layout: Layout,
+        table: &Table,
         old: Option<&Self>,
         versions: Versions,
     ) -> Result<Self, ShadowError> {
-        let Inputs { pipelines, meshes, lights, options, views, .. } = *inputs;
+        let Inputs { pipelines, content: Content { casters, lights, sources, pages, .. }, options, views, .. } =
+            *inputs;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let layout = Layout::new(table, casters, meshes, lights, versions.encode, &limits)?;
         let batches = table.batches;
         let sizes: Vec<Vec<GroupSizes>> = layout
             .groups
@@ -164,8 +162,8 @@ impl Structure {
         let upload = || exclusions.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>();
         let exclusions = guarded(device, exclusion_bytes, upload)?;
         let topology = |group: &Group| {
-            let source = inputs.sources.get(group.source)?;
-            Some(source.topology(inputs.pages.get(source.page)?))
+            let source = sources.get(group.source)?;
+            Some(source.topology(pages.get(source.page)?))
         };
         Ok(Self {
             topology: layout.groups.iter().filter_map(topology).collect(),
@@ -191,8 +189,7 @@ impl Structure {
     /// The caster of a group of polygons.
     pub(crate) fn polygons<'a>(
         &self,
-        meshes: &'a SlotMap<DefaultKey, MeshEntry>,
-        casters: &'a SlotMap<DefaultKey, CasterEntry>,
+        Content { meshes, casters, .. }: &'a Content,
         group: usize,
     ) -> Option<PolygonCaster<'a>> {
         let first = self.layout.groups.get(group)?.first;
@@ -203,26 +200,20 @@ impl Structure {
     }
 
     /// For each caster of polygons and batch its lights, and the uniform that they are uploaded to.
-    pub(crate) fn light_batches(
-        &self,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
-        casters: &SlotMap<DefaultKey, CasterEntry>,
-        lights: &Lights,
-    ) -> Vec<(wgpu::Buffer, LightBatch)> {
+    pub(crate) fn light_batches(&self, content: &Content) -> Vec<(wgpu::Buffer, LightBatch)> {
         let light_batch = |part: &GroupBatch| {
             let buffers = self.buffers.groups.get(part.group)?.get(part.batch)?.polygons.as_ref()?;
-            let PolygonCaster { caster, offset_words, stride_words, .. } =
-                self.polygons(meshes, casters, part.group)?;
-            let light = |bit: usize| caster.light(lights, (32 * part.batch + bit) as u32).map(Light::to_array);
+            let PolygonCaster { caster, offset_words, stride_words, .. } = self.polygons(content, part.group)?;
+            let light = |bit: usize| caster.light(&content.lights, (32 * part.batch + bit) as u32).map(Light::to_array);
             Some((buffers.lights.clone(), LightBatch::of_bits(light, part.lights, offset_words, stride_words)))
         };
         self.parts.iter().filter_map(light_batch).collect()
     }
 
     /// The page of a group, and the source of its positions.
-    pub(crate) fn source<'a>(&self, inputs: &Inputs<'a>, group: usize) -> Option<(&'a Page, &'a Source)> {
-        let source = inputs.sources.get(self.layout.groups.get(group)?.source)?;
-        Some((inputs.pages.get(source.page)?, source))
+    pub(crate) fn source<'a>(&self, content: &'a Content, group: usize) -> Option<(&'a Page, &'a Source)> {
+        let source = content.sources.get(self.layout.groups.get(group)?.source)?;
+        Some((content.pages.get(source.page)?, source))
     }
 }
 

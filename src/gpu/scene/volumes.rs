@@ -17,7 +17,7 @@ use crate::layout::{CHUNK, ExtractionStatistics, SceneDispatch};
 /// Room for near caps in each group, in addition to sixteen times the root of the faces.
 const FEW_CAPS: u32 = 4096;
 
-/// The volumes of a structure, for a number of views.
+/// The volumes of a structure.
 #[derive(Debug)]
 pub(crate) struct Volumes {
     pub(crate) buffers: SizedBuffers,
@@ -25,19 +25,13 @@ pub(crate) struct Volumes {
 }
 
 impl Volumes {
-    /// Makes the volumes of a structure whose table has room for the choices of `views` views, with `receivers` words for the
-    /// receivers of each. `others` are the bytes of the rest of the scene.
-    pub(crate) fn new(
-        inputs: &Inputs<'_>,
-        structure: &Structure,
-        views: usize,
-        receivers: u64,
-        others: u64,
-    ) -> Result<Self, ShadowError> {
+    /// Makes the volumes of a structure, with `receivers` words for the receivers of each view.
+    pub(crate) fn new(inputs: &Inputs<'_>, structure: &Structure, receivers: u64) -> Result<Self, ShadowError> {
         let device = inputs.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let sizes = VolumeSizes { receivers, ..sizes(inputs, structure, views, &limits) };
-        let others = Allocation { label: "the scene without volumes", bytes: others };
+        let sizes = VolumeSizes { receivers, ..sizes(inputs, structure, &limits) };
+        let bytes = inputs.others + structure.bytes();
+        let others = Allocation { label: "the scene without volumes", bytes };
         let buffers = SizedBuffers::new(device, sizes, others, &limits)?;
         let pipelines = StagePipelines::new(inputs.pipelines, buffers.sizes.has_pieces(), inputs.options);
         let source = source(inputs, structure);
@@ -46,7 +40,7 @@ impl Volumes {
     }
 }
 
-fn sizes(inputs: &Inputs<'_>, structure: &Structure, views: usize, limits: &DispatchLimits) -> VolumeSizes {
+fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) -> VolumeSizes {
     let group_of = |part: &GroupBatch| structure.layout.groups.get(part.group);
     let group_size = |part: &GroupBatch| {
         let sizes = |group: &Group| (group.face_slots(), group.edge_slots(), CHUNK * group.proxy_chunks);
@@ -64,7 +58,7 @@ fn sizes(inputs: &Inputs<'_>, structure: &Structure, views: usize, limits: &Disp
         options: *inputs.options,
         casters: structure.layout.order.len(),
         lights: 32 * structure.batches,
-        views,
+        views: inputs.views,
         choices_offset: structure.choices_offset,
         groups: structure.parts.iter().filter(|part| part.batch == 0).map(group_size).collect(),
         rooms: structure.parts.iter().map(room).collect(),
@@ -88,7 +82,7 @@ fn source<'a>(inputs: &Inputs<'a>, structure: &'a Structure) -> VolumeSource<'a>
         Some(named)
     };
     let group = |parts: &'a [GroupBatch]| {
-        let (page, source) = structure.source(inputs, parts.first()?.group)?;
+        let (page, source) = structure.source(inputs.content, parts.first()?.group)?;
         Some(GroupSource {
             named: vec![
                 ("faces", whole(&page.faces)),

@@ -5,8 +5,8 @@ use crate::cpu::Threads;
 use crate::layout::CHUNK;
 use crate::mesh::{INCONSISTENT_BIT, Mesh, NO_FACE};
 
-/// Bits of the place where the clusters of a chunk of edges begin. The upper two tell when the chunk has no silhouette.
-const PLACE_BITS: u32 = 30;
+/// Bits of the index at which the clusters of a chunk of edges begin. The upper two bits are a [`Spared`].
+const INDEX_BITS: u32 = 30;
 
 /// When a chunk of edges has no silhouette edge for a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,8 +15,8 @@ pub(super) enum Spared {
     Never = 0,
     /// All its clusters are decided: each record is within a cluster.
     Decided = 1,
-    /// All its clusters are decided alike.
-    Alike = 2,
+    /// All its clusters are decided, and have the same facing.
+    SameFacing = 2,
 }
 
 /// A mesh with faces and edge records in their slots.
@@ -34,12 +34,12 @@ pub struct Arranged {
 }
 
 impl Arranged {
-    /// The mesh in the order of these clusters, which are its own. The result does not depend on the number of threads.
+    /// The mesh in the order of its clusters. The result does not depend on the number of threads.
     pub fn new(mesh: &Mesh, clusters: &Clusters, threads: Threads) -> Self {
         let mut slots = vec![0_u32; clusters.faces().len()];
         for (slot, &face) in (0..).zip(clusters.faces()) {
-            if let Some(place) = slots.get_mut(face as usize) {
-                *place = slot;
+            if let Some(entry) = slots.get_mut(face as usize) {
+                *entry = slot;
             }
         }
         let slot = |packed: u32| {
@@ -60,13 +60,13 @@ impl Arranged {
     }
 }
 
-/// The items at some places.
-fn gather<T: Copy + Default + Send + Sync>(items: &[T], places: &[u32], threads: Threads) -> Vec<T> {
-    let mut gathered = vec![T::default(); places.len()];
+/// The items with these indices.
+fn gather<T: Copy + Default + Send + Sync>(items: &[T], indices: &[u32], threads: Threads) -> Vec<T> {
+    let mut gathered = vec![T::default(); indices.len()];
     threads.share(&mut gathered, |first, gathered| {
-        let places = places.get(first..).unwrap_or_default();
-        for (item, &place) in gathered.iter_mut().zip(places) {
-            *item = items.get(place as usize).copied().unwrap_or_default();
+        let indices = indices.get(first..).unwrap_or_default();
+        for (item, &index) in gathered.iter_mut().zip(indices) {
+            *item = items.get(index as usize).copied().unwrap_or_default();
         }
     });
     gathered
@@ -75,7 +75,7 @@ fn gather<T: Copy + Default + Send + Sync>(items: &[T], places: &[u32], threads:
 /// Bounds, and the clusters of each chunk of edge slots.
 fn words(clusters: &Clusters, edge_faces: &[[u32; 2]], threads: Threads) -> Vec<u32> {
     let mut chunks: Vec<_> = edge_faces.chunks(CHUNK as usize).collect();
-    // For each run of chunks how many clusters each has, and these.
+    // For each range of chunks the number of clusters of each, then the clusters.
     let runs = threads.share(&mut chunks, |_, chunks| {
         let (mut counts, mut all, mut names) = (Vec::with_capacity(chunks.len()), Vec::new(), Vec::new());
         for records in chunks {
@@ -86,14 +86,14 @@ fn words(clusters: &Clusters, edge_faces: &[[u32; 2]], threads: Threads) -> Vec<
         (counts, all)
     });
     let mut words: Vec<u32> = bytemuck::cast_slice(clusters.bounds()).to_vec();
-    let mut place = (words.len() + chunks.len() + 1) as u32;
+    let mut index = (words.len() + chunks.len() + 1) as u32;
     for (counts, _) in &runs {
         for &(spared, count) in counts {
-            words.push(place | (spared as u32) << PLACE_BITS);
-            place += count;
+            words.push(index | (spared as u32) << INDEX_BITS);
+            index += count;
         }
     }
-    words.push(place);
+    words.push(index);
     words.extend(runs.into_iter().flat_map(|(_, names)| names));
     words
 }
@@ -109,7 +109,7 @@ fn clusters_of(records: &[[u32; 2]], names: &mut Vec<u32>) -> Spared {
         }
         let [first, second] = [face_0, face_1].map(|slot| slot / CLUSTER_FACES as u32);
         if first != second {
-            spared = Spared::Alike;
+            spared = Spared::SameFacing;
         }
         for cluster in [first, second] {
             // Records of a cluster follow each other, and a chunk has few.

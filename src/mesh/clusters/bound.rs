@@ -19,7 +19,7 @@ mod cluster_kinds {
     pub(super) const BOUNDED: u32 = 1;
     /// No face faces a light. Some faces name a vertex twice.
     pub(super) const AT_MOST_AVERTED: u32 = 2;
-    /// Every light is averted: all faces name a vertex twice.
+    /// All faces name a vertex twice, so they are back-facing for every light.
     pub(super) const AVERTED: u32 = 3;
 }
 
@@ -33,7 +33,7 @@ mod cluster_kinds {
 pub struct ClusterBound {
     /// About the centre of the faces.
     pub centre: [f32; 3],
-    /// 0: nothing is decided; 1: by the bound; 2: by the bound, but never as facing; 3: always averted.
+    /// 0: nothing is decided; 1: by the bound; 2: by the bound, but never as front-facing; 3: always back-facing.
     pub kind: u32,
     /// The middle of the planes `(m, e)`.
     pub middle: [f32; 4],

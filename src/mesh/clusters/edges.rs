@@ -7,9 +7,9 @@ use crate::mesh::{EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 ///
 /// 1. **Inner** records, cluster by cluster: both faces are in one cluster. If it is decided whole for a light, the
 ///    record is no silhouette.
-/// 2. **Outer** records, by the lower of two clusters. If both are decided alike, the record is no silhouette.
+/// 2. **Outer** records, by the lower of two clusters. If both have the same decided facing, the record is no silhouette.
 /// 3. The others are boundaries and inconsistent records. Boundaries are silhouettes for every light, and inconsistent
-///    records where both faces are alike. So they are never skipped.
+///    records whose faces have the same facing. So they are never skipped.
 ///
 /// Each part keeps the order of the mesh within its groups. Memory: 4 bytes for each record and 8 for each cluster.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

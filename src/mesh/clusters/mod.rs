@@ -1,7 +1,7 @@
-//! Clusters: runs of faces that lie together, each with a bound that tells whether all of them face a light, or none
+//! Clusters: ranges of faces that lie together, each with a bound that decides whether all of them face a light, or none
 //! does (docs/numerics/clusters.md).
 //!
-//! The order in space is internal. A face or edge **slot** is a place in it. The mesh keeps its own order, and each slot
+//! The order in space is internal. A face or edge **slot** is an index in it. The mesh keeps its own order, and each slot
 //! names the face or edge record of the mesh that it holds.
 
 mod arranged;

@@ -137,14 +137,14 @@ fn sorted(mut keys: Vec<u64>) -> Vec<u32> {
             sum += std::mem::replace(next, sum);
         }
     }
-    let mut places = vec![0; keys.len()];
+    let mut sorted_keys = vec![0; keys.len()];
     for (pass, next) in counts[..2].iter_mut().enumerate() {
         for &key in &keys {
             let next = &mut next[digit(key, pass)];
-            places[*next as usize] = key;
+            sorted_keys[*next as usize] = key;
             *next += 1;
         }
-        std::mem::swap(&mut keys, &mut places);
+        std::mem::swap(&mut keys, &mut sorted_keys);
     }
     let mut sorted = vec![0; keys.len()];
     for key in keys {
@@ -160,7 +160,7 @@ fn digit(key: u64, pass: usize) -> usize {
     (key >> (INDEX_BITS + pass as u32 * DIGIT_BITS)) as usize % DIGITS
 }
 
-/// The place of a cell along a Hilbert curve, two levels at a time. `octants` has three bits for each level.
+/// The index of a cell along a Hilbert curve, two levels at a time. `octants` has three bits for each level.
 fn hilbert(octants: u32) -> u32 {
     let (mut along, mut state) = (0, 0);
     for pair in (0..LEVELS / 2).rev() {

@@ -46,7 +46,7 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Takes at most [`LANES`] faces. The values of unused lanes do not matter.
+    /// `faces` has at most [`LANES`] faces. Unused lanes have any value.
     #[inline]
     pub(super) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
         let mut corners = [[[0.0; LANES]; 3]; 3];

@@ -1,9 +1,9 @@
 //! Boundaries: the edges of a polygon that remain when those that it walks both ways have cancelled.
 
-/// Finds boundaries, and keeps its memory from one polygon to the next.
+/// Finds boundaries. It reuses its memory from one polygon to the next.
 #[derive(Default)]
 pub(super) struct Walker {
-    /// Edges with their lower vertex first, whether they were turned for that, and their place.
+    /// Edges with their lower vertex first, whether that reversed them, and their index.
     sorted: Vec<([u32; 2], bool, u32)>,
     is_cancelled: Vec<bool>,
 }
@@ -19,25 +19,26 @@ impl Walker {
         }
         let edges = (0..).zip(&boundary[first..]);
         self.sorted.clear();
-        self.sorted.extend(edges.map(|(place, &[a, b])| ([a.min(b), a.max(b)], a > b, place)));
+        self.sorted.extend(edges.map(|(index, &[a, b])| ([a.min(b), a.max(b)], a > b, index)));
         self.sorted.sort_unstable();
         if self.sorted.windows(2).all(|pair| pair[0].0 != pair[1].0) {
             return;
         }
         self.is_cancelled.clear();
         self.is_cancelled.resize(self.sorted.len(), false);
-        for run in self.sorted.chunk_by(|p, q| p.0 == q.0) {
+        for edges_of_pair in self.sorted.chunk_by(|p, q| p.0 == q.0) {
             // Edges of one direction come before those of the other.
-            let (forward, backward) = run.split_at(run.partition_point(|&(_, is_turned, _)| !is_turned));
+            let (forward, backward) =
+                edges_of_pair.split_at(edges_of_pair.partition_point(|&(_, is_reversed, _)| !is_reversed));
             for (&(.., one), &(.., other)) in forward.iter().zip(backward) {
                 self.is_cancelled[one as usize] = true;
                 self.is_cancelled[other as usize] = true;
             }
         }
         let mut end = first;
-        for (place, &is_cancelled) in (first..).zip(&self.is_cancelled) {
+        for (index, &is_cancelled) in (first..).zip(&self.is_cancelled) {
             if !is_cancelled {
-                boundary[end] = boundary[place];
+                boundary[end] = boundary[index];
                 end += 1;
             }
         }

@@ -3,7 +3,7 @@
 use super::{MAX_POLYGON_CORNERS, PolygonLoops};
 use crate::mesh::error::{MAX_FACES, MeshError};
 
-/// Refuses arrays that do not fit together, small loops and bad indices. The first place is named.
+/// Refuses arrays that do not fit together, small loops and bad indices. The error names the first one.
 pub(super) fn check(vertex_count: usize, given: PolygonLoops<'_>) -> Result<(), MeshError> {
     let PolygonLoops { polygon_loops, loop_sizes, loop_corners } = given;
     if polygon_loops.is_empty() {

@@ -57,7 +57,7 @@ pub const MAX_POLYGON_CORNERS: usize = 1 << 24;
 /// The polygons of a mesh that takes each as one face.
 ///
 /// The **boundary** of a polygon is its edges, without those that it walks both ways and without edges from a vertex to
-/// itself. Boundaries are all that facing, edge records and shadows see. Loops say what was given.
+/// itself. Boundaries are all that facing, edge records and shadows see. Loops are the polygon as given.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Polygons {
     /// Where each polygon's loops begin, and an end.
@@ -118,7 +118,7 @@ impl Polygons {
     /// The loops of a polygon, as given but with welded vertices: its outer loop, then its holes.
     ///
     /// # Panics
-    /// If there are not so many polygons.
+    /// If there is no such polygon.
     pub fn loops(&self, polygon: usize) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
         let of = range(&self.loop_starts, polygon);
         of.map(|index| &self.corners[range(&self.corner_starts, index)])
@@ -128,7 +128,7 @@ impl Polygons {
     /// polygon's corners, without the edges that it walks both ways.
     ///
     /// # Panics
-    /// If there are not so many polygons.
+    /// If there is no such polygon.
     pub fn boundary(&self, polygon: usize) -> &[[u32; 2]] {
         &self.boundaries[range(&self.boundary_starts, polygon)]
     }
@@ -137,7 +137,7 @@ impl Polygons {
     /// diagonals cancel. A polygon without a boundary has none.
     ///
     /// # Panics
-    /// If there are not so many polygons.
+    /// If there is no such polygon.
     pub fn triangles(&self, polygon: usize) -> std::ops::Range<usize> {
         range(&self.triangle_starts, polygon)
     }
@@ -169,7 +169,7 @@ impl Polygons {
         (0..self.len()).filter(|&polygon| self.boundary(polygon).is_empty() && had_boundary(polygon)).count()
     }
 
-    /// Whether every polygon is one loop of three corners, so that triangles say the same.
+    /// Whether every polygon is one loop of three corners, so that its triangle is the same.
     pub(super) fn are_triangles(&self) -> bool {
         let are_all = |starts: &[u32], size| starts.windows(2).all(|ends| ends[1] - ends[0] == size);
         are_all(&self.loop_starts, 1) && are_all(&self.corner_starts, 3)
@@ -183,7 +183,7 @@ impl Polygons {
 
 /// The edges of all boundaries are the half-edges of a mesh of polygons.
 impl HalfEdges for Polygons {
-    fn places(&self) -> usize {
+    fn number_limit(&self) -> usize {
         self.boundaries.len()
     }
 

@@ -7,7 +7,7 @@ use crate::mesh::topology::is_degenerate;
 use crate::mesh::weld;
 
 impl Polygons {
-    /// The surface of all polygons, from the triangles that were found for each by itself.
+    /// The surface of all polygons, from the triangles of each.
     pub(super) fn surface(self, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         if self.are_triangles() {
             return self.into_triangles();
@@ -36,7 +36,7 @@ impl Polygons {
     /// For each polygon the first one with the same boundary, in the same direction or the opposite. A diagonal of the one
     /// need not be one of the other otherwise, and what is one surface to the user would be two.
     fn first_alike(&self) -> Vec<u32> {
-        // The sum does not depend on where a boundary begins. Vertices are mixed with a random key, so that nobody can choose
+        // The sum does not depend on where a boundary begins. Vertices are mixed with a random key, so that no input can choose
         // polygons that collide.
         let key = RandomState::new().hash_one(0);
         let mixed = |vertex: u32| {
@@ -55,7 +55,7 @@ impl Polygons {
 
     fn are_alike(&self, one: usize, other: usize) -> bool {
         let of_one = self.sorted_boundary(one, false);
-        // A triangle is its own surface, wherever it begins.
+        // A triangle is its own surface, from any corner.
         of_one.len() > 3
             && of_one.len() == self.boundary(other).len()
             && [false, true].into_iter().any(|is_turned| of_one == self.sorted_boundary(other, is_turned))

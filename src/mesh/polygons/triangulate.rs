@@ -9,7 +9,7 @@ use earcut::Earcut;
 
 use super::fans::OpenEdges;
 
-/// Triangulates polygons, and keeps its memory from one to the next.
+/// Triangulates polygons. It reuses its memory from one to the next.
 #[derive(Default)]
 pub(super) struct Triangulator {
     earcut: Option<Earcut<f64>>,
@@ -84,19 +84,20 @@ impl Triangulator {
     }
 }
 
-/// The most corners at one place, and the most in all, for which ears are cut. `earcut` may take time with the cube of what it is
-/// given where it finds no ears. Fans fill what it leaves, however much that is.
-const MOST_AT_A_PLACE: usize = 16;
+/// The most corners with equal positions, and the most in all, for which ears are cut. Without ears, `earcut` may take time with
+/// the cube of the number of corners. Fans fill the remaining loops.
+const MOST_COINCIDENT: usize = 16;
 const MOST_CORNERS: usize = 1 << 15;
 
-/// Whether loops come to a place again and again, as only loops without a sensible surface do, or have very many corners.
+/// Whether loops visit a position many times, which only loops without a sensible surface do, or have very many corners.
 fn is_too_tangled(corners: impl Iterator<Item = [f32; 3]>) -> bool {
-    let mut places: Vec<[u32; 3]> = corners.map(|p| p.map(|c| (c + 0.0).to_bits())).collect();
-    if places.len() <= MOST_AT_A_PLACE {
+    let mut points: Vec<[u32; 3]> = corners.map(|p| p.map(|c| (c + 0.0).to_bits())).collect();
+    if points.len() <= MOST_COINCIDENT {
         return false;
     }
-    places.sort_unstable();
-    places.len() > MOST_CORNERS || places.windows(MOST_AT_A_PLACE + 1).any(|run| run[0] == run[MOST_AT_A_PLACE])
+    points.sort_unstable();
+    points.len() > MOST_CORNERS
+        || points.windows(MOST_COINCIDENT + 1).any(|window| window[0] == window[MOST_COINCIDENT])
 }
 
 /// The two axes onto which loops are projected: they are counter-clockwise there. `None` for loops without an area, or

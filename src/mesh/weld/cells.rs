@@ -81,7 +81,7 @@ fn compare(positions: &[[f32; 3]], a: u32, b: u32) -> Ordering {
 /// A vertex in its cell.
 struct Entry {
     class: u32,
-    /// The place of the cell along z, y and x.
+    /// The index of the cell along z, y and x.
     cell: [i64; 3],
     vertex: u32,
 }
@@ -93,7 +93,7 @@ impl Entry {
 }
 
 /// The cell of a finite position, as z, y, x. Two positions of one cell are at most `distance` apart. Two whose cells are
-/// more than two places apart along an axis are farther apart than that.
+/// more than two cells apart along an axis are farther apart than that.
 fn cell([x, y, z]: [f32; 3], distance: WeldDistance) -> [i64; 3] {
     /// Up to here a quotient is off by less than 2⁻¹¹, whose double the share of the distance below leaves room for.
     const MOST: f64 = (1_u64 << 40) as f64;
@@ -108,16 +108,16 @@ fn cell([x, y, z]: [f32; 3], distance: WeldDistance) -> [i64; 3] {
         if coordinate == 0.0 {
             return 0;
         }
-        // Neighbouring floats are farther apart than the distance here, so that each is a place of its own.
-        let place = (1_i64 << 41) + 4 * i64::from(coordinate.to_bits() & !(1 << 31));
-        if coordinate < 0.0 { -place } else { place }
+        // Neighbouring floats are farther apart than the distance here, so that each has its own cell.
+        let index = (1_i64 << 41) + 4 * i64::from(coordinate.to_bits() & !(1 << 31));
+        if coordinate < 0.0 { -index } else { index }
     })
 }
 
 /// A cell with a vertex.
 struct Cell {
     class: u32,
-    place: [i64; 3],
+    cell: [i64; 3],
     entries: Range<usize>,
     /// Its positions, each once, in [`Cells::points`].
     points: Range<usize>,
@@ -139,11 +139,11 @@ impl Cells {
         for entries in entries.chunk_by(|a, b| a.key() == b.key()) {
             let start = points.len();
             points.extend(entries.iter().map(|entry| positions[entry.vertex as usize]));
-            let unique = deduplicated(&mut points[start..]);
-            points.truncate(start + unique);
+            let count = deduplicated(&mut points[start..]);
+            points.truncate(start + count);
             let end = first + entries.len();
-            let (class, place) = entries[0].key();
-            cells.push(Cell { class, place, entries: first..end, points: start..points.len() });
+            let (class, cell) = entries[0].key();
+            cells.push(Cell { class, cell, entries: first..end, points: start..points.len() });
             first = end;
         }
         let parents = (0..cells.len() as u32).collect();
@@ -151,23 +151,23 @@ impl Cells {
         Self { cells, points, trees, parents }
     }
 
-    /// Joins cells that are at most `reach` places apart and have a pair of vertices near each other. It walks over the
+    /// Joins cells that are at most `radius` cells apart and have a pair of vertices near each other. It walks over the
     /// rows of cells beside each cell, all at once, so it takes a few steps a cell.
-    fn join(&mut self, reach: i64, distance: WeldDistance) {
-        let beside = (0..=reach).flat_map(|z| (-reach..=reach).map(move |y| [z, y]));
+    fn join(&mut self, radius: i64, distance: WeldDistance) {
+        let beside = (0..=radius).flat_map(|z| (-radius..=radius).map(move |y| [z, y]));
         let mut rows: Vec<([i64; 2], usize)> = beside.filter(|&row| row >= [0, 0]).map(|row| (row, 0)).collect();
         for at in 0..self.cells.len() {
-            let (class, [z, y, x]) = (self.cells[at].class, self.cells[at].place);
+            let (class, [z, y, x]) = (self.cells[at].class, self.cells[at].cell);
             for ([above, beside], start) in &mut rows {
-                let own = *above == 0 && *beside == 0;
-                let place = |x: i64| (class, [z + *above, y + *beside, x]);
-                let (low, high) = (place(if own { x + 1 } else { x - reach }), place(x + reach));
-                let key = |at: usize| self.cells.get(at).map(|cell| (cell.class, cell.place));
+                let is_same_row = *above == 0 && *beside == 0;
+                let key_at = |x: i64| (class, [z + *above, y + *beside, x]);
+                let (low, high) = (key_at(if is_same_row { x + 1 } else { x - radius }), key_at(x + radius));
+                let key = |at: usize| self.cells.get(at).map(|cell| (cell.class, cell.cell));
                 while key(*start).is_some_and(|key| key < low) {
                     *start += 1;
                 }
                 let mut other = *start;
-                while self.cells.get(other).is_some_and(|cell| (cell.class, cell.place) <= high) {
+                while self.cells.get(other).is_some_and(|cell| (cell.class, cell.cell) <= high) {
                     self.join_pair(at, other, distance);
                     other += 1;
                 }
@@ -196,16 +196,16 @@ impl Cells {
     }
 }
 
-/// Moves the first of equal points to the front and says how many there are.
+/// Moves the first of equal points to the front, and returns their number.
 fn deduplicated(points: &mut [[f32; 3]]) -> usize {
-    let mut kept = 0;
+    let mut unique = 0;
     for at in 0..points.len() {
-        if kept == 0 || points[kept - 1] != points[at] {
-            points[kept] = points[at];
-            kept += 1;
+        if unique == 0 || points[unique - 1] != points[at] {
+            points[unique] = points[at];
+            unique += 1;
         }
     }
-    kept
+    unique
 }
 
 /// The root of a tree of cells; ways to it are halved.
@@ -218,7 +218,7 @@ fn root(parents: &mut [u32], mut cell: u32) -> u32 {
     cell
 }
 
-/// A group while its vertices are gone through.
+/// A group of the vertices so far.
 #[derive(Clone, Copy)]
 struct Group {
     first: u32,

@@ -12,7 +12,7 @@ pub struct WeldDistance {
 }
 
 impl WeldDistance {
-    /// A distance in the space of the positions. 0 joins vertices at one place, as [`Weld::Data`](super::Weld::Data) does.
+    /// A distance in the space of the positions. 0 joins vertices with equal positions, like [`Weld::Data`](super::Weld::Data) does.
     ///
     /// # Errors
     /// [`MeshError`] for a distance that is negative, infinite or NaN.
@@ -45,7 +45,7 @@ impl WeldDistance {
         self.reaches_times(1, a, b)
     }
 
-    /// Whether two finite points are at most so many times the distance apart, decided exactly. At most 1,000 times.
+    /// Whether two finite points are at most a multiple of the distance apart, decided exactly. The factor is at most 1,000.
     pub(crate) fn reaches_times(self, times: u32, a: [f32; 3], b: [f32; 3]) -> bool {
         // Three subtractions, squares and sums are off by less than three epsilons, and the limit by two.
         const ERROR: f64 = 8.0 * f64::EPSILON;
@@ -153,7 +153,7 @@ mod tests {
     }
 
     /// Pythagorean triples give distances that are exactly a float, at any scale. One step further is one too far, though
-    /// `f64` cannot tell it where the step is small.
+    /// `f64` cannot decide it if the step is small.
     #[test]
     fn ties_and_their_neighbours_are_told_apart() {
         for scale in [1.0, f32::MIN_POSITIVE, f32::from_bits(1), 2.0_f32.powi(100), 2.0_f32.powi(-100)] {

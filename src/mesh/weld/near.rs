@@ -85,10 +85,10 @@ pub(super) fn near(a: Node<'_>, b: Node<'_>, distance: WeldDistance) -> bool {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(p[axis]) - f64::from(box_a.low[axis]));
         towards[0] * x + towards[1] * y + towards[2] * z
     };
-    let looked_at = |own: &Node<'_>, other: &Node<'_>| own.points.len() / 4 <= other.points.len();
+    let is_small = |node: &Node<'_>, other: &Node<'_>| node.points.len() / 4 <= other.points.len();
     let by_way = |p: &&[f32; 3], q: &&[f32; 3]| along(p).total_cmp(&along(q));
-    let farthest = if looked_at(&a, &b) { a.points.iter().max_by(by_way) } else { None };
-    let nearest = if looked_at(&b, &a) { b.points.iter().min_by(by_way) } else { None };
+    let farthest = if is_small(&a, &b) { a.points.iter().max_by(by_way) } else { None };
+    let nearest = if is_small(&b, &a) { b.points.iter().min_by(by_way) } else { None };
     let end = farthest.map_or_else(|| along(&box_a.corner(towards, true)), along);
     let begin = nearest.map_or_else(|| along(&box_b.corner(towards, false)), along);
     if begin - end > limit {

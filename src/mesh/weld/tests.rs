@@ -1,4 +1,4 @@
-//! Equality is asked about as often as there are vertices, even where they were chosen to collide.
+//! Equality is tested about once a vertex, even for vertices that were chosen to collide.
 
 use std::cell::Cell;
 

@@ -131,8 +131,8 @@ fn nothing_is_left_out(constants: Constants) -> Result<(), String> {
 fn no_box_is_left_out_for_any_rounding() -> Result<(), String> {
     let constant = |name| wgsl_constant(&SHADOW_DEPTH, name).ok_or_else(|| format!("no constant {name}"));
     let [margin, tiny, underflow] = [constant("MARGIN")?, constant("TINY")?, constant("UNDERFLOW")?];
-    let own = Constants { margin, tiny, underflow };
-    nothing_is_left_out(own)?;
-    must_fail("no margin", &nothing_is_left_out(Constants { margin: 0.0, ..own }))?;
-    must_fail("no bound on underflow", &nothing_is_left_out(Constants { tiny: 0.0, ..own }))
+    let constants = Constants { margin, tiny, underflow };
+    nothing_is_left_out(constants)?;
+    must_fail("no margin", &nothing_is_left_out(Constants { margin: 0.0, ..constants }))?;
+    must_fail("no bound on underflow", &nothing_is_left_out(Constants { tiny: 0.0, ..constants }))
 }

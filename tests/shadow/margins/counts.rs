@@ -29,13 +29,7 @@ pub(super) const TESTS: &[Test] = &[
 
 /// Closed blocks and balls below each other, about a line from the light, in a box that is long.
 fn stack(random: &mut Random, light: DVec3, towards: DVec3) -> Shape {
-    let mut shape = Shape::default();
-    let mut add = |one: &Shape, middle: DVec3, scale: DVec3| {
-        let first = shape.positions.len() as u32;
-        let placed = |p: &[f32; 3]| (middle + DVec3::from(p.map(f64::from)) * scale).as_vec3().to_array();
-        shape.positions.extend(one.positions.iter().map(placed));
-        shape.faces.extend(one.faces.iter().map(|face| face.map(|vertex| vertex + first)));
-    };
+    let mut parts = Vec::new();
     let sideways = [-1.0, 1.0][random.below(2)];
     for number in 0..4 + random.below(20) {
         let one = if random.below(3) == 0 { shapes::blob(2, 0.1, number as u32) } else { shapes::cube() };
@@ -43,16 +37,22 @@ fn stack(random: &mut Random, light: DVec3, towards: DVec3) -> Shape {
         // Some of them reach far to one side.
         let half = f64::from(random.between(0.02, 0.2)) * [1.0, 10.0][random.below(2)];
         let middle = light + towards * down + DVec3::X * (sideways * half * f64::from(random.between(0.0, 0.9)));
-        add(&one, middle, DVec3::new(half, 0.02, half.min(0.3)));
+        parts.push(placed(one, middle, DVec3::new(half, 0.02, half.min(0.3))));
     }
     // So the box is long, on the other side or on both.
     for side in [-1.0, 1.0] {
         let length = f64::from(random.between(1.0, 60.0));
         if side == sideways || random.below(2) == 0 {
-            add(&shapes::cube(), light + towards * 1.5 + DVec3::X * (side * length), DVec3::splat(0.1));
+            let middle = light + towards * 1.5 + DVec3::X * (side * length);
+            parts.push(placed(shapes::cube(), middle, DVec3::splat(0.1)));
         }
     }
-    shape
+    Shape::joined(&parts)
+}
+
+/// A shape that is scaled and moved.
+fn placed(shape: Shape, middle: DVec3, scale: DVec3) -> Shape {
+    shape.placed(|p| (middle + DVec3::from(p.map(f64::from)) * scale).as_vec3().to_array())
 }
 
 /// A silhouette edge with its weight.
@@ -80,22 +80,6 @@ impl Case {
         let facing = facing.into_iter().map(|mask| mask & 1 != 0).collect();
         let edges = edges.collect();
         Self { edges, facing, corners: box_of(shape.positions.iter().copied()), shape, light, casting: CAST_EVERY }
-    }
-
-    /// Casting faces between a point and the light, which is not at infinity.
-    fn before(&self, point: DVec3) -> u32 {
-        let [x, y, z, w] = self.light.to_array().map(f64::from);
-        let place = DVec3::new(x, y, z) / w;
-        let crosses = |(&face, &facing): (&[u32; 3], &bool)| {
-            let [a, b, c] = face.map(|v| DVec3::from(self.shape.positions[v as usize].map(f64::from)) - place);
-            let along = point - place;
-            let inside = [a.cross(b), b.cross(c), c.cross(a)].map(|normal| normal.dot(along));
-            let is_met = inside.iter().all(|&side| side > 0.0) || inside.iter().all(|&side| side < 0.0);
-            let normal = (b - a).cross(c - a);
-            let part = normal.dot(a) / normal.dot(along);
-            is_met && part > 0.0 && part < 1.0 && (self.casting == CAST_EVERY || !facing)
-        };
-        self.shape.faces.iter().zip(&self.facing).filter(|&face| crosses(face)).count() as u32
     }
 
     /// Casting faces that a ray meets which begins at the light, or comes from it.
@@ -267,21 +251,16 @@ fn stacks() -> Result<(), String> {
 /// small, to one side of the light; the others reach from there to its other side. A ray meets them all.
 fn near_the_end() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut shape = Shape::default();
-    let mut block = |low: [f32; 3], high: [f32; 3]| {
-        let first = shape.positions.len() as u32;
-        let cube = shapes::cube();
-        let placed = |p: &[f32; 3]| std::array::from_fn(|axis| if p[axis] < 0.0 { low[axis] } else { high[axis] });
-        shape.positions.extend(cube.positions.iter().map(placed));
-        shape.faces.extend(cube.faces.iter().map(|face| face.map(|vertex| vertex + first)));
+    let block = |low: [f32; 3], high: [f32; 3]| {
+        shapes::cube().placed(|p| std::array::from_fn(|axis| if p[axis] < 0.0 { low[axis] } else { high[axis] }))
     };
+    let mut blocks = vec![block([-40.0, -1.9, -0.1], [-39.0, -1.8, 0.1])];
     for number in 0..10 {
         let y = -1.0 - 0.1 * number as f32;
-        block([0.02, y, -0.1], [0.08, y + 0.02, 0.1]);
-        block([-0.3, y + 0.04, -0.1], [0.3, y + 0.06, 0.1]);
+        blocks.push(block([0.02, y, -0.1], [0.08, y + 0.02, 0.1]));
+        blocks.push(block([-0.3, y + 0.04, -0.1], [0.3, y + 0.06, 0.1]));
     }
-    block([-40.0, -1.9, -0.1], [-39.0, -1.8, 0.1]);
-    let mut case = [Case::new(shape, Light::point([0.0; 3]))];
+    let mut case = [Case::new(Shape::joined(&blocks), Light::point([0.0; 3]))];
     let bound = bound(gpu, &mut case, true)?;
     let [case] = case;
     let at = DVec3::new(0.0475, -1.0, 0.001);
@@ -309,9 +288,7 @@ fn among_casters() -> Result<(), String> {
         let mut cases = Vec::new();
         let mut add = |middle: DVec3, scale: DVec3, random: &mut Random| {
             let one = if random.below(3) == 0 { shapes::blob(2, 0.1, number as u32) } else { shapes::cube() };
-            let placed = |p: &[f32; 3]| (middle + DVec3::from(p.map(f64::from)) * scale).as_vec3().to_array();
-            let shape = Shape { positions: one.positions.iter().map(placed).collect(), faces: one.faces };
-            cases.push(Case::new(shape, light));
+            cases.push(Case::new(placed(one, middle, scale), light));
         };
         let pile = match random.below(3) {
             0 => DVec3::from([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]][random.below(3)]),
@@ -338,7 +315,7 @@ fn among_casters() -> Result<(), String> {
                 let through = a + (b - a) * s + (c - a) * t;
                 // Beyond everything.
                 let far = place + (through - place).normalize() * 30.0;
-                count = count.max(cases.iter().map(|case| case.before(far)).sum::<u32>());
+                count = count.max(cases.iter().map(|case| case.count(far)).sum::<u32>());
             }
         }
         let within = |bound: u32| {
@@ -373,12 +350,7 @@ fn opposite_piles() -> Result<(), String> {
         (DVec3::X, Some(DVec3::Y)),
         (DVec3::Y, Some(DVec3::Z)),
     ] {
-        let cube = |middle: DVec3| {
-            let cube = shapes::cube();
-            let placed = |p: &[f32; 3]| (middle + 0.05 * DVec3::from(p.map(f64::from))).as_vec3().to_array();
-            let shape = Shape { positions: cube.positions.iter().map(placed).collect(), faces: cube.faces };
-            Case::new(shape, light)
-        };
+        let cube = |middle: DVec3| Case::new(placed(shapes::cube(), middle, DVec3::splat(0.05)), light);
         let pile = |direction: DVec3, cubes: u32| (1..=cubes).map(move |step| cube(direction * f64::from(step)));
         let others = || others.into_iter().map(|direction| cube(direction * 3.0));
         let bound = |ahead: u32, behind: u32| {

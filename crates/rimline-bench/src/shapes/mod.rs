@@ -47,6 +47,24 @@ impl Shape {
         Self { positions, faces }
     }
 
+    /// Several shapes as one, with vertices and faces in this order.
+    pub fn joined<'a>(shapes: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut joined = Self::default();
+        for shape in shapes {
+            let first = joined.positions.len() as u32;
+            joined.positions.extend(&shape.positions);
+            joined.faces.extend(shape.faces.iter().map(|face| face.map(|vertex| vertex + first)));
+        }
+        joined
+    }
+
+    /// The same shape with other positions, in the same order.
+    #[must_use]
+    pub fn placed(mut self, place: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
+        self.positions.iter_mut().for_each(|position| *position = place(*position));
+        self
+    }
+
     fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
         self.faces.extend([[a, b, c], [a, c, d]]);
     }

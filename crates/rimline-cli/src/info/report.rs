@@ -113,6 +113,53 @@ impl MeshReport {
     }
 }
 
+/// What to do about a count of something, where something can be done.
+struct Remedy {
+    count: usize,
+    one: &'static str,
+    many: &'static str,
+    advice: &'static str,
+}
+
+impl MeshReport {
+    /// What to do about what was found, beside the options that close seams.
+    pub(super) fn advice(&self) -> Vec<String> {
+        let diagnostics = &self.diagnostics;
+        let remedies = [
+            Remedy {
+                count: diagnostics.edges.inconsistent,
+                one: "edge joins faces that are turned against each other",
+                many: "edges join faces that are turned against each other",
+                advice: "make the winding consistent (Blender: Mesh, Normals, Recalculate Outside)",
+            },
+            Remedy {
+                count: diagnostics.inward_components.unwrap_or(0),
+                one: "closed part is wound inwards",
+                many: "closed parts are wound inwards",
+                advice: "flip its faces unless it is meant to be seen from inside (Blender: Mesh, Normals, Flip)",
+            },
+            Remedy {
+                count: diagnostics.duplicate_faces,
+                one: "face is there twice",
+                many: "faces are there twice",
+                advice: "remove the copies (Blender: Mesh, Clean Up, Merge by Distance)",
+            },
+            Remedy {
+                count: self.t_junctions,
+                one: "vertex lies on an edge that does not end there",
+                many: "vertices lie on edges that do not end there",
+                advice: "split these edges at the vertices, or light may leak through the seam",
+            },
+        ];
+        let remedies = remedies.iter().filter(|remedy| remedy.count > 0);
+        remedies
+            .map(|Remedy { count, one, many, advice }| {
+                format!("{count} {}: {advice}", if *count == 1 { one } else { many })
+            })
+            .collect()
+    }
+}
+
 pub(super) fn kind_name(kind: EdgeKind) -> &'static str {
     match kind {
         EdgeKind::Consistent => "consistent",
@@ -153,6 +200,7 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "t_junctions": report.t_junctions,
         "joints_per_vertex": report.joints_per_vertex,
         "morph_targets": report.morph_targets,
+        "advice": report.seams.as_ref().map(Seams::text).into_iter().chain(report.advice()).collect::<Vec<_>>(),
         "bounds": report.bounds.map(|bounds| json_bounds(&bounds, report.origin)),
     })
 }

@@ -8,21 +8,23 @@ use serde_json::{Value, json};
 
 /// Boundary edges that lie so near others that they are meant to be one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Seams {
+pub(crate) struct Seams {
     pub(super) edges: usize,
     /// The farthest that ends of two such edges are apart.
     pub(super) gap: f64,
     /// A distance that joins them, and what it does.
     pub(super) distance: f32,
-    pub(super) closes: usize,
+    pub(crate) closes: usize,
     pub(super) collapses: usize,
     /// Whether only `--weld position` joins them, too.
     pub(super) across_data: bool,
+    /// Whether `--weld position` alone joins as many: the vertices are split, and no rounding parts them.
+    pub(super) by_position: bool,
 }
 
 impl Seams {
     /// The seams of a mesh in its own space, where vertices are welded.
-    pub(super) fn of(geometry: &Geometry, mesh: &Mesh) -> Option<Self> {
+    pub(crate) fn of(geometry: &Geometry, mesh: &Mesh) -> Option<Self> {
         let edges: Vec<[u32; 2]> = boundary(mesh).map(|edge| edge.vertices).collect();
         let first = tolerance(geometry.positions())?;
         let found = [1.0, 10.0, 100.0].map(|times| {
@@ -34,34 +36,39 @@ impl Seams {
         let most = found.iter().flatten().map(|(_, count, _)| *count).max().filter(|&count| count > 0)?;
         let (distance, edges, gap) = found.into_iter().flatten().find(|(_, count, _)| *count == most)?;
         let by = WeldDistance::new(distance).ok()?;
-        let closed = |by: WeldDistance| {
-            let (welded, counts) = geometry.welded(Weld::Distance(by));
+        let closed = |by: Weld| {
+            let (welded, counts) = geometry.welded(by);
             let after = welded.mesh().ok()?;
             let before = mesh.edges().counts().boundary;
             Some((before.saturating_sub(after.edges().counts().boundary), counts.collapsed))
         };
-        let (own, across) = (closed(by)?, closed(by.across_data())?);
+        let (own, across) = (closed(Weld::Distance(by))?, closed(Weld::Distance(by.across_data()))?);
         let across_data = across.0 > own.0;
         let (closes, collapses) = if across_data { across } else { own };
-        Some(Self { edges, gap, distance, closes, collapses, across_data })
+        let by_position = closes > 0 && gap == 0.0 && closed(Weld::Position)?.0 == closes;
+        Some(Self { edges, gap, distance, closes, collapses, across_data, by_position })
     }
 
-    pub(super) fn text(&self) -> String {
-        let Self { edges, gap, distance, closes, collapses, across_data } = self;
+    pub(crate) fn text(&self) -> String {
+        let Self { edges, gap, distance, closes, collapses, across_data, by_position } = self;
         let position = if *across_data { "--weld position " } else { "" };
         let them = if closes >= edges { "them".to_owned() } else { format!("{closes} of them") };
         let collapse = if *collapses > 0 { format!(", and {collapses} faces collapse") } else { String::new() };
+        if *by_position {
+            let some = if closes >= edges { String::new() } else { format!(", which closes {them}") };
+            return format!("{edges} boundary edges are seams of split vertices: use --weld position{some}{collapse}");
+        }
         format!(
             "{edges} boundary edges lie within {gap:.0e} of each other: {position}--weld-distance {distance:e} closes {them}{collapse}"
         )
     }
 
     pub(super) fn json(&self) -> Value {
-        let Self { edges, gap, distance, closes, collapses, across_data } = self;
+        let Self { edges, gap, distance, closes, collapses, across_data, by_position } = self;
         let distance: f64 = distance.to_string().parse().unwrap_or_default();
         json!({
             "edges": edges, "gap": gap, "weld_distance": distance, "closes": closes, "collapses": collapses,
-            "across_data": across_data,
+            "across_data": across_data, "by_position": by_position,
         })
     }
 }

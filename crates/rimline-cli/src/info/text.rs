@@ -102,6 +102,9 @@ impl Text {
         if listed > 0 && all > listed {
             self.more(format!("  and {} more", all - listed));
         }
+        for (index, advice) in report.advice().into_iter().enumerate() {
+            self.line(if index == 0 { "to do" } else { "" }, advice);
+        }
         if report.joints_per_vertex > 0 {
             self.line("skinned", format!("up to {} joints a vertex", report.joints_per_vertex));
         }

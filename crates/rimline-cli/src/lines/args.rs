@@ -6,9 +6,12 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use rimline_lines::{Classes, LineClass};
 
+use super::format::Format;
 use crate::coordinates::Coordinate;
 use crate::failure::UsageError;
 use crate::input_args::{LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
+use crate::output::note;
+use crate::shadow::args::MAX_FRAMES;
 use crate::spec;
 
 #[derive(Args, Debug)]
@@ -59,9 +62,9 @@ pub(crate) struct LinesArgs {
     #[arg(long, requires = "eye", conflicts_with = "fov")]
     pub(crate) ortho: bool,
 
-    /// The least angle between two faces whose edge is drawn as a crease, in degrees
-    #[arg(long, value_name = "DEG", default_value = "30", allow_hyphen_values = true, value_parser = spec::crease)]
-    pub(crate) crease: f64,
+    /// The least angle between two faces whose edge is drawn as a crease, in degrees [default: 30]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::crease)]
+    crease: Option<f64>,
 
     /// The classes of lines, separated by commas: silhouette (between a face that is seen from its front and one from its back),
     /// boundary (one face), non-manifold (more than two), crease, intersection (faces pass through each other). Or `all`
@@ -77,25 +80,48 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "A4|WxH", value_parser = Paper::from_str)]
     pub(crate) page: Option<Paper>,
 
-    /// The scale: `fit` to the page, or such as 1:50, if one unit of the files is a metre, as in glTF. Only without perspective
+    /// The scale: `fit` to the page, or such as 1:50. Only without perspective
     #[arg(long, value_name = "fit|1:N", default_value = "fit", value_parser = Scale::from_str)]
     pub(crate) scale: Scale,
+
+    /// The unit of the files, for --scale and --dxf-units. By default it is a metre for --scale, as in glTF, and unknown in a DXF
+    #[arg(long, value_enum)]
+    pub(crate) unit: Option<Unit>,
+
+    /// How a DXF is measured
+    #[arg(long, value_enum, default_value_t = DxfUnits::Page, conflicts_with_all = ["page", "scale"])]
+    pub(crate) dxf_units: DxfUnits,
 
     /// A TOML file with widths, colours and dashes of lines
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) style: Option<PathBuf>,
 
-    /// Pixels an inch of a PNG, 10 to 2400
-    #[arg(long, value_name = "N", default_value = "150", value_parser = clap::value_parser!(u32).range(10..=2400))]
-    pub(crate) dpi: u32,
+    /// Pixels an inch of a PNG, 10 to 2400 [default: 150]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=2400))]
+    dpi: Option<u32>,
 
-    /// Where to write the drawing; its ending is the format: .svg, .pdf, .dxf, .json or .png
-    #[arg(long, value_name = "FILE")]
+    /// Make so many numbered drawings of a film in the folder --out, all at one scale: of what --animation moves from --time on, or of a
+    /// --turn
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
+    pub(crate) frames: Option<u32>,
+
+    /// Drawings a second of the animation, 0.001 to 100000
+    #[arg(long, value_name = "N", default_value = "25", requires = "frames", allow_hyphen_values = true, value_parser = spec::pictures_a_second)]
+    pub(crate) fps: f32,
+
+    /// Turn the eye in the course of the film by so many degrees to the right around what it looks at. The next drawing would be
+    /// at that angle, so that a film of 360 begins again
+    #[arg(long, value_name = "DEG", default_value = "0", requires = "frames", allow_hyphen_values = true, value_parser = spec::turn)]
+    pub(crate) turn: f64,
+
+    /// Where to write the drawing; its ending is the format: .svg, .pdf, .dxf, .json or .png. With --frames it is the folder for
+    /// 0000.svg, 0001.svg and so on, which is made if it does not exist
+    #[arg(long, value_name = "FILE|DIR")]
     pub(crate) out: PathBuf,
 
-    /// The format, where the name does not tell it
+    /// The format, where the name does not tell it. With --frames it is SVG by default
     #[arg(long, value_enum)]
-    pub(crate) format: Option<super::format::Format>,
+    pub(crate) format: Option<Format>,
 }
 
 const EXAMPLES: &str = "\
@@ -103,7 +129,8 @@ Examples:
   rimline lines house.obj --out house.svg
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
   rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
-  rimline lines part.obj --scale 1:0.05 --out part.dxf   # 1:50, in mm
+  rimline lines part.obj --unit mm --dxf-units model --view top --out part.dxf   # 1:1 for CAD
+  rimline lines fox.glb --animation Run --frames 24 --turn 90 --out frames --format png
 
 A style, with the defaults of some lines; widths and dashes in millimetres:
   [silhouette]
@@ -123,6 +150,9 @@ Whether a line is hidden is decided exactly, by faces that lie strictly in front
 equal files, on every machine. No GPU is needed. Vertices of a glTF mesh that its pose puts at one point are joined in any case. \
 --memory-limit is for the drawing, too.
 
+With --dxf-units model a DXF has coordinates of the files: x to the right and y up on the page, and the origin of the files at 0,0. \
+Dashes are as long as on a page that the drawing fits.
+
 Layers of .svg, .pdf and .dxf: one a class for visible lines, and one for hidden lines if they are drawn. Keys of --format json: rimline, \
 title, view (eye, perspective), page_mm, mm_per_unit (null with perspective), objects (names), left_out (object, why), spans and \
 chains. A span has class, faces_in_front, object, edge (null for an intersection), faces (object and face of each), world (its two \
@@ -131,12 +161,47 @@ spans).";
 
 impl LinesArgs {
     /// Refuses options that do not go together and that clap cannot tell.
-    pub(crate) fn check(&self) -> Result<(), UsageError> {
+    pub(crate) fn check(&self, format: Format) -> Result<(), UsageError> {
         let is_perspective = self.fov.is_some() || (self.eye.is_some() && !self.ortho);
-        if is_perspective && self.scale != Scale::Fit {
-            return Err(UsageError::ScaleOfPerspective);
+        let in_units = self.dxf_units == DxfUnits::Model;
+        for (option, is_given) in [("--scale", self.scale != Scale::Fit), ("--dxf-units model", in_units)] {
+            if is_perspective && is_given {
+                return Err(UsageError::ScaleOfPerspective { option });
+            }
+        }
+        let has_no_pens = format == Format::Json;
+        let is_idle = |option: &str, why: &str| note(&format!("warning: {option} has no effect {why}"));
+        for (option, is_given, is_of_format) in [
+            ("--dpi", self.dpi.is_some(), format == Format::Png),
+            ("--style", self.style.is_some(), !has_no_pens),
+            ("--hidden", self.hidden != Hidden::None, !has_no_pens),
+            ("--dxf-units", in_units, format == Format::Dxf),
+        ] {
+            if is_given && !is_of_format {
+                let all = if option == "--hidden" { ", which has all lines" } else { "" };
+                is_idle(option, &format!("on {}{all}", format.said()));
+            }
+        }
+        if self.crease.is_some() && !self.classes().contains(LineClass::Crease) {
+            is_idle("--crease", "without creases among --classes");
+        }
+        if self.unit.is_some() && self.scale == Scale::Fit && !in_units {
+            is_idle("--unit", "without --scale or --dxf-units");
+        }
+        if self.frames.is_some_and(|frames| frames > 1) && self.turn == 0.0 && self.pose.animations.is_empty() {
+            note("warning: all drawings are the same; give --animation or --turn");
         }
         Ok(())
+    }
+
+    /// The angle of creases in degrees.
+    pub(crate) fn crease(&self) -> f64 {
+        self.crease.unwrap_or(30.0)
+    }
+
+    /// Pixels an inch of a PNG.
+    pub(crate) fn dpi(&self) -> u32 {
+        self.dpi.unwrap_or(150)
     }
 
     pub(crate) fn classes(&self) -> Classes {
@@ -178,6 +243,60 @@ pub(crate) enum Hidden {
     Dashed,
     /// They are thin
     Thin,
+}
+
+/// A unit of lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Unit {
+    M,
+    Cm,
+    Mm,
+    /// Inches
+    In,
+    /// Feet
+    Ft,
+}
+
+impl Unit {
+    pub(crate) fn millimetres(self) -> f64 {
+        match self {
+            Self::M => 1000.0,
+            Self::Cm => 10.0,
+            Self::Mm => 1.0,
+            Self::In => 25.4,
+            Self::Ft => 304.8,
+        }
+    }
+
+    pub(crate) fn said(self) -> &'static str {
+        match self {
+            Self::M => "a metre",
+            Self::Cm => "a centimetre",
+            Self::Mm => "a millimetre",
+            Self::In => "an inch",
+            Self::Ft => "a foot",
+        }
+    }
+
+    /// The number that `$INSUNITS` of a DXF has for it.
+    pub(crate) fn of_dxf(self) -> u32 {
+        match self {
+            Self::In => 1,
+            Self::Ft => 2,
+            Self::Mm => 4,
+            Self::Cm => 5,
+            Self::M => 6,
+        }
+    }
+}
+
+/// How a DXF is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DxfUnits {
+    /// In millimetres of the page
+    Page,
+    /// 1:1 in the unit of the files, which --unit names for CAD. Only without perspective
+    Model,
 }
 
 /// Where an eye at infinity is.

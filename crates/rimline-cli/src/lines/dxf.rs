@@ -1,22 +1,25 @@
-//! DXF R12 as text, which every CAD program reads: a layer a class, polylines, millimetres of the page. The crate `dxf` 0.6
-//! writes dates and random ids, and brings 26 crates.
+//! DXF R12 as text, which every CAD program reads: a layer a class, polylines, millimetres of the page or the files' unit. The
+//! crate `dxf` 0.6 writes dates and random ids, and brings 26 crates.
 
 use std::io::{self, Write};
 
 use super::Picture;
+use super::args::Unit;
 use super::sheet::{Layer, Polyline};
-use super::svg::Micrometres;
+use super::svg::Decimal;
 
 pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()> {
     let sheet = picture.sheet;
-    let [width, height] = sheet.size_mm;
+    let (low, high) = sheet.units.as_ref().map_or(([0.0; 2], sheet.size_mm), |units| (units.low, units.high));
     pair(to, 999, picture.title())?;
     section(to, "HEADER")?;
     pair(to, 9, "$ACADVER")?;
     pair(to, 1, "AC1009")?;
-    for (name, x, y) in
-        [("$LIMMIN", 0.0, 0.0), ("$LIMMAX", width, height), ("$EXTMIN", 0.0, 0.0), ("$EXTMAX", width, height)]
-    {
+    if sheet.units.is_some() {
+        pair(to, 9, "$INSUNITS")?;
+        pair(to, 70, picture.args.unit.map_or(0, Unit::of_dxf))?;
+    }
+    for (name, [x, y]) in [("$LIMMIN", low), ("$LIMMAX", high), ("$EXTMIN", low), ("$EXTMAX", high)] {
         pair(to, 9, name)?;
         pair(to, 10, x)?;
         pair(to, 20, y)?;
@@ -32,7 +35,8 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     table(to, "LTYPE", 1 + dashes.len())?;
     line_type(to, "CONTINUOUS", "Solid line", &[])?;
     for (number, dashes) in dashes.iter().enumerate() {
-        line_type(to, &dashed(number), "Dashed line", dashes)?;
+        let per_mm = sheet.units.as_ref().map_or(1.0, |units| units.per_mm);
+        line_type(to, &dashed(number), "Dashed line", &dashes.iter().map(|mm| mm * per_mm).collect::<Vec<_>>())?;
     }
     pair(to, 0, "ENDTAB")?;
     table(to, "LAYER", sheet.layers.len())?;
@@ -47,9 +51,10 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     pair(to, 0, "ENDTAB")?;
     pair(to, 0, "ENDSEC")?;
     section(to, "ENTITIES")?;
+    let decimals = sheet.units.as_ref().map_or(3, |units| units.decimals);
     for layer in &sheet.layers {
         let name = name(layer);
-        layer.lines.iter().try_for_each(|line| polyline(to, &name, line))?;
+        layer.lines.iter().try_for_each(|line| polyline(to, &name, line, decimals))?;
     }
     pair(to, 0, "ENDSEC")?;
     pair(to, 0, "EOF")
@@ -65,14 +70,14 @@ fn name(layer: &Layer) -> String {
     layer.name().to_uppercase()
 }
 
-fn polyline(to: &mut impl Write, layer: &str, line: &Polyline) -> io::Result<()> {
+fn polyline(to: &mut impl Write, layer: &str, line: &Polyline, decimals: i32) -> io::Result<()> {
     let entity = |to: &mut _, kind: &str| {
         pair(to, 0, kind)?;
         pair(to, 8, layer)
     };
     let point = |to: &mut _, [x, y]: [i64; 2], codes: [u32; 2]| {
-        pair(to, codes[0], Micrometres(x))?;
-        pair(to, codes[1], Micrometres(y))
+        pair(to, codes[0], Decimal(x, decimals))?;
+        pair(to, codes[1], Decimal(y, decimals))
     };
     if let ([a, b], false) = (&*line.points, line.is_closed) {
         entity(to, "LINE")?;

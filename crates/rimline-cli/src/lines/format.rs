@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use super::args::LinesArgs;
 use super::{Picture, dxf, json, pdf, png, svg};
 use crate::failure::UsageError;
-use crate::target::check_ending;
+use crate::target::{check_ending, check_folder};
 
 /// A format that is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -16,7 +16,7 @@ pub(crate) enum Format {
     Svg,
     /// A page for printing, with a layer a class
     Pdf,
-    /// A drawing for CAD (R12), with a layer a class; in millimetres of the page
+    /// A drawing for CAD (R12), with a layer a class; in millimetres of the page, or see --dxf-units
     Dxf,
     /// All spans and chains with their ids
     Json,
@@ -25,8 +25,12 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    /// The format that is asked for, or that the name of the result has.
+    /// The format that is asked for, or that the name of the result has. Of numbered drawings the name is a folder's.
     pub(crate) fn of(args: &LinesArgs) -> Result<Self, UsageError> {
+        if args.frames.is_some() {
+            check_folder(&args.out, |out| UsageError::DrawingsFolderEnding { out })?;
+            return Ok(args.format.unwrap_or(Self::Svg));
+        }
         let ending = args.out.extension().and_then(|ending| ending.to_str()).map(str::to_lowercase);
         let named = ending.and_then(|ending| Self::from_str(&ending, false).ok());
         let format = args.format.or(named).ok_or_else(|| UsageError::LinesFormat { out: args.out.clone() })?;
@@ -35,13 +39,24 @@ impl Format {
     }
 
     /// The ending of its files.
-    fn ending(self) -> &'static str {
+    pub(crate) fn ending(self) -> &'static str {
         match self {
             Self::Svg => "svg",
             Self::Pdf => "pdf",
             Self::Dxf => "dxf",
             Self::Json => "json",
             Self::Png => "png",
+        }
+    }
+
+    /// What it is, in a sentence.
+    pub(crate) fn said(self) -> &'static str {
+        match self {
+            Self::Svg => "an SVG",
+            Self::Pdf => "a PDF",
+            Self::Dxf => "a DXF",
+            Self::Json => "JSON",
+            Self::Png => "a PNG",
         }
     }
 

@@ -12,7 +12,7 @@ use rimline_files::size::size as memory;
 const MOST_PIXELS: u32 = 32_768;
 
 pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()> {
-    let per_mm = f64::from(picture.args.dpi) / 25.4;
+    let per_mm = f64::from(picture.args.dpi()) / 25.4;
     let size = picture.sheet.size_mm.map(|side| libm::ceil(side * per_mm));
     let too_large = || {
         let [width, height] = size;

@@ -1,11 +1,13 @@
 //! The page: where lines are on it, in millimetres.
 
-use rimline_lines::{Chain, Drawing, LineClass, PageBox};
+use std::path::PathBuf;
 
-use super::args::{Hidden, LinesArgs, Paper, Scale};
+use rimline_lines::{Chain, Drawing, LineClass, Object, PageBox, View};
+
+use super::args::{Hidden, LinesArgs, Paper, Scale, Unit};
 use super::style::{Pen, Style};
 use crate::failure::UsageError;
-use crate::output::note;
+use crate::shown::Line;
 
 /// The empty border of a page.
 const MARGIN_MM: f64 = 10.0;
@@ -16,12 +18,28 @@ const LARGEST_MM: f64 = 100_000.0;
 pub(crate) struct Sheet {
     /// Width and height.
     pub(crate) size_mm: [f64; 2],
+    /// Lengths are in millimetres, or in the unit of the files if `units` says so.
     pub(crate) mm_per_unit: f64,
+    /// Of a drawing in the unit of the files.
+    pub(crate) units: Option<Units>,
+    /// What the user should know.
+    pub(crate) remarks: Vec<String>,
     /// The point of the view's page that is at the lower left corner.
     corner: [f64; 2],
     pub(crate) layers: Vec<Layer>,
-    is_perspective: bool,
     scale: Scale,
+    unit: Option<Unit>,
+}
+
+/// How a drawing is measured in the unit of the files.
+pub(crate) struct Units {
+    /// The corners of a rectangle around all lines.
+    pub(crate) low: [f64; 2],
+    pub(crate) high: [f64; 2],
+    /// Units a millimetre of the page on which the drawing would be.
+    pub(crate) per_mm: f64,
+    /// Decimals of coordinates.
+    pub(crate) decimals: i32,
 }
 
 /// Lines of one class, visible or hidden.
@@ -35,7 +53,7 @@ pub(crate) struct Layer {
 /// A chain on the page.
 pub(crate) struct Polyline {
     pub(crate) object: u32,
-    /// Whole micrometres from the lower left corner.
+    /// Whole micrometres from the lower left corner; in the unit of the files, in steps of its last decimal.
     pub(crate) points: Vec<[i64; 2]>,
     pub(crate) is_closed: bool,
 }
@@ -52,24 +70,25 @@ impl Sheet {
         args: &LinesArgs,
         style: &Style,
         drawing: &Drawing,
-        is_perspective: bool,
+        bounds: PageBox,
+        units: Option<[f64; 2]>,
     ) -> Result<Self, UsageError> {
-        let most = if args.hidden == Hidden::None { 0 } else { u32::MAX };
-        // A drawing without lines has the origin in its middle.
-        let nothing = PageBox { low: [0.0; 2], high: [0.0; 2] };
-        let bounds = window(args).or_else(|| drawing.bounds(most)).unwrap_or(nothing);
+        let mut remarks = Vec::new();
         let size = [0, 1].map(|axis| bounds.high[axis] - bounds.low[axis]);
         let paper = args.page.unwrap_or(Paper::A4);
         let mut size_mm = turned(paper, size);
         let room = size_mm.map(|side| (side - 2.0 * MARGIN_MM).max(0.5 * side));
         let mm_per_unit = match args.scale {
-            Scale::Ratio { page, model } => 1000.0 * page / model,
+            Scale::Ratio { page, model } => args.unit.unwrap_or(Unit::M).millimetres() * page / model,
             Scale::Fit => {
                 let fits = [0, 1].map(|axis| room[axis] / size[axis]).into_iter().fold(f64::INFINITY, f64::min);
                 if fits.is_finite() { fits } else { 1.0 }
             }
         };
         let needed = size.map(|side| side * mm_per_unit);
+        if let Some(offset) = units {
+            return Ok(Self::in_units(args, style, drawing, bounds, (offset, mm_per_unit)));
+        }
         if !needed.into_iter().all(|side| side <= LARGEST_MM) {
             let [width, height] = needed.map(short);
             return Err(UsageError::DrawingTooLarge { width, height });
@@ -80,28 +99,62 @@ impl Sheet {
             } else if needed[0] > size_mm[0] || needed[1] > size_mm[1] {
                 let [width, height] = size_mm;
                 let [wide, high] = needed.map(libm::ceil);
-                note(&format!(
+                remarks.push(format!(
                     "warning: the drawing takes {wide}x{high} mm, more than the page of {width}x{height} mm; give a smaller --scale or a larger --page"
                 ));
             }
         }
         let corner =
             [0, 1].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]) - 0.5 * size_mm[axis] / mm_per_unit);
-        let mut sheet = Self { size_mm, mm_per_unit, corner, layers: Vec::new(), is_perspective, scale: args.scale };
+        let (scale, unit) = (args.scale, args.unit);
+        let mut sheet = Self { size_mm, mm_per_unit, units: None, remarks, corner, layers: Vec::new(), scale, unit };
+        sheet.draw(args, style, drawing);
+        Ok(sheet)
+    }
+
+    /// A drawing in the unit of the files, with their coordinates: `offset` is what the page's lack. On a page it would have this
+    /// scale.
+    fn in_units(
+        args: &LinesArgs,
+        style: &Style,
+        drawing: &Drawing,
+        bounds: PageBox,
+        (offset, mm_per_unit): ([f64; 2], f64),
+    ) -> Self {
+        let [low, high] = [bounds.low, bounds.high].map(|corner| [0, 1].map(|axis| corner[axis] + offset[axis]));
+        let largest = low.into_iter().chain(high).fold(f64::MIN_POSITIVE, |largest, c| largest.max(c.abs()));
+        // Ten digits, which `f32` does not have.
+        let decimals = 9 - libm::floor(libm::log10(largest)) as i32;
+        let units = Units { low, high, per_mm: 1.0 / mm_per_unit, decimals };
+        let mut sheet = Self {
+            size_mm: [0, 1].map(|axis| high[axis] - low[axis]),
+            mm_per_unit: 1.0,
+            units: Some(units),
+            remarks: Vec::new(),
+            corner: offset.map(|c| -c),
+            layers: Vec::new(),
+            scale: args.scale,
+            unit: args.unit,
+        };
+        sheet.draw(args, style, drawing);
+        sheet
+    }
+
+    /// Adds the lines of a drawing.
+    fn draw(&mut self, args: &LinesArgs, style: &Style, drawing: &Drawing) {
         for is_hidden in [true, false] {
             for class in LineClass::ALL.into_iter().rev().filter(|_| !is_hidden || args.hidden != Hidden::None) {
                 let chains = drawing.chains.iter().filter(|chain| (chain.class, chain.is_hidden) == (class, is_hidden));
-                let lines: Vec<_> = chains.filter_map(|chain| sheet.polyline(drawing, chain)).collect();
+                let lines: Vec<_> = chains.filter_map(|chain| self.polyline(drawing, chain)).collect();
                 if !lines.is_empty() {
                     let pen = style.pen(class, is_hidden, args.hidden);
-                    sheet.layers.push(Layer { class, is_hidden, pen, lines });
+                    self.layers.push(Layer { class, is_hidden, pen, lines });
                 }
             }
         }
-        if sheet.layers.is_empty() && !drawing.chains.is_empty() {
-            note("warning: all lines are hidden, or shorter than a micrometre at this scale");
+        if self.layers.is_empty() && !drawing.chains.is_empty() {
+            self.remarks.push("warning: all lines are hidden, or shorter than a micrometre at this scale".to_owned());
         }
-        Ok(sheet)
     }
 
     /// A point of the view's page in millimetres from the lower left corner.
@@ -112,8 +165,9 @@ impl Sheet {
     /// `None` for what is shorter than a micrometre.
     fn polyline(&self, drawing: &Drawing, chain: &Chain) -> Option<Polyline> {
         let object = drawing.spans.get(chain.spans.start)?.object;
-        let micrometres = |point: [f64; 2]| self.to_mm(point).map(|mm| libm::round(1000.0 * mm) as i64);
-        let mut points: Vec<[i64; 2]> = drawing.page_points(chain).into_iter().map(micrometres).collect();
+        let steps = power_of_ten(self.units.as_ref().map_or(3, |units| units.decimals));
+        let whole = |point: [f64; 2]| self.to_mm(point).map(|length| libm::round(steps * length) as i64);
+        let mut points: Vec<[i64; 2]> = drawing.page_points(chain).into_iter().map(whole).collect();
         points.dedup();
         if chain.is_closed && points.len() > 1 && points.first() == points.last() {
             points.pop();
@@ -122,29 +176,41 @@ impl Sheet {
     }
 
     /// The scale in words.
-    pub(crate) fn scale_said(&self) -> String {
-        match self.scale {
-            Scale::Ratio { page, model } => format!("scale {page}:{model}, a unit taken as a metre"),
-            Scale::Fit if self.is_perspective => "fitted to the page".to_owned(),
-            Scale::Fit => format!("fitted to the page: a unit is {} mm", short(self.mm_per_unit)),
+    pub(crate) fn scale_said(&self, is_perspective: bool) -> String {
+        match (self.scale, &self.units) {
+            (_, Some(_)) => "1:1 in the unit of the files".to_owned(),
+            (Scale::Ratio { page, model }, _) => {
+                format!("scale {page}:{model}, a unit taken as {}", self.unit.unwrap_or(Unit::M).said())
+            }
+            (Scale::Fit, _) if is_perspective => "fitted to the page".to_owned(),
+            (Scale::Fit, _) => format!("fitted to the page: a unit is {} mm", short(self.mm_per_unit)),
         }
     }
 
     /// A line for the user that says how much was drawn.
-    pub(crate) fn said(&self, args: &LinesArgs) -> String {
+    /// It is in a file, or the last of several.
+    pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, [first, last]: &[PathBuf; 2]) -> String {
+        let scale = self.scale_said(is_perspective);
+        let size = match &self.units {
+            Some(_) => String::new(),
+            None => format!(" on {}x{} mm", self.size_mm[0], self.size_mm[1]),
+        };
+        if let Some(frames) = args.frames.filter(|_| first != last) {
+            let [first, last] = [first, last].map(|file| Line(file.display()).to_string());
+            return format!("wrote {frames} drawings, {first} to {last},{size}, {scale}\n");
+        }
         let count = |is_hidden: bool| {
             let layers = self.layers.iter().filter(|layer| layer.is_hidden == is_hidden);
             layers.map(|layer| layer.lines.len()).sum::<usize>()
         };
         let s = |count: usize| if count == 1 { "" } else { "s" };
-        let (visible, behind, [width, height]) = (count(false), count(true), self.size_mm);
+        let (visible, behind) = (count(false), count(true));
         let hidden = match args.hidden {
             Hidden::None => String::new(),
             _ => format!(" and {behind} hidden line{}", s(behind)),
         };
         let s = s(visible);
-        let (out, scale) = (args.out.display(), self.scale_said());
-        format!("wrote {out}: {visible} line{s}{hidden} on {width}x{height} mm, {scale}\n")
+        format!("wrote {}: {visible} line{s}{hidden}{size}, {scale}\n", first.display())
     }
 }
 
@@ -170,6 +236,83 @@ fn turned(paper: Paper, [width, height]: [f64; 2]) -> [f64; 2] {
         Paper::Turned([short, long]) if width > height => [long, short],
         Paper::Given(size) | Paper::Turned(size) => size,
     }
+}
+
+/// The rectangle of the page around the faces of objects, whether lines are drawn of them or not, as far as lines are taken.
+#[derive(Default)]
+pub(crate) struct Extent(Option<PageBox>);
+
+impl Extent {
+    /// Adds objects as an eye sees them.
+    pub(crate) fn add(&mut self, args: &LinesArgs, view: &View, objects: &[Object<'_>]) {
+        let is_finite = |object: &&Object<'_>| {
+            let mut corners = object.mesh.faces().iter().flatten();
+            corners
+                .all(|&corner| object.positions.get(corner as usize).is_some_and(|p| p.iter().all(|c| c.is_finite())))
+        };
+        let is_face = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
+        let place =
+            |object: &Object<'_>, face: &[u32; 3]| face.map(|vertex| object.positions[vertex as usize].map(f64::from));
+        let faces = || {
+            let objects = objects.iter().filter(is_finite);
+            objects.flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| place(object, face)))
+        };
+        let near = if view.is_perspective() {
+            // As lines begin by default.
+            1e-3 * faces().flatten().map(|point| view.depth(point)).fold(0.0, f64::max)
+        } else {
+            f64::NEG_INFINITY
+        };
+        let most = taken(args);
+        for face in faces() {
+            let points = beyond(face, near, view).map(|point| view.page(point));
+            let Some(around) =
+                points.map(|point| PageBox { low: point, high: point }).reduce(|one, other| join(&one, &other))
+            else {
+                continue;
+            };
+            let part = most.as_ref().map_or(around, |most| PageBox {
+                low: [0, 1].map(|axis| around.low[axis].max(most.low[axis])),
+                high: [0, 1].map(|axis| around.high[axis].min(most.high[axis])),
+            });
+            if (0..2).all(|axis| part.low[axis] <= part.high[axis]) {
+                self.0 = Some(self.0.as_ref().map_or(part, |before| join(before, &part)));
+            }
+        }
+    }
+
+    /// The part of the view's page that is drawn: what the options say, or all.
+    pub(crate) fn window(&self, args: &LinesArgs) -> PageBox {
+        // A drawing of nothing has the origin in its middle.
+        window(args).or(self.0).unwrap_or(PageBox { low: [0.0; 2], high: [0.0; 2] })
+    }
+}
+
+/// The corners of the part of a face that is at least so far ahead of the eye.
+fn beyond(face: [[f64; 3]; 3], near: f64, view: &View) -> impl Iterator<Item = [f64; 3]> {
+    let depths = face.map(|corner| view.depth(corner));
+    (0..3).flat_map(move |at| {
+        let next = (at + 1) % 3;
+        let corner = (depths[at] >= near).then_some(face[at]);
+        let is_crossing = (depths[at] >= near) != (depths[next] >= near);
+        let crossing = is_crossing.then(|| {
+            let share = (near - depths[at]) / (depths[next] - depths[at]);
+            [0, 1, 2].map(|axis| face[at][axis] + share * (face[next][axis] - face[at][axis]))
+        });
+        corner.into_iter().chain(crossing)
+    })
+}
+
+fn join(one: &PageBox, other: &PageBox) -> PageBox {
+    PageBox {
+        low: [0, 1].map(|axis| one.low[axis].min(other.low[axis])),
+        high: [0, 1].map(|axis| one.high[axis].max(other.high[axis])),
+    }
+}
+
+/// The nearest number to a power of ten.
+fn power_of_ten(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().unwrap_or(f64::INFINITY)
 }
 
 /// A number with four digits that count.

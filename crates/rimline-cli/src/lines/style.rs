@@ -46,6 +46,11 @@ impl Strokes {
 }
 
 impl Style {
+    /// Whether it says how hidden lines look.
+    pub(crate) fn has_hidden(&self) -> bool {
+        self.hidden != Strokes::default() || !self.hidden_classes.is_empty()
+    }
+
     pub(crate) fn pen(&self, class: LineClass, is_hidden: bool, hidden: Hidden) -> Pen {
         let width_mm = match (is_hidden, hidden, class) {
             (true, Hidden::Thin, _) => 0.09,
@@ -68,6 +73,10 @@ impl Style {
 
 /// Reads a style file.
 pub(crate) fn read(file: &Path) -> Result<Style, Failure> {
+    // A style that changes nothing.
+    if std::fs::metadata(file).is_ok_and(|there| there.is_file() && there.len() == 0) {
+        return Ok(Style::default());
+    }
     let text = source::read_text(file).map_err(|error| Failure::input(file)(error.into()))?;
     parse(&text).map_err(|problem| Failure::input(file)(InputError::Style { problem }))
 }

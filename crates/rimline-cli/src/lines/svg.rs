@@ -67,16 +67,28 @@ fn path(to: &mut impl Write, line: &Polyline, height_mm: f64) -> io::Result<()> 
     if line.is_closed { write!(to, "z") } else { Ok(()) }
 }
 
-/// A length in millimetres, without zeros that say nothing.
-pub(super) struct Micrometres(pub(super) i64);
+/// A length in millimetres.
+struct Micrometres(i64);
 
 impl Display for Micrometres {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let (whole, part) = (self.0.unsigned_abs() / 1000, self.0.unsigned_abs() % 1000);
-        let sign = if self.0 < 0 { "-" } else { "" };
-        match (whole, part) {
-            (_, 0) => write!(f, "{sign}{whole}"),
-            _ => write!(f, "{sign}{whole}.{}", format!("{part:03}").trim_end_matches('0')),
+        Decimal(self.0, 3).fmt(f)
+    }
+}
+
+/// A number in steps of its last decimal, and how many decimals it has, without zeros that say nothing.
+pub(super) struct Decimal(pub(super) i64, pub(super) i32);
+
+impl Display for Decimal {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let &Self(steps, decimals) = self;
+        let (sign, after) = (if steps < 0 { "-" } else { "" }, decimals.max(0) as usize);
+        let digits = format!("{:0>1$}", steps.unsigned_abs(), after + 1);
+        let (whole, part) = digits.split_at(digits.len() - after);
+        let zeros = if steps == 0 { 0 } else { decimals.min(0).unsigned_abs() as usize };
+        match part.trim_end_matches('0') {
+            "" => write!(f, "{sign}{whole}{:0<zeros$}", ""),
+            part => write!(f, "{sign}{whole}.{part}"),
         }
     }
 }
@@ -108,6 +120,9 @@ mod tests {
     fn numbers_are_short_and_text_is_escaped() {
         let shown = [0, 5, -250, 1000, 12_340, -1_001].map(|length| Micrometres(length).to_string());
         assert_eq!(shown, ["0", "0.005", "-0.25", "1", "12.34", "-1.001"]);
+        let shown =
+            [(0, -3), (12, -3), (-5, 12), (1_200_000, 5)].map(|(steps, decimals)| Decimal(steps, decimals).to_string());
+        assert_eq!(shown, ["0", "12000", "-0.000000000005", "12"]);
         assert_eq!(Escaped("a<b>&\"\u{1}").to_string(), "a&lt;b&gt;&amp;&quot;\u{fffd}");
     }
 

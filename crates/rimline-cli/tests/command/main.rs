@@ -15,6 +15,7 @@ mod contract;
 mod data;
 mod data_wrong;
 mod depth_shadows;
+mod drawings;
 mod facts;
 mod fallback;
 mod given_depth;
@@ -38,7 +39,6 @@ mod polygon_shadows;
 mod polygon_surface;
 mod query_on_faces;
 mod run;
-#[cfg(feature = "bench")]
 mod schema;
 mod seams;
 mod shadow;
@@ -75,6 +75,8 @@ fn main() {
         contract::TESTS,
         data_wrong::TESTS,
         depth_shadows::TESTS,
+        drawings::files::TESTS,
+        drawings::raster::TESTS,
         fallback::TESTS,
         given_depth::TESTS,
         inputs::TESTS,
@@ -90,7 +92,6 @@ fn main() {
         polygon_shadows::TESTS,
         polygon_surface::TESTS,
         query_on_faces::TESTS,
-        #[cfg(feature = "bench")]
         schema::TESTS,
         seams::TESTS,
         shadow::TESTS,
@@ -110,6 +111,7 @@ fn main() {
         cases::trials(),
         clipping::trials(),
         data::trials(),
+        drawings::raster::trials(),
         info::trials(),
         models::trials(),
         origin::trials(),

@@ -1,4 +1,4 @@
-//! Data held against a JSON Schema, by the keywords of `bench.schema.json`. Two rules are stricter than the standard's: a key
+//! Data held against a JSON Schema, by the keywords of `bench.schema.json` and `docs/lines.schema.json`. Two rules are stricter than the standard's: a key
 //! that the schema does not describe is an error, and so is a keyword that is not known here, since JSON Schema passes over
 //! misspelt ones.
 
@@ -10,6 +10,7 @@ use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("schema::the_validator_finds_what_is_wrong", negative),
+    #[cfg(feature = "bench")]
     ("schema::the_bench_schema_finds_what_is_wrong", bench_negative),
 ];
 
@@ -200,6 +201,7 @@ fn negative() -> Outcome {
 }
 
 /// The repository's schema with data of one row, and with that row changed.
+#[cfg(feature = "bench")]
 fn bench_negative() -> Outcome {
     let schema = super::bench::schema()?;
     let summary = json!({ "median": 2.0, "q1": 1.0, "q3": 3.0, "low": 1.0, "high": 3.0, "runs": 3 });

@@ -4,6 +4,7 @@ mod arguments;
 mod gltf;
 mod npz;
 mod obj;
+mod surfaces;
 mod wgsl;
 
 use rimline_testkit::random::Random;
@@ -34,6 +35,8 @@ pub(crate) enum Seeds {
     Gltf(gltf::Seeds),
     Npz(npz::Seeds),
     Obj,
+    Ply,
+    Stl,
     Wgsl(wgsl::Seeds),
     Arguments(arguments::Seeds),
 }
@@ -44,6 +47,8 @@ impl Seeds {
             Target::Gltf => Self::Gltf(gltf::Seeds::new()),
             Target::Npz => Self::Npz(npz::Seeds::new()?),
             Target::Obj => Self::Obj,
+            Target::Ply => Self::Ply,
+            Target::Stl => Self::Stl,
             Target::Wgsl => Self::Wgsl(wgsl::Seeds::new()),
             Target::Arguments => Self::Arguments(arguments::Seeds::new(options)?),
         })
@@ -54,6 +59,8 @@ impl Seeds {
             Self::Gltf(seeds) => Input::Bytes(seeds.case(random)),
             Self::Npz(seeds) => Input::Bytes(seeds.case(random)),
             Self::Obj => Input::Bytes(obj::case(random)),
+            Self::Ply => Input::Bytes(surfaces::ply_case(random)),
+            Self::Stl => Input::Bytes(surfaces::stl_case(random)),
             Self::Wgsl(seeds) => Input::Text(seeds.case(random)),
             Self::Arguments(seeds) => Input::Arguments(seeds.case(random)),
         }
@@ -65,6 +72,8 @@ impl Seeds {
             (Self::Gltf(_), Input::Bytes(bytes)) => gltf::run(bytes),
             (Self::Npz(seeds), Input::Bytes(bytes)) => seeds.run(bytes),
             (Self::Obj, Input::Bytes(bytes)) => obj::run(bytes),
+            (Self::Ply, Input::Bytes(bytes)) => surfaces::run_ply(bytes),
+            (Self::Stl, Input::Bytes(bytes)) => surfaces::run_stl(bytes),
             (Self::Wgsl(_), Input::Text(text)) => wgsl::run(text),
             (Self::Arguments(seeds), Input::Arguments(words)) => seeds.run(words),
             _ => Err("the input is another target's".to_owned()),

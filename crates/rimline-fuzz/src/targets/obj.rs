@@ -3,6 +3,7 @@
 use std::io::Cursor;
 
 use rimline::mesh::Weld;
+use rimline_files::npz::Arrays;
 use rimline_files::obj;
 use rimline_testkit::random::Random;
 
@@ -10,7 +11,7 @@ use super::npz::check_polygons;
 use rimline_testkit::mutate;
 
 /// A file may take this much memory.
-const MEMORY_LIMIT: u64 = 64 << 20;
+pub(super) const MEMORY_LIMIT: u64 = 64 << 20;
 
 const SEEDS: [&str; 5] = [
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
@@ -45,7 +46,12 @@ pub(crate) fn case(random: &mut Random) -> Vec<u8> {
 
 pub(crate) fn run(bytes: &[u8]) -> Result<bool, String> {
     obj::begins_like(bytes);
-    let model = match obj::read(Cursor::new(bytes), MEMORY_LIMIT, true) {
+    check(bytes.len(), obj::read(Cursor::new(bytes), MEMORY_LIMIT, true))
+}
+
+/// Whether a model was read, and is one.
+pub(super) fn check<E: std::fmt::Display>(length: usize, model: Result<Arrays, E>) -> Result<bool, String> {
+    let model = match model {
         Ok(model) => model,
         Err(error) if error.to_string().len() > 1000 => return Err(format!("a long message: {error}")),
         Err(_) => return Ok(false),
@@ -57,7 +63,7 @@ pub(crate) fn run(bytes: &[u8]) -> Result<bool, String> {
         return Err("triangles and polygons, or neither".to_owned());
     }
     if let Some(polygons) = &model.polygons {
-        let weld = [Weld::Position, Weld::Keep][bytes.len() % 2];
+        let weld = [Weld::Position, Weld::Keep][length % 2];
         if !check_polygons(&model.positions, polygons.loops(), weld)? {
             return Err("polygons that the file is right to have are refused".to_owned());
         }

@@ -230,6 +230,42 @@ fn surfaces_meet() {
     );
 }
 
+/// A mesh whose faces are there twice is drawn as if they were there once, both ways around, in one object and in two.
+#[test]
+fn doubled_faces_are_drawn_as_one() {
+    let torus = torus(24, 14);
+    let turned = |&[a, b, c]: &[u32; 3]| [a, c, b];
+    let options = LineOptions { crease_degrees: 25.0, ..LineOptions::default() };
+    let lines = |shapes: &[Shape]| {
+        let drawing = draw(&objects(shapes), &aside(), &options, go_on).expect("drawn");
+        let visible = drawing.spans.iter().filter(|span| span.faces_in_front == 0);
+        let mut lines: Vec<_> = visible
+            .map(|span| {
+                let mut ends = span.page.map(|end| end.map(|c| (c * 1e6).round() as i64));
+                ends.sort_unstable();
+                (span.class, ends)
+            })
+            .collect();
+        lines.sort_unstable();
+        lines
+    };
+    let once = lines(std::slice::from_ref(&torus));
+    assert!(once.len() > 60 && once.iter().any(|(class, _)| *class == LineClass::Crease));
+    let faces = torus.mesh.faces();
+    let twice = [faces.to_vec(), faces.to_vec()].concat();
+    let two_sided = [faces.to_vec(), faces.iter().map(turned).collect()].concat();
+    for faces in [twice, two_sided] {
+        assert_eq!(lines(&[shape(torus.positions.clone(), &faces)]), once);
+    }
+    assert_eq!(lines(&[torus.clone(), torus.clone()]), once);
+    // A third face that stands on the surface is one of three half-planes.
+    let [a, b, _] = faces[0];
+    let mut positions = torus.positions.clone();
+    positions.push([0.0, 9.0, 0.0]);
+    let faces = [faces.to_vec(), faces.to_vec(), vec![[a, b, positions.len() as u32 - 1]]].concat();
+    assert!(lines(&[shape(positions, &faces)]).iter().any(|(class, _)| *class == LineClass::NonManifold));
+}
+
 /// Lines end at the window and at the near plane.
 #[test]
 fn windows_cut_lines() {

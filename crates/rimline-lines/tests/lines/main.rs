@@ -3,5 +3,4 @@
 mod counts;
 mod edge_cases;
 mod outlines;
-mod pictures;
 mod support;

@@ -125,11 +125,11 @@ impl Document {
         if !sparse.is_null() {
             let (count, of) = (index(&sparse["count"]), &sparse["indices"]);
             let type_ = of["componentType"].as_u64().expect("a component type");
-            let places = self.read(&of["bufferView"], &of["byteOffset"], type_, 1, count);
+            let indices = self.read(&of["bufferView"], &of["byteOffset"], type_, 1, count);
             let of = &sparse["values"];
             let replaced = self.read(&of["bufferView"], &of["byteOffset"], component, width, count);
-            for (place, value) in places.into_iter().zip(replaced.chunks(width)) {
-                values[place as usize * width..][..width].copy_from_slice(value);
+            for (index, value) in indices.into_iter().zip(replaced.chunks(width)) {
+                values[index as usize * width..][..width].copy_from_slice(value);
             }
         }
         if accessor["normalized"] == Value::Bool(true) {

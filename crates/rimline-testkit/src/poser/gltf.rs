@@ -36,7 +36,7 @@ impl File {
         let has_parent: Vec<usize> =
             list(&document.json["nodes"]).iter().flat_map(|node| list(&node["children"])).map(index).collect();
         for root in (0..nodes).filter(|node| !has_parent.contains(node)) {
-            scene.place(root, &Affine::IDENTITY);
+            scene.add_node(root, &Affine::IDENTITY);
         }
         let number = document.json["scene"].as_u64().unwrap_or(0) as usize;
         let mut corners = Vec::new();
@@ -59,7 +59,7 @@ impl Scene<'_> {
         value.map_or(default, |value| value.try_into().expect("as many numbers as the property has"))
     }
 
-    fn place(&mut self, node: usize, parent: &Affine) {
+    fn add_node(&mut self, node: usize, parent: &Affine) {
         let local = match numbers(&self.node(node)["matrix"]) {
             Some(columns) => Affine::from_columns(&columns),
             None => Affine::from_trs(
@@ -71,7 +71,7 @@ impl Scene<'_> {
         let world = parent.after(&local);
         self.world[node] = world;
         for child in list(&self.node(node)["children"]).to_vec() {
-            self.place(index(&child), &world);
+            self.add_node(index(&child), &world);
         }
     }
 

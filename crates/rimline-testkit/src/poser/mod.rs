@@ -82,7 +82,7 @@ pub fn of_model(model: &Model, pose: &Pose) -> Vec<Posed> {
     all
 }
 
-/// Fails at the first vertex that is further from its place than its tolerance. Returns the largest distance by
+/// Fails at the first vertex that is further from its expected position than its tolerance. Returns the largest distance by
 /// tolerances, which is at most 1.
 pub fn compare(what: &str, found: &[[f32; 3]], expected: &[Posed]) -> Result<f64, String> {
     if found.len() != expected.len() {

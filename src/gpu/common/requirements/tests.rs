@@ -195,7 +195,7 @@ fn a_message_names_limit_need_and_what_is_there() {
 }
 
 /// Whether an adapter without sample-rate shading takes a module.
-fn is_taken_without_sample_shading(wgsl: &str) -> bool {
+fn is_valid_without_sample_shading(wgsl: &str) -> bool {
     let module = naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
     let capabilities = Capabilities::default() - Capabilities::MULTISAMPLED_SHADING;
     Validator::new(ValidationFlags::all(), capabilities).validate(&module).is_ok()
@@ -204,14 +204,14 @@ fn is_taken_without_sample_shading(wgsl: &str) -> bool {
 #[test]
 fn only_draws_with_several_samples_need_sample_shading() {
     for stage in STAGES.iter().chain(DRAWN).filter(|stage| ![DEPTH_SURFACE, DEPTH_WALLS].contains(stage)) {
-        let is_taken = is_taken_without_sample_shading(&drawn_wgsl(stage, 1));
+        let is_taken = is_valid_without_sample_shading(&drawn_wgsl(stage, 1));
         assert!(is_taken, "{}", stage.name);
     }
     for stage in [&DEPTH_SURFACE, &DEPTH_WALLS] {
-        let taken = [1, 4].map(|samples| is_taken_without_sample_shading(&drawn_wgsl(stage, samples)));
-        assert_eq!(taken, [true, false], "{}", stage.name);
+        let is_valid = [1, 4].map(|samples| is_valid_without_sample_shading(&drawn_wgsl(stage, samples)));
+        assert_eq!(is_valid, [true, false], "{}", stage.name);
     }
-    // The check by itself: this module needs sample shading and nothing else.
-    assert!(!is_taken_without_sample_shading(SAMPLE_SHADING));
-    assert!(is_taken_without_sample_shading(&SAMPLE_SHADING.replace(", sample", "")));
+    // This module needs sample shading and nothing else.
+    assert!(!is_valid_without_sample_shading(SAMPLE_SHADING));
+    assert!(is_valid_without_sample_shading(&SAMPLE_SHADING.replace(", sample", "")));
 }

@@ -4,7 +4,7 @@ use rimline::Origin;
 use rimline::internals::origin::{bounds, smallest};
 
 /// A number. Rounded from `f64` to `f32`, it is the `f32` that is nearest to the text.
-pub(super) fn number(text: &str) -> Option<f64> {
+pub(crate) fn number(text: &str) -> Option<f64> {
     let number: f64 = text.parse().ok()?;
     if !is_between(number) {
         return Some(number);
@@ -28,7 +28,7 @@ fn is_between(number: f64) -> bool {
 }
 
 /// The origin of faces of so many corners each, and positions relative to it. All corners are below the number of vertices.
-pub(super) fn placed(vertices: Vec<[f64; 3]>, sizes: &[u32], corners: &[u32]) -> (Vec<[f32; 3]>, Origin) {
+pub(crate) fn placed(vertices: Vec<[f64; 3]>, sizes: &[u32], corners: &[u32]) -> (Vec<[f32; 3]>, Origin) {
     let vertex = |&v: &u32| vertices.get(v as usize).copied();
     let smallest_edge = || {
         let mut rest = corners;

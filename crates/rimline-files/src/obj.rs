@@ -1,16 +1,13 @@
 //! Wavefront OBJ files, which may hold anything: positions, and faces of any number of corners.
 
-mod coordinates;
-mod line;
-
 use std::io::{self, BufRead};
 
 use rimline::mesh::MAX_POLYGON_CORNERS;
 
-use crate::charge;
-use crate::npz::{Arrays, PolygonArrays};
-use coordinates::{number, placed};
-use line::{Lines, Next, Statement};
+use crate::collected::{Collected, Refused};
+use crate::coordinates::number;
+use crate::line::{Lines, Next, Statement};
+use crate::npz::Arrays;
 
 /// Why a file is refused.
 #[derive(Debug, thiserror::Error)]
@@ -79,42 +76,26 @@ pub fn begins_like(bytes: &[u8]) -> bool {
 /// polygons where these `are_whole`, else one of their triangles.
 pub fn read(reader: impl BufRead, memory_limit: u64, are_whole: bool) -> Result<Arrays, ObjError> {
     let mut lines = Lines::new(reader);
-    let mut model = Obj { limit: memory_limit, are_whole, ..Obj::default() };
+    let mut obj = Obj { model: Collected::new(memory_limit, are_whole), highest: (0, 0) };
     loop {
         // The line and its copy while it grows.
-        let room = (memory_limit - model.used) / 3;
+        let room = obj.model.room() / 3;
         match lines.next(room)? {
-            Next::Statement(statement) => model.take(&statement)?,
+            Next::Statement(statement) => obj.take(&statement)?,
             Next::TooLong { line } => {
                 let needed = memory_limit.saturating_add(1);
                 return Err(ObjError::TooLarge { line, needed, limit: memory_limit });
             }
-            Next::End => return model.finish(),
+            Next::End => return obj.finish(),
         }
     }
 }
 
-/// Bytes for a vertex, a face and a corner in the lists that are read, which double. A vertex in `f64` takes more there than
-/// [`charge::VERTEX`], which comes later.
-const LISTED_VERTEX: u64 = 2 * 24;
-const LISTED_FACE: u64 = 3 * 4;
-const LISTED_CORNER: u64 = 3 * 4;
-
 /// The model as far as it was read.
-#[derive(Default)]
 struct Obj {
-    /// In `f64` until all of them are known.
-    positions: Vec<[f64; 3]>,
-    sizes: Vec<u32>,
-    corners: Vec<u32>,
+    model: Collected,
     /// The largest vertex that a face names, from 1, and its line. Faces may stand before their vertices.
     highest: (i64, usize),
-    /// The faces so far, as long as all of them are triangles.
-    triangles: usize,
-    /// Whether a mesh of polygons is made of polygons.
-    are_whole: bool,
-    used: u64,
-    limit: u64,
 }
 
 impl Obj {
@@ -148,74 +129,39 @@ impl Obj {
         if count < 3 {
             return Err(ObjError::Coordinates { line, found: count });
         }
-        self.charge(line, LISTED_VERTEX)?;
-        self.positions.push(position);
-        Ok(())
+        self.model.vertex(position).map_err(refused(line))
     }
 
     fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
-        let first = self.corners.len();
-        // So much at least, and as what it is once it is complete.
-        self.charge(line, LISTED_FACE)?;
+        self.model.begin_face().map_err(refused(line))?;
         for word in words {
             let index = corner(word).ok_or_else(|| ObjError::Corner { line, found: shown(word) })?;
-            let vertices = self.positions.len();
+            let vertices = self.model.vertices();
             // Below 0 they count backwards from the last vertex so far.
             let place = if index < 0 { index.saturating_add(vertices as i64).saturating_add(1) } else { index };
             let vertex = u32::try_from(place).ok().and_then(|place| place.checked_sub(1));
             let vertex = vertex.ok_or(ObjError::OutOfRange { line, index, vertices })?;
             self.highest = self.highest.max((place, line));
-            self.charge(line, LISTED_CORNER)?;
-            self.corners.push(vertex);
+            self.model.corner(vertex).map_err(refused(line))?;
         }
-        let size = self.corners.len() - first;
-        if size < 3 {
-            return Err(ObjError::Corners { line, found: size });
-        }
-        if size > MAX_POLYGON_CORNERS {
-            return Err(ObjError::FaceTooLarge { line });
-        }
-        self.sizes.push(size as u32);
-        let polygon = |corners: usize| charge::POLYGON + charge::LOOP + charge::CORNER * corners as u64;
-        let listed = |corners: usize| LISTED_FACE + LISTED_CORNER * corners as u64;
-        if !self.are_whole {
-            let triangles = (size as u64 - 2) * charge::FACE;
-            return self.charge(line, triangles.saturating_sub(listed(size)));
-        }
-        if size == 3 && self.triangles + 1 == self.sizes.len() {
-            self.triangles += 1;
-            return self.charge(line, charge::FACE.saturating_sub(listed(3)));
-        }
-        // One polygon makes polygons of all faces, the triangles before it too.
-        let before = std::mem::take(&mut self.triangles) as u64;
-        self.charge(line, before.saturating_mul(polygon(3).saturating_sub(charge::FACE)))?;
-        self.charge(line, polygon(size) - listed(size))
-    }
-
-    fn charge(&mut self, line: usize, bytes: u64) -> Result<(), ObjError> {
-        let needed = self.used.saturating_add(bytes);
-        if needed > self.limit {
-            return Err(ObjError::TooLarge { line, needed, limit: self.limit });
-        }
-        self.used = needed;
-        Ok(())
+        self.model.end_face().map_err(refused(line))
     }
 
     fn finish(self) -> Result<Arrays, ObjError> {
-        let Self { positions, sizes, corners, highest: (index, line), .. } = self;
-        let vertices = positions.len();
-        if sizes.is_empty() {
-            return Err(ObjError::NoFaces);
-        }
+        let Self { model, highest: (index, line) } = self;
+        let vertices = model.vertices();
         if index > vertices as i64 {
             return Err(ObjError::OutOfRange { line, index, vertices });
         }
-        let (positions, origin) = placed(positions, &sizes, &corners);
-        if sizes.iter().all(|&size| size == 3) {
-            return Ok(Arrays { positions, faces: corners.as_chunks().0.to_vec(), polygons: None, origin });
-        }
-        let polygons = PolygonArrays { polygon_loops: vec![1; sizes.len()], loop_sizes: sizes, loop_corners: corners };
-        Ok(Arrays { positions, faces: Vec::new(), polygons: Some(polygons), origin })
+        model.finish().ok_or(ObjError::NoFaces)
+    }
+}
+
+fn refused(line: usize) -> impl Fn(Refused) -> ObjError {
+    move |refused| match refused {
+        Refused::Corners(found) => ObjError::Corners { line, found },
+        Refused::FaceTooLarge => ObjError::FaceTooLarge { line },
+        Refused::TooLarge { needed, limit } => ObjError::TooLarge { line, needed, limit },
     }
 }
 

@@ -1,9 +1,9 @@
-//! Statements of an OBJ file: lines joined where they end in a backslash. A line ends in LF, CR LF or CR.
+//! Statements of a file of text, such as an OBJ: lines joined where they end in a backslash. A line ends in LF, CR LF or CR.
 
 use std::io::{self, BufRead, ErrorKind};
 
 /// The statements of a reader, one after the other.
-pub(super) struct Lines<R> {
+pub(crate) struct Lines<R> {
     reader: R,
     text: Vec<u8>,
     /// Lines read so far.
@@ -11,14 +11,14 @@ pub(super) struct Lines<R> {
 }
 
 /// One statement without its comment.
-pub(super) struct Statement<'a> {
+pub(crate) struct Statement<'a> {
     /// The number of its first line, from 1.
-    pub(super) line: usize,
+    pub(crate) line: usize,
     text: &'a [u8],
 }
 
 /// Result of reading the next statement.
-pub(super) enum Next<'a> {
+pub(crate) enum Next<'a> {
     Statement(Statement<'a>),
     End,
     /// It has more bytes than allowed.
@@ -28,12 +28,12 @@ pub(super) enum Next<'a> {
 }
 
 impl<R: BufRead> Lines<R> {
-    pub(super) fn new(reader: R) -> Self {
+    pub(crate) fn new(reader: R) -> Self {
         Self { reader, text: Vec::new(), count: 0 }
     }
 
     /// The next statement, if it has at most `most` bytes.
-    pub(super) fn next(&mut self, most: u64) -> io::Result<Next<'_>> {
+    pub(crate) fn next(&mut self, most: u64) -> io::Result<Next<'_>> {
         self.text.clear();
         let line = self.count + 1;
         let mut is_comment = false;
@@ -118,7 +118,7 @@ fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
 
 impl<'a> Statement<'a> {
     /// Its words.
-    pub(super) fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+    pub(crate) fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let text = self.text.split(|&byte| byte == b'#').next().unwrap_or_default();
         let start = if self.line == 1 { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };
         start.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())

@@ -1,4 +1,4 @@
-//! Boundary: how a light sees the boundary of a polygon.
+//! Polygon pairs: how a light sees the boundary of a polygon, by all pairs of its edges.
 
 use super::corner_turn::{turn, turn_as_given};
 use super::edge_pair::{Edge, edge_pair};
@@ -48,7 +48,7 @@ impl Boundary {
     }
 
     /// The same by pairs of edges that are close to each other, as for boundaries of many edges. `None` where this way does not
-    /// tell.
+    /// decide.
     pub fn orientation_by_close_pairs(&self, light: [f32; 4]) -> Option<Orientation> {
         many_edges(&self.edges, light)
     }

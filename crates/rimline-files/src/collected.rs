@@ -1,0 +1,133 @@
+//! Vertices and faces of any number of corners, as a file lists them one after the other.
+
+use rimline::mesh::MAX_POLYGON_CORNERS;
+
+use crate::charge;
+use crate::coordinates::placed;
+use crate::npz::{Arrays, PolygonArrays};
+
+/// Bytes for a vertex, a face and a corner in the lists that are read, which double. A vertex in `f64` takes more there than
+/// [`charge::VERTEX`], which comes later.
+const LISTED_VERTEX: u64 = 2 * 24;
+const LISTED_FACE: u64 = 3 * 4;
+const LISTED_CORNER: u64 = 3 * 4;
+
+/// Why a vertex or a face is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Refused {
+    /// The face has fewer than three corners.
+    Corners(usize),
+    /// The face has more than [`MAX_POLYGON_CORNERS`].
+    FaceTooLarge,
+    /// With it the model takes more memory than the limit.
+    TooLarge { needed: u64, limit: u64 },
+}
+
+/// A model as far as it was read.
+#[derive(Default)]
+pub(crate) struct Collected {
+    /// In `f64` until all of them are known.
+    positions: Vec<[f64; 3]>,
+    sizes: Vec<u32>,
+    corners: Vec<u32>,
+    /// Where those of the face that is being read begin.
+    complete: usize,
+    /// The faces so far, as long as all of them are triangles.
+    triangles: usize,
+    /// Whether a mesh of polygons is made of polygons.
+    are_whole: bool,
+    used: u64,
+    limit: u64,
+}
+
+impl Collected {
+    /// The model may take `limit` bytes with its mesh. The mesh is one of polygons where these `are_whole`, else one of their
+    /// triangles.
+    pub(crate) fn new(limit: u64, are_whole: bool) -> Self {
+        Self { are_whole, limit, ..Self::default() }
+    }
+
+    /// The memory that is left.
+    pub(crate) fn room(&self) -> u64 {
+        self.limit - self.used
+    }
+
+    pub(crate) fn vertices(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Refuses vertices that are announced, if there is no room for them.
+    pub(crate) fn check_vertices(&self, count: u64) -> Result<(), Refused> {
+        self.needed(count.saturating_mul(LISTED_VERTEX)).map(drop)
+    }
+
+    pub(crate) fn vertex(&mut self, position: [f64; 3]) -> Result<(), Refused> {
+        self.charge(LISTED_VERTEX)?;
+        self.positions.push(position);
+        Ok(())
+    }
+
+    /// Begins a face. It takes so much at least, and as much as what it is once it is complete.
+    pub(crate) fn begin_face(&mut self) -> Result<(), Refused> {
+        self.complete = self.corners.len();
+        self.charge(LISTED_FACE)
+    }
+
+    /// The next corner of the face.
+    pub(crate) fn corner(&mut self, vertex: u32) -> Result<(), Refused> {
+        self.charge(LISTED_CORNER)?;
+        self.corners.push(vertex);
+        Ok(())
+    }
+
+    /// Ends the face.
+    pub(crate) fn end_face(&mut self) -> Result<(), Refused> {
+        let size = self.corners.len() - self.complete;
+        if size < 3 {
+            return Err(Refused::Corners(size));
+        }
+        if size > MAX_POLYGON_CORNERS {
+            return Err(Refused::FaceTooLarge);
+        }
+        self.sizes.push(size as u32);
+        let polygon = |corners: usize| charge::POLYGON + charge::LOOP + charge::CORNER * corners as u64;
+        let listed = |corners: usize| LISTED_FACE + LISTED_CORNER * corners as u64;
+        if !self.are_whole {
+            let triangles = (size as u64 - 2) * charge::FACE;
+            return self.charge(triangles.saturating_sub(listed(size)));
+        }
+        if size == 3 && self.triangles + 1 == self.sizes.len() {
+            self.triangles += 1;
+            return self.charge(charge::FACE.saturating_sub(listed(3)));
+        }
+        // One polygon makes polygons of all faces, the triangles before it too.
+        let before = std::mem::take(&mut self.triangles) as u64;
+        self.charge(before.saturating_mul(polygon(3).saturating_sub(charge::FACE)))?;
+        self.charge(polygon(size) - listed(size))
+    }
+
+    fn needed(&self, bytes: u64) -> Result<u64, Refused> {
+        let needed = self.used.saturating_add(bytes);
+        if needed > self.limit { Err(Refused::TooLarge { needed, limit: self.limit }) } else { Ok(needed) }
+    }
+
+    fn charge(&mut self, bytes: u64) -> Result<(), Refused> {
+        self.used = self.needed(bytes)?;
+        Ok(())
+    }
+
+    /// Positions relative to an origin near them, and triangles if all faces are, else polygons. All corners must be below the
+    /// number of vertices. `None` without faces.
+    pub(crate) fn finish(self) -> Option<Arrays> {
+        let Self { positions, sizes, corners, .. } = self;
+        if sizes.is_empty() {
+            return None;
+        }
+        let (positions, origin) = placed(positions, &sizes, &corners);
+        if sizes.iter().all(|&size| size == 3) {
+            return Some(Arrays { positions, faces: corners.as_chunks().0.to_vec(), polygons: None, origin });
+        }
+        let polygons = PolygonArrays { polygon_loops: vec![1; sizes.len()], loop_sizes: sizes, loop_corners: corners };
+        Some(Arrays { positions, faces: Vec::new(), polygons: Some(polygons), origin })
+    }
+}
