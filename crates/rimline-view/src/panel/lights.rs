@@ -2,7 +2,7 @@
 
 use super::style;
 use crate::state::event::Event;
-use crate::state::keys::Action;
+use crate::state::keys::{Action, key_of};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
 
@@ -27,7 +27,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             ("Remove", Action::RemoveLight),
             ("Point or direction", Action::ChangeLightKind),
         ] {
-            if ui.small_button(text).on_hover_text(crate::state::keys::key_of(action)).clicked() {
+            if ui.small_button(text).on_hover_text(key_of(action)).clicked() {
                 viewer.handle(Event::Acted(action));
             }
         }

@@ -16,7 +16,7 @@ use egui_wgpu::ScreenDescriptor;
 
 use crate::renderer::{Gpu, Renderer};
 use crate::state::event::Event;
-use crate::state::keys;
+use crate::state::keys::{self, Action};
 use crate::state::viewer::{Tone, Viewer};
 
 /// Frame times that the plot shows.
@@ -199,10 +199,10 @@ fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
         ui.label(egui::RichText::new("Rimline").size(18.0).strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             for (text, action) in [
-                ("?", crate::Action::Help),
-                ("Picture", crate::Action::Screenshot),
-                ("Copy", crate::Action::CopyCommand),
-                ("Open…", crate::Action::OpenFile),
+                ("?", Action::Help),
+                ("Picture", Action::Screenshot),
+                ("Copy", Action::CopyCommand),
+                ("Open…", Action::OpenFile),
             ] {
                 let hint = keys::KEYS.iter().find(|binding| binding.action == action);
                 let button = ui.button(text).on_hover_text(

@@ -22,7 +22,7 @@ pub use picture::Picture;
 
 use crate::state::camera::{Camera, Orbit};
 use crate::state::lamp::Lamp;
-use crate::state::options::Options;
+use crate::state::options::{Options, Overlays as ShownOverlays};
 use crate::state::viewer::{MAX_LAMPS, Tone, Viewer};
 use counters::Readings;
 use frame::{Frame, LampData};
@@ -67,10 +67,7 @@ impl Drawn {
             orbit: viewer.orbit,
             lamps: viewer.lamps.clone(),
             // Boxes are drawn by the panel.
-            options: Options {
-                overlays: crate::Overlays { boxes: false, ..viewer.options.overlays },
-                ..viewer.options
-            },
+            options: Options { overlays: ShownOverlays { boxes: false, ..viewer.options.overlays }, ..viewer.options },
             seconds: viewer.clock.seconds,
         }
     }

@@ -9,6 +9,7 @@ use super::models::Models;
 use super::pipelines::{Pipelines, Shared};
 use super::targets::Targets;
 use crate::state::body::non_manifold_bits;
+use crate::state::lamp::Lamp;
 use crate::state::viewer::{MAX_LAMPS, Viewer};
 
 /// Extractors of all models, for the lights and the eye.
@@ -52,7 +53,7 @@ impl Overlays {
         viewer: &Viewer,
         camera: &ShadowCamera,
     ) -> Result<(), RenderError> {
-        let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(crate::Lamp::light);
+        let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(Lamp::light);
         let lights: Vec<Light> = lamps.chain([Light::point(camera.origin)]).collect();
         self.extractions.clear();
         for (index, (extractor, _)) in self.bodies.iter_mut().enumerate() {

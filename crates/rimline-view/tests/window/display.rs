@@ -26,6 +26,9 @@ pub(crate) struct Display {
     root: Window,
 }
 
+/// Focus that follows the pointer, of no window.
+const POINTER_ROOT: u32 = 1;
+
 impl Drop for Display {
     fn drop(&mut self) {
         let _ = self.server.kill();
@@ -58,7 +61,7 @@ impl Display {
         Ok(Self { server, name, connection, root })
     }
 
-    /// Waits for a window of the viewer, and gives it the keyboard.
+    /// Waits for a window of the viewer.
     pub(crate) fn window(&self, within: Duration) -> Result<Window, String> {
         let until = Instant::now() + within;
         while Instant::now() < until {
@@ -68,9 +71,6 @@ impl Display {
                 let state = self.connection.get_window_attributes(window).map_err(say)?.reply();
                 let is_seen = state.is_ok_and(|state| u8::from(state.map_state) == 2);
                 if is_seen && shape.is_ok_and(|shape| shape.width > 300) {
-                    let now = x11rb::CURRENT_TIME;
-                    self.connection.set_input_focus(InputFocus::PARENT, window, now).map_err(say)?;
-                    self.connection.flush().map_err(say)?;
                     return Ok(window);
                 }
             }
@@ -103,8 +103,19 @@ impl Display {
         self.fake(BUTTON + 1, 1, [0, 0])
     }
 
-    /// Presses a key by its symbol, which is that of ASCII.
-    pub(crate) fn press(&self, symbol: u32) -> Result<(), String> {
+    /// Gives the keyboard to a window, anew: it may not have listened before.
+    fn focus(&self, window: Window) -> Result<(), String> {
+        for focus in [POINTER_ROOT, window] {
+            self.connection.set_input_focus(InputFocus::PARENT, focus, x11rb::CURRENT_TIME).map_err(say)?;
+            self.connection.flush().map_err(say)?;
+            sleep(Duration::from_millis(50));
+        }
+        Ok(())
+    }
+
+    /// Presses a key by its symbol, which is that of ASCII, in a window.
+    pub(crate) fn press(&self, window: Window, symbol: u32) -> Result<(), String> {
+        self.focus(window)?;
         let setup = self.connection.setup();
         let (first, last) = (setup.min_keycode, setup.max_keycode);
         let map = self.connection.get_keyboard_mapping(first, last - first + 1).map_err(say)?.reply().map_err(say)?;
