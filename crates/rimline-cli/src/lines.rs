@@ -21,7 +21,7 @@ use rimline_lines::{Drawing, Fault, LineOptions, LinesError, Object, draw, objec
 
 use crate::failure::{Failure, InputError};
 use crate::input::{Input, Shape};
-use crate::output::{Output, note, print};
+use crate::output::{Output, note, say};
 use crate::posed_input::{animations, note_idle_time};
 use crate::progress::Progress;
 use crate::target::Inputs;
@@ -85,7 +85,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         format.write(file, &Picture { args, eye: &eye, objects: &objects, drawing: &drawing, sheet: &sheet, origin })
     })?;
     drop(progress);
-    print(&sheet.said(args))
+    say(&sheet.said(args))
 }
 
 /// A drawing, and all that the formats say of it.
