@@ -18,6 +18,10 @@ use crate::view::WindowArgs;
 #[derive(Parser, Debug)]
 #[command(name = "rimline", version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
 pub(crate) struct Cli {
+    /// Print nothing but results and errors: no warnings, no progress, and not what was written
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -52,7 +56,7 @@ pub(crate) enum Command {
     Lines(LinesArgs),
     /// Draw models with their shadows, as a PNG, and masks of what each light reaches
     Shadow(ShadowArgs),
-    /// Draw an animation with its shadows, as numbered PNG files
+    /// Draw an animation with its shadows, as numbered PNG files, GIF, APNG or MP4
     Film(FilmArgs),
     /// Extract facing, silhouette and winding bits for lights, as NumPy arrays
     Extract(ExtractArgs),
@@ -66,6 +70,28 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     /// Measure run times and errors of all methods on this machine, and write a report with plots
     Bench(BenchArgs),
+    /// Print the completions of a shell
+    Completions(CompletionsArgs),
+    /// Write manual pages, one for each subcommand
+    Man(ManArgs),
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = COMPLETIONS_REMARKS)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub(crate) shell: clap_complete::Shell,
+}
+
+const COMPLETIONS_REMARKS: &str = "\
+Where shells look for them: bash ~/.local/share/bash-completion/completions/rimline, fish \
+~/.config/fish/completions/rimline.fish, zsh a file _rimline in a folder of $fpath.";
+
+#[derive(Args, Debug)]
+pub(crate) struct ManArgs {
+    /// The folder, such as ~/.local/share/man/man1. It is made if it does not exist
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
 }
 
 /// All options are taken, and none is followed: this build has no window.
@@ -184,6 +210,10 @@ pub(crate) struct DrawArgs {
     /// Where to write the picture, a PNG
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
+
+    /// Print what was drawn as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 const DRAW_EXAMPLES: &str = "\
@@ -194,7 +224,9 @@ Examples:
 ";
 
 const DRAW_REMARKS: &str = "\
-Silhouette edges and open boundaries are dark; with --show-boundary, boundaries are orange. World space is right-handed with +Y up.";
+Silhouette edges and open boundaries are dark; with --show-boundary, boundaries are orange. World space is right-handed with +Y up.
+
+Keys of --json: adapter, out, size, vertices, faces, origin (only where it is not zero).";
 
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(INFO_EXAMPLES), after_help = INFO_KEYS)]

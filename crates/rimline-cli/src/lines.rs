@@ -24,7 +24,7 @@ use crate::failure::{Failure, InputError};
 use crate::film::{self, Claim};
 use crate::info::Seams;
 use crate::input::{Input, Shape};
-use crate::output::{Folder, Output, note, print};
+use crate::output::{Folder, Output, note, say};
 use crate::posed_input::{animations, note_idle_time};
 use crate::progress::Progress;
 use crate::target::Inputs;
@@ -126,7 +126,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         said = sheet.said(args, eye.view.is_perspective(), &[file(0), file(frame)]);
     }
     drop(progress);
-    print(&said)
+    say(&said)
 }
 
 fn options(args: &LinesArgs) -> LineOptions {
