@@ -64,13 +64,13 @@ impl Reach {
     }
 
     /// A bit for each box of a row that the line meets.
+    #[expect(clippy::needless_bitwise_bool, reason = "boxes are tested together, without branches")]
     pub(crate) fn meets(&self, Row { low, high }: &Row) -> u32 {
         let ([left, below, _], [right, above, far]) = (self.around.low, self.around.high);
         let ([nx, ny], [at_x, at_y]) = (self.across, self.at);
         bits(|at| {
             let (low_x, low_y, high_x, high_y) = (low[0][at], low[1][at], high[0][at], high[1][at]);
-            let is_apart =
-                (low[2][at] > far) | (low_x > right) | (low_y > above) | (high_x < left) | (high_y < below);
+            let is_apart = (low[2][at] > far) | (low_x > right) | (low_y > above) | (high_x < left) | (high_y < below);
             let (half_x, half_y) = (0.5 * (high_x - low_x), 0.5 * (high_y - low_y));
             let (x, y) = (0.5 * (high_x + low_x) - at_x, 0.5 * (high_y + low_y) - at_y);
             let reach = nx.abs() * half_x + ny.abs() * half_y;
