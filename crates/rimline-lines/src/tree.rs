@@ -23,10 +23,10 @@ impl Box3 {
     }
 
     pub(crate) fn join(self, other: Self) -> Self {
-        Self {
-            low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis])),
-            high: [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis])),
-        }
+        // There are no NaN, so comparisons do.
+        let less = |axis: usize| if self.low[axis] < other.low[axis] { self.low[axis] } else { other.low[axis] };
+        let more = |axis: usize| if self.high[axis] > other.high[axis] { self.high[axis] } else { other.high[axis] };
+        Self { low: [less(0), less(1), less(2)], high: [more(0), more(1), more(2)] }
     }
 }
 
@@ -60,6 +60,7 @@ impl Row {
     }
 
     /// A bit for each of the boxes that meets another one.
+    #[expect(clippy::needless_bitwise_bool, reason = "boxes are tested together, without branches")]
     fn meets(&self, Box3 { low, high }: &Box3) -> u32 {
         let ([x, y, z], [right, above, far]) = (*low, *high);
         bits(|at| {
@@ -192,10 +193,10 @@ impl<T: Copy + Send + Sync> Tree<T> {
                 let prepared: Vec<_> = items.iter().map(&prepare).collect();
                 self.rows(&|row| row.meets(&around), number, |other, mask| {
                     let row = &rows[other];
-                    for at in 0..items.len() {
+                    for (at, item) in prepared.iter().enumerate() {
                         let later = if other == number { u32::MAX << at << 1 } else { u32::MAX };
                         for other_at in positions_of(row.meets(&own.get(at)) & mask & later) {
-                            found(&mut results, &prepared[at], &self.items[WIDE * other + other_at]);
+                            found(&mut results, item, &self.items[WIDE * other + other_at]);
                         }
                     }
                 });
