@@ -65,18 +65,18 @@ impl Shown {
             .with_inner_size(PhysicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(480, 320));
         let window = events.create_window(attributes).map_err(|error| DesktopError::Window(error.to_string()))?;
-        Self::on(Arc::new(window), options)
+        Self::on(&Arc::new(window), options)
     }
 
     /// Makes everything that depends on the device.
-    fn on(window: Arc<Window>, options: &DesktopOptions) -> Result<Self, DesktopError> {
-        let screen = Screen::open(Arc::clone(&window), options.device.as_deref())?;
+    fn on(window: &Arc<Window>, options: &DesktopOptions) -> Result<Self, DesktopError> {
+        let screen = Screen::open(Arc::clone(window), options.device.as_deref())?;
         let panel = Panel::new(&screen.gpu, screen.format());
         let renderer = Renderer::new(screen.gpu.clone())?;
         let most = screen.gpu.device.limits().max_texture_dimension_2d as usize;
         let scale = Some(window.scale_factor() as f32);
         let context = panel.context().clone();
-        let input = egui_winit::State::new(context, egui::ViewportId::ROOT, &*window, scale, None, Some(most));
+        let input = egui_winit::State::new(context, egui::ViewportId::ROOT, &**window, scale, None, Some(most));
         Ok(Self { renderer, panel, input, screen })
     }
 }
@@ -114,7 +114,7 @@ impl App {
             // Another device, or the same one again; the state stays.
             let window = Arc::clone(&shown.screen.window);
             self.shown = None;
-            let shown = Shown::on(window, options)?;
+            let shown = Shown::on(&window, options)?;
             viewer.handle(Event::Told("the device was lost; everything was made anew".into()));
             self.shown = Some(shown);
             self.redraw();
@@ -220,7 +220,9 @@ impl ApplicationHandler<Files> for App {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Files) {
-        files.iter().for_each(|file| self.open(file));
+        for file in &files {
+            self.open(file);
+        }
     }
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
