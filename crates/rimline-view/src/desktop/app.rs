@@ -184,6 +184,9 @@ impl App {
     fn screenshot(&mut self, scale: u32) -> Result<PathBuf, String> {
         let shown = self.shown.as_mut().ok_or("no window is open")?;
         let picture = shown.renderer.screenshot(&self.viewer, scale).map_err(|error| error.to_string())?;
+        // The copy ends only while somebody polls the device.
+        let polled = shown.screen.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        polled.map_err(|error| error.to_string())?;
         let picture = pollster::block_on(picture).map_err(|error| error.to_string())?;
         let bytes = picture.png().map_err(|error| error.to_string())?;
         let path = free_name(&self.options.pictures);
