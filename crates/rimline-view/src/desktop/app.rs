@@ -65,18 +65,18 @@ impl Shown {
             .with_inner_size(PhysicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(480, 320));
         let window = events.create_window(attributes).map_err(|error| DesktopError::Window(error.to_string()))?;
-        Self::on(Arc::new(window), options)
+        Self::on(&Arc::new(window), options)
     }
 
     /// Makes everything that depends on the device.
-    fn on(window: Arc<Window>, options: &DesktopOptions) -> Result<Self, DesktopError> {
-        let screen = Screen::open(Arc::clone(&window), options.device.as_deref())?;
+    fn on(window: &Arc<Window>, options: &DesktopOptions) -> Result<Self, DesktopError> {
+        let screen = Screen::open(Arc::clone(window), options.device.as_deref())?;
         let panel = Panel::new(&screen.gpu, screen.format());
         let renderer = Renderer::new(screen.gpu.clone())?;
         let most = screen.gpu.device.limits().max_texture_dimension_2d as usize;
         let scale = Some(window.scale_factor() as f32);
         let context = panel.context().clone();
-        let input = egui_winit::State::new(context, egui::ViewportId::ROOT, &*window, scale, None, Some(most));
+        let input = egui_winit::State::new(context, egui::ViewportId::ROOT, &**window, scale, None, Some(most));
         Ok(Self { renderer, panel, input, screen })
     }
 }
@@ -114,7 +114,7 @@ impl App {
             // Another device, or the same one again; the state stays.
             let window = Arc::clone(&shown.screen.window);
             self.shown = None;
-            let shown = Shown::on(window, options)?;
+            let shown = Shown::on(&window, options)?;
             viewer.handle(Event::Told("the device was lost; everything was made anew".into()));
             self.shown = Some(shown);
             self.redraw();
@@ -184,6 +184,9 @@ impl App {
     fn screenshot(&mut self, scale: u32) -> Result<PathBuf, String> {
         let shown = self.shown.as_mut().ok_or("no window is open")?;
         let picture = shown.renderer.screenshot(&self.viewer, scale).map_err(|error| error.to_string())?;
+        // The copy ends only while somebody polls the device.
+        let polled = shown.screen.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        polled.map_err(|error| error.to_string())?;
         let picture = pollster::block_on(picture).map_err(|error| error.to_string())?;
         let bytes = picture.png().map_err(|error| error.to_string())?;
         let path = free_name(&self.options.pictures);
@@ -220,7 +223,9 @@ impl ApplicationHandler<Files> for App {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Files) {
-        files.iter().for_each(|file| self.open(file));
+        for file in &files {
+            self.open(file);
+        }
     }
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {

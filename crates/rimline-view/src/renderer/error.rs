@@ -54,7 +54,7 @@ pub enum RenderError {
 }
 
 impl RenderError {
-    pub(super) fn body(index: usize, name: &str, why: impl ToString) -> Self {
+    pub(super) fn body(index: usize, name: &str, why: &dyn ToString) -> Self {
         Self::Body { index, name: name.to_owned(), why: why.to_string() }
     }
 

@@ -97,11 +97,11 @@ impl Models {
     pub(super) fn new(gpu: &Gpu, layouts: &ModelLayouts, viewer: &Viewer) -> Result<Self, RenderError> {
         let made = Made::of(viewer);
         let options =
-            SceneOptions { counting: made.counting, measuring: measuring(&made.skipping), ..SceneOptions::default() };
+            SceneOptions { counting: made.counting, measuring: measuring(made.skipping), ..SceneOptions::default() };
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
         let mut models = Self { made, scene, placed: Vec::new(), lights: Vec::new(), bytes: 0 };
         for (index, body) in viewer.bodies.iter().enumerate() {
-            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error.to_string());
+            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, &error.to_string());
             let pose =
                 body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
             let limit = gpu.device.limits().max_storage_buffer_binding_size;
@@ -178,7 +178,7 @@ impl Models {
             let pose =
                 body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
             let handle = self.placed[index].handle;
-            self.scene.set_pose(handle, &pose).map_err(|error| RenderError::body(index, &body.name, error))?;
+            self.scene.set_pose(handle, &pose).map_err(|error| RenderError::body(index, &body.name, &error))?;
             let turned = pose.instances().iter().map(rimline::InstancePose::faces_turned);
             if !turned.eq(self.placed[index].turned.iter().copied()) {
                 self.placed[index] = self.place(gpu, layouts, (index, body), handle, &pose)?;

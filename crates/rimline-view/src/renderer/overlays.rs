@@ -30,7 +30,7 @@ impl Overlays {
         let options = ExtractorOptions { max_lights: MAX_LAMPS + 1, ..ExtractorOptions::default() };
         let mut bodies = Vec::with_capacity(viewer.bodies.len());
         for (index, body) in viewer.bodies.iter().enumerate() {
-            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error.to_string());
+            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, &error.to_string());
             let pose = body.pose(viewer.clock.seconds).map_err(|error| failed(&error))?;
             let mesh = body.model().mesh(&pose).map_err(|error| failed(&error))?;
             let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| failed(&error))?;

@@ -5,8 +5,8 @@ use rimline::gpu::Measuring;
 use crate::state::options::Skipping;
 
 /// Work that no picture needs: the levels of skipping that are off.
-pub(super) fn measuring(skipping: &Skipping) -> Measuring {
-    let Skipping { range, view, bits, lists, faces } = *skipping;
+pub(super) fn measuring(skipping: Skipping) -> Measuring {
+    let Skipping { range, view, bits, lists, faces } = skipping;
     let mut measuring = Measuring::default();
     for (level, is_on) in [
         (Measuring::CULLED_BY_RANGE, range),

@@ -18,7 +18,9 @@ pub(crate) fn command(viewer: &Viewer) -> String {
     let mut files = viewer.bodies.iter().map(|body| body.file.as_deref().unwrap_or("FILE"));
     // `draw` and `lines` take one file.
     let taken = if verb == "shadow" { usize::MAX } else { 1 };
-    files.by_ref().take(taken).for_each(|file| line += &format!(" {}", quoted(file)));
+    for file in files.by_ref().take(taken) {
+        let _ = write!(line, " {}", quoted(file));
+    }
     let moved = |point: glam::Vec3| {
         let origin = viewer.origin.to_array();
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(point[axis]) + origin[axis]);

@@ -51,11 +51,7 @@ fn wrong_on_ground(viewer: &Viewer, picture: &Picture, dark: &Picture) -> Result
         let sum = |picture: &Picture| picture.at(*at)[..3].iter().map(|&c| i32::from(c)).sum::<i32>();
         // Ambient light alone, or more.
         let shows_dark = (sum(picture) - sum(dark)).abs() <= 6;
-        if is_dark {
-            shadowed += 1
-        } else {
-            lit += 1
-        }
+        *(if is_dark { &mut shadowed } else { &mut lit }) += 1;
         wrong += usize::from(shows_dark != is_dark);
     }
     Ok([wrong, shadowed, lit])

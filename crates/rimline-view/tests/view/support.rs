@@ -6,13 +6,14 @@ use rimline_view::{Button, Event, Gpu, Modifiers, Picture, Renderer, Viewer, sce
 
 pub(crate) type Outcome = Result<(), String>;
 
+#[expect(clippy::needless_pass_by_value, reason = "it is for `map_err`")]
 pub(crate) fn say(error: impl ToString) -> String {
     error.to_string()
 }
 
 /// A condition that must be true.
-pub(crate) fn hold(is_true: bool, what: impl ToString) -> Outcome {
-    if is_true { Ok(()) } else { Err(what.to_string()) }
+pub(crate) fn hold(is_true: bool, what: impl Into<String>) -> Outcome {
+    if is_true { Ok(()) } else { Err(what.into()) }
 }
 
 pub(crate) fn gpu() -> Result<Gpu, String> {

@@ -36,6 +36,7 @@ impl Drop for Display {
     }
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "it is for `map_err`")]
 fn say(error: impl ToString) -> String {
     error.to_string()
 }
