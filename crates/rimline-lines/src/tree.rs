@@ -282,3 +282,46 @@ impl Curve {
         digits.fold(0, |place, digit| place << 1 | digit)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Trees of one row, of two and of three levels find the pairs that all pairs of boxes have, and what each box meets.
+    #[test]
+    fn trees_miss_nothing() {
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for (count, axes) in [(0, 3), (1, 3), (7, 2), (9, 3), (64, 2), (65, 3), (700, 2), (700, 3)] {
+            let mut boxes = Vec::new();
+            for _ in 0..count {
+                let low = [random(), random(), random()];
+                let size = 0.2 * random();
+                boxes.push(Box3 { low, high: low.map(|c| c + size) });
+            }
+            let is_met = |one: &Box3, other: &Box3| {
+                (0..3).all(|axis| one.low[axis] <= other.high[axis] && other.low[axis] <= one.high[axis])
+            };
+            let tree = Tree::new(count, (axes, &Box3::UNIT), Threads::new(2), |at| (boxes[at], at));
+            let add = |found: &mut Vec<[usize; 2]>, &one: &usize, &other: &usize| {
+                found.push([one.min(other), one.max(other)]);
+            };
+            let found = tree.pairs(Threads::new(2), &mut |_| ControlFlow::Continue(()), |&item| item, add);
+            let mut found = found.expect("not ended").concat();
+            found.sort_unstable();
+            let all = (0..count).flat_map(|one| (one + 1..count).map(move |other| [one, other]));
+            let expected: Vec<_> = all.filter(|&[one, other]| is_met(&boxes[one], &boxes[other])).collect();
+            assert_eq!(found, expected, "{count} boxes");
+            for around in &boxes {
+                let mut found = Vec::new();
+                tree.visit(|row| row.meets(around), |item| found.push(item));
+                found.sort_unstable();
+                let expected: Vec<_> = (0..count).filter(|&at| is_met(around, &boxes[at])).collect();
+                assert_eq!(found, expected, "{count} boxes");
+            }
+        }
+    }
+}
