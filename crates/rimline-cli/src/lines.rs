@@ -74,9 +74,8 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         Ok::<_, Failure>(objects)
     };
     let first = objects_at(0)?;
-    let objects_of_frame = |frame: u32| match is_moving && frame > 0 {
-        true => objects_at(frame).map(Cow::Owned),
-        false => Ok(Cow::Borrowed(&first)),
+    let objects_of_frame = |frame: u32| {
+        if is_moving && frame > 0 { objects_at(frame).map(Cow::Owned) } else { Ok(Cow::Borrowed(&first)) }
     };
     let refused = |error: LinesError| refused(&args.files[0], error);
     let mut corners = eye::corners(&first);
