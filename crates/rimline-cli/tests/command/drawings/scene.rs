@@ -202,7 +202,7 @@ impl Scene {
 fn depth(&[a, b, c]: &[DVec3; 3], point: DVec3) -> Option<f64> {
     let area = (b - a).cross(c - a).z;
     let (s, t) = ((point - a).cross(c - a).z / area, (b - a).cross(point - a).z / area);
-    (s >= -1e-12 && t >= -1e-12 && s + t <= 1.0 + 1e-12).then(|| a.z + s * (b.z - a.z) + t * (c.z - a.z))
+    (s >= -1e-12 && t >= -1e-12 && s + t <= 1.0 + 1e-12).then_some(a.z + s * (b.z - a.z) + t * (c.z - a.z))
 }
 
 /// What lies beyond the edges of each face.
