@@ -1,4 +1,4 @@
-//! The WGSL include in a caller's output_layout shaders: from lists that fit and lists that overflow.
+//! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
 
 use rimline::gpu::{
     Extraction, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
