@@ -106,10 +106,6 @@ fn made(gpu: &Gpu, format: &ShadowFormat, counting: Counting) -> Result<ShadowPi
     ShadowPipelines::new(&gpu.pipelines, format, counting).map_err(text)
 }
 
-fn default_pipelines(gpu: &Gpu) -> Result<ShadowPipelines, String> {
-    made(gpu, &ShadowFormat::default(), Counting::Auto)
-}
-
 const LIGHTS: [Light; 3] =
     [Light::point([0.0, 4.0, 1.0]), Light::directional([1.0, 2.0, 0.0]), Light::point([3.0, 1.0, 0.0])];
 

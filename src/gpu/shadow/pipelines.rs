@@ -14,7 +14,7 @@ use crate::gpu::common::requirements::Subject;
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, PIECES, SIDES};
 
-/// The kind of the first list of light and dark caps in wgsl/shadow/draw_lists.wgsl. Near caps begin at 0.
+/// The kind of the first list of light and dark caps in `wgsl/shadow/draw_lists.wgsl`. Near caps begin at 0.
 const FAR: u32 = 2;
 
 /// The layouts of the bind groups that draws use.
