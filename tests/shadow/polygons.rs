@@ -124,19 +124,18 @@ impl Rig {
         steps().any(|dx| steps().any(|dy| fits(self.at(pixel + DVec2::new(dx, dy)))))
     }
 
-    /// How many edges are so close to the pixel's centre that a GPU may see them on the other side: docs/numerics/rasterisers.md,
+    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: docs/numerics/rasterisers.md,
     /// "Hairlines".
-    fn hairlines(&self, at: DVec2) -> u32 {
-        let is_close = |&&([a, b], off): &&([DVec2; 2], f64)| {
+    fn is_hairline(&self, at: DVec2) -> bool {
+        self.edges.iter().any(|&([a, b], off)| {
             let along = b - a;
             let part = ((at - a).dot(along) / along.length_squared().max(1e-30)).clamp(0.0, 1.0);
             (a + part * along - at).abs().max_element() <= 2.0 * off
-        };
-        self.edges.iter().filter(is_close).count() as u32
+        })
     }
 
-    /// Pixels where the stencil differs from the pixel's own ray, and neither a ray next to it nor hairlines explain the value:
-    /// the first ones. A hairline may change a count by the weight of a side, which is 2 at most.
+    /// Pixels where the stencil differs from the pixel's own ray, and neither a ray next to it nor a hairline explains the value:
+    /// the first ones. A hairline may explain any value, since a polygon that is seen may end there.
     pub(crate) fn wrong(&self, truths: &[Truth], stencil: &[u8], compared: Compared) -> Vec<(u32, u32)> {
         let fits = |truth: Truth, value: u8| match (truth, compared) {
             (Truth::Odd(count), Compared::Counts) => count as u8 == value,
@@ -145,24 +144,15 @@ impl Rig {
         };
         let pixels = (0..self.size).flat_map(|y| (0..self.size).map(move |x| (x, y)));
         let is_wrong = |(&(x, y), (&truth, &value)): (&(u32, u32), (&Truth, &u8))| {
-            let Truth::Odd(count) = truth else { return false };
+            if truth == Truth::NoReceiver {
+                return false;
+            }
             let pixel = Self::pixel(x, y);
-            let reach = || match compared {
-                Compared::Counts => 2 * self.hairlines(pixel),
-                Compared::Darkness => 256 * self.hairlines(pixel),
-            };
-            !fits(truth, value)
-                && !self.is_near(pixel, |truth| fits(truth, value))
-                && u32::from((value.wrapping_sub(count as u8) as i8).unsigned_abs()) > reach()
+            !fits(truth, value) && !self.is_near(pixel, |truth| fits(truth, value)) && !self.is_hairline(pixel)
         };
         let pixels: Vec<_> = pixels.collect();
-        pixels
-            .iter()
-            .zip(truths.iter().zip(stencil))
-            .filter(|&pixel| is_wrong(pixel))
-            .map(|(&at, _)| at)
-            .take(MOST_WRONG)
-            .collect()
+        let wrong = pixels.iter().zip(truths.iter().zip(stencil)).filter(|&pixel| is_wrong(pixel));
+        wrong.map(|(&at, _)| at).take(MOST_WRONG).collect()
     }
 }
 

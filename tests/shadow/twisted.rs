@@ -163,7 +163,9 @@ fn room() -> Result<(), String> {
             let agree =
                 truths.iter().zip(stencil).filter(|(truth, own)| **truth == Truth::Odd(u32::from(**own))).count();
             println!("{what}: {changed} pixels changed, {agree} are those of the pixel's ray");
-            let is_right = if lost == 0 { wrong.is_empty() && changed == 0 } else { changed > 100 };
+            // Hairlines are everywhere, and explain any value. So nearly all counts must be exactly those of the rays.
+            let is_exact = agree * 1000 >= truths.len() * 999;
+            let is_right = if lost == 0 { wrong.is_empty() && changed == 0 && is_exact } else { changed > 100 };
             if !is_right {
                 return Err(format!("{what}: {} pixels are wrong, {changed} changed", wrong.len()));
             }
