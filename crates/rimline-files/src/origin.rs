@@ -96,7 +96,11 @@ impl File {
         }
     }
 
-    fn move_to(&mut self, origin: Origin) -> Result<(), FileError> {
+    /// Makes positions, poses and lights relative to another origin.
+    ///
+    /// # Errors
+    /// [`FileError`] if the moved positions make no model.
+    pub fn move_to(&mut self, origin: Origin) -> Result<(), FileError> {
         match &mut self.content {
             Content::Gltf(asset) => asset.set_origin(origin),
             Content::World(_) if self.origin == origin => {}

@@ -10,7 +10,7 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-use super::files::{free_name, name};
+use super::files::{free_name, load, name};
 use super::surface::{Next, Screen};
 use super::{DesktopError, DesktopOptions};
 use crate::panel::Panel;
@@ -86,7 +86,7 @@ impl App {
     fn open(&mut self, path: &Path) {
         let is_first = self.viewer.bodies.iter().all(|body| body.file.is_none());
         let origin = (!is_first).then_some(self.viewer.origin);
-        match (self.options.loader)(path, origin) {
+        match load(path, origin) {
             Ok((body, origin)) => {
                 self.viewer.handle(Event::Opened(Ok(Box::new(body))));
                 self.viewer.origin = origin;

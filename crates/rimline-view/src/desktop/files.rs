@@ -3,28 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use rimline::Origin;
-use rimline::gltf::{Asset, LoadOptions};
+use rimline_files::{ReadOptions, read, settle};
 
 use crate::state::body::{Body, BodyError};
 
-/// A model of a file, and the origin that it is relative to.
-pub type Loaded = (Body, Origin);
-
-/// Reads a file. With models that are shown already, their origin is given.
-pub type Loader = fn(&Path, Option<Origin>) -> Result<Loaded, BodyError>;
-
-/// Reads glTF.
-///
-/// # Errors
-/// [`BodyError`] if the file cannot be read or shown.
-pub fn load_gltf(path: &Path, origin: Option<Origin>) -> Result<Loaded, BodyError> {
-    let mut asset = Asset::open(path, LoadOptions::default())?;
-    let origin = match origin {
-        Some(origin) => origin,
-        None => asset.suggested_origin(None, 0.0)?,
-    };
-    asset.set_origin(origin);
-    Ok((Body::new(&name(path), Some(path.display().to_string()), asset)?, origin))
+/// Reads a file, relative to the origin of models that are shown already, or else to one that it needs. Returns the origin, too.
+pub(super) fn load(path: &Path, origin: Option<Origin>) -> Result<(Body, Origin), BodyError> {
+    let mut file = read(path, &ReadOptions::default())?;
+    match origin {
+        Some(origin) => file.move_to(origin)?,
+        None => _ = settle(&mut [(&mut file, &[])], 0.0).map_err(|(_, error)| error)?,
+    }
+    let origin = file.origin();
+    Ok((Body::new(&name(path), Some(path.display().to_string()), file)?, origin))
 }
 
 /// The name of a file without its folders.

@@ -8,7 +8,6 @@ mod surface;
 use std::path::PathBuf;
 
 pub use error::DesktopError;
-pub use files::{Loaded, Loader, load_gltf};
 
 use crate::state::viewer::Viewer;
 
@@ -21,16 +20,14 @@ pub struct DesktopOptions {
     pub size: [u32; 2],
     /// A part of the adapter's name, or nothing for any.
     pub device: Option<String>,
-    /// Reads files.
-    pub loader: Loader,
     /// Where screenshots go.
     pub pictures: PathBuf,
 }
 
 impl Default for DesktopOptions {
-    /// A built-in scene at 1280 × 800 on any device. Reads glTF. Screenshots go to the current folder.
+    /// A built-in scene at 1280 × 800 on any device. Screenshots go to the current folder.
     fn default() -> Self {
-        Self { files: Vec::new(), size: [1280, 800], device: None, loader: load_gltf, pictures: PathBuf::from(".") }
+        Self { files: Vec::new(), size: [1280, 800], device: None, pictures: PathBuf::from(".") }
     }
 }
 

@@ -69,12 +69,12 @@ fn plot(ui: &mut egui::Ui, history: &VecDeque<f32>) {
     let point = |(number, &ms): (usize, &f32)| egui::pos2(rect.right() - number as f32 * step, height(ms));
     let points: Vec<_> = history.iter().enumerate().map(point).collect();
     painter.line(points, egui::Stroke::new(1.5, style::ACCENT));
-    let recent: Vec<f32> = history.iter().take(20).copied().collect();
-    let text = if recent.is_empty() {
-        "frame times appear while something moves".to_owned()
-    } else {
-        let mean = recent.iter().sum::<f32>() / recent.len() as f32;
-        format!("{mean:.1} ms   {:.0} frames a second", 1e3 / mean)
+    let mut recent: Vec<f32> = history.iter().take(20).copied().collect();
+    recent.sort_by(f32::total_cmp);
+    // The median: the first frames of a view make pipelines.
+    let text = match recent.get(recent.len() / 2) {
+        Some(ms) => format!("{ms:.1} ms, {:.1} frames a second", 1e3 / ms),
+        None => "frame times appear while something moves".to_owned(),
     };
     let font = egui::FontId::proportional(11.0);
     painter.text(rect.left_top() + egui::vec2(6.0, 4.0), egui::Align2::LEFT_TOP, text, font, style::DIM);

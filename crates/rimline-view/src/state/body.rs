@@ -8,6 +8,7 @@ use rimline::cpu::{Threads, deform};
 use rimline::gltf::{Asset, GltfError, SceneLight};
 use rimline::mesh::{EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError, Model, ModelError, Pose};
+use rimline_files::{File, FileError};
 
 use super::bounds::Bounds;
 
@@ -28,8 +29,8 @@ pub enum BodyError {
     #[error("it has no faces with finite corners")]
     NoFaces,
     /// The file cannot be read.
-    #[error("{0}")]
-    File(String),
+    #[error(transparent)]
+    File(#[from] FileError),
 }
 
 /// Data that a model is posed from. A reader of files implements it.
@@ -72,6 +73,25 @@ impl Source for Asset {
 
     fn lights(&self) -> Vec<SceneLight> {
         self.each_light(None, 0.0).into_iter().flatten().flatten().collect()
+    }
+}
+
+/// A file of any format.
+impl Source for File {
+    fn model(&self) -> &Model {
+        self.model()
+    }
+
+    fn pose(&self, animation: Option<usize>, seconds: f32) -> Result<Pose, BodyError> {
+        Ok(self.pose(animation.as_slice(), seconds)?)
+    }
+
+    fn animations(&self) -> Vec<(String, f32)> {
+        self.asset().map_or_else(Vec::new, Source::animations)
+    }
+
+    fn lights(&self) -> Vec<SceneLight> {
+        self.asset().map_or_else(Vec::new, Source::lights)
     }
 }
 

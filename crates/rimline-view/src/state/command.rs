@@ -15,10 +15,9 @@ pub(crate) fn command(viewer: &Viewer) -> String {
         (false, false) => "draw",
     };
     let mut line = format!("rimline {verb}");
-    let mut files = viewer.bodies.iter().map(|body| body.file.as_deref().unwrap_or("FILE"));
-    // `draw` and `lines` take one file.
-    let taken = if verb == "shadow" { usize::MAX } else { 1 };
-    for file in files.by_ref().take(taken) {
+    let files = viewer.bodies.iter().map(|body| body.file.as_deref().unwrap_or("FILE"));
+    // `draw` takes one file.
+    for file in files.take(if verb == "draw" { 1 } else { usize::MAX }) {
         let _ = write!(line, " {}", quoted(file));
     }
     let moved = |point: glam::Vec3| {
@@ -34,13 +33,10 @@ pub(crate) fn command(viewer: &Viewer) -> String {
     }
     let orbit = &viewer.orbit;
     let [width, height] = viewer.size();
-    let _ = write!(
-        line,
-        " --eye {} --target {} --fov {} --size {width}x{height}",
-        moved(orbit.eye()),
-        moved(orbit.target),
-        orbit.fov
-    );
+    let _ = write!(line, " --eye {} --target {} --fov {}", moved(orbit.eye()), moved(orbit.target), orbit.fov);
+    if verb != "lines" {
+        let _ = write!(line, " --size {width}x{height}");
+    }
     if verb == "shadow" {
         let ground = f64::from(viewer.ground()) + viewer.origin.to_array()[1];
         let _ = write!(line, " --ground {}", ground as f32);
