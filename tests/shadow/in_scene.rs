@@ -446,7 +446,7 @@ fn batches() -> Result<(), String> {
     if resolved < 1000 || bounded < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where back_facing
+/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where back-facing
 /// faces cast, as the back-facing faces without these, each of which casts.
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;

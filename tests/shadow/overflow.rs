@@ -128,7 +128,7 @@ fn short_lists() -> Result<(), String> {
                 let what =
                     format!("{}, seed {}, {counting:?}, {list_capacity:?}, {cap_capacity:?}", class.name, traced.seed);
                 let options = OneCasterOptions { cap_capacity, ..OneCasterOptions::default() };
-                let renderer = Renderer { placing, list_capacity, options, ..Renderer::new(&gpu) };
+                let renderer = Renderer { options, list_capacity, placing, ..Renderer::new(&gpu) };
                 let mut counted = renderer.count(frame, counting)?;
                 // The published method sees all edges where a list overflowed, and leaves more to z-fail.
                 let is_alike = counted.chosen == whole.chosen;
