@@ -146,6 +146,7 @@ pub const FILES: &[(&str, &str)] = files![
     "depth_map/edge_code",
     "depth_map/mesh_depth",
     "depth_map/samples",
+    "depth_map/scan",
     "depth_map/surface",
     "extract/compact",
     "extract/edge_lists",

@@ -88,7 +88,7 @@ impl<'a> Json<'a> {
     }
 
     /// The path of one of its properties.
-    pub(super) fn at(&self, key: &str) -> String {
+    pub(super) fn path_of(&self, key: &str) -> String {
         if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
@@ -102,12 +102,12 @@ impl<'a> Json<'a> {
 
     /// A property, or `None` if it is missing.
     pub(super) fn get<T: FromJson<'a>>(&self, key: &str) -> Result<Option<T>, GltfError> {
-        self.object.get(key).map(|value| T::read(value, &|| self.at(key))).transpose()
+        self.object.get(key).map(|value| T::read(value, &|| self.path_of(key))).transpose()
     }
 
     /// A property that must be there.
     pub(super) fn need<T: FromJson<'a>>(&self, key: &str) -> Result<T, GltfError> {
-        self.get(key)?.ok_or_else(|| GltfError::missing(self.at(key)))
+        self.get(key)?.ok_or_else(|| GltfError::missing(self.path_of(key)))
     }
 
     /// The elements of an array, or none if it is missing.
@@ -117,7 +117,7 @@ impl<'a> Json<'a> {
 
     fn values(&self, key: &str) -> Result<&'a [Value], GltfError> {
         let Some(value) = self.object.get(key) else { return Ok(&[]) };
-        expect(value.as_array().map(Vec::as_slice), "an array", value, &|| self.at(key))
+        expect(value.as_array().map(Vec::as_slice), "an array", value, &|| self.path_of(key))
     }
 
     /// An array that indices point into. It is empty if it is missing.
@@ -130,7 +130,7 @@ impl<'a> Json<'a> {
         &self,
         key: &str,
     ) -> Result<impl Iterator<Item = Result<Self, GltfError>> + use<'a>, GltfError> {
-        let list = self.at(key);
+        let list = self.path_of(key);
         let element = move |(i, value): (usize, &'a Value)| Self::read(value, &|| format!("{list}[{i}]"));
         Ok(self.values(key)?.iter().enumerate().map(element))
     }
@@ -146,21 +146,21 @@ impl<'a> Json<'a> {
     }
 
     pub(super) fn index(&self, key: &str, list: List) -> Result<Option<usize>, GltfError> {
-        self.object.get(key).map(|value| index(value, list, &|| self.at(key))).transpose()
+        self.object.get(key).map(|value| index(value, list, &|| self.path_of(key))).transpose()
     }
 
     pub(super) fn need_index(&self, key: &str, list: List) -> Result<usize, GltfError> {
-        self.index(key, list)?.ok_or_else(|| GltfError::missing(self.at(key)))
+        self.index(key, list)?.ok_or_else(|| GltfError::missing(self.path_of(key)))
     }
 
     pub(super) fn indices(&self, key: &str, list: List) -> Result<Vec<usize>, GltfError> {
         let values = self.values(key)?.iter().enumerate();
-        values.map(|(i, value)| index(value, list, &|| format!("{}[{i}]", self.at(key)))).collect()
+        values.map(|(i, value)| index(value, list, &|| format!("{}[{i}]", self.path_of(key)))).collect()
     }
 
     /// An error about the value of a property.
     pub(super) fn wrong(&self, key: &str, expected: &str) -> GltfError {
-        wrong(self.at(key), expected, self.object.get(key).unwrap_or(&Value::Null))
+        wrong(self.path_of(key), expected, self.object.get(key).unwrap_or(&Value::Null))
     }
 }
 

@@ -222,7 +222,7 @@ impl Parser<'_> {
             let json_path = format!("{}.primitives[{other}].targets", json.path());
             return Err(GltfError::count(json_path, primitives[other].targets.len(), targets));
         }
-        let weights = self.weights(json.get("weights")?, targets, || json.at("weights"))?;
+        let weights = self.weights(json.get("weights")?, targets, || json.path_of("weights"))?;
         Ok(Mesh { primitives, weights, targets })
     }
 
@@ -273,7 +273,7 @@ impl Parser<'_> {
             if let Some(joints) = key.strip_prefix("WEIGHTS_").map(|set| format!("JOINTS_{set}"))
                 && !attributes.has(&joints)
             {
-                return Err(GltfError::missing(attributes.at(&joints)));
+                return Err(GltfError::missing(attributes.path_of(&joints)));
             }
             let Some(text) = key.strip_prefix("JOINTS_") else { continue };
             let Ok(set) = text.parse() else { continue };
@@ -287,7 +287,7 @@ impl Parser<'_> {
     fn skin(&self, json: &Json<'_>) -> Result<Skin, GltfError> {
         let joints = json.indices("joints", self.nodes)?;
         if joints.is_empty() {
-            return Err(GltfError::missing(json.at("joints")));
+            return Err(GltfError::missing(json.path_of("joints")));
         }
         Ok(Skin { joints, inverse_binds: json.index("inverseBindMatrices", self.accessors)? })
     }

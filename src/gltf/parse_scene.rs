@@ -27,7 +27,7 @@ impl Parser<'_> {
     /// A node without its name and light.
     pub(super) fn node(&self, json: &Json<'_>, meshes: &[Named<Mesh>]) -> Result<Node, GltfError> {
         let children = json.indices("children", self.nodes)?;
-        let matrix = json.get("matrix")?.map(|matrix| affine(matrix, || json.at("matrix"))).transpose()?;
+        let matrix = json.get("matrix")?.map(|matrix| affine(matrix, || json.path_of("matrix"))).transpose()?;
         let trs = if matrix.is_some() { Trs::default() } else { self.trs(json)? };
         let visibility = json.extension("KHR_node_visibility")?;
         let visible: Option<bool> = visibility.map_or(Ok(None), |visibility| visibility.get("visible"))?;
@@ -45,7 +45,7 @@ impl Parser<'_> {
         };
         let targets = mesh.map_or(Some(0), |mesh| meshes[mesh].part.as_ref().ok().map(|mesh| mesh.targets));
         if let Some(targets) = targets {
-            weights = self.weights(weights, targets, || json.at("weights"))?;
+            weights = self.weights(weights, targets, || json.path_of("weights"))?;
         }
         let is_hidden = visible == Some(false);
         Ok(Node { children, trs, matrix, mesh, skin, weights, instancing, is_hidden, ..Node::default() })
@@ -55,7 +55,7 @@ impl Parser<'_> {
         // Numbers of JSON are finite, so one that is no unit has length 0.
         let unit = json.get("rotation")?.map(unit);
         if unit == Some(None) {
-            self.warnings.push(GltfWarning::no_rotation(json.at("rotation")))?;
+            self.warnings.push(GltfWarning::no_rotation(json.path_of("rotation")))?;
         }
         Ok(Trs {
             translation: json.get("translation")?.map_or(DVec3::ZERO, DVec3::from_array),

@@ -324,8 +324,8 @@ struct Part {
 
 impl Part {
     fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        for (number, group) in (0..).zip(&self.groups) {
-            pass.set_bind_group(number, group, &[]);
+        for (index, group) in (0..).zip(&self.groups) {
+            pass.set_bind_group(index, group, &[]);
         }
     }
 }

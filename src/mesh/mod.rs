@@ -15,6 +15,7 @@ pub use error::{MAX_FACES, MeshError};
 pub use faces::Mesh;
 #[cfg(feature = "gpu")]
 pub(crate) use faces::MeshId;
+pub(crate) use polygons::is_loop;
 pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
 pub use silhouette::{Chain, Silhouette, SilhouetteEdge};
 pub(crate) use topology::is_degenerate;

@@ -1,4 +1,4 @@
-//! Pipelines that many share: each is made once, none is taken for another, results are those of pipelines of one's own.
+//! Pipelines that many share: each is made once, none is confused with another, results are those of pipelines of one's own.
 
 use std::any::Any;
 

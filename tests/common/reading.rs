@@ -55,9 +55,7 @@ fn sendable<T: Send + 'static>(future: T) -> T {
 
 fn like_waiting() -> Result<(), String> {
     let watched = Watched::plain()?;
-    let seed = 95;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(95);
     // Below a piece of 16 MiB, and past two; items of 12 bytes lie across the pieces' ends.
     for words in [3, 1000, (33 << 20) / 4] {
         let contents: Vec<u32> = (0..words).map(|_| random.next_u64() as u32).collect();

@@ -103,7 +103,7 @@ pub(crate) fn of_command() -> Outcome {
     Ok(())
 }
 
-/// A loop of which nothing tells the turns, and what a loop in a branch costs that is not taken.
+/// A loop whose turns nothing states, and the cost of a loop in a branch that is not taken.
 pub(crate) fn unstated() -> Outcome {
     let limits = limits(32, EXACT_ITEMS);
     let source = |comment: &str, head: &str| {

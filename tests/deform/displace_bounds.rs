@@ -104,7 +104,7 @@ fn arrays_of_constants_are_refused_before_they_are_listed() {
     unbounded(&source("1 << 30"));
 }
 
-/// The length may be anything, so no number of elements is told.
+/// The length may be anything, so the error states no number of elements.
 fn unbounded(source: &str) {
     let refusal = Displacement::new(source);
     assert!(matches!(refusal, Err(DisplaceError::ArrayLength { line: 1.. })), "{refusal:?}");

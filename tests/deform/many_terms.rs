@@ -7,7 +7,7 @@ use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Mod
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::deformed;
+use rimline_testkit::on_gpu::{deformed, text};
 use rimline_testkit::{must_fail, poser, same};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -17,10 +17,6 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// The most that both may be together, as `DeformError::TooManyTerms` says it.
 const LIMIT: u32 = 60_000;
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
 
 /// A triangle of `targets` morph targets, each of which moves it by 1 along x, and of `influences` a vertex: the first
 /// leaves it in place, each other adds 1 to y. So x counts targets, and y influences; both are exact.

@@ -191,7 +191,7 @@ fn meshes_of_poses_that_mirror_otherwise_are_typed_errors() {
     assert_eq!(model.check_mesh(&other, &pose(0)), Err(ModelError::OtherMesh));
 }
 
-/// Whatever takes a pose refuses that of another model; nothing is left out or taken as zero.
+/// All functions with a pose refuse that of another model; nothing is left out or read as zero.
 #[test]
 fn a_pose_of_another_model_is_refused() {
     let influences = Some(Influences::new(vec![0, 1, 2, 3], vec![0, 2, 1], vec![1.0; 3]).expect("they go together"));

@@ -1,4 +1,4 @@
-//! Deform on the GPU against its CPU reference: within the bound that docs/numerics/deform.md derives.
+//! Displacements, resources of callers, models of nothing, and refusals of the stage `deform`.
 
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError, PoseInputs};
 use rimline::internals::cpu::{self, Threads};
@@ -8,47 +8,16 @@ use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
-use rimline_testkit::on_gpu::{check_deform, deformed};
+use rimline_testkit::on_gpu::{deformed, text};
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, must_fail, same};
+use rimline_testkit::same;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("deform_equals_its_twin_within_the_bound", random_models),
     ("displace_sees_position_vertex_and_time", displaced),
     ("displace_reads_the_callers_bind_group", resources),
     ("models_without_vertices_or_instances_are_nothing_to_do", empty),
     ("wrong_poses_and_missing_resources_are_typed_errors", refused),
 ];
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
-
-fn random_models() -> Result<(), String> {
-    let shared = Gpu::shared()?;
-    let first = 61;
-    println!("seeds from {first}");
-    // Bindings of 256 vertices, so that there are several dispatches.
-    let limits = wgpu::Limits { max_storage_buffer_binding_size: 1 << 15, ..wgpu::Limits::default() };
-    let small = &Gpu::with(wgpu::Features::empty(), limits)?;
-    let seeds = first..if is_long() { first + 40 } else { first + 4 };
-    for (gpu, seed) in seeds.flat_map(|seed| [(&*shared, seed), (small, seed)]) {
-        let mut random = Random::new(seed);
-        // More than one workgroup of 256, and no multiple of it.
-        let model = random_model(&mut random, [600, 1, 256, 1111][seed as usize % 4]);
-        let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
-        for _ in 0..3 {
-            let pose = random_pose(&mut random, &model);
-            let mut found = deformed(gpu, &deformer, &model, &pose)?;
-            let differ = check_deform(&found, &model, &pose)?;
-            println!("seed {seed}: {differ} of {} coordinates differ from the twin", 3 * found.len());
-            let vertex = random.below(found.len());
-            found[vertex][1] += 1e-4 * (1.0 + found[vertex][1].abs());
-            must_fail("a moved vertex", &check_deform(&found, &model, &pose))?;
-        }
-    }
-    Ok(())
-}
 
 const PASS_THROUGH: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
   return select(vec3<f32>(f32(vertex), time, position.z), position, vertex % 2u == 0u);

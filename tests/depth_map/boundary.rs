@@ -1,4 +1,4 @@
-//! The boundary between light and shadow of a depth map, in `f64`, by a text of its own: no code and no constant of the
+//! The boundary between light and shadow of a depth map, in `f64`, written independently: no code and no constant of the
 //! library. Segments cross its triangles where determinants of homogeneous points say so.
 
 use std::collections::HashMap;
@@ -7,6 +7,7 @@ use glam::{DMat4, DVec3, DVec4, Mat4};
 use rimline::{DepthDirection, ShadowCamera};
 
 use crate::maps::Map;
+use crate::rules::cast;
 
 /// A triangle by the first texel of its cell, and which half of the cell it is.
 pub(crate) type Name = ([i64; 2], usize);
@@ -14,14 +15,14 @@ pub(crate) type Name = ([i64; 2], usize);
 struct Triangle {
     name: Name,
     corners: [DVec4; 3],
-    /// The plane: its product with a point tells the side.
+    /// The plane: the sign of its product with a point is the side.
     plane: DVec4,
     is_drawn: bool,
 }
 
 pub(crate) struct Boundary {
     triangles: Vec<Triangle>,
-    /// Homogeneous: a place, or the direction to a light at infinity.
+    /// Homogeneous: a position, or the direction to a light at infinity.
     light: DVec4,
 }
 
@@ -43,13 +44,7 @@ fn determinant(a: DVec4, b: DVec4, c: DVec4, d: DVec4) -> f64 {
 
 /// The device depth of a sample, `None` where it casts nothing.
 pub(crate) fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
-    let [width, height] = map.size.map(i64::from);
-    if x < 0 || y < 0 || x >= width || y >= height {
-        return None;
-    }
-    let depth = f64::from(map.depths[(y * width + x) as usize]);
-    let is_far = depth.is_nan() || if map.is_reversed { depth < f64::from(f32::MIN_POSITIVE) } else { depth >= 1.0 };
-    (!is_far).then(|| depth.clamp(0.0, 1.0))
+    cast(map, x, y).map(f64::from)
 }
 
 /// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too.
@@ -57,7 +52,7 @@ fn triangles(
     is_reversed: bool,
     threshold: f64,
     spreads: bool,
-    places: impl Iterator<Item = [i64; 2]>,
+    positions: impl Iterator<Item = [i64; 2]>,
     sample: &dyn Fn([i64; 2]) -> Option<f64>,
     vertex: &dyn Fn([i64; 2]) -> DVec4,
 ) -> Vec<Triangle> {
@@ -75,7 +70,7 @@ fn triangles(
         None => 0x7fff_ffff,
     };
     let mut triangles = Vec::new();
-    for [x, y] in places {
+    for [x, y] in positions {
         let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
         let is_cut_from_b = (rank(a) - rank(d)).abs() > (rank(b) - rank(c)).abs();
         // The corner between the edges, and the two ends of the diagonal.
@@ -106,8 +101,8 @@ fn near(camera: &ShadowCamera) -> f64 {
     if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 }
 }
 
-/// The places of a map's samples, moved by parts of a texel, at a depth.
-pub(crate) fn places(
+/// The positions of a map's samples, moved by parts of a texel, at a depth.
+pub(crate) fn positions(
     camera: &ShadowCamera,
     size: [u32; 2],
     [right, down]: [f64; 2],
@@ -126,8 +121,8 @@ pub(crate) fn places(
 /// all are near integers.
 pub(crate) fn names(cameras: &[ShadowCamera; 6], side: u32) -> impl Fn(usize, [i64; 2]) -> [i64; 3] + use<> {
     let way = cameras.map(|camera| {
-        let place = places(&camera, [side; 2], [0.0; 2]);
-        move |at| place(at, 0.5) - place(at, near(&camera))
+        let position = positions(&camera, [side; 2], [0.0; 2]);
+        move |at| position(at, 0.5) - position(at, near(&camera))
     });
     let cells = f64::from(side) - 1.0;
     // The middle of a map is between its outermost samples.
@@ -156,12 +151,12 @@ impl Boundary {
         moved: &dyn Fn([i64; 2]) -> Option<f64>,
     ) -> Self {
         let [right, down] = by.unwrap_or([0.0; 2]);
-        let place = places(camera, map.size, [right, down]);
+        let position = positions(camera, map.size, [right, down]);
         let vertex = |at: [i64; 2]| {
             if let Some(depth) = moved(at) {
-                return place(at, depth).extend(1.0);
+                return position(at, depth).extend(1.0);
             }
-            (place(at, 0.5) - place(at, near(camera))).normalize().extend(0.0)
+            (position(at, 0.5) - position(at, near(camera))).normalize().extend(0.0)
         };
         let [width, height] = map.size.map(i64::from);
         let cells = (-1..height).flat_map(|y| (-1..width).map(move |x| [x, y]));
@@ -174,24 +169,24 @@ impl Boundary {
     pub(crate) fn cube(maps: &[Option<Map>; 6], cameras: &[ShadowCamera; 6], light: DVec3, threshold: f64) -> Self {
         let side = maps.iter().flatten().map(|map| map.size[0]).max().unwrap_or(3);
         let is_reversed = cameras[0].depth == DepthDirection::Reversed;
-        let place = cameras.each_ref().map(|camera| places(camera, [side; 2], [0.0; 2]));
+        let position = cameras.each_ref().map(|camera| positions(camera, [side; 2], [0.0; 2]));
         let name = names(cameras, side);
         // The nearest depth of each ray, and the first sample that it has.
         let mut rays: HashMap<[i64; 3], (Option<f64>, DVec4)> = HashMap::new();
         let side = i64::from(side);
         let all = || (0..6).flat_map(move |face| (0..side * side).map(move |at| (face, [at % side, at / side])));
         for (face, at) in all() {
-            let own = maps[face].as_ref().and_then(|map| sample(map, at[0], at[1]));
-            let there = rays.entry(name(face, at)).or_insert((own, DVec4::ZERO));
-            there.0 = match (there.0, own) {
+            let depth = maps[face].as_ref().and_then(|map| sample(map, at[0], at[1]));
+            let there = rays.entry(name(face, at)).or_insert((depth, DVec4::ZERO));
+            there.0 = match (there.0, depth) {
                 (Some(a), Some(b)) => Some(if is_reversed { a.max(b) } else { a.min(b) }),
                 (a, b) => a.or(b),
             };
         }
         for (face, at) in all() {
             if let Some((depth, vertex)) = rays.get_mut(&name(face, at)).filter(|ray| ray.1 == DVec4::ZERO) {
-                let far = || (place[face](at, near(&cameras[face])) - light).normalize().extend(0.0);
-                *vertex = depth.map_or_else(far, |depth| place[face](at, depth).extend(1.0));
+                let far = || (position[face](at, near(&cameras[face])) - light).normalize().extend(0.0);
+                *vertex = depth.map_or_else(far, |depth| position[face](at, depth).extend(1.0));
             }
         }
         let of_face = |face: usize| {
@@ -207,8 +202,8 @@ impl Boundary {
     }
 
     fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {
-        let taken = self.triangles.iter().filter(|triangle| triangle.is_drawn || !drawn_only);
-        taken.filter(|triangle| triangle.is_crossed(from, to)).count() % 2 == 1
+        let counted = self.triangles.iter().filter(|triangle| triangle.is_drawn || !drawn_only);
+        counted.filter(|triangle| triangle.is_crossed(from, to)).count() % 2 == 1
     }
 
     /// The triangles that a segment crosses, drawn or not.

@@ -1,4 +1,4 @@
-//! Walls over contours are closed, and cross each marked edge once and no other. Which edges are marked, by a text of its own.
+//! Walls over contours are closed, and cross each marked edge once and no other. Which edges are marked, by independent code.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,7 +11,7 @@ use crate::maps::{Map, maps};
 
 pub(crate) const TESTS: &[Test] = &[("walls_are_closed_and_cross_marked_edges_once", closed)];
 
-/// The distance of a sample from the near plane, `None` where it casts nothing. A text of its own.
+/// The distance of a sample from the near plane, `None` where it casts nothing. Independent code.
 pub(crate) fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     let inside = x > 0 && y > 0 && x as u32 <= map.size[0] && y as u32 <= map.size[1];
     let depth = inside.then(|| f64::from(map.depths[((y - 1) as u32 * map.size[0] + (x - 1) as u32) as usize]))?;
@@ -24,28 +24,28 @@ pub(crate) fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
 /// Whether the distances of five samples, from a rim inwards, are those of a conic that ends along a ray of the light: the squares
 /// of their differences from the rim's own are a quadratic polynomial. For maps of floats.
 fn is_round(map: &Map, z: &[i64]) -> bool {
-    let gone: Vec<_> = z.iter().map(|own| z[0] - own).collect();
+    let rises: Vec<_> = z.iter().map(|distance| z[0] - distance).collect();
     let off = if map.is_reversed { (UNIT as i64 - z[0]) >> 21 } else { 128 };
-    if gone.windows(2).any(|pair| pair[0] >= pair[1]) || gone[1] < 1024.max(16 * off) {
+    if rises.windows(2).any(|pair| pair[0] >= pair[1]) || rises[1] < 1024.max(16 * off) {
         return false;
     }
     // With eleven bits of the first difference.
-    let shift = (gone[1].ilog2() + 1).saturating_sub(11);
-    let gone: Vec<_> = gone.iter().map(|gone| gone >> shift).collect();
-    let differences: Vec<_> = gone.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let shift = (rises[1].ilog2() + 1).saturating_sub(11);
+    let rises: Vec<_> = rises.iter().map(|rise| rise >> shift).collect();
+    let differences: Vec<_> = rises.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let bend = differences[0] - 2 * differences[1] + differences[2];
     if differences.iter().any(|&difference| difference > differences[0]) || bend <= 0 {
         return false;
     }
-    // The third difference of (rim + gone)² is 0, which is linear in the rim.
+    // The third difference of (rim + rise)² is 0, which is linear in the rim.
     let cube = |of: [i64; 4]| of[3] - 3 * of[2] + 3 * of[1] - of[0];
-    let four = [gone[0], gone[1], gone[2], gone[3]];
-    let (squares, linear) = (cube(four.map(|gone| gone * gone)), 2 * cube(four));
+    let four = [rises[0], rises[1], rises[2], rises[3]];
+    let (squares, linear) = (cube(four.map(|rise| rise * rise)), 2 * cube(four));
     if -squares * linear.signum() < 0 || squares.abs() / bend > 16 * differences[0] {
         return false;
     }
     let rim = -squares / linear;
-    let further = [gone[1], gone[2], gone[3], gone[4]].map(|gone| (rim + gone) * (rim + gone));
+    let further = [rises[1], rises[2], rises[3], rises[4]].map(|rise| (rim + rise) * (rim + rise));
     cube(further).abs() <= differences[0] * differences[0] / 8
 }
 
@@ -104,7 +104,7 @@ fn crosses([a, b]: [[i64; 2]; 2], [p, q]: [[i64; 2]; 2]) -> bool {
 
 /// Checks that ends of walls cancel, and that the walls cross each marked edge once and no other.
 fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Quad]) -> Result<usize, String> {
-    // The vertical ends at each place: every distance between two ends lies in as many as go down as go up.
+    // The vertical ends at each position: every distance between two ends lies in as many as go down as go up.
     let mut ends: HashMap<[i32; 2], Vec<(i32, i32)>> = HashMap::new();
     let mut seams: HashMap<[[i32; 3]; 2], i32> = HashMap::new();
     let mut segments = HashSet::new();
@@ -126,23 +126,23 @@ fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Qua
             segments.insert(if p < q { [p, q] } else { [q, p] });
         }
     }
-    for (place, ends) in &ends {
-        let mut turns: Vec<_> = ends.iter().flat_map(|&(from, to)| [(from, 1), (to, -1)]).collect();
-        turns.sort_unstable();
+    for (position, ends) in &ends {
+        let mut steps: Vec<_> = ends.iter().flat_map(|&(from, to)| [(from, 1), (to, -1)]).collect();
+        steps.sort_unstable();
         let mut sum = 0;
-        for (at, turn) in
-            turns.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|turn| turn.1).sum::<i32>()))
+        for (at, step) in
+            steps.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|step| step.1).sum::<i32>()))
         {
-            sum += turn;
-            if turn != 0 {
-                return Err(format!("at {place:?} ends at {at} do not cancel: {ends:?}"));
+            sum += step;
+            if step != 0 {
+                return Err(format!("at {position:?} ends at {at} do not cancel: {ends:?}"));
             }
         }
         if sum != 0 {
-            return Err(format!("at {place:?} ends do not cancel: {ends:?}"));
+            return Err(format!("at {position:?} ends do not cancel: {ends:?}"));
         }
     }
-    // Sides of flaps, from a sample to a place on an edge, belong to two flaps.
+    // Sides of flaps, from a sample to a position on an edge, belong to two flaps.
     if let Some((seam, count)) = seams.iter().find(|(_, count)| *count % 2 != 0) {
         return Err(format!("{count} flaps at {seam:?}"));
     }
@@ -163,7 +163,7 @@ fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Qua
             if other[0] > size[0] + 1 || other[1] > size[1] + 1 {
                 continue;
             }
-            let way = [[x, y], other].map(|at| at.map(|place| i64::from(place) * 256));
+            let way = [[x, y], other].map(|at| at.map(|position| i64::from(position) * 256));
             let mut near: HashSet<[[i64; 2]; 2]> = HashSet::new();
             for cell in [[x, y], [x - step[1], y - step[0]]] {
                 near.extend(by_cell.get(&cell.map(i64::from)).into_iter().flatten());

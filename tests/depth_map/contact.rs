@@ -28,13 +28,13 @@ const CLOSE: f64 = 0.12;
 /// The move of the ground: half a texel in both directions. And a pixel.
 const BOUND: f64 = std::f64::consts::FRAC_1_SQRT_2 + 2.0 * HALF_WIDTH / PIXELS as f64 / TEXEL;
 
-/// A body that touches the ground, an eye that looks at the contact, and the place of a point of the ground along the contact
+/// A body that touches the ground, an eye that looks at the contact, and the position of a point of the ground along the contact
 /// and away from it.
 struct Contact {
     name: &'static str,
     world: World,
     eye: Eye,
-    place: Box<dyn Fn(DVec3) -> (i64, f64)>,
+    position: Box<dyn Fn(DVec3) -> (i64, f64)>,
 }
 
 fn contacts_of() -> [Contact; 4] {
@@ -48,7 +48,7 @@ fn contacts_of() -> [Contact; 4] {
         name,
         world: World::Cuboid { centre: half.y * DVec3::Y, half },
         eye: eye(DVec3::new(-half.x - HALF_WIDTH, 0.0, 0.0), DVec3::NEG_Y, HALF_WIDTH),
-        place: Box::new(move |at| ((at.z / HALF_WIDTH * 64.0).floor() as i64, -half.x - at.x)),
+        position: Box::new(move |at| ((at.z / HALF_WIDTH * 64.0).floor() as i64, -half.x - at.x)),
     };
     [
         cuboid("wall, a quarter of a texel thick", DVec3::new(TEXEL / 8.0, 1.0, 1.2)),
@@ -58,12 +58,12 @@ fn contacts_of() -> [Contact; 4] {
             name: "ball",
             world: World::Sphere { centre: DVec3::Y, radius: 1.0 },
             eye: eye(DVec3::new(-0.03, 0.0, 0.0), DVec3::new(0.1, -0.05, 1.0), CLOSE),
-            place: Box::new(|at| ((at.z.atan2(at.x).to_degrees() / 4.0).floor() as i64, at.x.hypot(at.z))),
+            position: Box::new(|at| ((at.z.atan2(at.x).to_degrees() / 4.0).floor() as i64, at.x.hypot(at.z))),
         },
     ]
 }
 
-/// Texels by which shadows begin late, one for each place along the contact.
+/// Texels by which shadows begin late, one for each position along the contact.
 fn late(
     gpu: &Gpu,
     contact: &Contact,
@@ -80,7 +80,7 @@ fn late(
     // Along the contact: where the shadow begins by rays, and in the picture.
     let mut begins: BTreeMap<i64, [f64; 2]> = BTreeMap::new();
     for receiver in view.receivers.iter().filter(|receiver| receiver.seen.0.y < 1e-7 && !receiver.is_lit) {
-        let (along, away) = (contact.place)(receiver.seen.0);
+        let (along, away) = (contact.position)(receiver.seen.0);
         let begin = begins.entry(along).or_insert([f64::INFINITY; 2]);
         begin[0] = begin[0].min(away);
         if stencil[receiver.pixel] != 0 {
@@ -101,7 +101,7 @@ fn contacts() -> Result<(), String> {
         })
         .collect();
     let most = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
-    println!("| body | edges | places | mean | most |\n|---|---|---:|---:|---:|");
+    println!("| body | edges | positions | mean | most |\n|---|---|---:|---:|---:|");
     let contacts = contacts_of();
     for contact in &contacts {
         for method in [EVERY_CELL, AUTOMATIC] {
@@ -113,7 +113,7 @@ fn contacts() -> Result<(), String> {
             let (mean, most) = (all.iter().sum::<f64>() / all.len() as f64, most(&all));
             println!("| {} | {method:?} | {} | {mean:.3} | {most:.3} |", contact.name, all.len());
             if all.len() < 50 || most > BOUND {
-                return Err(format!("{}, {method:?}: {most} texels of {} places", contact.name, all.len()));
+                return Err(format!("{}, {method:?}: {most} texels of {} positions", contact.name, all.len()));
             }
         }
     }

@@ -101,7 +101,7 @@ fn spirals(random: &mut Random, is_loop: bool) -> Map {
     })
 }
 
-/// The sine of `lobes` times the angle of a place: by products alone, which are the same on every machine, as goldens need.
+/// The sine of `lobes` times the angle of a position: by products alone, which are the same on every machine, as goldens need.
 fn wave(lobes: u32, [x, y]: [f64; 2]) -> f64 {
     let length = (x * x + y * y).sqrt().max(f64::MIN_POSITIVE);
     let unit = [x / length, y / length];
@@ -126,8 +126,8 @@ pub(crate) fn smooth(random: &mut Random, size: [u32; 2], is_reversed: bool) -> 
         let mut depth = ground.map_or(f64::INFINITY, |[depth, slope]| depth + slope * x);
         for (middle, radius, [lobes, share], near, slope) in &bodies {
             let [x, y] = [x - middle[0], y - middle[1]];
-            let reach = radius * (1.0 + share * wave(*lobes as u32, [x, y]));
-            let inside = 1.0 - (x * x + y * y) / (reach * reach);
+            let limit = radius * (1.0 + share * wave(*lobes as u32, [x, y]));
+            let inside = 1.0 - (x * x + y * y) / (limit * limit);
             if inside > 0.0 {
                 depth = depth.min(near - 0.05 * inside.sqrt() + slope * x);
             }
@@ -142,7 +142,7 @@ pub(crate) fn smooth(random: &mut Random, size: [u32; 2], is_reversed: bool) -> 
     })
 }
 
-/// A wall: four vertices of a place and a distance.
+/// A wall: four vertices of a position and a distance.
 pub(crate) type Quad = [[i32; 3]; 4];
 
 /// The walls that the GPU lists, and their number.
@@ -263,16 +263,16 @@ fn lists() -> Result<(), String> {
                 Ok::<_, String>(of(map, TextureFormat::R32Float, options)?.1)
             };
             let is_float = matches!(format, TextureFormat::R32Float | TextureFormat::Depth32Float);
-            // Floats have the same list if they are taken as rounded to the format. Where depths are reversed, what floats may be
-            // off is added.
+            // Floats have the same list if they are stated to be rounded to the format. With reversed depth the error
+            // of floats is added.
             if is_float || !map.is_reversed {
                 let what = format!("{format:?} {:?}, reversed {}, {fit:?}", map.size, map.is_reversed);
                 same(&what, &of_floats(&stored)?.1, &found.1)?;
             }
             // Which of two steps a depth is rounded to is the driver's choice, so goldens are of floats.
             if is_short {
-                let own = if is_float { found } else { of_floats(&rounded(&map, format))? };
-                golden("depth_map", &format!("walls {number:03} of {format:?}"), &words(&own))?;
+                let result = if is_float { found } else { of_floats(&rounded(&map, format))? };
+                golden("depth_map", &format!("walls {number:03} of {format:?}"), &words(&result))?;
             }
         }
     }
@@ -300,7 +300,7 @@ fn before_those_behind() -> Result<(), String> {
     if is_right(depths.iter().max()) && is_slope(depths.iter().min()) { Ok(()) } else { Err(format!("{depths:?}")) }
 }
 
-/// Software Vulkan ends the loops of an invocation after 65,535 turns, so invocations must not have more.
+/// Software Vulkan ends the loops of an invocation after 65,535 iterations, so invocations must not have more.
 fn long() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1646)?;
     for is_loop in [false, true] {
@@ -331,7 +331,7 @@ fn few_workgroups() -> Result<(), String> {
     Ok(())
 }
 
-/// A list that overflows is not drawn: every cell is, by its triangles. Arguments and statistics tell so.
+/// A list that overflows is not drawn: every cell is, by its triangles. Arguments and statistics agree.
 fn overflow() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1643)?;
     let mut differ = 0;
@@ -350,8 +350,8 @@ fn overflow() -> Result<(), String> {
             let options = DepthMapOptions { capacity: Some(capacity), ..walled };
             let (found, encoded) = target.draw(&gpu, &maps, options)?;
             let is_overflowed = all > capacity;
-            let told = [encoded.statistics.found, encoded.statistics.capacity];
-            same("told", &told, &[all, capacity])?;
+            let statistics = [encoded.statistics.found, encoded.statistics.capacity];
+            same("statistics", &statistics, &[all, capacity])?;
             same("overflown", &[encoded.statistics.is_overflowed()], &[is_overflowed])?;
             let [walls, triangles] = if is_overflowed { [0, 6 * cells] } else { [6 * all, 0] };
             let arguments: Vec<u32> = gpu.read(encoded.frame.draw_arguments(), usize::MAX)?;

@@ -1,4 +1,4 @@
-//! Places of contours by `contour_crossings` against rims that are known exactly.
+//! Crossings of contours by `contour_crossings` against rims that are known exactly.
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -16,9 +16,9 @@ const SIDE: u32 = 96;
 /// Body that a map shows before a ground.
 #[derive(Clone, Copy, Debug)]
 enum Body {
-    /// Round towards the light: its depths tell of its rim.
+    /// Round towards the light: its depths determine its rim.
     Ellipsoid,
-    /// Flat, with a round border: only its run tells.
+    /// Flat, with a round border: only its border determines it.
     Disc,
     /// Flat, with a straight border.
     HalfPlane,
@@ -60,13 +60,13 @@ impl Placed {
         }
     }
 
-    fn depth(&self, place: [f64; 2]) -> f64 {
-        let inside = self.inside(place);
+    fn depth(&self, position: [f64; 2]) -> f64 {
+        let inside = self.inside(position);
         if inside <= 0.0 {
             return 0.9;
         }
         let height = if matches!(self.body, Body::Ellipsoid) { 0.2 * inside.sqrt() } else { 0.0 };
-        0.5 + self.slopes[0] * (place[0] - 48.0) + self.slopes[1] * (place[1] - 48.0) - height
+        0.5 + self.slopes[0] * (position[0] - 48.0) + self.slopes[1] * (position[1] - 48.0) - height
     }
 
     fn map(&self, is_reversed: bool) -> Map {
@@ -79,9 +79,9 @@ impl Placed {
     /// Where the border is on an edge, in parts of a texel from its first sample on.
     fn crossing(&self, at: [u32; 2], axis: usize) -> f64 {
         let on = |along: f64| {
-            let mut place = at.map(|at| f64::from(at) - 0.5);
-            place[axis] += along;
-            self.inside(place) > 0.0
+            let mut position = at.map(|at| f64::from(at) - 0.5);
+            position[axis] += along;
+            self.inside(position) > 0.0
         };
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..40 {
@@ -92,7 +92,7 @@ impl Placed {
     }
 }
 
-/// Errors of places, in texels.
+/// Errors of crossings, in texels.
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
     edges: usize,
@@ -100,9 +100,9 @@ struct Errors {
 }
 
 impl Errors {
-    fn add(&mut self, place: u32, truth: f64) {
+    fn add(&mut self, crossing: u32, truth: f64) {
         self.edges += 1;
-        self.sum += (f64::from(place) / 65_536.0 - truth).abs();
+        self.sum += (f64::from(crossing) / 65_536.0 - truth).abs();
     }
 
     fn mean(&self) -> f64 {
@@ -126,38 +126,38 @@ impl Errors {
 
 fn on_rims() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1691)?;
-    // Segments go through the places that they join, so that these stay where they are but for what a 256th of a texel rounds.
+    // Segments go through the crossings that they join, so these move by rounding to 1/256 texel alone.
     let fit = Fit { threshold: 1.0 / 2048.0, sideways: 0.0, depth: 0.0, slope_bias: 1.0 };
     for body in [Body::Ellipsoid, Body::Disc, Body::HalfPlane] {
-        let [mut own, mut middles, mut mirrored] = [Errors::default(); 3];
+        let [mut found, mut middles, mut mirrored] = [Errors::default(); 3];
         for round in 0..if is_long() { 400 } else { 30 } {
             let placed = Placed::random(body, &mut random);
             let formats = [TextureFormat::R32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
             let map = rounded(&placed.map(round % 2 == 1), formats[round % 3]);
             let traced = Traced::new(&gpu, &map, fit, Some(formats[round % 3]))?;
-            let places: Vec<u32> = gpu.read(&traced.crossings, ((SIDE + 2) * (SIDE + 2)) as usize)?;
-            for (sample, place) in (0..).zip(places) {
+            let words: Vec<u32> = gpu.read(&traced.crossings, ((SIDE + 2) * (SIDE + 2)) as usize)?;
+            for (sample, word) in (0..).zip(words) {
                 let at = [sample % (SIDE + 2), sample / (SIDE + 2)];
                 for axis in [0, 1] {
-                    let place = place >> (16 * axis) & 0xffff;
+                    let crossing = word >> (16 * axis) & 0xffff;
                     // The outermost edges lead out of the map.
-                    if place == 0 || at.iter().any(|&at| !(2..SIDE - 1).contains(&at)) {
+                    if crossing == 0 || at.iter().any(|&at| !(2..SIDE - 1).contains(&at)) {
                         continue;
                     }
                     let truth = placed.crossing(at, axis);
-                    own.add(place, truth);
+                    found.add(crossing, truth);
                     middles.add(32_768, truth);
-                    mirrored.add(65_536 - place, truth);
+                    mirrored.add(65_536 - crossing, truth);
                 }
             }
         }
         println!(
             "{body:?}: {} edges, {:.4} off in the mean, {:.4} their middles",
-            own.edges,
-            own.mean(),
+            found.edges,
+            found.mean(),
             middles.mean()
         );
-        own.check(body)?;
+        found.check(body)?;
         must_fail("the middles of edges", &middles.check(body))?;
         must_fail("the other side of edges", &mirrored.check(body))?;
     }

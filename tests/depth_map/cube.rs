@@ -11,8 +11,9 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::boundary::{names, places};
+use crate::boundary::{names, positions};
 use crate::maps::Map;
+use crate::metric::bits;
 use crate::parity::{device_depth, either, vector};
 use crate::picture::{EVERY_CELL, Encoded, FACES, Maps, REVERSED, Volumes, by, differences, pipelines};
 use crate::rules::{Rule, cast, listed_of_cube};
@@ -30,7 +31,7 @@ pub(crate) struct Cube {
     pub(crate) side: u32,
 }
 
-/// Discs across borders and corners and elsewhere, on a background or not, with noise or not, and maps that are not there, of `side`
+/// Discs across borders and corners and elsewhere, on a background or not, with noise or not, and missing maps, of `side`
 /// texels.
 pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
     let light = 2.0 * vector(random);
@@ -63,11 +64,11 @@ pub(crate) fn cube_of(random: &mut Random, side: u32) -> Cube {
     let noise = random.below(3) == 0;
     let is_reversed = depth == REVERSED;
     let maps = cameras.map(|camera| {
-        let place = places(&camera, [side; 2], [0.0; 2]);
+        let position = positions(&camera, [side; 2], [0.0; 2]);
         let is_there = random.below(8) != 0;
         let map = Map::new([side; 2], is_reversed, |texel| {
-            let ray = (place([texel % side, texel / side].map(i64::from), 0.5) - light).normalize();
-            let hits = discs.iter().filter(|(axis, reach, _)| axis.dot(ray) > *reach).map(|disc| disc.2);
+            let ray = (position([texel % side, texel / side].map(i64::from), 0.5) - light).normalize();
+            let hits = discs.iter().filter(|(axis, cosine, _)| axis.dot(ray) > *cosine).map(|disc| disc.2);
             let distance = hits.fold(background, f64::min);
             match random.below(6) {
                 0 if noise => f32::NAN,
@@ -90,12 +91,12 @@ fn slopes(side: u32, is_reversed: bool) -> [Option<Map>; 6] {
     })
 }
 
-/// The place of a sample in the texture that has all maps, three in a row.
+/// The position of a sample in the texture that has all maps, three in a row.
 pub(crate) fn at_face(side: u32, face: u32, [x, y]: [u32; 2]) -> [u32; 2] {
     [face % 3 * side + x, face / 3 * side + y]
 }
 
-/// A sample: the number of its map, and its place in it.
+/// A sample: the number of its map, and its position in it.
 type Sample = (u32, [u32; 2]);
 
 /// For each sample those on its ray, in the order of the maps. Rays come from the cameras, in `f64`.
@@ -115,7 +116,7 @@ pub(crate) fn merged(cube: &Cube, objects: &[&[u32]]) -> (Vec<f32>, Vec<u32>) {
     let side = cube.side;
     let is_reversed = cube.cameras[0].depth == REVERSED;
     let rays = on_rays(&cube.cameras, side);
-    let places =
+    let positions =
         (0..2 * side).flat_map(|y| (0..3 * side).map(move |x| (x / side + 3 * (y / side), [x % side, y % side])));
     let of_ray = |sample: Sample| {
         let mut nearest: Option<(f32, Sample)> = None;
@@ -130,26 +131,22 @@ pub(crate) fn merged(cube: &Cube, objects: &[&[u32]]) -> (Vec<f32>, Vec<u32>) {
         let of_map = objects.get(face as usize).and_then(|objects| objects.get((y * side + x) as usize));
         (depth, of_map.copied().unwrap_or(0))
     };
-    places.map(of_ray).unzip()
+    positions.map(of_ray).unzip()
 }
 
 /// The maps of a cube, each with a value for each texel, from those of the texture that has all.
 pub(crate) fn parted<T: Copy>(side: u32, all: &[T]) -> Vec<Vec<T>> {
     let of_face = |face: u32| {
-        let places = (0..side * side).map(|texel| at_face(side, face, [texel % side, texel / side]));
-        places.map(|[x, y]| all[(y * 3 * side + x) as usize]).collect()
+        let positions = (0..side * side).map(|texel| at_face(side, face, [texel % side, texel / side]));
+        positions.map(|[x, y]| all[(y * 3 * side + x) as usize]).collect()
     };
     (0..6).map(of_face).collect()
 }
 
 /// Samples and cells, with and without objects, thresholds, and marks that are continued.
 fn lists() -> Result<(), String> {
-    const SEED: u64 = 1656;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
+    let (gpu, mut random) = Gpu::seeded(1656)?;
     let pipelines = pipelines(&gpu, REVERSED, 7..8)?;
-    let mut random = Random::new(SEED);
-    let bits = |depths: &[f32]| depths.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>();
     let (mut shared, mut listed, mut continued) = (0, 0, 0);
     for round in 0..48 {
         let side = 3 + random.below(8) as u32;
@@ -189,9 +186,9 @@ fn lists() -> Result<(), String> {
         same(&format!("cells of round {round}"), &encoded.list(&gpu)?, &expected)?;
         listed += expected[0];
         continued += further;
-        let is_shared = |(face, own): (usize, &Map)| {
+        let is_shared = |(face, merged): (usize, &Map)| {
             let map = cube.maps[face].as_ref();
-            map.map_or(0, |map| bits(&map.depths).iter().zip(bits(&own.depths)).filter(|(a, b)| *a != b).count())
+            map.map_or(0, |map| bits(&map.depths).iter().zip(bits(&merged.depths)).filter(|(a, b)| *a != b).count())
         };
         shared += faces.iter().enumerate().map(is_shared).sum::<usize>();
         if !cube.maps.iter().all(Option::is_none) && round == 0 {

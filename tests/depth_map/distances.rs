@@ -1,4 +1,4 @@
-//! Distances of places from a light, and back, in `f64`, from the rows of the light's matrix.
+//! Distances of positions from a light, and back, in `f64`, from the rows of the light's matrix.
 
 use glam::{DMat3, DVec2, DVec3, DVec4, Mat4};
 use rimline::gpu::depth_map::DepthMetric;
@@ -9,7 +9,7 @@ pub(crate) struct Measured {
     rows: [DVec4; 4],
     origin: DVec3,
     /// Where all rays meet. `None` if they are parallel.
-    place: Option<DVec3>,
+    position: Option<DVec3>,
     near_z: f64,
     /// 1 if depth grows away from the light, else -1.
     away: f64,
@@ -32,54 +32,54 @@ impl Measured {
         Self {
             rows,
             origin: DVec3::from_array(camera.origin.map(f64::from)),
-            place: (!is_parallel).then(|| solved([x, y, w], DVec3::ZERO)),
+            position: (!is_parallel).then(|| solved([x, y, w], DVec3::ZERO)),
             near_z: f64::from(u8::from(is_reversed)),
             away: if is_reversed { -1.0 } else { 1.0 },
         }
     }
 
-    /// The direction of the ray through a place of the picture, of length 1, away from the light.
+    /// The direction of the ray through a position of the picture, of length 1, away from the light.
     fn ray(&self, at: DVec2) -> DVec3 {
         let [x, y, z, w] = self.rows.map(DVec4::truncate);
         let along = (x - at.x * w).cross(y - at.y * w).normalize();
-        let forward = if self.place.is_some() { w } else { self.away * z };
+        let forward = if self.position.is_some() { w } else { self.away * z };
         along * along.dot(forward).signum()
     }
 
-    /// Where the ray through a place of the picture, from -1 to 1 to the right and up, begins to be measured, its direction,
+    /// Where the ray through a position of the picture, from -1 to 1 to the right and up, begins to be measured, its direction,
     /// and that of the axis.
     fn measure(&self, at: DVec2) -> [DVec3; 3] {
         let [x, y, z, w] = self.rows;
-        if let Some(place) = self.place {
-            return [place, self.ray(at), w.truncate().normalize()];
+        if let Some(position) = self.position {
+            return [position, self.ray(at), w.truncate().normalize()];
         }
         let near = solved([x, y, z], DVec3::new(at.x, at.y, self.near_z) * w.w);
         [near, self.ray(at), (self.away * z.truncate()).normalize()]
     }
 
-    /// The place at a distance, on the ray through a place of the picture.
-    pub(crate) fn place(&self, metric: DepthMetric, at: DVec2, distance: f64) -> DVec3 {
+    /// The position at a distance, on the ray through a position of the picture.
+    pub(crate) fn position(&self, metric: DepthMetric, at: DVec2, distance: f64) -> DVec3 {
         let [from, ray, axis] = self.measure(at);
         let along = if metric == DepthMetric::AlongAxis { distance / ray.dot(axis) } else { distance };
         self.origin + from + along * ray
     }
 
-    /// The distance of a place.
-    pub(crate) fn distance(&self, metric: DepthMetric, place: DVec3) -> f64 {
-        let clip = self.clip(place);
+    /// The distance of a position.
+    pub(crate) fn distance(&self, metric: DepthMetric, position: DVec3) -> f64 {
+        let clip = self.clip(position);
         let [from, ray, axis] = self.measure(DVec2::new(clip.x, clip.y) / clip.w);
-        let way = place - self.origin - from;
+        let way = position - self.origin - from;
         way.dot(if metric == DepthMetric::AlongAxis { axis } else { ray })
     }
 
-    fn clip(&self, place: DVec3) -> DVec4 {
-        let from = (place - self.origin).extend(1.0);
+    fn clip(&self, position: DVec3) -> DVec4 {
+        let from = (position - self.origin).extend(1.0);
         DVec4::from_array(self.rows.map(|row| row.dot(from)))
     }
 
-    /// The device depth of a place, of any size, and whether it is before the light.
-    pub(crate) fn depth(&self, place: DVec3) -> (f64, bool) {
-        let clip = self.clip(place);
+    /// The device depth of a position, of any size, and whether it is before the light.
+    pub(crate) fn depth(&self, position: DVec3) -> (f64, bool) {
+        let clip = self.clip(position);
         (clip.z / clip.w, clip.w > 0.0)
     }
 }

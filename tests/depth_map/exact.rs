@@ -1,4 +1,4 @@
-//! Vertices of boundaries in `f64`, by a text of its own, and what floats may be off by. docs/numerics/depth-maps.md, "Rounding
+//! Vertices of boundaries in `f64`, by independent code, and what floats may be off by. docs/numerics/depth-maps.md, "Rounding
 //! of positions".
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
@@ -8,7 +8,7 @@ use wgpu::TextureFormat;
 use crate::boundary::sample;
 use crate::maps::Map;
 
-/// A rounding of WGSL: one unit in the last place, of a number in any place of its binade.
+/// A rounding of WGSL: one unit in the last place, of a number anywhere in its binade.
 pub(crate) const ROUNDING: f64 = 1.0 / 8_388_608.0;
 /// Factor for products of small errors. `FLUSHED`: bound on results that are flushed to 0.
 const HIGHER: f64 = 1.001;
@@ -84,11 +84,11 @@ impl Moves {
 
     /// The moved depth of a texel, and what floats may be off by; `None` where it casts nothing.
     pub(crate) fn depth(&self, map: &Map, [x, y]: [i64; 2]) -> Option<(f64, f64)> {
-        let own = sample(map, x, y)?;
-        let to_far = if map.is_reversed { own } else { 1.0 - own };
+        let depth = sample(map, x, y)?;
+        let to_far = if map.is_reversed { depth } else { 1.0 - depth };
         let slopes = self.slope(map, [x, y], [1, 0]) + self.slope(map, [x, y], [0, 1]);
-        let by = (self.slope_bias * slopes + self.steps[0] * own + self.steps[1]).min(to_far / 2.0);
-        let moved = if map.is_reversed { own - by } else { own + by };
+        let by = (self.slope_bias * slopes + self.steps[0] * depth + self.steps[1]).min(to_far / 2.0);
+        let moved = if map.is_reversed { depth - by } else { depth + by };
         // A difference, the sum of both, its product, two sums; and the sum with the depth.
         Some((moved, ROUNDING * HIGHER * (5.0 * by + moved.abs())))
     }
@@ -143,7 +143,7 @@ impl Exact {
         Self { columns, far, size, jitter: DVec2::from_array(jitter) }
     }
 
-    /// The device coordinates of a place in texels, of which (0, 0) is the middle of the first: its sum, and its terms.
+    /// The device coordinates of a position in texels, of which (0, 0) is the middle of the first: its sum, and its terms.
     fn device(&self, texel: DVec2) -> (DVec2, DVec2) {
         let twice = 2.0 * texel + 1.0 - self.size;
         let at = DVec2::new(twice.x, -twice.y) / self.size;
@@ -151,12 +151,12 @@ impl Exact {
         (at + jitter, at.abs())
     }
 
-    /// The vertex at a place in texels, with a depth and what it may be off by; far without. `places` is what the place itself
+    /// The vertex at a position in texels, with a depth and what it may be off by; far without. `positions` is what the position itself
     /// may be off by, in texels.
-    pub(crate) fn vertex(&self, texel: DVec2, depth: Option<(f64, f64)>, places: f64) -> Held {
+    pub(crate) fn vertex(&self, texel: DVec2, depth: Option<(f64, f64)>, positions: f64) -> Held {
         let (at, size) = self.device(texel);
         let jitter = 2.0 * DVec2::new(self.jitter.x, -self.jitter.y) / self.size;
-        let off = 2.0 * places / self.size;
+        let off = 2.0 * positions / self.size;
         let (value, terms, moved) = if let Some((depth, depth_off)) = depth {
             let [x, y, z, one] = self.columns;
             let middle = one + jitter.x * x + jitter.y * y;

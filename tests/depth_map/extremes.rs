@@ -29,7 +29,7 @@ fn little() -> Result<(), String> {
     // Contours lie between samples, not at the outer ones: only their maps of nothing are looked at.
     let walls = by(contours([1.0, 0.0, 0.0]));
     // Eyes within the light's frustum, outside it, behind the light, and before the light's near plane.
-    let eye = |place: DVec3, at: DVec3, near: f64| look(place, at - place, near).camera();
+    let eye = |position: DVec3, at: DVec3, near: f64| look(position, at - position, near).camera();
     let eyes = [
         eye(DVec3::new(0.3, 5.0, 0.2), DVec3::new(0.1, 0.0, 0.3), 0.1),
         eye(DVec3::new(0.2, 1.5, 0.1), DVec3::new(1.0, -3.0, 0.0), 0.1),
@@ -42,14 +42,14 @@ fn little() -> Result<(), String> {
         let is_reversed = depth == REVERSED;
         let far = f32::from(!is_reversed);
         let light = light(depth).camera();
-        let own = device_depth(&light, DVec3::new(0.0, 3.0, 0.0));
+        let near = device_depth(&light, DVec3::new(0.0, 3.0, 0.0));
         let maps = [
-            Map::new([1, 1], is_reversed, |_| own),
+            Map::new([1, 1], is_reversed, |_| near),
             Map::new([1, 1], is_reversed, |_| f32::NAN),
             Map::new([5, 5], is_reversed, |_| far),
             Map::new([5, 4], is_reversed, |_| f32::NAN),
-            Map::new([7, 7], is_reversed, |texel| if texel == 24 { own } else { far }),
-            Map::new([7, 7], is_reversed, |texel| if texel == 24 { own } else { f32::NAN }),
+            Map::new([7, 7], is_reversed, |texel| if texel == 24 { near } else { far }),
+            Map::new([7, 7], is_reversed, |texel| if texel == 24 { near } else { f32::NAN }),
         ];
         let cameras = DepthMapCube::cameras([0.0, 8.0, 0.0], 0.1, None, depth, 3).map_err(text)?;
         let cube = Maps::all(&gpu, (&[const { None }; 6], 3), TextureFormat::R32Float, &cameras)?;
@@ -66,13 +66,13 @@ fn little() -> Result<(), String> {
                         (near, near + (height - near.y) / ray.y * ray)
                     };
                     let is_seen = |at| (seen(at).1 - seen(at).0).dot(rays.at(at).1) > 0.0;
-                    let places: Vec<_> = (0..SIDE * SIDE).map(|pixel| middle(pixel, SIDE)).collect();
+                    let positions: Vec<_> = (0..SIDE * SIDE).map(|pixel| middle(pixel, SIDE)).collect();
                     let depth = |&at| if is_seen(at) { device_depth(&eye, seen(at).1) } else { 0.0 };
-                    let depths: Vec<_> = places.iter().map(depth).collect();
+                    let depths: Vec<_> = positions.iter().map(depth).collect();
                     let target = Target::new(eye, &depths);
                     for options in [plain, none] {
                         let stencil = target.stencil(&gpu, &given, options)?;
-                        for (&at, value) in places.iter().zip(stencil).filter(|(at, _)| is_seen(**at)) {
+                        for (&at, value) in positions.iter().zip(stencil).filter(|(at, _)| is_seen(**at)) {
                             tally.add(truth(&boundary, &seen, at, (1.5, true)), value != 0);
                             tally.wrong += usize::from(is_nothing && value != 0);
                         }

@@ -22,7 +22,7 @@ use crate::views::{MapOf, Near, Seen, Tally, View, worlds};
 pub(crate) const TESTS: &[Test] =
     &[("volumes_have_no_acne_and_lookups_have", compare), ("detectors_list_the_same_in_every_unit", units)];
 
-/// Else upright edges of boxes lie along the columns of a map, where the run of a contour does not tell a place.
+/// Else upright edges of boxes lie along the columns of a map, where a contour has the same crossing in each row.
 const TURN: f64 = 0.5;
 
 /// How a pixel's shadow is found.
@@ -46,24 +46,24 @@ fn step(format: TextureFormat, depth: f64) -> f64 {
 fn biased(view: &View<'_>, format: TextureFormat, [constant, slope_scale]: [f64; 2]) -> Vec<f32> {
     let is_reversed = view.sun.cameras[0].depth == REVERSED;
     let (far, away) = if is_reversed { (0.0, -1.0) } else { (1.0, 1.0) };
-    let depth = |(texel, seen): (u32, &Seen)| {
+    let biased_depth = |(texel, seen): (u32, &Seen)| {
         let Some((point, normal)) = *seen else { return far };
         let middle = middle(texel, view.sun.side);
         // The depth of the surface's tangent plane.
-        let on_plane = |place: DVec2| {
-            let (from, direction) = view.sun.rays[0].at(place);
+        let on_plane = |position: DVec2| {
+            let (from, direction) = view.sun.rays[0].at(position);
             let t = (point - from).dot(normal) / direction.dot(normal);
             view.sun.in_map(from + t * direction).z
         };
         let slope = |axis: DVec2| (on_plane(middle + 0.1 * axis) - on_plane(middle - 0.1 * axis)).abs() / 0.2;
-        let own = view.sun.in_map(point).z;
-        let bias = slope_scale * slope(DVec2::X).max(slope(DVec2::Y)) + constant * step(format, own);
-        (own + away * bias).clamp(0.0, 1.0) as f32
+        let depth = view.sun.in_map(point).z;
+        let bias = slope_scale * slope(DVec2::X).max(slope(DVec2::Y)) + constant * step(format, depth);
+        (depth + away * bias).clamp(0.0, 1.0) as f32
     };
-    (0..).zip(&view.light_seen()[0]).map(depth).collect()
+    (0..).zip(&view.light_seen()[0]).map(biased_depth).collect()
 }
 
-/// The stencil, or 1 for each pixel that a lookup tells to be in shadow.
+/// The stencil, or 1 for each pixel that is in shadow by a lookup.
 fn dark(gpu: &Gpu, view: &View<'_>, format: TextureFormat, way: Way) -> Result<Vec<u8>, String> {
     let bias = match way {
         Way::Volumes(method) => {
@@ -75,13 +75,13 @@ fn dark(gpu: &Gpu, view: &View<'_>, format: TextureFormat, way: Way) -> Result<V
     let stored = read(gpu, &texture(gpu, [size; 2], format, &biased(view, format, bias))?)?;
     let dark = |seen: &Seen| {
         let Some((point, _)) = *seen else { return 0 };
-        let place = view.sun.in_map(point);
-        let [x, y] = [place.x, place.y].map(|at| (at * f64::from(size)).floor());
+        let position = view.sun.in_map(point);
+        let [x, y] = [position.x, position.y].map(|at| (at * f64::from(size)).floor());
         if x.min(y) < 0.0 || x.max(y) >= f64::from(size) {
             return 0;
         }
-        let (own, stored) = (place.z as f32, stored[(y * f64::from(size) + x) as usize]);
-        u8::from(if view.sun.cameras[0].depth == REVERSED { own < stored } else { own > stored })
+        let (depth, stored) = (position.z as f32, stored[(y * f64::from(size) + x) as usize]);
+        u8::from(if view.sun.cameras[0].depth == REVERSED { depth < stored } else { depth > stored })
     };
     Ok(view.eye_seen.iter().map(dark).collect())
 }
@@ -138,7 +138,7 @@ fn compare_with(map: MapOf, rounds: usize) -> Result<(), String> {
     println!("contours: {:.2} of the lookup with bias", all[2] as f64 / all[4] as f64);
     // On the ground contours have half of what the lookup has, and in all, with steep sides of bodies, 0.65.
     let is_better = on_ground[2] * 2 <= on_ground[4] && all[2] * 20 <= all[4] * 13;
-    // The lookup without bias has acne, so the counts tell it.
+    // The lookup without bias has acne, so the counts show it.
     let has_acne = far[3] * 50 > tallies[0].lit;
     let is_right = far[0] == 0 && far[1].max(far[5]) * 100_000 <= pixels && far[2] * 5000 <= pixels;
     if is_better && is_right && has_acne { Ok(()) } else { Err(format!("{tallies:?}, {on_ground:?} on the ground")) }
@@ -165,7 +165,9 @@ type Drawn = (Vec<f32>, Vec<u32>, Vec<u8>);
 fn in_unit(gpu: &Gpu, view: &View<'_>, method: DepthMapMethod, unit: f64) -> Result<Drawn, String> {
     let depths = |camera: &ShadowCamera, seen: &[Seen]| {
         let far = if camera.depth == REVERSED { 0.0 } else { 1.0 };
-        seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, unit * place))).collect::<Vec<_>>()
+        seen.iter()
+            .map(|seen| seen.map_or(far, |(position, _)| device_depth(camera, unit * position)))
+            .collect::<Vec<_>>()
     };
     let [light, eye] = [&view.sun.cameras[0], &view.eye].map(|camera| scaled(camera, unit));
     let of_light = depths(&light, &view.light_seen()[0]);
@@ -189,31 +191,31 @@ fn units() -> Result<(), String> {
             let Some(view) = View::random(&mut random, world) else { continue };
             let mut lists = Vec::new();
             for method in [AUTOMATIC, EVERY_CELL] {
-                let own = in_unit(&gpu, &view, method, 1.0)?;
+                let unscaled = in_unit(&gpu, &view, method, 1.0)?;
                 for unit in [1.0 / 4096.0, 1024.0, 1000.0, 0.001] {
                     let found = in_unit(&gpu, &view, method, unit)?;
                     let what = format!("world {number}, {method:?}, {unit} times as large");
                     if unit != 1000.0 && unit != 0.001 {
-                        same(&format!("{what}: depths"), &found.0, &own.0)?;
-                        same(&format!("{what}: cells"), &found.1, &own.1)?;
-                        same(&format!("{what}: stencil"), &found.2, &own.2)?;
+                        same(&format!("{what}: depths"), &found.0, &unscaled.0)?;
+                        same(&format!("{what}: cells"), &found.1, &unscaled.1)?;
+                        same(&format!("{what}: stencil"), &found.2, &unscaled.2)?;
                         continue;
                     }
                     let cells = |list: &[u32]| list[1..].iter().map(|entry| entry & CELL).collect::<HashSet<_>>();
-                    let apart = cells(&found.1).symmetric_difference(&cells(&own.1)).count();
-                    tally[0] += own.1.len() - 1;
+                    let apart = cells(&found.1).symmetric_difference(&cells(&unscaled.1)).count();
+                    tally[0] += unscaled.1.len() - 1;
                     tally[1] += apart;
                     let is_every = method == EVERY_CELL;
                     for receiver in &view.receivers {
                         tally[2] += 1;
-                        let differs = found.2[receiver.pixel] != own.2[receiver.pixel];
+                        let differs = found.2[receiver.pixel] != unscaled.2[receiver.pixel];
                         tally[3] += usize::from(differs);
                         if (is_every && apart > 0) || (differs && view.near(receiver, 1) == Near::Nothing) {
                             return Err(format!("{what}: pixel {}, {apart} cells", receiver.pixel));
                         }
                     }
                 }
-                lists.push(own.1);
+                lists.push(unscaled.1);
             }
             must_fail("another detector", &same("cells", &lists[0], &lists[1]))?;
             tally[4] += 1;

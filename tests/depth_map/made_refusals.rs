@@ -58,9 +58,10 @@ fn cubes() -> Result<(), String> {
         let maps = DepthCubeMaps { textures: [None; 6], lights, objects: [None; 6] };
         gpu.submit(|encoder| Ok(cube.encode(encoder, &maps, &camera(REVERSED))))
     };
-    let place = [1.0, 2.0, 3.0];
-    let right = |place, near, far, depth, side| DepthMapCube::cameras(place, near, far, depth, side).map_err(text);
-    let cameras = right(place, 0.1, None, REVERSED, 16)?;
+    let position = [1.0, 2.0, 3.0];
+    let right =
+        |position, near, far, depth, side| DepthMapCube::cameras(position, near, far, depth, side).map_err(text);
+    let cameras = right(position, 0.1, None, REVERSED, 16)?;
     let with = |face: usize, camera: ShadowCamera| {
         let mut cameras = cameras;
         cameras[face] = camera;
@@ -76,15 +77,15 @@ fn cubes() -> Result<(), String> {
         "its near or far distance, or the scale of its matrix, differs",
     ];
     let axis = "it does not look along its axis of the cube, or is rotated";
-    let ended = right(place, 0.1, Some(50.0), REVERSED, 16)?[4];
-    let standard = right(place, 0.1, None, STANDARD, 16)?[3];
+    let ended = right(position, 0.1, Some(50.0), REVERSED, 16)?[4];
+    let standard = right(position, 0.1, None, STANDARD, 16)?[3];
     refused([
         refusal("right", given(cameras)?, Expected::Taken),
         // Cameras for 90°: the width of a map with very many texels.
-        refusal("90°", given(right(place, 0.1, None, REVERSED, 1 << 20)?)?, apart(0, width)),
-        refusal("of 15 texels", given(right(place, 0.1, None, REVERSED, 15)?)?, apart(0, width)),
-        refusal("place", with(1, right([1.0, 2.0, 3.001], 0.1, None, REVERSED, 16)?[1])?, apart(1, elsewhere)),
-        refusal("near", with(5, right(place, 0.2, None, REVERSED, 16)?[5])?, apart(5, depths)),
+        refusal("90°", given(right(position, 0.1, None, REVERSED, 1 << 20)?)?, apart(0, width)),
+        refusal("of 15 texels", given(right(position, 0.1, None, REVERSED, 15)?)?, apart(0, width)),
+        refusal("position", with(1, right([1.0, 2.0, 3.001], 0.1, None, REVERSED, 16)?[1])?, apart(1, elsewhere)),
+        refusal("near", with(5, right(position, 0.2, None, REVERSED, 16)?[5])?, apart(5, depths)),
         refusal("axis", with(3, cameras[2])?, apart(3, axis)),
         refusal("far", with(4, ended)?, apart(4, depths)),
         refusal("direction", with(3, standard)?, apart(3, "its depth direction differs")),
@@ -94,37 +95,37 @@ fn cubes() -> Result<(), String> {
 }
 
 fn cameras() -> Result<(), String> {
-    let (inf, nan, place) = (f32::INFINITY, f32::NAN, [1.0, 2.0, 3.0]);
+    let (inf, nan, position) = (f32::INFINITY, f32::NAN, [1.0, 2.0, 3.0]);
     let (at_least, near) = ("at least 3 texels a side", "`near` is ");
     let (range, far) = ("leave the normal range", "`near` 0.1; take a finite distance above `near`");
     let finite = "take finite coordinates";
     for depth in [REVERSED, STANDARD] {
         refused(
             [
-                (place, 0.1, Some(50.0), 0, at_least),
-                (place, 0.1, Some(50.0), 1, at_least),
-                (place, 0.1, Some(50.0), 2, at_least),
-                (place, 0.1, Some(50.0), 3, ""),
-                (place, 0.0, None, 16, near),
-                (place, -0.1, None, 16, near),
-                (place, inf, None, 16, near),
-                (place, nan, None, 16, near),
-                (place, f32::MIN_POSITIVE, None, 16, range),
-                (place, 1e-33, None, 16, ""),
-                (place, 0.1, Some(0.1), 16, far),
-                (place, 0.1, Some(0.05), 16, far),
-                (place, 0.1, Some(-1.0), 16, far),
-                (place, 0.1, Some(inf), 16, far),
-                (place, 0.1, Some(nan), 16, far),
-                (place, 0.1, Some(0.2), 16, ""),
+                (position, 0.1, Some(50.0), 0, at_least),
+                (position, 0.1, Some(50.0), 1, at_least),
+                (position, 0.1, Some(50.0), 2, at_least),
+                (position, 0.1, Some(50.0), 3, ""),
+                (position, 0.0, None, 16, near),
+                (position, -0.1, None, 16, near),
+                (position, inf, None, 16, near),
+                (position, nan, None, 16, near),
+                (position, f32::MIN_POSITIVE, None, 16, range),
+                (position, 1e-33, None, 16, ""),
+                (position, 0.1, Some(0.1), 16, far),
+                (position, 0.1, Some(0.05), 16, far),
+                (position, 0.1, Some(-1.0), 16, far),
+                (position, 0.1, Some(inf), 16, far),
+                (position, 0.1, Some(nan), 16, far),
+                (position, 0.1, Some(0.2), 16, ""),
                 ([nan, 0.0, 0.0], 0.1, None, 16, finite),
                 ([0.0, inf, 0.0], 0.1, None, 16, finite),
                 ([1e30, 0.0, 0.0], 0.1, None, 16, ""),
             ]
-            .map(|(place, near, far, side, part)| {
+            .map(|(position, near, far, side, part)| {
                 let expected = if part.is_empty() { Expected::Taken } else { says(&[part]) };
-                let made = DepthMapCube::cameras(place, near, far, depth, side);
-                refusal(format!("{place:?} {near} {far:?} {side} {depth:?}"), made, expected)
+                let made = DepthMapCube::cameras(position, near, far, depth, side);
+                refusal(format!("{position:?} {near} {far:?} {side} {depth:?}"), made, expected)
             }),
         )?;
     }
@@ -234,9 +235,9 @@ fn scenes() -> Result<(), String> {
     casters.fill(&gpu, &mut random, (4, 1.0))?;
     other.fill(&gpu, &mut random, (4, 1.0))?;
     let of_other = [other.placed[0].handle];
-    let gone = casters.placed.swap_remove(1);
-    casters.scene.remove(gone.handle).map_err(text)?;
-    let dangling = [casters.placed[0].handle, gone.handle];
+    let removed = casters.placed.swap_remove(1);
+    casters.scene.remove(removed.handle).map_err(text)?;
+    let dangling = [casters.placed[0].handle, removed.handle];
     let old = casters.scene.add_light(Light::point([1.0; 3])).map_err(text)?;
     let foreign = other.scene.add_light(Light::point([1.0; 3])).map_err(text)?;
     casters.scene.remove_light(old).map_err(text)?;
@@ -254,18 +255,22 @@ fn scenes() -> Result<(), String> {
     let of_mesh = MeshDepth::new(&gpu.pipelines, &mesh, FORMATS[0], light.depth).map_err(text)?;
     let buffer = gpu.storage(&shape.positions);
     let positions = |offset| PositionBuffer { buffer: &buffer, offset, stride: 12 };
-    let (removed, elsewhere) = (|what| ShadowError::Removed { what }, |what| ShadowError::OtherScene { what });
+    let (of_removed, of_other_scene) = (|what| ShadowError::Removed { what }, |what| ShadowError::OtherScene { what });
     let of_scene = |error| is(DepthMapError::Shadow(error));
     let mismatch = || is(DepthMapError::Depth { what: "the light", given: STANDARD, made: REVERSED });
     let depths = map(&gpu, FORMATS[0], &light, |pass| {
         let mut draw = |which, light| draws.draw(pass, &casters.scene, which, light);
         let all = SceneDepthCasters::All;
         refused([
-            refusal("only", draw(SceneDepthCasters::Only(&dangling), &light), of_scene(removed("caster"))),
-            refusal("except", draw(SceneDepthCasters::Except(&dangling), &light), of_scene(removed("caster"))),
-            refusal("other", draw(SceneDepthCasters::Only(&of_other), &light), of_scene(elsewhere("caster"))),
-            refusal("light", draw(SceneDepthCasters::NotCastingFor(old), &light), of_scene(removed("light"))),
-            refusal("foreign", draw(SceneDepthCasters::NotCastingFor(foreign), &light), of_scene(elsewhere("light"))),
+            refusal("only", draw(SceneDepthCasters::Only(&dangling), &light), of_scene(of_removed("caster"))),
+            refusal("except", draw(SceneDepthCasters::Except(&dangling), &light), of_scene(of_removed("caster"))),
+            refusal("other", draw(SceneDepthCasters::Only(&of_other), &light), of_scene(of_other_scene("caster"))),
+            refusal("light", draw(SceneDepthCasters::NotCastingFor(old), &light), of_scene(of_removed("light"))),
+            refusal(
+                "foreign",
+                draw(SceneDepthCasters::NotCastingFor(foreign), &light),
+                of_scene(of_other_scene("light")),
+            ),
             refusal("direction", draw(all, &standard), mismatch()),
             refusal("singular", draw(all, &singular), is(DepthMapError::Light(CameraError::Singular))),
         ])?;

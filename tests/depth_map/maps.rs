@@ -120,7 +120,7 @@ pub(crate) fn further(random: &mut Random) -> Vec<Map> {
         }));
         maps.extend([1, 2].map(|slopes| nearly(random, is_reversed, slopes)));
         // Each other step is twice those beside it and what depths that are not reversed may be off by, in both directions.
-        let steps = |place: u32| (place.div_ceil(2) * 64 + place / 2 * 129) as f32 * unit;
+        let steps = |position: u32| (position.div_ceil(2) * 64 + position / 2 * 129) as f32 * unit;
         maps.push(Map::new([70, 37], is_reversed, |texel| 0.5 + steps(texel % 70) + steps(texel / 70)));
         maps.push(Map::new([17, 21], is_reversed, |texel| {
             0.5 + (texel / 17) as f32 / 64.0 + if texel % 17 > 8 { random.between(0.0, 0.05) } else { 0.0 }

@@ -1,4 +1,4 @@
-//! The depth of a mesh in a map against rays of the light.
+//! Meshes without a triangle in a map, and maps of meshes against rays of the light.
 
 use glam::{DVec2, DVec3};
 use rimline::gpu::PositionBuffer;
@@ -8,31 +8,17 @@ use rimline::{DepthDirection, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::{must_fail, rays, same, shapes};
+use rimline_testkit::{must_fail, rays, same};
 use wgpu::TextureFormat::{self, Depth32Float};
 
 use crate::parity::{device_depth, middle};
-use crate::scene::{Eye, Rays};
+use crate::scene::Rays;
 use crate::stages::camera;
 use crate::textures::{pass, read, texture};
 
-pub(crate) const TESTS: &[Test] =
-    &[("the_depth_of_a_mesh_is_that_of_rays", depths), ("meshes_without_a_triangle_have_no_depth", without_triangles)];
+pub(crate) const TESTS: &[Test] = &[("meshes_without_a_triangle_have_no_depth", without_triangles)];
 
 pub(crate) const SIDE: u32 = 48;
-
-fn drawn(gpu: &Gpu, shape: &shapes::Shape, light: &ShadowCamera, made: DepthDirection) -> Result<Vec<f32>, String> {
-    let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Keep).map_err(text)?;
-    let renderer = MeshDepth::new(&gpu.pipelines, &mesh, Depth32Float, made).map_err(text)?;
-    // An offset that no binding may have, and a stride beyond the position.
-    let mut words = vec![9.0_f32; 3];
-    words.extend(shape.positions.iter().flat_map(|&[x, y, z]| [x, y, z, 7.0, 8.0]));
-    let buffer = gpu.storage(&words);
-    map(gpu, Depth32Float, light, |pass| {
-        let positions = PositionBuffer { buffer: &buffer, offset: 12, stride: 20 };
-        renderer.draw(pass, positions, light).map_err(text)
-    })
-}
 
 /// The texels of a map after a pass.
 pub(crate) fn map(
@@ -47,7 +33,7 @@ pub(crate) fn map(
     read(gpu, &target)
 }
 
-/// Texels that are wrong, of those where nearby rays tell a bounded depth.
+/// Texels that are wrong, of those where nearby rays bound the depth.
 pub(crate) fn wrong(
     triangles: impl Iterator<Item = [DVec3; 3]>,
     light: &ShadowCamera,
@@ -72,31 +58,6 @@ pub(crate) fn wrong(
         counts[1] += usize::from(found != far);
     }
     counts
-}
-
-fn depths() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let shape = shapes::torus(24, 16, 1.5, 0.5);
-    for depth in [DepthDirection::Reversed, DepthDirection::Standard] {
-        for (far, half_width) in [(None, None), (Some(20.0), None), (Some(20.0), Some(3.0))] {
-            for is_relative in [false, true] {
-                let place = DVec3::new(2.0, 5.0, 1.0);
-                let light =
-                    Eye { position: place, forward: -place, near: 1.0, is_relative, depth, far, half_width }.camera();
-                let depths = drawn(&gpu, &shape, &light, depth)?;
-                let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from));
-                let triangles = || shape.faces.iter().map(|face| face.map(corner));
-                let [bad, covered] = wrong(triangles(), &light, (&depths, 1e-6));
-                let mut moved = depths;
-                moved.rotate_right(3);
-                let [noticed, _] = wrong(triangles(), &light, (&moved, 1e-6));
-                if bad > 0 || covered < 100 || noticed < 50 {
-                    return Err(format!("{depth:?} {far:?} {half_width:?}: {bad} wrong of {covered}; moved {noticed}"));
-                }
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Meshes without a triangle, and polygons that are walked back, draw nothing.

@@ -27,7 +27,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("device_depths_are_converted_to_themselves", device_depths),
     ("a_flat_ground_of_distances_has_no_specks", flat),
     ("merged_maps_have_the_nearer_depth", nearer),
-    ("merged_maps_are_taken_as_maps", taken),
+    ("merged_maps_are_maps", merged),
 ];
 
 const DISTANCES: [DepthMetric; 2] = [DepthMetric::AlongAxis, DepthMetric::AlongRay];
@@ -49,8 +49,8 @@ fn light(random: &mut Random, number: usize) -> (ShadowCamera, [f64; 2]) {
     let (far, half_width) =
         [(None, None), (Some(40.0), None), (Some(3.5), None), (Some(40.0), Some(4.0))][number / 2 % 4];
     let forward = DVec3::from_array(random.direction().map(f64::from));
-    let place = -9.0 * forward;
-    let eye = Eye { position: place, forward, near, is_relative: random.below(3) > 0, depth, far, half_width };
+    let position = -9.0 * forward;
+    let eye = Eye { position, forward, near, is_relative: random.below(3) > 0, depth, far, half_width };
     let by = if random.below(3) == 0 { [random.between(-1.5, 1.5), random.between(-1.5, 1.5)] } else { [0.0; 2] };
     let from_near = if half_width.is_some() { near } else { 0.0 };
     (aside(eye.camera(), by), [near - from_near, far.unwrap_or(1e6) - from_near])
@@ -78,7 +78,7 @@ fn middle(size: [u32; 2], texel: usize) -> DVec2 {
     DVec2::new(2.0 * x / f64::from(size[0]) - 1.0, 1.0 - 2.0 * y / f64::from(size[1]))
 }
 
-/// Compares depths with those of the places. Returns the largest share of the bound that a depth is off.
+/// Compares depths with those of the positions. Returns the largest share of the bound that a depth is off.
 fn compare(
     camera: &ShadowCamera,
     metric: DepthMetric,
@@ -91,8 +91,8 @@ fn compare(
     let (near, far) = if is_reversed { (1.0, 0.0) } else { (0.0, 1.0) };
     let mut most = 0.0_f64;
     for (texel, (&distance, &found)) in given.iter().zip(found).enumerate() {
-        let place = measured.place(metric, middle(size, texel), f64::from(distance));
-        let (depth, is_before) = measured.depth(place);
+        let position = measured.position(metric, middle(size, texel), f64::from(distance));
+        let (depth, is_before) = measured.depth(position);
         let truth = if is_before { depth.clamp(0.0, 1.0) } else { near };
         let bound = share * truth + constant;
         let off = (f64::from(found) - truth).abs() / bound;
@@ -134,7 +134,7 @@ fn depths() -> Result<(), String> {
             let found = read(&gpu, &converted(&gpu, &camera, metric, (size, &given))?)?;
             most = most.max(compare(&camera, metric, (size, &given), &found)?);
             texels += given.len();
-            // Negative controls: a depth is off by twice the bound, and distances are taken for others.
+            // Negative controls: a depth is off by twice the bound, and distances have the other metric.
             let [share, constant] = metric_steps(&camera, metric).map_err(text)?;
             let mut off = found.clone();
             let last = off.len() - 1;
@@ -144,8 +144,8 @@ fn depths() -> Result<(), String> {
             let other = DISTANCES[usize::from(metric == DISTANCES[0])];
             // At the right of the picture the metrics differ, but for parallel rays at right angles to the planes.
             let measured = Measured::new(&camera);
-            let place = measured.place(metric, DVec2::new(0.9, 0.0), 1.0);
-            if size[0] == 64 && (measured.distance(other, place) - 1.0).abs() > 1e-3 {
+            let position = measured.position(metric, DVec2::new(0.9, 0.0), 1.0);
+            if size[0] == 64 && (measured.distance(other, position) - 1.0).abs() > 1e-3 {
                 others += 1;
                 must_fail("the other metric", &compare(&camera, other, (size, &given), &found))?;
             }
@@ -177,8 +177,8 @@ fn special() -> Result<(), String> {
         given.extend([0.0, 1e10, 1e30].iter().take(beyond));
         for metric in DISTANCES {
             if beyond > 0 {
-                let place = measured.place(DepthMetric::AlongAxis, last, 1.00001 * planes[1]);
-                given[far.len() + near.len()] = measured.distance(metric, place) as f32;
+                let position = measured.position(DepthMetric::AlongAxis, last, 1.00001 * planes[1]);
+                given[far.len() + near.len()] = measured.distance(metric, position) as f32;
             }
             let what = format!("{metric:?}, {camera:?}");
             let found = read(&gpu, &converted(&gpu, &camera, metric, (size, &given))?)?;
@@ -262,7 +262,7 @@ const FORMATS: [[TextureFormat; 2]; 4] = [
     [TextureFormat::R32Float, TextureFormat::Depth16Unorm],
 ];
 
-/// A depth as it is taken: NaN is far, numbers are clamped, and what is smaller than every normal number is 0.
+/// A depth as stages read it: NaN is far, numbers are clamped, and what is smaller than every normal number is 0.
 pub(crate) fn cleaned(depth: f32, far: f32) -> f32 {
     match depth {
         depth if depth.is_nan() => far,
@@ -287,7 +287,7 @@ fn pairs(random: &mut Random) -> Vec<[Map; 2]> {
 
 fn nearer() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1641)?;
-    let (mut texels, mut taken) = (0, [0; 2]);
+    let (mut texels, mut nearest) = (0, [0; 2]);
     for formats in FORMATS {
         for pair in pairs(&mut random) {
             let (size, is_reversed) = (pair[0].size, pair[0].is_reversed);
@@ -312,7 +312,7 @@ fn nearer() -> Result<(), String> {
             same(&what, &bits(&merged), &bits(&truth))?;
             texels += truth.len();
             for (at, depths) in depths.iter().enumerate() {
-                taken[at] += depths.iter().zip(&truth).filter(|(own, truth)| own == truth).count();
+                nearest[at] += depths.iter().zip(&truth).filter(|(depth, truth)| depth == truth).count();
             }
             if both().any(|(a, b)| a != b && (0.1..0.9).contains(a) && (0.1..0.9).contains(b)) {
                 // Negative control: the other direction takes the farther depth.
@@ -321,12 +321,12 @@ fn nearer() -> Result<(), String> {
             }
         }
     }
-    println!("{texels} texels, {taken:?} taken from the first and the second");
-    if taken.iter().any(|&taken| taken * 4 < texels) { Err(format!("{taken:?} of {texels}")) } else { Ok(()) }
+    println!("{texels} texels, {nearest:?} nearest from the first and the second");
+    if nearest.iter().any(|&nearest| nearest * 4 < texels) { Err(format!("{nearest:?} of {texels}")) } else { Ok(()) }
 }
 
 /// Three maps, merged in two steps, have the cells of the nearest depths.
-fn taken() -> Result<(), String> {
+fn merged() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let size = [20, 13];
     let depths = [0.3, 0.4, 0.5, 1.0];

@@ -1,5 +1,5 @@
-//! Near caps that are left out: pictures do not change, and `depth_near` and `depth_near_walls` tell what the samples around the
-//! near rectangle say.
+//! Near caps that are skipped: pictures do not change, and `depth_near` and `depth_near_walls` decide by the samples around the near
+//! rectangle.
 
 use glam::DVec3;
 use rimline::ShadowCamera;
@@ -22,15 +22,15 @@ use crate::scene::{Eye, Rays};
 use crate::textures::read;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("near_caps_that_are_left_out_change_no_picture", of_maps),
+    ("skipped_near_caps_change_no_picture", of_maps),
     ("near_caps_beyond_the_far_plane_are_drawn", beyond),
-    ("near_caps_of_cubes_that_are_left_out_change_no_picture", of_cubes),
+    ("skipped_near_caps_of_cubes_change_no_picture", of_cubes),
 ];
 
 const SIDE: u32 = 40;
 const CUBE_SIDE: u32 = 24;
 
-/// Pictures by what is known of their near caps: lit, told so, told not so, drawn. And dark pixels.
+/// Pictures by their near caps: skipped, skipped by the GPU, drawn by the GPU, drawn. And dark pixels.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     known: [usize; 4],
@@ -40,13 +40,13 @@ struct Tally {
 }
 
 impl Tally {
-    /// Draws a picture with near caps always and where they may matter. `may_reach`: whether surfaces before it are in a box.
+    /// Draws a picture with near caps always and where they may matter. `may_be_before`: whether surfaces before it are in a box.
     fn add(
         &mut self,
         gpu: &Gpu,
         target: &Target<'_>,
         (maps, options): (&Maps, DepthMapOptions),
-        may_reach: &dyn Fn(&Encoded, &DepthNearBox) -> Result<bool, String>,
+        may_be_before: &dyn Fn(&Encoded, &DepthNearBox) -> Result<bool, String>,
     ) -> Result<(), String> {
         let (all, encoded) = target.draw(gpu, maps, DepthMapOptions { skip_near_caps: false, ..options })?;
         same("without the switch", &[encoded.frame.near_cap()], &[&DepthMapNearCap::Drawn])?;
@@ -54,14 +54,14 @@ impl Tally {
         same(&format!("{options:?}"), &stencil, &all)?;
         let has_walls = options.method != AUTOMATIC;
         let near = near_box(&maps.lights, maps.size, (&target.eye, target.format), has_walls);
-        let told = near.map_or(Ok(false), |near| may_reach(&encoded, &near))?;
+        let may_be_dark = near.map_or(Ok(false), |near| may_be_before(&encoded, &near))?;
         let other = near.map(|near| DepthNearBox { key: 0, distance: i32::MIN, ..near });
-        self.others += usize::from(told != other.map_or(Ok(false), |near| may_reach(&encoded, &near))?);
+        self.others += usize::from(may_be_dark != other.map_or(Ok(false), |near| may_be_before(&encoded, &near))?);
         let kind = match encoded.frame.near_cap() {
             DepthMapNearCap::Skipped => 0,
             DepthMapNearCap::Indirect(draw) => {
-                same("the draw", &gpu.read::<u32>(draw, 4)?, &[if told { 3 } else { 0 }, 1, 0, 0])?;
-                1 + usize::from(told)
+                same("the draw", &gpu.read::<u32>(draw, 4)?, &[if may_be_dark { 3 } else { 0 }, 1, 0, 0])?;
+                1 + usize::from(may_be_dark)
             }
             DepthMapNearCap::Drawn => 3,
         };
@@ -84,31 +84,35 @@ fn samples(near: &DepthNearBox) -> impl Iterator<Item = [u32; 2]> {
 }
 
 /// Whether triangles between the samples may be nearer than the near rectangle. Texel 0 comes after a border.
-fn may_reach(map: &Map, border: i64, near: &DepthNearBox) -> bool {
-    let own = |[x, y]: [u32; 2]| cast(map, i64::from(x) - border, i64::from(y) - border);
-    samples(near).any(|at| own(at).is_some_and(|depth| rank(map, Some(depth)) <= i64::from(near.key)))
+fn may_be_before(map: &Map, border: i64, near: &DepthNearBox) -> bool {
+    let depth = |[x, y]: [u32; 2]| cast(map, i64::from(x) - border, i64::from(y) - border);
+    samples(near).any(|at| depth(at).is_some_and(|depth| rank(map, Some(depth)) <= i64::from(near.key)))
 }
 
 /// Whether surfaces that go on up to contours may be. A sample moves nearer by the largest step to a neighbour that is farther away,
 /// in each direction.
-fn may_reach_walls(map: &Map, near: &DepthNearBox) -> bool {
+fn may_be_before_walls(map: &Map, near: &DepthNearBox) -> bool {
     let nearest = |at: [i32; 2]| {
-        let own = distance(map, at)?;
+        let distance_here = distance(map, at)?;
         let nearing = |[x, y]: [i32; 2]| {
             let beside = [[at[0] - x, at[1] - y], [at[0] + x, at[1] + y]];
-            beside.into_iter().filter_map(|there| distance(map, there)).map(|other| (other - own).max(0)).max()
+            beside
+                .into_iter()
+                .filter_map(|there| distance(map, there))
+                .map(|other| (other - distance_here).max(0))
+                .max()
         };
-        Some(own - nearing([1, 0]).unwrap_or(0) - nearing([0, 1]).unwrap_or(0))
+        Some(distance_here - nearing([1, 0]).unwrap_or(0) - nearing([0, 1]).unwrap_or(0))
     };
     let mut nearest = samples(near).filter_map(|at| nearest(at.map(|at| at as i32)));
     nearest.any(|distance| distance <= i64::from(near.distance))
 }
 
 /// An eye near the scene, and the depths that it sees. Its near plane is near or far away from it.
-fn looking(random: &mut Random, place: f64) -> (ShadowCamera, Vec<f32>) {
-    let place = place * f64::from(random.between(0.1, 1.0)) * vector(random);
+fn looking(random: &mut Random, position: f64) -> (ShadowCamera, Vec<f32>) {
+    let position = position * f64::from(random.between(0.1, 1.0)) * vector(random);
     let near = [[0.01, 0.3], [0.3, 3.0]][random.below(2)];
-    let eye = any_eye(random, place, near);
+    let eye = any_eye(random, position, near);
     let rays = Rays::new(&eye, SIDE);
     let seen = seen(random, &rays);
     (eye, seen_depths(&eye, SIDE, &seen))
@@ -118,12 +122,12 @@ fn looking(random: &mut Random, place: f64) -> (ShadowCamera, Vec<f32>) {
 fn beyond() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let map = Map::new([9, 9], false, |_| 0.5);
-    let (place, forward) = (DVec3::new(0.5, 1.0, -2.0), DVec3::Z);
+    let (position, forward) = (DVec3::new(0.5, 1.0, -2.0), DVec3::Z);
     for (depth, half_width) in [(STANDARD, None), (STANDARD, Some(2.0)), (REVERSED, None), (REVERSED, Some(2.0))] {
-        let light = Eye { depth, far: Some(2.5), half_width, ..look(place, forward, 0.5) }.camera();
+        let light = Eye { depth, far: Some(2.5), half_width, ..look(position, forward, 0.5) }.camera();
         let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, light)?;
         for along in [0.6, 2.0, 2.6, 4.5, 8.0, 8.9, 1e5] {
-            let eye = Eye { depth, ..look(place + along * forward, forward, 1e-3) }.camera();
+            let eye = Eye { depth, ..look(position + along * forward, forward, 1e-3) }.camera();
             let encoded = Encoded::new(&gpu, &*pipelines(&gpu, depth, 0..1)?, &maps, &eye, by(AUTOMATIC))?;
             same(&format!("{depth:?}, {half_width:?}, {along} away"), &[encoded.has_cap()], &[along > 1.0])?;
         }
@@ -147,7 +151,7 @@ fn of_maps() -> Result<(), String> {
         let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, camera)?;
         let target = Target { bits: 0..[1, 2, 1][way], ..Target::new(eye, &depths) };
         tallies[way].add(&gpu, &target, (&maps, options), &|_, near| {
-            Ok(if way == 2 { may_reach_walls(&map, near) } else { may_reach(&map, 1, near) })
+            Ok(if way == 2 { may_be_before_walls(&map, near) } else { may_be_before(&map, 1, near) })
         })?;
     }
     tallies.iter().zip(["maps", "bits", "walls"]).try_for_each(|(tally, what)| tally.check(what, [10, 4, 10, 0]))
@@ -165,7 +169,7 @@ fn of_cubes() -> Result<(), String> {
             let depths = read(&gpu, volumes.texture().texture())?;
             // Six maps in one, without a border.
             let size = [3 * CUBE_SIDE, 2 * CUBE_SIDE];
-            Ok(may_reach(&Map { size, is_reversed: cameras[0].depth == REVERSED, depths }, 0, near))
+            Ok(may_be_before(&Map { size, is_reversed: cameras[0].depth == REVERSED, depths }, 0, near))
         })?;
     }
     tally.check("cubes", [0, 5, 5, 5])

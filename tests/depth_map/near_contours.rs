@@ -14,13 +14,13 @@ use wgpu::TextureFormat;
 
 use crate::contours::{Quad, UNIT, listed};
 use crate::maps::Map;
-use crate::near_rectangles::{both, eye_at, place};
+use crate::near_rectangles::{both, eye_at, position};
 use crate::parity::{self, SIDE, clip, light, seen, seen_depths, vector};
 use crate::picture::{Maps, REVERSED, STANDARD, Target, by, contours, look};
 use crate::scene::{Eye, Rays};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("near_rectangles_behind_a_rim_are_told_by_what_is_drawn", behind_a_rim),
+    ("near_rectangles_behind_a_rim_have_the_parity_of_walls_and_flaps", behind_a_rim),
     ("near_rectangles_behind_a_flap_alone_are_in_shadow", behind_a_flap),
 ];
 
@@ -37,7 +37,7 @@ impl Plane {
         self.0[0] + self.0[1] * x + self.0[2] * y
     }
 
-    /// By how much a place is behind it, times the distance from the light.
+    /// By how much a position is behind it, times the distance from the light.
     fn ahead(&self, at: DVec4) -> f64 {
         at.z - self.0[0] * at.w - self.0[1] * at.x - self.0[2] * at.y
     }
@@ -66,16 +66,16 @@ impl Leaf {
         let radius = f64::from(random.between(4.5, 7.0));
         let [near, ahead] = [0.0, 0.5].map(|depth| {
             let depth = if light.depth == REVERSED { 1.0 - depth } else { depth };
-            place(&light, [TEXELS; 2], [11.5; 2], depth)
+            position(&light, [TEXELS; 2], [11.5; 2], depth)
         });
         let depth_at = |distance: f64| {
             let clip = clip(&light, near + distance * (ahead - near).normalize());
             if light.depth == REVERSED { 1.0 - clip.z / clip.w } else { clip.z / clip.w }
         };
         let mut plane = |distance: f64, steepness: f32| {
-            let [own, step] = [depth_at(distance), depth_at(distance + 1.0)];
-            let [across, down] = [0; 2].map(|_| (step - own) * f64::from(random.between(-steepness, steepness)));
-            Plane([own - across * middle.x - down * middle.y, across, down])
+            let [here, step] = [depth_at(distance), depth_at(distance + 1.0)];
+            let [across, down] = [0; 2].map(|_| (step - here) * f64::from(random.between(-steepness, steepness)));
+            Plane([here - across * middle.x - down * middle.y, across, down])
         };
         let (plane, ground) = (plane(5.0, 0.12), plane(9.0, 0.03));
         let small = (1e-3 * (depth_at(5.01) - depth_at(5.0)).abs()).max(1e-6);
@@ -88,7 +88,7 @@ impl Leaf {
         DVec2::new(x, y).distance(self.middle) - self.radius
     }
 
-    /// Whether each row and column of the leaf has at least three texels, so that a slope is told from a jump.
+    /// Whether each row and column of the leaf has at least three texels, so that a slope is distinct from a jump.
     fn has_slopes(&self) -> bool {
         let is_in = |x: i32, y: i32| self.away(f64::from(x), f64::from(y)) < 0.0;
         (0..TEXELS as i32).all(|row| {
@@ -110,22 +110,22 @@ impl Leaf {
     }
 
     /// Texels across and down, and the depth from the near plane on, all times w.
-    fn seen_by_light(&self, place: DVec3) -> DVec4 {
-        let clip = clip(&self.light, place);
+    fn seen_by_light(&self, position: DVec3) -> DVec4 {
+        let clip = clip(&self.light, position);
         let side = f64::from(TEXELS);
         let texel = |at: f64| ((at + clip.w) * side - clip.w) / 2.0;
         let depth = if self.light.depth == REVERSED { clip.w - clip.z } else { clip.z };
         DVec4::new(texel(clip.x), texel(-clip.y), depth, clip.w)
     }
 
-    /// Whether a place is behind a plane, `None` within what the plane is moved by.
+    /// Whether a position is behind a plane, `None` within what the plane is moved by.
     fn is_behind(&self, plane: &Plane, at: DVec4) -> Option<bool> {
         let ahead = plane.ahead(at) / at.w;
         let moved = 0.5 * self.slope_bias * plane.slopes();
         if ahead < -self.small { Some(false) } else { (ahead > moved + self.small).then_some(true) }
     }
 
-    /// Whether a place is in shadow, `None` near borders.
+    /// Whether a position is in shadow, `None` near borders.
     fn is_dark(&self, at: DVec4) -> Option<bool> {
         let [x, y] = [at.x / at.w, at.y / at.w];
         let side = f64::from(TEXELS) - 1.0;
@@ -142,7 +142,7 @@ impl Leaf {
         }
     }
 
-    /// Whether a surface, or where one may end, may be between two places, or where its volume begins near one of them.
+    /// Whether a surface, or where one may end, may be between two positions, or where its volume begins near one of them.
     fn is_between(&self, from: DVec4, to: DVec4) -> bool {
         let planes = [(Some(self.plane), true), (self.ground, false)];
         planes.into_iter().filter_map(|(plane, is_leaf)| Some((plane?, is_leaf))).any(|(plane, is_leaf)| {
@@ -171,7 +171,7 @@ fn crosses([a, b]: [DVec2; 2], at: DVec2) -> bool {
 
 /// Whether a point of the near rectangle is within contours, and the flaps at the point with whether it is behind them.
 pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
-    let place = DVec2::new(at.x / at.w, at.y / at.w);
+    let position = DVec2::new(at.x / at.w, at.y / at.w);
     let point = |vertex: [i32; 3]| DVec2::new(f64::from(vertex[0]), f64::from(vertex[1])) / 256.0 - 1.0;
     let mut segments = HashSet::new();
     let mut flaps = Vec::new();
@@ -183,10 +183,13 @@ pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
         }
         for corners in [[0, 1, 2], [0, 2, 3]] {
             let [a, b, c] = corners.map(|corner: usize| point(quad[corner]));
-            let is_in = [[a, b], [b, c], [c, a]].into_iter().filter(|&side| crosses(side, place)).count() % 2 == 1;
+            let is_in = [[a, b], [b, c], [c, a]].into_iter().filter(|&side| crosses(side, position)).count() % 2 == 1;
             if is_in {
-                let shares =
-                    [(b - place).perp_dot(c - place), (c - place).perp_dot(a - place), (a - place).perp_dot(b - place)];
+                let shares = [
+                    (b - position).perp_dot(c - position),
+                    (c - position).perp_dot(a - position),
+                    (a - position).perp_dot(b - position),
+                ];
                 let depths = corners.map(|corner: usize| f64::from(quad[corner][2]) / UNIT);
                 let depth =
                     (0..3).map(|corner| shares[corner] * depths[corner]).sum::<f64>() / shares.iter().sum::<f64>();
@@ -195,7 +198,7 @@ pub(crate) fn among(quads: &[Quad], at: DVec4) -> (bool, Vec<(usize, bool)>) {
         }
     }
     let segment = |[a, b]: [[i32; 2]; 2]| [a, b].map(|[x, y]| point([x, y, 0]));
-    (segments.into_iter().filter(|&ends| crosses(segment(ends), place)).count() % 2 == 1, flaps)
+    (segments.into_iter().filter(|&ends| crosses(segment(ends), position)).count() % 2 == 1, flaps)
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -214,15 +217,15 @@ fn behind_a_rim() -> Result<(), String> {
             continue;
         }
         let map = leaf.map();
-        // A place within two texels of the rim, up to five slopes behind the leaf or a little before it.
+        // A position within two texels of the rim, up to five slopes behind the leaf or a little before it.
         let angle = f64::from(random.between(0.0, std::f32::consts::TAU));
         let [x, y] =
             (leaf.middle + (leaf.radius + f64::from(random.between(-1.8, 0.3))) * DVec2::from_angle(angle)).to_array();
         let behind = f64::from(random.between(-0.5, 5.0)) * leaf.plane.slopes();
         let depth = leaf.plane.at(x, y) + behind;
         let depth = if map.is_reversed { 1.0 - depth } else { depth };
-        let middle = place(&leaf.light, map.size, [x, y], depth);
-        let texel = (place(&leaf.light, map.size, [x + 1.0, y], depth) - middle).length();
+        let middle = position(&leaf.light, map.size, [x, y], depth);
+        let texel = (position(&leaf.light, map.size, [x + 1.0, y], depth) - middle).length();
         let width = texel * [0.3, 1.0, 3.0][round % 3];
         let forward = vector(&mut random);
         let eye = eye_at(&mut random, middle, forward, width);
@@ -238,19 +241,20 @@ fn behind_a_rim() -> Result<(), String> {
         let quads = listed(&gpu, target.draw(&gpu, &maps, options)?.1.volumes.cells())?.1;
         let before = tally.pixels.wrong;
         for at in 0..SIDE * SIDE {
-            let (near, place) = seen(parity::middle(at, SIDE));
-            let [from, to] = [near, place].map(|place| leaf.seen_by_light(place));
+            let (near, position) = seen(parity::middle(at, SIDE));
+            let [from, to] = [near, position].map(|position| leaf.seen_by_light(position));
             if from.w < 0.1 || to.w < 0.1 || leaf.is_between(from, to) {
                 continue;
             }
             let Some(is_dark) = leaf.is_dark(to) else { continue };
             let among_there =
                 |x: f64, y: f64| among(&quads, leaf.seen_by_light(seen(parity::middle(at, SIDE) + DVec2::new(x, y)).0));
-            let own = among_there(0.0, 0.0);
+            let among_here = among_there(0.0, 0.0);
             let around = [(-0.05, 0.0), (0.05, 0.0), (0.0, -0.05), (0.0, 0.05)];
-            let is_clear = around.into_iter().all(|(x, y)| among_there(x, y) == own);
+            let is_clear = around.into_iter().all(|(x, y)| among_there(x, y) == among_here);
             let is_behind = leaf.is_behind(&leaf.plane, from) == Some(true);
-            tally.between += usize::from(is_clear && is_behind && own.1.iter().any(|&(_, is_behind)| !is_behind));
+            tally.between +=
+                usize::from(is_clear && is_behind && among_here.1.iter().any(|&(_, is_behind)| !is_behind));
             let truth = is_clear.then_some((is_dark, is_behind));
             tally.pixels.add(truth, stencil[at as usize] != 0);
             // The negative control: the next pixel's count.
@@ -271,8 +275,8 @@ fn behind_a_rim() -> Result<(), String> {
 /// and before all samples around.
 fn behind_a_flap() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let camera = |place: DVec3, half_width| {
-        let eye = look(place, DVec3::new(0.3, -0.8, 0.2), 0.5);
+    let camera = |position: DVec3, half_width| {
+        let eye = look(position, DVec3::new(0.3, -0.8, 0.2), 0.5);
         Eye { is_relative: false, depth: STANDARD, far: Some(40.0), half_width: Some(half_width), ..eye }.camera()
     };
     let light = camera(DVec3::new(1.0, 9.0, 2.0), 4.0);
@@ -284,8 +288,8 @@ fn behind_a_flap() -> Result<(), String> {
     let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, light)?;
     // Behind the flap, and, as the negative control, before it, where the eye sees a surface close behind the near rectangle.
     for (distance, seen, is_behind) in [(0.508, 0.5, true), (0.49, 0.001, false)] {
-        let near = place(&light, map.size, [10.8, 7.0], distance);
-        let forward = (near - place(&light, map.size, [10.8, 7.0], 0.0)).normalize();
+        let near = position(&light, map.size, [10.8, 7.0], distance);
+        let forward = (near - position(&light, map.size, [10.8, 7.0], 0.0)).normalize();
         let depths = [seen; (SIDE * SIDE) as usize];
         let target = Target::new(camera(near - 0.5 * forward, 0.02), &depths);
         let options = DepthMapOptions { slope_bias: 0.0, ..by(contours([0.01, 0.25, 0.02])) };

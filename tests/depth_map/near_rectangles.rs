@@ -1,5 +1,5 @@
 //! Near rectangles of any width, at the boundary: from a thousandth of a texel of the map to all of it, edge-on to the light,
-//! and across two maps of a cube. The stencil against the crossings of rays, with near caps always drawn and left out where
+//! and across two maps of a cube. The stencil against the crossings of rays, with near caps always drawn and skipped where
 //! they may be.
 
 use glam::{DVec3, DVec4};
@@ -24,16 +24,16 @@ pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_across_two_maps_are_those_of_rays", across),
 ];
 
-/// From the light to the farthest places near the boundary.
+/// From the light to the farthest positions near the boundary.
 const SCENE: f64 = 16.0;
 
-/// The place of a map's sample, at any depth.
-pub(crate) fn place(camera: &ShadowCamera, size: [u32; 2], [x, y]: [f64; 2], depth: f64) -> DVec3 {
+/// The position of a map's sample, at any depth.
+pub(crate) fn position(camera: &ShadowCamera, size: [u32; 2], [x, y]: [f64; 2], depth: f64) -> DVec3 {
     let [width, height] = size.map(f64::from);
     unprojected(camera, DVec3::new((2.0 * x + 1.0) / width - 1.0, 1.0 - (2.0 * y + 1.0) / height, depth))
 }
 
-/// An eye whose near rectangle has its middle at a place, is `width` wide, and looks along `forward`.
+/// An eye whose near rectangle has its middle at a position, is `width` wide, and looks along `forward`.
 pub(crate) fn eye_at(random: &mut Random, middle: DVec3, forward: DVec3, width: f64) -> ShadowCamera {
     let forward = forward.normalize();
     let is_relative = width < 0.1 || random.below(2) == 0;
@@ -65,7 +65,7 @@ struct Tally {
 impl Tally {
     /// Compares a picture with rays, whose near rectangle is `width` wide. A vertex is off by five roundings of the terms that
     /// it adds up from, in numbers of the size of the scene; in pixels the more, the smaller the near rectangle is. `slip` is
-    /// what a place of the near rectangle may be off by along the light's ray, because depths are floats.
+    /// what a position of the near rectangle may be off by along the light's ray, because depths are floats.
     fn add(
         &mut self,
         boundary: &Boundary,
@@ -100,18 +100,18 @@ impl Tally {
 pub(crate) fn both(gpu: &Gpu, target: &Target<'_>, maps: &Maps, options: DepthMapOptions) -> Result<Vec<u8>, String> {
     let [skipped, all] = [true, false].map(|skip_near_caps| {
         let (stencil, encoded) = target.draw(gpu, maps, DepthMapOptions { skip_near_caps, ..options })?;
-        if skip_near_caps || encoded.has_cap() { Ok(stencil) } else { Err("a near cap is left out".to_owned()) }
+        if skip_near_caps || encoded.has_cap() { Ok(stencil) } else { Err("a near cap is skipped".to_owned()) }
     });
     let skipped = skipped?;
     same("with near caps that are always drawn", &skipped, &all?)?;
     Ok(skipped)
 }
 
-/// From the light (homogeneous) and a place, the width of a texel there and the map's size, and a number: where the middle of a near
+/// From the light (homogeneous) and a position, the width of a texel there and the map's size, and a number: where the middle of a near
 /// rectangle is, where it looks, and how wide it is.
 type At<'a> = dyn Fn(&mut Random, (DVec4, DVec3), (f64, [u32; 2]), usize) -> (DVec3, DVec3, f64) + 'a;
 
-/// Pictures at places of a boundary.
+/// Pictures at positions of a boundary.
 fn trials(random: &mut Random, (what, least): (&str, usize), at: &At<'_>) -> Result<(), String> {
     let gpu = Gpu::shared_with_depth_features()?;
     let (mut tally, mut rounds) = (Tally::default(), 0);
@@ -121,8 +121,8 @@ fn trials(random: &mut Random, (what, least): (&str, usize), at: &At<'_>) -> Res
         let texel = [0, 1].map(|axis| random.below(map.size[axis] as usize) as i64);
         let Some(depth) = sample(&map, texel[0], texel[1]) else { continue };
         let [x, y] = texel.map(|at| at as f64);
-        let middle = place(&camera, map.size, [x, y], depth);
-        let width = (place(&camera, map.size, [x + 1.0, y], depth) - middle).length();
+        let middle = position(&camera, map.size, [x, y], depth);
+        let width = (position(&camera, map.size, [x + 1.0, y], depth) - middle).length();
         let (middle, forward, width) = at(random, (homogeneous, middle), (width, map.size), rounds);
         let eye = eye_at(random, middle, forward, width);
         // Its near plane is that of the boundary, which is moved by the steps of the eye's depths.
@@ -135,8 +135,8 @@ fn trials(random: &mut Random, (what, least): (&str, usize), at: &At<'_>) -> Res
         let stencil = both(&gpu, &target, &maps, options)?;
         let boundary = Boundary::edited(&map, &camera, homogeneous, -1.0, None);
         // The move of the map's depths, and twenty roundings of them: docs/numerics/depth-maps.md, "Rounding of positions".
-        let depth = |place: DVec3| {
-            let clip = clip(&camera, place);
+        let depth = |position: DVec3| {
+            let clip = clip(&camera, position);
             clip.z / clip.w
         };
         let slip = |near: DVec3| {
@@ -190,7 +190,7 @@ fn across() -> Result<(), String> {
         let face = random.below(6);
         let along = f64::from(random.below(6) as u32);
         let corner = [[0.0, along], [5.0, along], [along, 0.0], [along, 5.0]][random.below(4)];
-        let ray = (place(&cameras[face], [6; 2], corner, 0.5) - light).normalize();
+        let ray = (position(&cameras[face], [6; 2], corner, 0.5) - light).normalize();
         let distance = f64::from(random.between(1.0, 8.0));
         let width = distance * [0.001, 0.05, 0.5, 1.5][round % 4];
         let middle = light + distance * ray + width * f64::from(random.between(-0.2, 0.2)) * vector(&mut random);

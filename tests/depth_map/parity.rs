@@ -1,4 +1,4 @@
-//! The stencil against the crossings of each sample's ray with the boundary, which an oracle of its own builds: of one map and of six,
+//! The stencil against the crossings of each sample's ray with the boundary, which an independent oracle builds: of one map and of six,
 //! of every cell and of marked ones, of bits that are moved by parts of a texel, and of eyes of several formats.
 
 use glam::{DVec2, DVec3, DVec4, Mat4};
@@ -34,19 +34,19 @@ pub(crate) fn either(random: &mut Random) -> DepthDirection {
     [REVERSED, STANDARD][random.below(2)]
 }
 
-/// The clip position of a place.
-pub(crate) fn clip(camera: &ShadowCamera, place: DVec3) -> DVec4 {
+/// The clip position of a position.
+pub(crate) fn clip(camera: &ShadowCamera, position: DVec3) -> DVec4 {
     let origin = DVec3::from_array(camera.origin.map(f64::from));
-    Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4() * (place - origin).extend(1.0)
+    Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4() * (position - origin).extend(1.0)
 }
 
-/// The device depth of a place.
-pub(crate) fn device_depth(camera: &ShadowCamera, place: DVec3) -> f32 {
-    let clip = clip(camera, place);
+/// The device depth of a position.
+pub(crate) fn device_depth(camera: &ShadowCamera, position: DVec3) -> f32 {
+    let clip = clip(camera, position);
     (clip.z / clip.w) as f32
 }
 
-/// The place of device coordinates.
+/// The position of device coordinates.
 pub(crate) fn unprojected(camera: &ShadowCamera, device: DVec3) -> DVec3 {
     let point = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse() * device.extend(1.0);
     point.truncate() / point.w + DVec3::from_array(camera.origin.map(f64::from))
@@ -57,19 +57,18 @@ pub(crate) fn light(random: &mut Random) -> (ShadowCamera, DVec4) {
     let away = vector(random);
     let depth = either(random);
     let (far, half_width) = [(None, None), (Some(40.0), None), (Some(40.0), Some(4.0))][random.below(3)];
-    let place = 8.0 * away;
-    let eye =
-        Eye { position: place, forward: -away, near: 0.5, is_relative: random.below(2) == 0, depth, far, half_width };
-    (eye.camera(), if half_width.is_some() { away.extend(0.0) } else { place.extend(1.0) })
+    let position = 8.0 * away;
+    let eye = Eye { position, forward: -away, near: 0.5, is_relative: random.below(2) == 0, depth, far, half_width };
+    (eye.camera(), if half_width.is_some() { away.extend(0.0) } else { position.extend(1.0) })
 }
 
 /// An eye of any kind that looks about the middle of the scene, with its near plane between these distances.
-pub(crate) fn any_eye(random: &mut Random, place: DVec3, near: [f32; 2]) -> ShadowCamera {
-    let forward = vector(random) * 3.0 - place;
+pub(crate) fn any_eye(random: &mut Random, position: DVec3, near: [f32; 2]) -> ShadowCamera {
+    let forward = vector(random) * 3.0 - position;
     let depth = either(random);
     let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
     let near = f64::from(random.between(near[0], near[1]));
-    Eye { position: place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera()
+    Eye { position, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera()
 }
 
 /// The camera, or in every third case its mirror image.
@@ -90,23 +89,24 @@ pub(crate) fn map(random: &mut Random, camera: &ShadowCamera) -> Map {
         if random.below(4) < share {
             return if random.below(7) == 0 { f32::NAN } else { f32::from(!is_reversed) };
         }
-        let [x, y] = [texel % size[0], texel / size[0]].map(|place| place as f32);
+        let [x, y] = [texel % size[0], texel / size[0]].map(|position| position as f32);
         let step = random.below(3) as f32 * 1.5;
         let distance = (5.0 + step + slope[0] * x + slope[1] * y).max(0.1);
         device_depth(camera, near + f64::from(distance) * forward)
     })
 }
 
-/// Where a ray begins, and the point that it sees, for a place of a picture.
+/// Where a ray begins, and the point that it sees, for a position of a picture.
 pub(crate) type Seen<'a> = dyn Fn(DVec2) -> (DVec3, DVec3) + 'a;
 
 /// Points on a wavy surface, near or far.
 pub(crate) fn seen<'a>(random: &mut Random, rays: &'a Rays) -> impl Fn(DVec2) -> (DVec3, DVec3) + use<'a> {
     let middle = f64::from(random.between(3.0, 14.0));
     let waves = [0; 4].map(|_| f64::from(random.between(-0.2, 0.2)));
-    move |place: DVec2| {
-        let (near, direction) = rays.at(place);
-        let wave = (waves[0] * place.x + waves[1] * place.y).sin() * 0.4 + (waves[2] * place.x + waves[3]).cos() * 0.3;
+    move |position: DVec2| {
+        let (near, direction) = rays.at(position);
+        let wave = (waves[0] * position.x + waves[1] * position.y).sin() * 0.4
+            + (waves[2] * position.x + waves[3]).cos() * 0.3;
         (near, near + direction * middle * (1.0 + wave))
     }
 }
@@ -121,7 +121,7 @@ pub(crate) fn seen_depths(eye: &ShadowCamera, side: u32, seen: &Seen<'_>) -> Vec
     (0..side * side).map(|pixel| device_depth(eye, seen(middle(pixel, side)).1)).collect()
 }
 
-/// The truth by the ray at a place of a picture, with those within a twentieth of a pixel, times `wider`, and of points that are nearer
+/// The truth by the ray at a position of a picture, with those within a twentieth of a pixel, times `wider`, and of points that are nearer
 /// and farther by little: whether the stencil is set, and whether the ray begins in shadow. `None` near borders. `is_every`: every
 /// edge is marked, so parity is darkness, and where the two differ is a border, too.
 pub(crate) fn truth(
@@ -139,9 +139,9 @@ pub(crate) fn truth(
         (-0.05, -0.06, 0.997),
     ];
     let truths = around.map(|(x, y, share)| {
-        let (near, place) = seen(at + wider * DVec2::new(x, y));
-        let place = near + share * (place - near);
-        (boundary.parity(near, place), boundary.is_dark(near), boundary.is_dark(place))
+        let (near, position) = seen(at + wider * DVec2::new(x, y));
+        let position = near + share * (position - near);
+        (boundary.parity(near, position), boundary.is_dark(near), boundary.is_dark(position))
     });
     let (parity, is_cut, is_dark) = truths[0];
     (truths == [truths[0]; 6] && (!is_every || parity == is_dark)).then_some((parity, is_cut))
@@ -189,7 +189,7 @@ struct Way<'a> {
     moves: &'a [[f64; 2]],
     /// The format of the eye's depth, and samples.
     target: (TextureFormat, u32),
-    /// Two maps change places before they are given: a negative control.
+    /// Two maps are exchanged before they are given: a negative control.
     is_exchanged: bool,
 }
 
@@ -208,7 +208,7 @@ struct Scene {
     maps: Vec<Option<Map>>,
     side: u32,
     lights: Vec<ShadowCamera>,
-    /// About the place of the light.
+    /// About the position of the light.
     middle: DVec3,
     boundaries: Vec<Boundary>,
 }
@@ -240,15 +240,16 @@ impl Scene {
 /// Adds the samples of a picture. Counts those that the stencil of another sample of the pixel is wrong for.
 fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Result<usize, String> {
     let scene = Scene::new(random, way);
-    let place = scene.middle * f64::from(random.below(2) as u32) + f64::from(random.between(0.3, 9.0)) * vector(random);
-    let eye = any_eye(random, place, way.near);
+    let position =
+        scene.middle * f64::from(random.below(2) as u32) + f64::from(random.between(0.3, 9.0)) * vector(random);
+    let eye = any_eye(random, position, way.near);
     let eye = mirrored(random, eye);
     let rays = Rays::new(&eye, SIDE);
     let seen = seen(random, &rays);
     let within = if way.target.1 == 1 { &[CENTRE][..] } else { &SAMPLES };
-    let places: Vec<_> =
+    let positions: Vec<_> =
         (0..SIDE * SIDE).flat_map(|pixel| within.iter().map(move |&at| middle(pixel, SIDE) - CENTRE + at)).collect();
-    let depths: Vec<_> = places.iter().map(|&place| device_depth(&eye, seen(place).1)).collect();
+    let depths: Vec<_> = positions.iter().map(|&position| device_depth(&eye, seen(position).1)).collect();
     let method = if way.threshold < 0.0 { EVERY_CELL } else { differences(way.threshold) };
     let capacity = way.overflows.then(|| random.below(3) as u32);
     let options = DepthMapOptions { capacity, slope_bias: 0.0, ..by(method) };
@@ -269,9 +270,9 @@ fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Res
     let (share, turn) = if samples > 1 && !is_long() { (7, random.below(7)) } else { (1, 0) };
     let mut others = 0;
     for (bit, boundary) in (bit..).zip(&scene.boundaries) {
-        for (number, &place) in places.iter().enumerate().filter(|(at, _)| at / within.len() % share == turn) {
+        for (number, &position) in positions.iter().enumerate().filter(|(at, _)| at / within.len() % share == turn) {
             let is_set = |number: usize| stencil[number] >> bit & 1 == 1;
-            let truth = truth(boundary, &seen, place, (1.0, way.threshold < 0.0));
+            let truth = truth(boundary, &seen, position, (1.0, way.threshold < 0.0));
             tally.add(truth, is_set(number));
             let next = number - number % within.len() + (number + 2) % within.len();
             others += usize::from(truth.is_some_and(|truth| truth.0 != is_set(next)));
@@ -324,7 +325,7 @@ fn of_cubes() -> Result<(), String> {
     must_fail("maps that are exchanged", &trials(&*Gpu::shared()?, 1655, 10, exchanged))
 }
 
-/// Boundaries that are moved by parts of a texel, each into a bit of its own.
+/// Boundaries that are moved by parts of a texel, each into another bit.
 fn of_bits() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let of_two = [[-0.25, 0.25], [0.25, -0.25]];
@@ -364,10 +365,9 @@ fn beyond() -> Result<(), String> {
         let away = vector(&mut random);
         let (depth, half_width) = (either(&mut random), [None, Some(4.0)][random.below(2)]);
         let (near, far) = (f64::from(random.between(2.0, 4.5)), f64::from(random.between(9.0, 11.0)));
-        let (place, is_relative) = (8.0 * away, random.below(2) == 0);
-        let camera =
-            Eye { position: place, forward: -away, near, is_relative, depth, far: Some(far), half_width }.camera();
-        let at = if half_width.is_some() { away.extend(0.0) } else { place.extend(1.0) };
+        let (position, is_relative) = (8.0 * away, random.below(2) == 0);
+        let camera = Eye { position, forward: -away, near, is_relative, depth, far: Some(far), half_width }.camera();
+        let at = if half_width.is_some() { away.extend(0.0) } else { position.extend(1.0) };
         let map = map(&mut random, &camera);
         let eye_place = f64::from(random.between(1.0, 9.0)) * vector(&mut random);
         let eye = any_eye(&mut random, eye_place, [0.1, 1.0]);
@@ -379,7 +379,7 @@ fn beyond() -> Result<(), String> {
         let stencil = Target::new(eye, &depths).stencil(&gpu, &maps, options)?;
         let boundary = Boundary::edited(&map, &camera, at, -1.0, None);
         for (pixel, &value) in (0..).zip(&stencil).filter(|(pixel, _)| pixel % 3 == 0) {
-            let distance = (seen(middle(pixel, SIDE)).1 - place).dot(-away);
+            let distance = (seen(middle(pixel, SIDE)).1 - position).dot(-away);
             let kind = usize::from(distance > near) + usize::from(distance > far);
             tallies[kind].add(truth(&boundary, &seen, middle(pixel, SIDE), (1.0, true)), value != 0);
         }

@@ -38,8 +38,8 @@ pub(crate) fn by(method: DepthMapMethod) -> DepthMapOptions {
 }
 
 /// A perspective view of reversed depth without a far plane, whose positions are taken relative to the eye.
-pub(crate) fn look(place: DVec3, forward: DVec3, near: f64) -> Eye {
-    Eye { position: place, forward, near, is_relative: true, depth: REVERSED, far: None, half_width: None }
+pub(crate) fn look(position: DVec3, forward: DVec3, near: f64) -> Eye {
+    Eye { position, forward, near, is_relative: true, depth: REVERSED, far: None, half_width: None }
 }
 
 /// The maps of a light, one or the six of a cube, with their cameras.
@@ -148,7 +148,7 @@ impl Volumes {
     }
 }
 
-/// An encode, and what the GPU tells of it.
+/// An encode, and its statistics.
 pub(crate) struct Encoded {
     pub(crate) volumes: Volumes,
     pub(crate) frame: DepthMapFrame,
@@ -218,8 +218,8 @@ impl<'a> Target<'a> {
 
     pub(crate) fn draw(&self, gpu: &Gpu, maps: &Maps, options: DepthMapOptions) -> Result<(Vec<u8>, Encoded), String> {
         let Self { eye, depths, format, samples, ref bits } = *self;
-        let own = ShadowFormat { depth_stencil: format, depth: eye.depth, samples, ..Default::default() };
-        let pipelines = pipelines_of(gpu, &own, bits.clone())?;
+        let shadow_format = ShadowFormat { depth_stencil: format, depth: eye.depth, samples, ..Default::default() };
+        let pipelines = pipelines_of(gpu, &shadow_format, bits.clone())?;
         let side = (depths.len() / samples as usize).isqrt() as u32;
         let target = sampled(gpu, [side; 2], (format, samples), depths)?;
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());

@@ -40,27 +40,27 @@ impl Plane {
         })
     }
 
-    /// Dark pixels of the plane, of those where `is_taken`, and how many these are.
+    /// Dark pixels of the plane, of those where `is_counted`, and how many these are.
     fn dark(
         &self,
         gpu: &Gpu,
         (maps, options): (&Maps, DepthMapOptions),
         eye: ShadowCamera,
-        is_taken: impl Fn(DVec3, f64) -> bool,
+        is_counted: impl Fn(DVec3, f64) -> bool,
     ) -> Result<[usize; 2], String> {
         let rays = Rays::new(&eye, SIDE);
         let point = |pixel| {
             let (from, ray) = rays.at(middle(pixel, SIDE));
             let t = self.met((from, ray));
             let point = from + t * ray;
-            is_taken(point, t).then_some(point)
+            is_counted(point, t).then_some(point)
         };
         let points: Vec<_> = (0..SIDE * SIDE).map(point).collect();
         let far = if eye.depth == REVERSED { 0.0 } else { 1.0 };
         let depths: Vec<_> = points.iter().map(|point| point.map_or(far, |point| device_depth(&eye, point))).collect();
         let stencil = Target::new(eye, &depths).stencil(gpu, maps, options)?;
-        let taken = points.iter().zip(stencil).filter(|(point, _)| point.is_some());
-        Ok(taken.fold([0; 2], |[dark, all], (_, value)| [dark + usize::from(value != 0), all + 1]))
+        let counted = points.iter().zip(stencil).filter(|(point, _)| point.is_some());
+        Ok(counted.fold([0; 2], |[dark, all], (_, value)| [dark + usize::from(value != 0), all + 1]))
     }
 }
 
@@ -121,19 +121,19 @@ fn grazing() -> Result<(), String> {
             let eye = look(target + 2.0 * away, -away, if is_below { 0.5 } else { 0.1 });
             let eye = Eye { far: Some(10.0), half_width, ..eye }.camera();
             // In the map, with two texels to spare, and the plane there.
-            let is_taken = |place: DVec3, _| {
-                let clip = clip(&camera, place);
+            let is_counted = |position: DVec3, _| {
+                let clip = clip(&camera, position);
                 let [x, y] =
                     [clip.x, -clip.y].map(|at| (f64::midpoint(at / clip.w, 1.0) * f64::from(TEXELS)).floor() as i64);
                 (-2..=2).all(|down| (-2..=2).all(|across| sample(&map, x + across, y + down).is_some()))
             };
-            tally.add(is_below, Plane(target, normal).dark(&gpu, (&maps, by(method)), eye, is_taken)?);
+            tally.add(is_below, Plane(target, normal).dark(&gpu, (&maps, by(method)), eye, is_counted)?);
         }
     }
     tally.check(10_000)
 }
 
-/// The samples of six maps, and an eye on the light's side of the plane, which looks at a place that is not far from the light's foot.
+/// The samples of six maps, and an eye on the light's side of the plane, which looks at a position that is not far from the light's foot.
 fn across_maps() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1657)?;
     let mut tally = Tally::default();
@@ -152,17 +152,17 @@ fn across_maps() -> Result<(), String> {
         let target = foot + f64::from(random.between(0.0, 1.5)) * height * (aside - aside.dot(normal) * normal);
         let away = vector(&mut random);
         let away = away * away.dot(normal).signum();
-        let place = target + f64::from(random.between(0.5, 4.0)) * away + 0.3 * normal;
-        let eye = Eye { depth, ..look(place, target - place, 0.05) }.camera();
+        let position = target + f64::from(random.between(0.5, 4.0)) * away + 0.3 * normal;
+        let eye = Eye { depth, ..look(position, target - position, 0.05) }.camera();
         // The move takes at most half of what is left to infinity, which is twice the distance. Behind the plane nothing of it is in the
         // eye's depth.
         for (is_behind, behind) in [(false, 0.0), (true, 1.2 * height)] {
-            let is_taken = |point: DVec3, t: f64| {
+            let is_counted = |point: DVec3, t: f64| {
                 let way = point - light;
                 (0.0..100.0).contains(&t) && -way.dot(normal) > 0.4 * way.length()
             };
             let options = by(DepthMapMethod::EveryCell);
-            let found = Plane(foot - behind * normal, normal).dark(&gpu, (&maps, options), eye, is_taken)?;
+            let found = Plane(foot - behind * normal, normal).dark(&gpu, (&maps, options), eye, is_counted)?;
             tally.add(is_behind, found);
         }
     }

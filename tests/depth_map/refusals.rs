@@ -162,30 +162,18 @@ fn encoding() -> Result<(), String> {
     let mut encode = |texture: &wgpu::TextureView, light: ShadowCamera, eye: ShadowCamera| {
         gpu.submit(|encoder| Ok(volumes.encode(encoder, &DepthMap { texture, light, objects: None }, &eye)))
     };
-    let taken = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
+    let accepted = "Depth16Unorm, Depth24Plus, Depth32Float, or R32Float";
     let (depth, half, map) = (TextureFormat::Depth32Float, TextureFormat::R16Float, || "the map".to_owned());
     let levels = || is(DepthMapError::MipLevels { map: map(), levels: 2 });
+    let wrong_format = is(DepthMapError::MapFormat { map: map(), format: half, accepted });
+    let wrong_size = is(DepthMapError::MapSize { map: map(), given: [9, 9], made: [8, 8] });
     for (what, format, counts, usage, level, expected) in [
         ("good", (depth, 8), [1, 1], DRAWN | READ, 0, Expected::Taken),
-        (
-            "format",
-            (half, 8),
-            [1, 1],
-            DRAWN | READ,
-            0,
-            is(DepthMapError::MapFormat { map: map(), format: half, accepted: taken }),
-        ),
-        (
-            "size",
-            (depth, 9),
-            [1, 1],
-            DRAWN | READ,
-            0,
-            is(DepthMapError::MapSize { map: map(), given: [9, 9], made: [8, 8] }),
-        ),
+        ("format", (half, 8), [1, 1], DRAWN | READ, 0, wrong_format),
+        ("size", (depth, 9), [1, 1], DRAWN | READ, 0, wrong_size),
         ("samples", (depth, 8), [4, 1], DRAWN | READ, 0, is(DepthMapError::Samples { map: map(), samples: 4 })),
         ("usage", (depth, 8), [1, 1], DRAWN, 0, is(DepthMapError::Usage(map()))),
-        // The second level has the right size, and so has the first; the view does not tell which is shown.
+        // The second level has the right size, and so has the first; the view does not say which is shown.
         ("the second level", (depth, 16), [1, 2], READ, 1, levels()),
         ("the first of two levels", (depth, 8), [1, 2], READ, 0, levels()),
         ("the second of two levels", (depth, 8), [1, 2], READ, 1, levels()),
@@ -197,7 +185,7 @@ fn encoding() -> Result<(), String> {
     let (aspects, view) = (view(&both, 0), depth_view(&both));
     let (good, singular) = (camera(REVERSED), ShadowCamera { view_projection: [[0.0; 4]; 4], ..camera(REVERSED) });
     let mismatch = DepthMapError::Depth { what: "the eye", given: STANDARD, made: REVERSED };
-    // Near and far are told apart by the light's own depth: its w ends before its depth does.
+    // The far plane is behind infinity by rounding: w is 0 before the depth is that of the far end.
     let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -0.999, -0.1], [0.0, 0.0, -1.0, 0.0]];
     let columns = std::array::from_fn(|column| rows.map(|row: [f32; 4]| row[column]));
     let behind = ShadowCamera { view_projection: columns, origin: [0.0; 3], depth: STANDARD };
@@ -238,8 +226,8 @@ fn drawing() -> Result<(), String> {
             refusal("the later frame", second.draw(&mut pass, &pipelines), Expected::Taken),
             refusal("walls", walls.draw(&mut pass, &pipelines), Expected::Taken),
         ])?;
-        let [volumes, own] = [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8];
-        let format = || is(DepthMapError::DepthFormat { volumes, pipelines: own });
+        let [volumes, pipelines] = [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8];
+        let format = || is(DepthMapError::DepthFormat { volumes, pipelines });
         refused(other.iter().map(|other| refusal("format", second.draw(&mut pass, other), format())))
     })
 }

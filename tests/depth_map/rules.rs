@@ -17,11 +17,11 @@ pub(crate) fn exact(value: f32) -> BigInt {
 pub(crate) fn exceeds(large: f32, small: f32, threshold: f32) -> bool {
     let [large, small, threshold] = [large, small, threshold].map(f64::from);
     let difference = large - small;
-    let rest = (large - difference) - small;
-    difference > threshold || (difference == threshold && rest > 0.0)
+    let rounding = (large - difference) - small;
+    difference > threshold || (difference == threshold && rounding > 0.0)
 }
 
-/// The depth of a texel as the documents tell: clamped, and nothing where it is far.
+/// The depth of a texel as the documents define it: clamped, and nothing where it is far.
 pub(crate) fn cast(map: &Map, x: i64, y: i64) -> Option<f32> {
     let inside = (0..i64::from(map.size[0])).contains(&x) && (0..i64::from(map.size[1])).contains(&y);
     let given = *inside.then(|| &map.depths[(y * i64::from(map.size[0]) + x) as usize])?;
@@ -165,7 +165,7 @@ pub(crate) const CELL: u32 = (1 << 29) - 1;
 const SPLIT: u32 = 1 << 29;
 const TRIANGLES: [u32; 2] = [1 << 30, 1 << 31];
 
-/// The corners of the six vertices of a cell, from its first sample: `None` where a triangle is left out.
+/// The corners of the six vertices of a cell, from its first sample: `None` where a triangle is omitted.
 pub(crate) fn corners(entry: u32) -> [Option<[u32; 2]>; 6] {
     let [a, b, c, d] = [[0, 0], [1, 0], [0, 1], [1, 1]];
     let triangles = if entry & SPLIT == 0 { [a, b, d, a, d, c] } else { [a, b, c, b, d, c] };
@@ -176,13 +176,13 @@ pub(crate) fn corners(entry: u32) -> [Option<[u32; 2]>; 6] {
 /// samples around it. Cells have the numbers of those with a border.
 pub(crate) fn entries(map: &Map, objects: &[u32], rule: &Rule, has_border: bool) -> (Vec<u32>, usize) {
     let [width, height] = map.size.map(i64::from);
-    let places = || (-1..=height).flat_map(move |y| (-1..=width).map(move |x| (x, y)));
+    let positions = || (-1..=height).flat_map(move |y| (-1..=width).map(move |x| (x, y)));
     let is_there = |edge: Edge| {
         let ends = [along(edge, 0), along(edge, 1)];
         has_border || ends.iter().all(|(x, y)| (0..width).contains(x) && (0..height).contains(y))
     };
     let of_level = |level| {
-        let all = places().flat_map(|(x, y)| [(x, y, 0), (x, y, 1)]);
+        let all = positions().flat_map(|(x, y)| [(x, y, 0), (x, y, 1)]);
         Marks(width, all.map(|edge| is_there(edge) && rule.is_marked(map, objects, level, edge)).collect())
     };
     let mut marks = of_level(0);
@@ -191,7 +191,7 @@ pub(crate) fn entries(map: &Map, objects: &[u32], rule: &Rule, has_border: bool)
     let around = |x: i64, y: i64| [(x, y, 0), (x, y + 1, 0), (x, y, 1), (x + 1, y, 1)];
     for _ in 0..rule.cells {
         let before = marks.clone();
-        for (x, y) in places() {
+        for (x, y) in positions() {
             if around(x, y).into_iter().filter(|&edge| before.contains(edge)).count() != 1 {
                 continue;
             }
@@ -213,10 +213,10 @@ pub(crate) fn entries(map: &Map, objects: &[u32], rule: &Rule, has_border: bool)
         is_shared(x, y) || beside.into_iter().any(|edge| marks.contains(edge))
     };
     let is_near = |(x, y): (i64, i64)| {
-        let reach = i64::from(rule.rings) - 1;
-        let near = (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| (dx, dy)));
+        let steps = i64::from(rule.rings) - 1;
+        let near = (-steps..=steps).flat_map(|dx| (-steps..=steps).map(move |dy| (dx, dy)));
         cast(map, x, y).is_some()
-            && near.filter(|(dx, dy)| dx.abs() + dy.abs() <= reach).any(|(dx, dy)| ends((x + dx, y + dy)))
+            && near.filter(|(dx, dy)| dx.abs() + dy.abs() <= steps).any(|(dx, dy)| ends((x + dx, y + dy)))
     };
     let entry = |number: u32| {
         let across = width + 1;
@@ -239,9 +239,9 @@ pub(crate) fn entries(map: &Map, objects: &[u32], rule: &Rule, has_border: bool)
 }
 
 /// Entries by the strips of their cells, eight across and four down, and by the rows of each strip.
-fn by_strips(mut entries: Vec<u32>, place: impl Fn(u32) -> [u32; 2]) -> Vec<u32> {
+fn by_strips(mut entries: Vec<u32>, position: impl Fn(u32) -> [u32; 2]) -> Vec<u32> {
     entries.sort_by_key(|&entry| {
-        let [x, y] = place(entry);
+        let [x, y] = position(entry);
         [y / 4, x / 8, y % 4, x % 8]
     });
     entries
@@ -260,14 +260,14 @@ pub(crate) fn listed(map: &Map, objects: &[u32], rule: &Rule, capacity: Option<u
 /// The list of the cells of six maps of a cube.
 pub(crate) fn listed_of_cube(maps: &[Map], objects: &[Vec<u32>], rule: &Rule) -> (Vec<u32>, usize) {
     let side = maps[0].size[0];
-    let place = |entry: u32| [(entry & CELL) % (side + 1), (entry & CELL) / (side + 1)];
+    let position = |entry: u32| [(entry & CELL) % (side + 1), (entry & CELL) / (side + 1)];
     let (mut list, mut all) = (vec![0], 0);
     for (face, map) in maps.iter().enumerate() {
-        let (mut own, continued) = entries(map, objects.get(face).map_or(&[], |own| own), rule, false);
-        own.retain(|&entry| place(entry).iter().all(|at| (1..side).contains(at)));
+        let (mut cells, continued) = entries(map, objects.get(face).map_or(&[], |objects| objects), rule, false);
+        cells.retain(|&entry| position(entry).iter().all(|at| (1..side).contains(at)));
         // Strips begin at the first cell within the map.
-        let in_map = |entry: u32| place(entry).map(|at| at - 1);
-        list.extend(by_strips(own, in_map).into_iter().map(|entry| {
+        let in_map = |entry: u32| position(entry).map(|at| at - 1);
+        list.extend(by_strips(cells, in_map).into_iter().map(|entry| {
             let [x, y] = in_map(entry);
             entry & !CELL | ((face as u32 * (side - 1) + y) * (side - 1) + x)
         }));

@@ -24,12 +24,12 @@ pub(crate) const TESTS: &[Test] = &[
     ("the_depth_of_a_scene_is_that_of_rays", traced),
     ("a_scene_that_changes_has_the_depth_of_the_moment", changed),
     ("casters_of_a_scene_are_chosen_for_its_depth", chosen),
-    ("casters_that_the_light_does_not_see_are_left_out", outside),
+    ("casters_outside_the_view_of_the_light_are_culled", outside),
 ];
 
 pub(crate) const FORMATS: [TextureFormat; 3] =
     [TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
-pub(crate) const UNMOVED: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+pub(crate) const UNIT: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// A caster of a test: its shape, where it is, and its handle. With `buffer`, its positions lie there, in world space.
 pub(crate) struct Placed {
@@ -84,7 +84,7 @@ impl Casters {
         let meshes = self.meshes()?;
         for number in 0..count {
             let shape = random.below(3);
-            let rows = if number % 4 == 1 { UNMOVED } else { rows(random, spread, number) };
+            let rows = if number % 4 == 1 { UNIT } else { rows(random, spread, number) };
             let handle = self.scene.insert(Caster::rigid(meshes[shape], rows)).map_err(text)?;
             self.placed.push(Placed { shape, rows, buffer: None, handle });
         }
@@ -102,12 +102,7 @@ impl Casters {
             for (shape, offset, stride) in of_buffer {
                 let positions = PositionBuffer { buffer: &buffer, offset, stride };
                 let handle = self.scene.insert(Caster::in_buffer(meshes[shape], positions)).map_err(text)?;
-                self.placed.push(Placed {
-                    shape,
-                    rows: UNMOVED,
-                    buffer: Some((buffer.clone(), offset, stride)),
-                    handle,
-                });
+                self.placed.push(Placed { shape, rows: UNIT, buffer: Some((buffer.clone(), offset, stride)), handle });
             }
         }
         Ok(())
@@ -148,7 +143,7 @@ impl Casters {
                     draw.draw(pass, PositionBuffer { buffer, offset: *offset, stride: *stride }, light)
                 } else {
                     let positions = PositionBuffer { buffer: &buffers[caster.shape], offset: 0, stride: 12 };
-                    if caster.rows == UNMOVED {
+                    if caster.rows == UNIT {
                         draw.draw(pass, positions, light)
                     } else {
                         draw.draw_rigid(pass, positions, caster.rows, light)
@@ -196,12 +191,12 @@ fn equal() -> Result<(), String> {
             return Err(format!("{what}: {counts:?}"));
         }
     }
-    // Negative controls: casters that are seen are left out, one after the other; a texel differs.
+    // Negative controls: each caster is missing in turn; a texel differs.
     let light = light(&mut random, 0);
     let (found, _) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
     let mut noticed = 0;
-    for left_out in 0..casters.placed.len() {
-        let other = casters.one_by_one(&gpu, FORMATS[0], &light, |number| number != left_out)?;
+    for culled in 0..casters.placed.len() {
+        let other = casters.one_by_one(&gpu, FORMATS[0], &light, |number| number != culled)?;
         noticed += usize::from(bits(&other) != bits(&found));
     }
     let mut off = bits(&found);
@@ -248,19 +243,16 @@ fn traced() -> Result<(), String> {
 
 /// Draws see the scene as it is when they are recorded, encoded or not.
 fn changed() -> Result<(), String> {
-    const SEED: u64 = 1715;
-    println!("seed {SEED}");
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(SEED);
+    let (gpu, mut random) = Gpu::seeded(1715)?;
     let mut casters = Casters::new(&gpu)?;
     casters.fill(&gpu, &mut random, (12, 2.0))?;
     let mut before = Vec::new();
     for round in 0..8 {
-        let light = light(&mut Random::new(SEED), 0);
+        let light = light(&mut Random::new(1715), 0);
         let at = random.below(casters.placed.len());
         if round % 4 == 1 {
-            let gone = casters.placed.swap_remove(at);
-            casters.scene.remove(gone.handle).map_err(text)?;
+            let removed = casters.placed.swap_remove(at);
+            casters.scene.remove(removed.handle).map_err(text)?;
         } else if round % 4 == 2 {
             casters.fill(&gpu, &mut random, (2, 1.0))?;
         } else if round > 0
@@ -296,20 +288,20 @@ fn chosen() -> Result<(), String> {
     }
     let twice = [&listed[..], &listed[..]].concat();
     let draw = |which| Ok::<_, String>(casters.drawn(&gpu, FORMATS[0], &light, which)?.0);
-    let own = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, is_listed)?);
+    let only = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, is_listed)?);
     let others = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |number| !is_listed(number))?);
     let all = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |_| true)?);
-    same("only", &bits(&draw(SceneDepthCasters::Only(&listed))?), &own)?;
-    same("only, twice", &bits(&draw(SceneDepthCasters::Only(&twice))?), &own)?;
+    same("only", &bits(&draw(SceneDepthCasters::Only(&listed))?), &only)?;
+    same("only, twice", &bits(&draw(SceneDepthCasters::Only(&twice))?), &only)?;
     same("except", &bits(&draw(SceneDepthCasters::Except(&listed))?), &others)?;
-    same("without volumes", &bits(&draw(SceneDepthCasters::NotCastingFor(of_scene))?), &own)?;
+    same("without volumes", &bits(&draw(SceneDepthCasters::NotCastingFor(of_scene))?), &only)?;
     same("except none", &bits(&draw(SceneDepthCasters::Except(&[]))?), &all)?;
     let none = bits(&casters.one_by_one(&gpu, FORMATS[0], &light, |_| false)?);
     same("none", &bits(&draw(SceneDepthCasters::Only(&[]))?), &none)?;
-    must_fail("all", &same("only", &all, &own))?;
-    must_fail("others", &same("only", &others, &own))?;
-    must_fail("nothing", &same("only", &none, &own))?;
-    // A scene without casters, and one whose casters have no place.
+    must_fail("all", &same("only", &all, &only))?;
+    must_fail("others", &same("only", &others, &only))?;
+    must_fail("nothing", &same("only", &none, &only))?;
+    // A scene without casters, and one whose casters have singular transforms.
     let mut empty = Casters::new(&gpu)?;
     let (found, counts) = empty.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
     same("no casters", &bits(&found), &none)?;
@@ -326,16 +318,16 @@ fn chosen() -> Result<(), String> {
     same("singular: no draws", &[counts], &[SceneDepthCounts::default()])?;
     let each = empty.one_by_one(&gpu, FORMATS[0], &light, |_| true)?;
     same("singular, one by one", &bits(&each), &none)?;
-    // Negative control: with a place, it is drawn.
-    empty.scene.set_transform(empty.placed[0].handle, UNMOVED).map_err(text)?;
+    // Negative control: with the unit matrix it is drawn.
+    empty.scene.set_transform(empty.placed[0].handle, UNIT).map_err(text)?;
     let (found, _) = empty.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
-    must_fail("a place", &same("singular", &bits(&found), &none))
+    must_fail("the unit matrix", &same("singular", &bits(&found), &none))
 }
 
-/// Leaving casters out changes no bit. Boxes of buffers are stated.
+/// Culling of casters changes no bit. Boxes of casters in buffers are stated.
 fn outside() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1714)?;
-    let (mut left_out, mut all) = (0, 0);
+    let (mut culled, mut all) = (0, 0);
     for number in 0..if is_long() { 48 } else { 12 } {
         let mut casters = Casters::new(&gpu)?;
         casters.fill(&gpu, &mut random, (24, 8.0))?;
@@ -355,7 +347,7 @@ fn outside() -> Result<(), String> {
         let (found, counts) = casters.drawn(&gpu, format, &light, SceneDepthCasters::All)?;
         let truth = casters.one_by_one(&gpu, format, &light, |_| true)?;
         same(&format!("view {number}"), &bits(&found), &bits(&truth))?;
-        // Each that was left out has no texel of its own.
+        // A culled caster has no texel.
         let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
         for at in 0..casters.placed.len() {
             let only = [casters.placed[at].handle];
@@ -363,14 +355,14 @@ fn outside() -> Result<(), String> {
             let alone = casters.one_by_one(&gpu, format, &light, |number| number == at)?;
             let is_seen = alone.iter().any(|&depth| depth != far);
             if is_seen && one.drawn != 1 {
-                return Err(format!("view {number}: caster {at} is seen and left out"));
+                return Err(format!("view {number}: caster {at} is seen and culled"));
             }
         }
-        left_out += counts.outside;
+        culled += counts.outside;
         all += counts.outside + counts.drawn;
     }
-    println!("{left_out} of {all} left out");
-    // A box that is not finite in one corner, or not stated, tells nothing; a box elsewhere does, whatever is in the buffer.
+    println!("{culled} of {all} culled");
+    // A caster without a box, or with a box that is not finite, is drawn. A box elsewhere culls a caster, whatever its buffer holds.
     let mut casters = Casters::new(&gpu)?;
     casters.fill(&gpu, &mut random, (8, 0.1))?;
     let light = light(&mut random, 0);
@@ -381,5 +373,5 @@ fn outside() -> Result<(), String> {
     casters.scene.set_bounds(in_buffer, Some([[900.0; 3], [901.0; 3]])).map_err(text)?;
     let (_, counts) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
     same("stated elsewhere", &[counts.outside], &[1])?;
-    if left_out * 4 > all && left_out * 10 < all * 9 { Ok(()) } else { Err(format!("{left_out} of {all} left out")) }
+    if culled * 4 > all && culled * 10 < all * 9 { Ok(()) } else { Err(format!("{culled} of {all} culled")) }
 }

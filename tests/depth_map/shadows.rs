@@ -36,7 +36,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 const CONTOURS: [f32; 3] = [0.0005, 0.25, 0.002];
 
-/// How a map is made and taken.
+/// How a map is made and drawn.
 #[derive(Clone, Copy)]
 struct Way {
     options: DepthMapOptions,
@@ -65,7 +65,7 @@ impl Way {
         };
         if has_objects {
             // The ground is one object, and what stands on it is another.
-            let on_ground = |seen: &Seen| u32::from(seen.is_some_and(|(place, _)| place.y < 1e-7));
+            let on_ground = |seen: &Seen| u32::from(seen.is_some_and(|(position, _)| position.y < 1e-7));
             let numbers: Vec<_> = view.light_seen()[0].iter().map(on_ground).collect();
             maps.objects = vec![Some(objects(gpu, maps.size, &numbers))];
         }
@@ -77,8 +77,8 @@ impl Way {
     }
 }
 
-/// Draws each view in each way, of worlds that are taken.
-fn trials<const N: usize>(seed: u64, ways: [Way; N], is_taken: fn(&World) -> bool) -> Result<(), String> {
+/// Draws each view in each way, of worlds that are chosen.
+fn trials<const N: usize>(seed: u64, ways: [Way; N], is_chosen: fn(&World) -> bool) -> Result<(), String> {
     println!("seed {seed}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(seed);
@@ -88,7 +88,7 @@ fn trials<const N: usize>(seed: u64, ways: [Way; N], is_taken: fn(&World) -> boo
     for format in [TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm] {
         let mut tallies = ways.map(|_| Tally::default());
         for round in 0..if is_long() { 12 } else { 4 } {
-            for world in worlds(&mut random).iter().filter(|world| is_taken(world)) {
+            for world in worlds(&mut random).iter().filter(|world| is_chosen(world)) {
                 let Some(view) = View::random(&mut random, world) else { continue };
                 for (tally, way) in tallies.iter_mut().zip(ways) {
                     way.add(&gpu, &view, format, tally)?;
@@ -111,7 +111,7 @@ fn trials<const N: usize>(seed: u64, ways: [Way; N], is_taken: fn(&World) -> boo
         }
     }
     for (tally, way) in all.into_iter().zip(ways) {
-        // A detector may miss an edge. Walls miss more, at rims that are steeper than the texels tell.
+        // A detector may miss an edge. Walls miss more, at rims that are steeper than the texels show.
         let pixels = tally.pixels();
         let allowed = match way.options.method {
             DepthMapMethod::EveryCell => 0,
@@ -135,7 +135,7 @@ fn of_methods() -> Result<(), String> {
     trials(1631, methods.map(|method| Way::new(by(method))), |_| true)
 }
 
-/// Objects that cast no shadow onto themselves. Steep sides of the boxes are left out. Moved, they would leave the boxes behind, and
+/// Objects that cast no shadow onto themselves. Steep sides of the boxes are omitted. Moved, they would leave the boxes behind, and
 /// rays would miss a crossing there, so they are not moved.
 fn of_objects() -> Result<(), String> {
     let options = DepthMapOptions { slope_bias: 0.0, ..by(differences(1.0)) };
@@ -173,7 +173,7 @@ fn of_distances() -> Result<(), String> {
         with(EVERY_CELL, axis, axis),
         with(AUTOMATIC, ray, ray),
         with(contours(CONTOURS), ray, ray),
-        // Negative control: distances along the axis are taken for the longer ones along rays, so surfaces stand before themselves.
+        // Negative control: distances along the axis are read as the longer ones along rays, so surfaces are before themselves.
         with(AUTOMATIC, ray, axis),
     ];
     let mut tallies = ways.map(|_| Tally::default());
@@ -217,12 +217,12 @@ fn of_cubes() -> Result<(), String> {
             if world.is_inside(light) {
                 continue;
             }
-            let place = DVec3::new(between(-5.0, 5.0), between(1.0, 5.0), between(-5.0, 5.0));
-            if world.is_inside(place) {
+            let position = DVec3::new(between(-5.0, 5.0), between(1.0, 5.0), between(-5.0, 5.0));
+            if world.is_inside(position) {
                 continue;
             }
-            let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.0), between(-1.0, 1.0)) - place;
-            let eye = look(place, forward, 0.05).camera();
+            let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.0), between(-1.0, 1.0)) - position;
+            let eye = look(position, forward, 0.05).camera();
             let view = View::new((world, world), Sun::new(light, false, cameras.to_vec(), TEXELS), eye, TEXELS);
             let format = TextureFormat::Depth32Float;
             Way::new(by(EVERY_CELL)).add(&gpu, &view, format, &mut every)?;
@@ -285,11 +285,11 @@ const NEAR: f64 = 0.01;
 /// The triangles of bodies that `is_wanted` takes.
 fn triangles(frame: &Frame, is_wanted: fn(&Body) -> bool) -> Vec<[DVec3; 3]> {
     let wanted = frame.bodies.iter().filter(|body| is_wanted(body));
-    let own = wanted.flat_map(|body| {
+    let triangles = wanted.flat_map(|body| {
         let corner = |v: u32| DVec3::from_array(body.shape.positions[v as usize].map(f64::from));
         body.finite_faces().into_iter().map(move |face| face.map(corner))
     });
-    own.collect()
+    triangles.collect()
 }
 
 /// The light of a frame, with one camera if the casters fit it, or six.
@@ -333,7 +333,7 @@ fn of_classes() -> Result<(), String> {
     // Frames with one map and six, and those with a near cap that is drawn. Wrong with the default detector in the other classes.
     let (mut maps, mut caps, mut without) = ([0; 2], 0, 0);
     for class in CLASSES {
-        let mut own = Tally::default();
+        let mut of_class = Tally::default();
         for round in 0..if is_long() { 40 } else { 2 } {
             let frame = (class.frame)(&mut random);
             let sun = sun_of(&frame, [REVERSED, STANDARD][round % 2])?;
@@ -344,13 +344,13 @@ fn of_classes() -> Result<(), String> {
             let view = View::new((&casting, &drawn), sun, frame.eye.camera(), 64);
             // Frames with a surface near the light's near plane are skipped: a surface before that plane casts from the plane.
             let at = view.sun.homogeneous();
-            let is_near = |seen: &Seen| seen.is_some_and(|(place, _)| place.distance(at.truncate()) < 2.0 * NEAR);
+            let is_near = |seen: &Seen| seen.is_some_and(|(position, _)| position.distance(at.truncate()) < 2.0 * NEAR);
             if at.w != 0.0 && view.light_seen().iter().flatten().any(is_near) {
                 continue;
             }
             let format = TextureFormat::Depth32Float;
             caps += usize::from(Way::new(by(EVERY_CELL)).add(&gpu, &view, format, &mut every)?.has_cap());
-            Way::new(by(AUTOMATIC)).add(&gpu, &view, format, &mut own)?;
+            Way::new(by(AUTOMATIC)).add(&gpu, &view, format, &mut of_class)?;
             if round == 0 {
                 // The negative control takes long.
                 let way = Way { off: 20 * TEXELS as usize + 20, ..Way::new(by(EVERY_CELL)) };
@@ -358,9 +358,9 @@ fn of_classes() -> Result<(), String> {
             }
             maps[usize::from(view.sun.cameras.len() > 1)] += 1;
         }
-        println!("{}, by the default detector: {own:?}", class.name);
-        without += if MAY_BE_WRONG.contains(&class.name) { 0 } else { own.wrong };
-        automatic.sum(own);
+        println!("{}, by the default detector: {of_class:?}", class.name);
+        without += if MAY_BE_WRONG.contains(&class.name) { 0 } else { of_class.wrong };
+        automatic.sum(of_class);
     }
     println!("{every:?}, {automatic:?}, moved {moved:?}, {maps:?} with one map and six, {caps} near caps");
     println!("wrong with the default detector in classes where it is right: {without}");

@@ -1,5 +1,5 @@
 //! The lists that `depth_edges` and `depth_cells` make against exact arithmetic, for each format of a map, and what statistics and
-//! arguments of draws tell of them.
+//! arguments of draws agree with them.
 
 use std::ops::Range;
 
@@ -48,8 +48,8 @@ pub(crate) fn is_short(map: &Map, format: TextureFormat) -> bool {
 }
 
 pub(crate) fn camera(depth: DepthDirection) -> ShadowCamera {
-    let (place, forward) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.3, -1.0, 0.2));
-    Eye { depth, far: Some(50.0), ..look(place, forward, 0.1) }.camera()
+    let (position, forward) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.3, -1.0, 0.2));
+    Eye { depth, far: Some(50.0), ..look(position, forward, 0.1) }.camera()
 }
 
 /// A map that is listed: in a format, with options, into bits, with objects or none.
@@ -71,7 +71,7 @@ struct Listed {
 }
 
 impl Case<'_> {
-    /// Compares the list with that of exact arithmetic, and what is told of it.
+    /// Compares the list with that of exact arithmetic, and its statistics.
     fn check(&self, gpu: &Gpu, eye: &ShadowCamera) -> Result<Listed, String> {
         let Self { map, format, options, ref bits, objects: numbers } = *self;
         let texture = texture(gpu, map.size, format, &map.for_format(format).depths)?;
@@ -94,8 +94,8 @@ impl Case<'_> {
             DepthMapNearCap::Indirect(draw) => gpu.read::<u32>(draw, 1)?[0],
             DepthMapNearCap::Drawn => 3,
         };
-        let told = DepthMapStatistics { found: expected[0], capacity, near_cap_vertices, unused: 0 };
-        same(&format!("{what}: statistics"), &[found], &[told])?;
+        let statistics = DepthMapStatistics { found: expected[0], capacity, near_cap_vertices, unused: 0 };
+        same(&format!("{what}: statistics"), &[found], &[statistics])?;
         let arguments: Vec<u32> = gpu.read(encoded.frame.draw_arguments(), usize::MAX)?;
         let drawn = if found.is_overflowed() { cells } else { expected[0] };
         same(&format!("{what}: arguments"), &arguments, &[6 * drawn, 1, 0, 0])?;
@@ -154,7 +154,7 @@ fn lists() -> Result<(), String> {
         }
     }
     println!("{cells} cells, {added} of edges of objects alone, {noticed} other objects noticed");
-    println!("{overflowed:?} lists with room and without, near caps left out, told and drawn: {caps:?}");
+    println!("{overflowed:?} lists with room and without, near caps skipped, decided on the GPU and drawn: {caps:?}");
     // Negative control: the list of another map.
     let map = &Map::new([9, 9], false, |texel| (texel % 5) as f32 / 8.0);
     let case = Case { map, format: TextureFormat::R32Float, options: by(method(0.125)), bits: 7..8, objects: &[] };

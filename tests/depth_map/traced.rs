@@ -1,4 +1,4 @@
-//! Wrong pixels of a detector, each traced to what it left out: the way from the near rectangle to what is seen crosses an odd
+//! Wrong pixels of a detector, each traced to what it omitted: the way from the near rectangle to what is seen crosses an odd
 //! number of triangles that every cell has and the detector has not. Equal stairs, and open sheets of folds over a
 //! ground that is not in the map (docs/numerics/depth-maps.md, "Open sheets").
 
@@ -25,7 +25,7 @@ use crate::textures::{read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("stairs_without_an_edge_are_traced_to_missed_edges", of_stairs),
-    ("wrong_open_ground_beside_open_sheets_is_traced_to_what_is_left_out", of_sheets),
+    ("wrong_open_ground_beside_open_sheets_is_traced_to_omitted_triangles", of_sheets),
 ];
 
 /// A light and its map, as a format holds it.
@@ -96,7 +96,7 @@ impl Tally {
         let side = depths.len().isqrt() as u32;
         let rays = Rays::new(&eye, side);
         self.pixels += pixels.len();
-        for &(pixel, place, is_lit) in pixels {
+        for &(pixel, position, is_lit) in pixels {
             let is_right = |stencil: &[u8]| (stencil[pixel] == 0) == is_lit;
             if !is_right(&every.0) {
                 self.every += 1;
@@ -106,11 +106,11 @@ impl Tally {
             if !is_wrong && pixel % share != 0 {
                 continue;
             }
-            // Within what a rasterizer rounds places to.
+            // Within what a rasterizer rounds positions to.
             let around = [(0.0, 0.0), (0.01, 0.01), (-0.01, 0.01), (0.01, -0.01), (-0.01, -0.01)];
             let crossed = around.map(|(x, y)| {
                 let from = rays.at(middle(pixel as u32, side) + DVec2::new(x, y)).0;
-                given.boundary.crossings(from, place)
+                given.boundary.crossings(from, position)
             });
             let is_odd = |names: &[Name], by: i64| {
                 let there = |&&([x, y], half): &&Name| missed.contains(&([x + by, y + 2 * by], half));
@@ -122,7 +122,7 @@ impl Tally {
                 self.traced += usize::from(is_traced);
                 self.beside += usize::from(crossed.iter().any(|names| is_odd(names, 3)));
                 if !is_traced {
-                    println!("{method:?}: pixel {pixel}, {place}, lit {is_lit}: {:?}", crossed[0]);
+                    println!("{method:?}: pixel {pixel}, {position}, lit {is_lit}: {:?}", crossed[0]);
                 }
             } else {
                 self.right += 1;
@@ -146,16 +146,16 @@ fn of_stairs() -> Result<(), String> {
     const STEPS: i64 = 12;
     const SIDE: u32 = 96;
     let gpu = Gpu::shared()?;
-    let eye_of = |place: DVec3, forward: DVec3, half_width| {
-        Eye { is_relative: false, far: Some(40.0), half_width, ..look(place, forward, 0.1) }.camera()
+    let eye_of = |position: DVec3, forward: DVec3, half_width| {
+        Eye { is_relative: false, far: Some(40.0), half_width, ..look(position, forward, 0.1) }.camera()
     };
     let light = eye_of(DVec3::new(0.0, 8.0, 0.0), DVec3::NEG_Y, Some(4.0));
     // A texel is a quarter wide.
     let rays = Rays::new(&light, 32);
     let heights = || (0..STEPS).map(|column| 0.3 + 0.15 * column as f64);
-    let plate = |place: DVec3| {
-        let column = ((place.x + 1.0) * 4.0).floor() as i64;
-        ((0..STEPS).contains(&column) && place.z.abs() < 2.0).then_some(0.3 + 0.15 * column as f64)
+    let plate = |position: DVec3| {
+        let column = ((position.x + 1.0) * 4.0).floor() as i64;
+        ((0..STEPS).contains(&column) && position.z.abs() < 2.0).then_some(0.3 + 0.15 * column as f64)
     };
     let map = Map::new([32, 32], true, |texel| {
         let (from, _) = rays.at(middle(texel, 32));
@@ -166,16 +166,16 @@ fn of_stairs() -> Result<(), String> {
     for method in [AUTOMATIC, differences(1.5 * step)] {
         let mut tally = Tally::default();
         for (height, aside) in [(0.9, 0.0), (1.2, 0.6), (0.6, -1.1)] {
-            let place = DVec3::new(-5.0, height, aside);
-            let eye = eye_of(place, DVec3::new(1.0, 0.6, 0.0) - place, None);
+            let position = DVec3::new(-5.0, height, aside);
+            let eye = eye_of(position, DVec3::new(1.0, 0.6, 0.0) - position, None);
             let rays = Rays::new(&eye, SIDE);
             let seen = |pixel: u32| {
                 let (from, ray) = rays.at(middle(pixel, SIDE));
                 let found = [0.0].into_iter().chain(heights()).filter_map(|height| {
                     let t = (height - from.y) / ray.y;
-                    let place = from + t * ray;
-                    let is_there = height == 0.0 || plate(place).is_some_and(|own| (own - height).abs() < 1e-9);
-                    (t > 0.0 && t < 30.0 && is_there).then_some((t, place, height))
+                    let position = from + t * ray;
+                    let is_there = height == 0.0 || plate(position).is_some_and(|top| (top - height).abs() < 1e-9);
+                    (t > 0.0 && t < 30.0 && is_there).then_some((t, position, height))
                 });
                 found.min_by(|a, b| a.0.total_cmp(&b.0))
             };
@@ -183,8 +183,8 @@ fn of_stairs() -> Result<(), String> {
             let depth = |seen: &Option<(f64, DVec3, f64)>| seen.map_or(0.0, |seen| device_depth(&eye, seen.1));
             let depths: Vec<_> = seen.iter().map(depth).collect();
             let pixels = seen.iter().enumerate().filter_map(|(pixel, seen)| {
-                let (_, place, height) = (*seen)?;
-                Some((pixel, place, height > 0.0 || plate(place).is_none()))
+                let (_, position, height) = (*seen)?;
+                Some((pixel, position, height > 0.0 || plate(position).is_none()))
             });
             tally.add(&gpu, &given, (eye, &depths), &pixels.collect::<Vec<_>>(), (method, 13))?;
         }
@@ -212,14 +212,14 @@ fn sheet(random: &mut Random) -> Vec<[DVec3; 3]> {
     let rows: Vec<_> = (0..4).map(|row| (f64::from(row) - 1.5) * between(0.7, 1.1)).collect();
     let wobbles: Vec<_> = (0..ACROSS * rows.len()).map(|_| between(-1.0, 1.0)).collect();
     let (sin, cos) = turn.sin_cos();
-    let place = |column: usize, row: usize| {
+    let position = |column: usize, row: usize| {
         let ((x, height), wobble) = (columns[column], wobbles[row * ACROSS + column]);
         let z = rows[row] * (1.0 + 0.15 * wobble);
         DVec3::new(cos * x - sin * z, lift + height * (1.0 + 0.3 * wobble) + tilt * z, sin * x + cos * z)
     };
     let cells = (1..rows.len()).flat_map(|row| (1..ACROSS).map(move |column| [column, row]));
     let triangles = cells.flat_map(|[x, y]| {
-        let [a, b, c, d] = [place(x - 1, y - 1), place(x, y - 1), place(x, y), place(x - 1, y)];
+        let [a, b, c, d] = [position(x - 1, y - 1), position(x, y - 1), position(x, y), position(x - 1, y)];
         [[a, b, c], [a, c, d]]
     });
     triangles.collect()
@@ -242,37 +242,38 @@ fn of_sheets() -> Result<(), String> {
         let rays = Rays::new(&light, SIDE);
         let map = Map::new([SIDE; 2], depth == DepthDirection::Reversed, |texel| {
             let far = f32::from(depth == DepthDirection::Standard);
-            tracer.first(rays.at(middle(texel, SIDE))).map_or(far, |(place, _)| device_depth(&light, place))
+            tracer.first(rays.at(middle(texel, SIDE))).map_or(far, |(position, _)| device_depth(&light, position))
         });
         let given = Given::new(&gpu, &map, TextureFormat::Depth32Float, (light, towards.extend(0.0)))?;
-        // Whether there is nothing in the map two rows and columns around a place.
-        let is_open = |place: DVec3| {
-            let clip = clip(&given.light, place);
+        // Whether there is nothing in the map two rows and columns around a position.
+        let is_open = |position: DVec3| {
+            let clip = clip(&given.light, position);
             let [x, y] = [clip.x, -clip.y].map(|at| (f64::midpoint(at / clip.w, 1.0) * f64::from(SIDE)).floor() as i64);
             (-2..=2).all(|down| (-2..=2).all(|across| sample(&given.map, x + across, y + down).is_none()))
         };
         for _ in 0..6 {
             let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
             let angle = between(0.0, 6.3);
-            let place = DVec3::new(3.5 * angle.cos(), between(0.3, 4.0), 3.5 * angle.sin());
-            let forward = DVec3::new(between(-0.7, 0.7), between(0.6, 2.2), between(-0.7, 0.7)) - place;
-            let eye = Eye { is_relative: false, ..look(place, forward, 0.05) }.camera();
+            let position = DVec3::new(3.5 * angle.cos(), between(0.3, 4.0), 3.5 * angle.sin());
+            let forward = DVec3::new(between(-0.7, 0.7), between(0.6, 2.2), between(-0.7, 0.7)) - position;
+            let eye = Eye { is_relative: false, ..look(position, forward, 0.05) }.camera();
             let rays = Rays::new(&eye, SIDE);
-            // The place, and whether it is of the ground.
+            // The position, and whether it is of the ground.
             let seen = |pixel| {
                 let (from, way) = rays.at(middle(pixel, SIDE));
-                let of_sheet = tracer.first((from, way)).map(|(place, _)| (place.distance(from), place, false));
+                let of_sheet =
+                    tracer.first((from, way)).map(|(position, _)| (position.distance(from), position, false));
                 let t = -from.y / way.y;
-                let place = from + t * way;
-                let is_ground = t > 0.0 && place.x.abs() < GROUND && place.z.abs() < GROUND;
-                let of_ground = is_ground.then_some((t, place, true));
+                let position = from + t * way;
+                let is_ground = t > 0.0 && position.x.abs() < GROUND && position.z.abs() < GROUND;
+                let of_ground = is_ground.then_some((t, position, true));
                 of_sheet.into_iter().chain(of_ground).min_by(|a, b| a.0.total_cmp(&b.0))
             };
             let seen: Vec<_> = (0..SIDE * SIDE).map(seen).collect();
             let depth = |seen: &Option<(f64, DVec3, bool)>| seen.map_or(0.0, |seen| device_depth(&eye, seen.1));
             let depths: Vec<_> = seen.iter().map(depth).collect();
             let pixels = seen.iter().enumerate().filter_map(|(pixel, seen)| match *seen {
-                Some((_, place, true)) if is_open(place) => Some((pixel, place, true)),
+                Some((_, position, true)) if is_open(position) => Some((pixel, position, true)),
                 _ => None,
             });
             tally.add(&gpu, &given, (eye, &depths), &pixels.collect::<Vec<_>>(), (AUTOMATIC, 997))?;

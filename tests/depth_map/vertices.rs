@@ -70,16 +70,16 @@ impl Tally {
 
 /// An eye of any kind, and a format of its depth buffer.
 pub(crate) fn eye(random: &mut Random) -> (ShadowCamera, TextureFormat) {
-    let place = f64::from(random.between(0.5, 9.0)) * vector(random);
-    let eye = any_eye(random, place, [0.05, 3.0]);
+    let position = f64::from(random.between(0.5, 9.0)) * vector(random);
+    let eye = any_eye(random, position, [0.05, 3.0]);
     (eye, [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8][random.below(2)])
 }
 
-/// The samples of the vertices that are drawn of a list: `None` where a triangle is left out. `place` is that of a cell's first
+/// The samples of the vertices that are drawn of a list: `None` where a triangle is omitted. `position`: that of a cell's first
 /// sample.
-fn drawn(list: &[u32], place: impl Fn(u32) -> [u32; 2]) -> Vec<Option<[u32; 2]>> {
+fn drawn(list: &[u32], position: impl Fn(u32) -> [u32; 2]) -> Vec<Option<[u32; 2]>> {
     let of_cell = |&entry: &u32| {
-        let [x, y] = place(entry & CELL);
+        let [x, y] = position(entry & CELL);
         corners(entry).map(|corner| corner.map(|[across, down]| [x + across, y + down]))
     };
     list.iter().skip(1).flat_map(of_cell).collect()
@@ -137,7 +137,7 @@ impl Vertices {
     }
 }
 
-/// Vertex of a triangle that is left out.
+/// Vertex of an omitted triangle.
 const NOTHING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// Maps of all kinds, and hostile ones, for lights and eyes of all kinds; moved aside and not.
@@ -173,7 +173,7 @@ fn of_maps() -> Result<(), String> {
         for (corner, found) in corners.into_iter().zip(found) {
             let Some(at) = corner else {
                 if found != NOTHING {
-                    return Err(format!("round {round}: {found:?} of a triangle that is left out"));
+                    return Err(format!("round {round}: {found:?} of an omitted triangle"));
                 }
                 continue;
             };
@@ -221,8 +221,8 @@ fn of_cubes() -> Result<(), String> {
         let cells = listed_of_cube(&faces, &[], &rule).0;
         let corners = drawn(&cells, |cell| {
             let (across, face) = (side - 1, cell / ((side - 1) * (side - 1)));
-            let rest = cell % (across * across);
-            at_face(side, face, [rest % across, rest / across])
+            let in_map = cell % (across * across);
+            at_face(side, face, [in_map % across, in_map / across])
         });
         let given = Given::new(&gpu, (&shape, [3 * side, 2 * side], &depths), &cells, &views)?;
         let found = vertices.run(&gpu, &given, corners.len())?;
@@ -230,9 +230,9 @@ fn of_cubes() -> Result<(), String> {
         let mut of_rays: HashMap<u32, [f32; 4]> = HashMap::new();
         for (corner, found) in corners.into_iter().zip(found) {
             let Some([x, y]) = corner else { continue };
-            let (face, own) = (x / side + 3 * (y / side), [x % side, y % side]);
-            let on_ray = &rays[&(face, own)];
-            let what = format!("round {round}, sample {own:?} of map {face}");
+            let (face, texel) = (x / side + 3 * (y / side), [x % side, y % side]);
+            let on_ray = &rays[&(face, texel)];
+            let what = format!("round {round}, sample {texel:?} of map {face}");
             let (first, at_first) = on_ray[0];
             if on_ray.len() > 1 {
                 // All have the same bits.
@@ -243,7 +243,7 @@ fn of_cubes() -> Result<(), String> {
                 }
                 shared += 1;
             }
-            // Slopes at borders go round the edge of the cube: the library's own, so only where there is none.
+            // Slopes at borders continue in the next map: the oracle has no such slopes, so only samples without a bias are compared.
             if on_ray.len() > 1 && slope_bias > 0.0 {
                 continue;
             }
@@ -252,8 +252,8 @@ fn of_cubes() -> Result<(), String> {
             let exact = Exact::new((camera, [side; 2]), (&eye, format), [0.0; 2]);
             let moves = Moves { slope_bias, steps: steps(TextureFormat::R32Float, camera.depth), spread: false };
             let texel = at_first.map(i64::from);
-            let place = DVec2::new(texel[0] as f64, texel[1] as f64);
-            tally.add(&what, &exact.vertex(place, moves.depth(map, texel), 0.0), found)?;
+            let position = DVec2::new(texel[0] as f64, texel[1] as f64);
+            tally.add(&what, &exact.vertex(position, moves.depth(map, texel), 0.0), found)?;
         }
     }
     println!("{shared} at samples that maps share");
@@ -276,7 +276,7 @@ fn of_meshes() -> Result<(), String> {
         let (camera, _) = light(&mut random);
         let stride = 3 + random.below(4) as u32;
         let view = MeshDepthView { columns: camera.view_projection };
-        // A third is where its positions are.
+        // Every third caster has the unit matrix.
         let row = |axis: usize, random: &mut Random| {
             let mut row = [0.0; 4].map(|_: f32| random.between(-2.0, 2.0));
             if round % 3 == 0 {
@@ -310,16 +310,16 @@ fn of_meshes() -> Result<(), String> {
         let found = probe.get_or_insert_with(make).run(&gpu, &bound, &inputs)?;
         let columns = camera.view_projection.map(|column| glam::DVec4::from_array(column.map(f64::from)));
         for (position, found) in positions.iter().zip(found) {
-            // Terms of each place, and of each coordinate that they make.
-            let places = [caster.row_0, caster.row_1, caster.row_2].map(|row| {
+            // The terms of each world coordinate, and of each clip coordinate.
+            let world = [caster.row_0, caster.row_1, caster.row_2].map(|row| {
                 let terms = [0, 1, 2].map(|axis| f64::from(row[axis]) * f64::from(position[axis]));
                 let shift = f64::from(row[3]);
                 let absolute: f64 = terms.iter().map(|term| term.abs()).sum();
                 (terms.iter().sum::<f64>() + shift, absolute + shift.abs())
             });
             let sum = |of: [f64; 3]| columns[0] * of[0] + columns[1] * of[1] + columns[2] * of[2];
-            let value = sum(places.map(|(value, _)| value)) + columns[3];
-            let sizes = [0, 1, 2].map(|axis| columns[axis].abs() * places[axis].1);
+            let value = sum(world.map(|(value, _)| value)) + columns[3];
+            let sizes = [0, 1, 2].map(|axis| columns[axis].abs() * world[axis].1);
             let size = sizes[0] + sizes[1] + sizes[2] + columns[3].abs();
             // A product and three sums, twice.
             let held = Held { value, bound: 8.001 * ROUNDING * size };

@@ -27,7 +27,7 @@ const OVER: f64 = 1e-6;
 
 /// A light with the cameras of its map, or of its six.
 pub(crate) struct Sun {
-    /// A place, or a direction.
+    /// A position, or a direction.
     at: DVec3,
     pub(crate) is_parallel: bool,
     pub(crate) cameras: Vec<ShadowCamera>,
@@ -42,7 +42,7 @@ impl Sun {
         Self { at, is_parallel, cameras, side, rays }
     }
 
-    /// The place, or the direction to a light at infinity.
+    /// The position, or the direction to a light at infinity.
     pub(crate) fn homogeneous(&self) -> DVec4 {
         self.at.extend(if self.is_parallel { 0.0 } else { 1.0 })
     }
@@ -54,15 +54,15 @@ impl Sun {
         world.first(from, way.normalize()).is_none_or(|(t, _)| t >= length)
     }
 
-    pub(crate) fn is_averted(&self, (point, normal): (DVec3, DVec3)) -> bool {
+    pub(crate) fn is_back_facing(&self, (point, normal): (DVec3, DVec3)) -> bool {
         let way = if self.is_parallel { self.at } else { self.at - point };
         way.dot(normal) <= 0.0
     }
 
-    /// The map that has a place: in a cube that whose axis is nearest to the way there.
-    fn face(&self, place: DVec3) -> usize {
+    /// The map that has a position: in a cube that whose axis is nearest to the way there.
+    fn face(&self, position: DVec3) -> usize {
         let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-        let towards = |&face: &usize| axes[face].dot(place - self.at);
+        let towards = |&face: &usize| axes[face].dot(position - self.at);
         (0..self.cameras.len()).max_by(|a, b| towards(a).total_cmp(&towards(b))).unwrap_or(0)
     }
 
@@ -83,7 +83,7 @@ impl Sun {
             let (from, direction) = rays.at(texels + offset);
             let t = (point - from).dot(normal) / direction.dot(normal);
             let moved = (from + t * direction, normal);
-            if t.is_nan() || t <= 0.0 || self.is_averted(moved) {
+            if t.is_nan() || t <= 0.0 || self.is_back_facing(moved) {
                 return Near::Border;
             }
             let first = world.first(from, direction).map_or(f64::INFINITY, |(t, _)| t);
@@ -146,7 +146,7 @@ fn seen(world: &World, rays: &Rays, side: u32) -> Vec<Seen> {
 /// Device depths of what is seen.
 pub(crate) fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
     let far = if camera.depth == REVERSED { 0.0 } else { 1.0 };
-    seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, place))).collect()
+    seen.iter().map(|seen| seen.map_or(far, |(position, _)| device_depth(camera, position))).collect()
 }
 
 /// A surface that the eye sees, front-facing to the light.
@@ -158,7 +158,7 @@ pub(crate) struct Receiver {
     near: [OnceCell<Near>; 8],
 }
 
-/// How the map of a light is taken.
+/// How the map of a light is made.
 #[derive(Clone, Copy)]
 pub(crate) struct MapOf {
     /// Texels along the side.
@@ -192,12 +192,12 @@ impl<'a> View<'a> {
     pub(crate) fn new((world, drawn): (&'a World, &World), sun: Sun, eye: ShadowCamera, pixels: u32) -> Self {
         let rays = Rays::new(&eye, pixels);
         let mut corners = (0..=pixels).flat_map(|y| (0..=pixels).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
-        let is_cut = corners.any(|place| drawn.is_inside(rays.at(place).0));
+        let is_cut = corners.any(|position| drawn.is_inside(rays.at(position).0));
         let eye_seen = seen(drawn, &rays, pixels);
         let receivers = (0..).zip(&eye_seen).filter_map(|(pixel, seen)| {
             let seen = (*seen)?;
             let near = [const { OnceCell::new() }; 8];
-            (!sun.is_averted(seen)).then(|| Receiver { pixel, seen, is_lit: sun.is_lit(world, seen), near })
+            (!sun.is_back_facing(seen)).then(|| Receiver { pixel, seen, is_lit: sun.is_lit(world, seen), near })
         });
         let receivers = receivers.collect();
         Self { world, sun, light_seen: OnceCell::new(), eye, eye_seen, receivers, is_cut }
@@ -214,17 +214,18 @@ impl<'a> View<'a> {
         let towards = DVec3::new(between(-0.7, 0.7), 1.0, between(-0.7, 0.7)).normalize();
         let is_parallel = between(0.0, 1.0) < 0.4;
         let depth = if between(0.0, 1.0) < 0.5 { REVERSED } else { STANDARD };
-        let place = towards * 9.0;
+        let position = towards * 9.0;
         let (far, half_width) = if is_parallel { (Some(20.0), Some(5.0)) } else { (Some(30.0), None) };
-        let (near, far) = planes.map_or((1.0, far), |(near, own)| (near, if is_parallel { own.or(far) } else { own }));
-        let mut camera = Eye { depth, far, half_width, ..look(place, -towards, near) }.camera();
+        let (near, far) =
+            planes.map_or((1.0, far), |(near, given)| (near, if is_parallel { given.or(far) } else { given }));
+        let mut camera = Eye { depth, far, half_width, ..look(position, -towards, near) }.camera();
         let turned = DMat4::from_rotation_z(turn) * Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
         camera.view_projection = turned.as_mat4().to_cols_array_2d();
-        let sun = Sun::new(if is_parallel { towards } else { place }, is_parallel, vec![camera], side);
-        let place = DVec3::new(between(-5.0, 5.0), between(0.6, 5.0), between(-5.0, 5.0));
-        let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.5), between(-1.0, 1.0)) - place;
+        let sun = Sun::new(if is_parallel { towards } else { position }, is_parallel, vec![camera], side);
+        let position = DVec3::new(between(-5.0, 5.0), between(0.6, 5.0), between(-5.0, 5.0));
+        let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.5), between(-1.0, 1.0)) - position;
         let near = if between(0.0, 1.0) < 0.3 { 1.0 } else { 0.1 };
-        let eye = Eye { is_relative: false, ..look(place, forward, near) }.camera();
+        let eye = Eye { is_relative: false, ..look(position, forward, near) }.camera();
         Some(Self::new((world, world), sun, eye, SIDE)).filter(|view| !view.is_cut)
     }
 
@@ -261,7 +262,7 @@ impl<'a> View<'a> {
     /// Distances in place of a map's depths.
     pub(crate) fn distances(&self, metric: DepthMetric) -> Vec<f32> {
         let measured = Measured::new(&self.sun.cameras[0]);
-        let distance = |(place, _): (DVec3, DVec3)| measured.distance(metric, place) as f32;
+        let distance = |(position, _): (DVec3, DVec3)| measured.distance(metric, position) as f32;
         self.light_seen()[0].iter().map(|seen| seen.map_or(f32::INFINITY, distance)).collect()
     }
 

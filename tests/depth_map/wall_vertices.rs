@@ -100,9 +100,9 @@ fn vertices() -> Result<(), String> {
                 // A conversion, and a quotient, 2.5 units.
                 (depth, 3.5 * ROUNDING * depth)
             });
-            // The quotient, 2.5 units, of twice the place.
-            let places = 2.5 * ROUNDING * (texel.max_element() + 1.0);
-            let held = exact.vertex(texel, depth, places);
+            // The quotient, 2.5 units, of twice the position.
+            let positions = 2.5 * ROUNDING * (texel.max_element() + 1.0);
+            let held = exact.vertex(texel, depth, positions);
             tally.add(&format!("round {round}, vertex {index}"), &held, drawn.map(f32::from_bits))?;
             tally.far += usize::from(depth.is_none());
         }
@@ -140,30 +140,30 @@ fn probed(
     probe.get_or_insert_with(make).run(gpu, &bound, inputs)
 }
 
-/// The surfaces of a map at places of cells: the code of the cell, and the distance.
+/// The surfaces of a map at positions of cells: the code of the cell, and the distance.
 const SURFACE: (&str, &str, &[u32]) = (
     "
-fn probe_surface(cell: vec2<i32>, place: vec2<f32>) -> vec4<u32> {
+fn probe_surface(cell: vec2<i32>, position: vec2<f32>) -> vec4<u32> {
   let code = load_edge_code(cell);
   if (code == 0u) { return vec4<u32>(0u); }
-  return vec4<u32>(code, bitcast<u32>(contour_distance(cell, code, place)), 0u, 0u);
+  return vec4<u32>(code, bitcast<u32>(contour_distance(cell, code, position)), 0u, 0u);
 }",
     "probe_surface(vec2<i32>(input.xy), input.zw)",
     &[0, 1, 5, 6, 8],
 );
 
-/// Whether flaps change whether a place is behind.
+/// Whether flaps change whether a position is behind.
 const FLAPS: (&str, &str, &[u32]) = (
     "
-fn probe_flaps(place: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {
-  let cell = vec2<i32>(floor(place));
-  return vec4<u32>(u32(flaps_change(cell, place - floor(place), depth, is_behind)), 0u, 0u, 0u);
+fn probe_flaps(position: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {
+  let cell = vec2<i32>(floor(position));
+  return vec4<u32>(u32(flaps_change(cell, position - floor(position), depth, is_behind)), 0u, 0u, 0u);
 }",
     "probe_flaps(input.xy, input.z, input.w != 0.0)",
     &[0, 2, 6, 7],
 );
 
-/// Integers all, but for the side of the contour. Places are parts of 64 of a texel, so that is exact as well.
+/// Integers all, but for the side of the contour. Positions are parts of 64 of a texel, so that is exact as well.
 fn surfaces() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_106)?;
     let (mut compared, mut far, mut sides, mut probe) = (0, 0, 0, None);
@@ -180,16 +180,16 @@ fn surfaces() -> Result<(), String> {
                 [random[0], random[1], random[2], [x, y, 0.0, 0.0], [x, y, 63.0 / 64.0, 63.0 / 64.0]]
             })
             .collect();
-        let told = probed(&gpu, &mut probe, (&map, &traced), SURFACE, &inputs)?;
-        let marked: Vec<_> = told.chunks(5).filter(|cell| cell[0][0] != 0).collect();
-        let found: Vec<_> = marked.iter().flat_map(|cell| cell.iter().map(|told| told[1])).collect();
+        let results = probed(&gpu, &mut probe, (&map, &traced), SURFACE, &inputs)?;
+        let marked: Vec<_> = results.chunks(5).filter(|cell| cell[0][0] != 0).collect();
+        let found: Vec<_> = marked.iter().flat_map(|cell| cell.iter().map(|result| result[1])).collect();
         words.push(found.len() as u32);
         words.extend(&found);
         compared += found.len();
         far += found.iter().filter(|&&distance| distance as i32 == FAR).count();
         // Two surfaces: nearer than the threshold to each other only if they are one.
         let is_two = |cell: &&&[[u32; 4]]| {
-            let [a, b] = [3, 4].map(|place: usize| cell[place][1] as i32);
+            let [a, b] = [3, 4].map(|position: usize| cell[position][1] as i32);
             a == FAR || b == FAR || (a - b).abs() > traced.shape.threshold
         };
         sides += marked.iter().filter(is_two).count();
@@ -198,20 +198,20 @@ fn surfaces() -> Result<(), String> {
             words.clear();
         }
     }
-    println!("{compared} places, {far} far, {sides} cells with two surfaces");
+    println!("{compared} positions, {far} far, {sides} cells with two surfaces");
     if compared > 5000 && far > 500 && sides > 500 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
 /// Flaps change the shadow at points near contours, against `f64`.
 fn changes() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_107)?;
-    let (mut told, mut changed, mut several, mut unsure, mut others, mut probe) = (0, 0, 0, 0, 0, None);
+    let (mut compared, mut changed, mut several, mut unsure, mut others, mut probe) = (0, 0, 0, 0, 0, None);
     for round in 0..if is_long() { 1000 } else { 60 } {
         let is_reversed = random.below(2) == 0;
         let map = map(&mut random, is_reversed);
         let traced = Traced::new(&gpu, &map, fit(1.0), None)?;
         let walls = &traced.quads;
-        // Places beside vertices of flaps, at about their depths.
+        // Positions beside vertices of flaps, at about their depths.
         let flaps: Vec<_> = walls.iter().filter(|wall| wall[0][..2] != wall[1][..2]).collect();
         if flaps.is_empty() {
             continue;
@@ -241,32 +241,32 @@ fn changes() -> Result<(), String> {
             let at = |off: [f64; 3]| {
                 let [x, y, depth] = [x, y, depth].map(f64::from);
                 let distance = if is_reversed { 1.0 - depth } else { depth };
-                let place = DVec4::new(x - 1.0 + off[0], y - 1.0 + off[1], distance + off[2], 1.0);
-                among(walls, place).1
+                let position = DVec4::new(x - 1.0 + off[0], y - 1.0 + off[1], distance + off[2], 1.0);
+                among(walls, position).1
             };
-            let own = at([0.0; 3]);
+            let flaps_here = at([0.0; 3]);
             // Rounding in `f32` may move the point and its depth by this much.
             let around = [-1.0, 1.0].map(|sign| {
                 [[1e-4, 0.0, 0.0], [0.0, 1e-4, 0.0], [0.0, 0.0, 4e-6]].map(|off| at(off.map(|off| sign * off)))
             });
-            if around.iter().flatten().any(|there| *there != own) {
+            if around.iter().flatten().any(|there| *there != flaps_here) {
                 unsure += 1;
                 continue;
             }
-            let expected = own.iter().filter(|&&(_, behind)| behind != is_behind).count() % 2 == 1;
+            let expected = flaps_here.iter().filter(|&&(_, behind)| behind != is_behind).count() % 2 == 1;
             if (word[0] == 1) != expected {
-                return Err(format!("round {round}, {x} {y} {depth}: {word:?}, expected {expected}: {own:?}"));
+                return Err(format!("round {round}, {x} {y} {depth}: {word:?}, expected {expected}: {flaps_here:?}"));
             }
-            // The negative control: the answer of another place.
+            // The negative control: the answer of another position.
             others += usize::from((found[(number + 1) % found.len()][0] == 1) != expected);
-            told += 1;
+            compared += 1;
             changed += usize::from(expected);
-            several += usize::from(own.len() > 1);
+            several += usize::from(flaps_here.len() > 1);
         }
     }
     println!(
-        "{told} places, {changed} changed, {several} in several flaps, {unsure} too near to a border, {others} others"
+        "{compared} positions, {changed} changed, {several} in several flaps, {unsure} too near to a border, {others} others"
     );
-    let is_tried = changed * 10 > told && several > 100 && unsure * 5 < told && others * 10 > told;
+    let is_tried = changed * 10 > compared && several > 100 && unsure * 5 < compared && others * 10 > compared;
     if is_tried { Ok(()) } else { Err("too few".to_owned()) }
 }

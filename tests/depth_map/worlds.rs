@@ -29,7 +29,7 @@ pub(crate) enum World {
     Plates,
 }
 
-/// Whether a plate is over a place.
+/// Whether a plate is over a position.
 fn has_plate(x: f64, z: f64) -> bool {
     (x * 1.3).sin() + (z * 1.7 + 0.4 * x).cos() + 0.6 * (2.9 * x - 1.1 * z).sin() > 0.7
 }

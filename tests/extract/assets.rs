@@ -14,7 +14,7 @@ use rimline::{InstancePose, Light, Mesh, Model, Pose, Predicate};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::on_models;
 use rimline_testkit::on_gpu::read;
-use rimline_testkit::on_gpu::{check_deform, deformed};
+use rimline_testkit::on_gpu::{check_deform, deformed, text};
 use rimline_testkit::oracle::{self, unclosed};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, lights, must_fail, same};
@@ -26,10 +26,6 @@ const BY_ORACLE: usize = 12;
 /// A test a file.
 pub(crate) fn trials() -> Vec<Trial> {
     on_models("file ", check).into_iter().map(|trial| trial.with_kind("gpu")).collect()
-}
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
 }
 
 /// Before, at both ends of, and within each animation; the rest pose where there is none.

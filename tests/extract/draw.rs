@@ -138,9 +138,7 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize, topology: EdgeTopology) -> Resul
 
 fn drawn() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 82;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(82);
     for case in topologies() {
         let edges = case.2.edges().len();
         if edges > (SIDE * SIDE) as usize {

@@ -58,6 +58,9 @@ fn hard() -> Result<(), String> {
             if name.starts_with("unit") {
                 found.facing[5] ^= 1 << 7;
                 must_fail("a flipped facing bit", &check(&found.facing))?;
+                found.facing[5] ^= 1 << 7;
+                *found.facing.last_mut().ok_or("no faces")? |= 1 << 31;
+                must_fail("a bit past the lights", &check(&found.facing))?;
             }
         }
     }
@@ -95,9 +98,7 @@ fn subnormal() -> Result<(), String> {
 
 fn non_finite() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 23;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(23);
     let shape = shapes::torus(20, 14, 1.0, 0.4);
     let mesh = shape.mesh().map_err(|e| e.to_string())?;
     let lights = lights(&mut random, 70);

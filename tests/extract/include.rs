@@ -1,4 +1,4 @@
-//! The WGSL include in a caller's output_layout shaders: from lists that fit and lists that overflow.
+//! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
 
 use rimline::gpu::{
     Extraction, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
@@ -15,8 +15,8 @@ use rimline_testkit::shapes;
 use rimline_testkit::cases::{Case, case, topologies};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::interleaved;
 use rimline_testkit::on_gpu::read;
+use rimline_testkit::on_gpu::{interleaved, text};
 use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
@@ -26,10 +26,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("the_include_reads_edges_beside_twisted_polygons", polygons),
     ("the_include_refuses_what_it_cannot_read", refused),
 ];
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
 
 pub(crate) const LIGHTS: usize = 40;
 const OFFSET: u64 = 260;
@@ -178,9 +174,7 @@ fn expected_of(scene: &Scene, masks: &[EdgeMasks], light: usize) -> Vec<[u32; 8]
 
 fn computed() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 81;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(81);
     for case in topologies() {
         for (capacity, ordered) in [(u32::MAX, true), (u32::MAX, false), (20, true), (20, false)] {
             let lists = ListOptions { capacity: Some(capacity), ordered, ..ListOptions::default() };
@@ -206,9 +200,7 @@ fn computed() -> Result<(), String> {
 /// Quadrilaterals of which many are twisted, from lists that fit and lists that overflow.
 fn polygons() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 82;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(82);
     let set = quad_torus(&mut random, 9, 7, 0.35);
     let mesh = set.mesh(Weld::Position).map_err(text)?;
     let mut twisted = 0;

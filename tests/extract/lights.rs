@@ -10,7 +10,7 @@ use rimline_testkit::shapes;
 use rimline_testkit::cases::{Case, case};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{Found, extract, read};
+use rimline_testkit::on_gpu::{Found, extract, read, text};
 use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
@@ -21,10 +21,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("a_thousand_lights_have_their_lists", thousand),
     ("wrong_lights_and_meshes_are_typed_errors", refused),
 ];
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
 
 fn torus() -> Case {
     case("torus", shapes::torus(24, 16, 1.0, 0.4))

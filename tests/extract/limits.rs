@@ -58,9 +58,7 @@ fn windows(bytes: u64, binding: u64) -> u64 {
 
 fn unchanged() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 71;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(71);
     let mut spans = [std::collections::BTreeSet::new(), std::collections::BTreeSet::new()];
     for (binding, buffer, workgroups, [rings, segments], repeated, [offset, stride]) in CASES {
         let small = limited(binding, buffer, workgroups)?;

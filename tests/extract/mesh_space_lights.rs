@@ -20,9 +20,7 @@ fn to_world(transform: &DAffine3, position: [f32; 3]) -> [f32; 3] {
 
 #[test]
 fn bits_in_mesh_space_are_those_in_world_space() -> Result<(), String> {
-    let seed = 91;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(91);
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     let turns = [
         DMat3::IDENTITY,

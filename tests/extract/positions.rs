@@ -8,7 +8,7 @@ use rimline_testkit::shapes;
 use rimline_testkit::cases::{case, topologies};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{extract, interleaved, read};
+use rimline_testkit::on_gpu::{extract, interleaved, read, text};
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, same};
 
@@ -18,10 +18,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("wrong_position_buffers_are_typed_errors", refused),
     ("faces_name_the_lowest_source_index", lowest_source_index),
 ];
-
-fn text<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
-}
 
 fn options() -> ExtractorOptions {
     ExtractorOptions {

@@ -24,9 +24,7 @@ fn same_silhouettes(what: &str, found: &Silhouette, expected: &Silhouette) -> Re
 
 fn read() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 93;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(93);
     let bumpy = quad_torus(&mut random, 12, 8, 0.3);
     let polygons = bumpy.mesh(Weld::Position).map_err(text)?;
     let cases: Vec<Case> =

@@ -18,92 +18,56 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("edges_equal_their_twin", edges),
-    ("ordered_lists_are_those_of_the_masks", ordered_lists),
-    ("unordered_lists_hold_the_same_edges", unordered_lists),
+    ("masks_and_lists_follow_from_facing_bits", masks_and_lists),
     ("per_edge_keeps_to_its_lights", per_edge),
     ("overflowing_lists_are_counted_and_drawn_whole", overflow),
 ];
 
 const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
 
-/// Lights of all counts for a case, and the masks that follow from the facing bits the GPU found: those are checked by
-/// themselves (`facing.rs`), and all that comes after is integers.
-fn edges() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 1;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
-    for (name, positions, mesh) in topologies() {
-        for count in LIGHT_COUNTS {
-            let lights = lights(&mut random, count);
-            let options = ExtractorOptions { max_lights: count, masks: true, lists: None, ..Default::default() };
-            let found = extract(gpu, &positions, &mesh, &lights, options)?;
-            let what = format!("{name}, {count} lights");
-            check_facing(&what, &found.facing, &positions, mesh.faces(), &lights)?;
-            let masks = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
-            same(&format!("{what}, masks"), &found.masks, &masks)?;
-            let mut wrong = found.masks;
-            wrong[random.below(masks.len())].winding ^= 1;
-            must_fail("a flipped winding bit", &same(&what, &wrong, &masks))?;
-            let live = |word: usize| 1_u64.checked_shl((count - 32 * word) as u32).map_or(u64::MAX, |bit| bit - 1);
-            for (at, masks) in masks.iter().enumerate() {
-                if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
-                    return Err(format!("{what}: record {at} has bits past the lights"));
-                }
-            }
-        }
-    }
-    Ok(())
-}
-
 fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
     ListOptions { capacity, ordered, topology: EdgeTopology::TriangleList }
 }
 
-fn ordered_lists() -> Result<(), String> {
+/// Masks and lists against those that follow from the facing bits of the GPU, for all counts of lights. Facing is checked
+/// against its error band; all later stages are integers. Lists are made with masks and without, in order and in any order.
+fn masks_and_lists() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(2);
-    for (name, positions, mesh) in topologies() {
-        for (count, masks) in LIGHT_COUNTS.into_iter().flat_map(|count| [(count, false), (count, true)]) {
-            let lights = lights(&mut random, count);
-            let options = ExtractorOptions {
-                max_lights: count,
-                masks,
-                lists: Some(list_options(None, true)),
-                ..Default::default()
-            };
-            let found = extract(gpu, &positions, &mesh, &lights, options)?;
-            let twins = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
-            for light in 0..count {
-                let plane = &twins[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
-                let expected = listed(plane, light as u32 % 32);
-                let what = format!("{name}, light {light} of {count}");
-                same(&format!("{what}, list"), &found.lists[light], &expected)?;
-                same(&format!("{what}, count"), &[found.counts[light]], &[expected.len() as u32])?;
-            }
-        }
-    }
-    Ok(())
-}
-
-fn unordered_lists() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(3);
+    let mut random = Random::new(1);
+    let [ordered, unordered] = [(None, true), (Some(u32::MAX), false)].map(|of| Some(list_options(of.0, of.1)));
     for (name, positions, mesh) in topologies() {
         for count in LIGHT_COUNTS {
             let lights = lights(&mut random, count);
-            let unordered = ExtractorOptions {
-                max_lights: count,
-                lists: Some(list_options(Some(u32::MAX), false)),
-                ..Default::default()
-            };
-            let ordered = ExtractorOptions { lists: Some(list_options(Some(u32::MAX), true)), ..unordered };
-            let mut found = extract(gpu, &positions, &mesh, &lights, unordered)?;
-            let expected = extract(gpu, &positions, &mesh, &lights, ordered)?;
-            found.lists.iter_mut().for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
-            same(&format!("{name}, {count} lights, lists"), &found.lists, &expected.lists)?;
-            same(&format!("{name}, {count} lights, draws"), &found.draws, &expected.draws)?;
+            for (masks, lists) in [(true, None), (false, ordered), (true, ordered), (false, unordered)] {
+                let options = ExtractorOptions { max_lights: count, masks, lists, ..Default::default() };
+                let mut found = extract(gpu, &positions, &mesh, &lights, options)?;
+                let what = format!("{name}, {count} lights, masks {masks}, {lists:?}");
+                let expected = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
+                if lists.is_none() {
+                    check_facing(&what, &found.facing, &positions, mesh.faces(), &lights)?;
+                }
+                if masks {
+                    same(&format!("{what}, masks"), &found.masks, &expected)?;
+                    found.masks[random.below(expected.len())].winding ^= 1;
+                    must_fail("a flipped winding bit", &same(&what, &found.masks, &expected))?;
+                }
+                for (light, list) in found.lists.iter_mut().enumerate() {
+                    let plane = &expected[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+                    let expected = listed(plane, light as u32 % 32);
+                    if lists.is_some_and(|lists| !lists.ordered) {
+                        list.sort_by_key(|entry| entry & !cpu::WINDING);
+                    }
+                    same(&format!("{what}, list {light}"), list, &expected)?;
+                    let draws = [found.counts[light], found.draws[light].instance_count];
+                    same(&format!("{what}, draw {light}"), &draws, &[expected.len() as u32; 2])?;
+                }
+                let live = |word: usize| 1_u64.checked_shl((count - 32 * word) as u32).map_or(u64::MAX, |bit| bit - 1);
+                for (at, masks) in expected.iter().enumerate() {
+                    if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
+                        return Err(format!("{what}: record {at} has bits past the lights"));
+                    }
+                }
+            }
         }
     }
     Ok(())
@@ -145,9 +109,7 @@ fn overflow() -> Result<(), String> {
 /// Masks of the 2003 method have no bits past the lights, and its lists hold what its masks say.
 fn per_edge() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 6;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(6);
     for (name, positions, mesh) in topologies() {
         for (count, max_lights) in [(1, 1), (5, 5), (33, 33), (5, 100)] {
             let lights = lights(&mut random, count);

@@ -11,11 +11,13 @@ use rimline_testkit::stress::{self, Scene};
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::extract;
-use rimline_testkit::{is_long, must_fail, oracle, same};
+use rimline_testkit::on_gpu::{extract, text};
+use rimline_testkit::{is_long, oracle};
+
+use super::exact;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("exact_facing_is_exact_on_every_stress_scene", exact),
+    ("exact_facing_is_exact_on_every_stress_scene", exact_facing),
     ("face_masks_close_on_every_stress_scene_and_per_edge_does_not", methods),
 ];
 
@@ -28,23 +30,12 @@ fn options(lights: usize, method: Method, predicate: Predicate) -> ExtractorOpti
     ExtractorOptions { max_lights: lights, method, predicate, masks: true, lists: None, ..Default::default() }
 }
 
-fn exact() -> Result<(), String> {
+fn exact_facing() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (faces, count) = size();
     for scene in stress::scenes(faces) {
-        let name = scene.name;
-        let (mesh, lights) = (scene.mesh().map_err(|error| error.to_string())?, scene.lights(count));
-        let right = oracle::facing(&scene.positions, mesh.faces(), &lights);
-        let twin = cpu::facing(&scene.positions, mesh.faces(), &lights, Predicate::Exact, Threads::all());
-        same(&format!("{name}, twin"), &twin, &right)?;
-        let exact = options(count, Method::FaceMask, Predicate::Exact);
-        let mut found = extract(gpu, &scene.positions, &mesh, &lights, exact)?;
-        println!("{name}: {} faces, {:?}", mesh.faces().len(), found.statistics);
-        same(&format!("{name}, GPU"), &found.facing, &right)?;
-        let masks = cpu::edges(mesh.edges(), &right, mesh.faces().len(), count, Threads::all());
-        same(&format!("{name}, masks"), &found.masks, &masks)?;
-        found.facing[mesh.faces().len() / 2] ^= 1;
-        must_fail("a flipped facing bit", &same(name, &found.facing, &right))?;
+        let (mesh, lights) = (scene.mesh().map_err(text)?, scene.lights(count));
+        exact::check(gpu, scene.name, &scene.positions, &mesh, &lights, exact::exact(count))?;
     }
     Ok(())
 }
@@ -65,7 +56,7 @@ fn scores(gpu: &Gpu, scene: &Scene, mesh: &Mesh, count: usize) -> Result<Vec<Sco
     let score = |(_, method, predicate)| {
         let found = extract(gpu, &scene.positions, mesh, &lights, options(count, method, predicate))?;
         let facing = (method == Method::FaceMask).then_some(found.facing.as_slice());
-        Score::of(mesh, count, &right, Candidate { facing, masks: &found.masks }).map_err(|error| error.to_string())
+        Score::of(mesh, count, &right, Candidate { facing, masks: &found.masks }).map_err(text)
     };
     WAYS.into_iter().map(score).collect()
 }
@@ -76,7 +67,7 @@ fn methods() -> Result<(), String> {
     let mut classes: BTreeMap<&str, [Score; 4]> = BTreeMap::new();
     println!("wrong facing bits / wrong silhouette bits / unclosed vertices: {:?}", WAYS.map(|(name, ..)| name));
     for scene in stress::scenes(faces) {
-        let mesh = scene.mesh().map_err(|error| error.to_string())?;
+        let mesh = scene.mesh().map_err(text)?;
         let scores = scores(gpu, &scene, &mesh, count)?;
         let shown: Vec<String> = scores
             .iter()

@@ -245,7 +245,7 @@ fn pose_control() -> Outcome {
     let mut rows = infinite[1].rows();
     rows[2][3] = f32::INFINITY;
     infinite[1] = rows.into();
-    ensure(with_first(infinite, weights).is_err(), || "an infinite matrix was taken".to_owned())
+    ensure(with_first(infinite, weights).is_err(), || "an infinite matrix was accepted".to_owned())
 }
 
 fn close_control() -> Outcome {

@@ -48,7 +48,7 @@ fn ensure(condition: bool, message: impl FnOnce() -> String) -> Outcome {
     if condition { Ok(()) } else { Err(message().into()) }
 }
 
-/// Loads a file, poses it and makes its mesh; the most memory that was taken meanwhile, and what came of it.
+/// Loads a file, poses it and makes its mesh; the most memory that was used meanwhile, and what came of it.
 fn measured(bytes: &[u8], base: Option<&Path>, limit: u64) -> (u64, Result<(), GltfError>) {
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
@@ -65,7 +65,7 @@ fn measured(bytes: &[u8], base: Option<&Path>, limit: u64) -> (u64, Result<(), G
 
 fn within(bytes: &[u8], base: Option<&Path>, limit: u64) -> Result<Result<(), GltfError>, Failed> {
     let (peak, result) = measured(bytes, base, limit);
-    ensure(peak <= limit + SLACK, || format!("{peak} bytes taken of {limit}; then {result:?}"))?;
+    ensure(peak <= limit + SLACK, || format!("{peak} bytes used of {limit}; then {result:?}"))?;
     Ok(result)
 }
 
@@ -251,7 +251,7 @@ fn by_default() -> Outcome {
     Ok(())
 }
 
-/// The allocator notices what is taken and given back, and the comparison a limit that was passed.
+/// The allocator notices what is used and given back, and the comparison a limit that was passed.
 fn control() -> Outcome {
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
@@ -295,7 +295,7 @@ fn torus(is_soup: bool, has_normals: bool) -> Maker {
     maker
 }
 
-/// The first refusal of a large file names what is enough for all of it, and not 1.5 times of what is taken then. It comes
+/// The first refusal of a large file names what is enough for all of it, and not 1.5 times of what is used then. It comes
 /// before the data is read.
 fn estimates() -> Outcome {
     let folder = tempfile::tempdir()?;
@@ -312,13 +312,13 @@ fn estimates() -> Outcome {
             });
             ((ALLOCATOR.peak_usage() - before) as u64, result)
         };
-        let (taken, refused) = open(1 << 20);
+        let (used, refused) = open(1 << 20);
         let Err(GltfError::TooLarge { needed, .. }) = refused else { return Err(format!("{refused:?}").into()) };
-        ensure(taken <= SLACK, || format!("{taken} bytes taken before it was refused"))?;
+        ensure(used <= SLACK, || format!("{used} bytes used before it was refused"))?;
         let (peak, made) = open(needed);
         ensure(made.as_ref().ok() == Some(&135_000), || format!("{needed} bytes are not enough: {made:?}"))?;
-        println!("soup {is_soup}, normals {has_normals}: {needed} bytes asked for, {peak} taken");
-        ensure((peak..=3 * peak / 2).contains(&needed), || format!("{needed} bytes asked for, {peak} taken"))?;
+        println!("soup {is_soup}, normals {has_normals}: {needed} bytes requested, {peak} used");
+        ensure((peak..=3 * peak / 2).contains(&needed), || format!("{needed} bytes requested, {peak} used"))?;
     }
     Ok(())
 }
@@ -360,8 +360,8 @@ fn hole() -> Outcome {
     Ok(())
 }
 
-/// At every limit, doubled until the file loads, no more is taken than that; and at the last no more than `most` times as much
-/// is asked for as is taken.
+/// At every limit, doubled until the file loads, no more is used than that; and at the last no more than `most` times as much
+/// is requested as is used.
 fn within_limits(bytes: &[u8], base: Option<&Path>, most: u64) -> Outcome {
     let mut limit = 1 << 12;
     loop {
@@ -372,8 +372,8 @@ fn within_limits(bytes: &[u8], base: Option<&Path>, most: u64) -> Outcome {
         }
     }
     let (peak, _) = measured(bytes, base, limit);
-    println!("{} bytes: at most {peak} taken, a limit of {limit} is enough", bytes.len());
-    ensure(limit <= most * (peak + SLACK), || format!("{limit} bytes asked for, {peak} taken"))
+    println!("{} bytes: at most {peak} used, a limit of {limit} is enough", bytes.len());
+    ensure(limit <= most * (peak + SLACK), || format!("{limit} bytes requested, {peak} used"))
 }
 
 fn file_within_limits(path: &Path) -> Outcome {

@@ -120,7 +120,7 @@ fn near_zero() -> Outcome {
     same(&asset.pose(Some(0), 0.7)?, &pose, "the pose")
 }
 
-/// Positions that are far away in the file's own `f32`: they are used bit for bit, and what they may be off by is told.
+/// Positions that are far away in the file's own `f32`: they are used bit for bit, and their possible error is stated.
 fn stored() -> Outcome {
     let mut maker = Maker::new();
     let corners = [[392_142.0, 34.0, -5_820_467.0], [392_144.5, 34.0, -5_820_467.0], [392_142.0, 36.0, -5_820_467.0]];

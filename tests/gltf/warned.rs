@@ -38,8 +38,8 @@ fn warned(&(_, change, says): &Row, faces: usize) -> Outcome {
     let asset = maker.load()?;
     check::asset(&asset, 0, false)?;
     // Points have a warning of their own.
-    let told = asset.warnings().iter().filter(|warning| !matches!(warning, GltfWarning::Skipped(_)));
-    let warnings: Vec<String> = told.map(ToString::to_string).collect();
+    let others = asset.warnings().iter().filter(|warning| !matches!(warning, GltfWarning::Skipped(_)));
+    let warnings: Vec<String> = others.map(ToString::to_string).collect();
     let one = warnings.len() == 1 && says.iter().all(|part| warnings[0].contains(part));
     ensure(one, || format!("{warnings:?}, expected one with {says:?}"))?;
     same(&asset.model().placed_geometries().map(|g| g.faces().len()).sum(), &faces, "faces that are shown")

@@ -153,7 +153,7 @@ fn the_order_of_vertices_is_of_no_matter() {
     for seed in 0..60 {
         let mut random = Random::new(900 + seed);
         let (positions, distance) = cloud(&mut random, seed);
-        let taken = |positions: &[[f32; 3]]| {
+        let chosen_positions = |positions: &[[f32; 3]]| {
             let (groups, wide) = groups(positions, distance);
             groups
                 .iter()
@@ -161,8 +161,8 @@ fn the_order_of_vertices_is_of_no_matter() {
                 .zip(vec![wide; groups.len()])
                 .collect::<Vec<_>>()
         };
-        let forward = taken(&positions);
-        let mut backward = taken(&positions.iter().rev().copied().collect::<Vec<_>>());
+        let forward = chosen_positions(&positions);
+        let mut backward = chosen_positions(&positions.iter().rev().copied().collect::<Vec<_>>());
         backward.reverse();
         assert_eq!(forward, backward, "seed {seed}");
     }

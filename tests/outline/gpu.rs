@@ -246,9 +246,7 @@ fn cases() -> Vec<Case> {
 
 fn seen() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let seed = 94;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = Random::new(94);
     let [mut musts, mut hidden, mut pictures, mut noticed] = [0; 4];
     for (number, case) in cases().iter().enumerate() {
         for projection in 0..6 {

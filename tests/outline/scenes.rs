@@ -180,7 +180,7 @@ fn in_world(positions: &[[f32; 3]], transform: &Matrix3x4) -> Vec<[f32; 3]> {
     positions.iter().map(|p| at(p.map(f64::from))).collect()
 }
 
-/// A matrix that turns, scales each axis otherwise, mirrors if it is told to, and moves.
+/// A matrix that turns, scales each axis otherwise, mirrors on request, and moves.
 fn placed(random: &mut Random, is_mirrored: bool) -> Matrix3x4 {
     let turn = DQuat::from_axis_angle(direction(random), f64::from(random.between(0.0, 6.0)));
     let mut scale = DVec3::from([0, 1, 2].map(|_| f64::from(random.between(0.3, 0.6))));

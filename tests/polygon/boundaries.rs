@@ -39,7 +39,7 @@ fn boundaries_are_seen_as_their_winding_numbers_say() -> Outcome {
     println!("seeds from {first}");
     let mut seen = BTreeMap::<String, usize>::new();
     let mut by_light = BTreeMap::<(&str, &str), usize>::new();
-    let mut told = 0;
+    let mut decided = 0;
     for seed in first..first + count {
         let mut random = Random::new(seed);
         // Large ones are the oracle's limit.
@@ -61,7 +61,7 @@ fn boundaries_are_seen_as_their_winding_numbers_say() -> Outcome {
             if by_close_pairs.is_some_and(|found| found != by_pairs) {
                 return Err(format!("{what}: by close pairs {by_close_pairs:?}, by all pairs {by_pairs:?}"));
             }
-            told += usize::from(by_close_pairs.is_some());
+            decided += usize::from(by_close_pairs.is_some());
             *seen.entry(format!("{found:?}, {}", if is_general { "by pairs" } else { "cheap" })).or_default() += 1;
             *by_light.entry((of_light, if right.touches { "touches" } else { "clean" })).or_default() += 1;
             let other = match found {
@@ -75,9 +75,9 @@ fn boundaries_are_seen_as_their_winding_numbers_say() -> Outcome {
             }
         }
     }
-    println!("{seen:#?}\n{by_light:#?}\nclose pairs tell {told}");
-    if told < 2 * count as usize {
-        return Err(format!("close pairs tell {told} only"));
+    println!("{seen:#?}\n{by_light:#?}\nclose pairs decide {decided}");
+    if decided < 2 * count as usize {
+        return Err(format!("close pairs decide {decided} only"));
     }
     if seen.len() < 6 || seen.values().any(|&count| count < 12) {
         Err(format!("too few of a kind: {seen:?}"))

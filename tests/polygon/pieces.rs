@@ -235,9 +235,9 @@ impl Twisted {
     /// Steps between points beyond the polygon change the winding number of the pieces as they change the parity of the triangles
     /// between. Returns how many steps tell something, and in how many of these the parity changes.
     pub(crate) fn check_dark(&self, random: &mut Random, points: usize) -> Result<[usize; 2], String> {
-        let mut told = [0; 2];
+        let mut counts = [0; 2];
         if self.light.w < 0.0 || self.is_lit_from_within() {
-            return Ok(told);
+            return Ok(counts);
         }
         let faces: Vec<[u32; 3]> =
             (0..self.triangles.len() as u32 / 3).map(|face| [0, 1, 2].map(|v| 3 * face + v)).collect();
@@ -254,10 +254,10 @@ impl Twisted {
                     points[at]
                 ));
             }
-            told[0] += 1;
-            told[1] += usize::from(expected != 0);
+            counts[0] += 1;
+            counts[1] += usize::from(expected != 0);
         }
-        Ok(told)
+        Ok(counts)
     }
 
     /// The same with all pieces turned, and with one: where the former tells of darkness, both must fail.
@@ -301,12 +301,12 @@ fn wind() -> Result<(), String> {
                 None => around += 1,
             }
             let before = random.clone();
-            let told = polygon.check_dark(&mut random, 12).map_err(|error| format!("seed {seed}: {error}"))?;
+            let counts = polygon.check_dark(&mut random, 12).map_err(|error| format!("seed {seed}: {error}"))?;
             pairs += 1;
             quads += usize::from(polygon.edges.len() == 4);
             large += usize::from(polygon.edges.len() > 32);
-            (steps, dark) = (steps + told[0], dark + told[1]);
-            if pairs % 16 == 0 && told[1] > 0 {
+            (steps, dark) = (steps + counts[0], dark + counts[1]);
+            if pairs % 16 == 0 && counts[1] > 0 {
                 polygon.must_notice(&before)?;
             }
         }

@@ -27,6 +27,13 @@ struct Pair {
     are_all: [bool; 2],
 }
 
+impl Pair {
+    fn new(bound: ClusterBound, light: Light, signs: impl Iterator<Item = i32>) -> Self {
+        let signs: Vec<i32> = signs.collect();
+        Self { bound, light, are_all: [1, -1].map(|side| signs.iter().all(|&sign| sign == side)) }
+    }
+}
+
 /// Whether the shader decides that the faces face the light, and that they do not, for each pair.
 fn decisions(gpu: &Gpu, pairs: &[Pair]) -> Result<Vec<[bool; 2]>, String> {
     // A light of its own for each bound.
@@ -52,14 +59,14 @@ fn probe_decide(index: u32) -> vec4<u32> {{
     Ok(found.iter().map(|&[decided, facing, ..]| [facing != 0, decided != 0 && facing == 0]).collect())
 }
 
-/// Clusters that are decided, and those that `f64` cannot tell whether they are to be.
+/// Decided pairs, and pairs that `f64` leaves open.
 #[derive(Debug, Default)]
 struct Counts {
     decided: usize,
     marginal: usize,
 }
 
-/// Decided pairs have the exact signs. Rounding takes less than half of the spread, so farther from it `f64` knows.
+/// Decided pairs have the exact signs. Rounding takes less than half of the spread, so `f64` decides pairs farther away.
 fn check(pairs: &[Pair], found: &[[bool; 2]]) -> Result<Counts, String> {
     let mut counts = Counts::default();
     for (number, (pair, found)) in pairs.iter().zip(found).enumerate() {
@@ -82,16 +89,24 @@ fn check(pairs: &[Pair], found: &[[bool; 2]]) -> Result<Counts, String> {
     Ok(counts)
 }
 
-/// Negative controls: a decided pair that is turned round, and one that is left open.
+/// Decides pairs on the GPU, and checks the decisions.
+fn decided(gpu: &Gpu, pairs: &[Pair]) -> Result<Counts, String> {
+    let found = decisions(gpu, pairs)?;
+    let counts = check(pairs, &found)?;
+    println!("{counts:?} of {}", pairs.len());
+    check_controls(pairs, &found).map(|()| counts)
+}
+
+/// Negative controls: a decided pair with the opposite decision, and without one.
 fn check_controls(pairs: &[Pair], found: &[[bool; 2]]) -> Result<(), String> {
-    let at = (0..pairs.len()).find(|&at| {
-        let [height, spread] = height_and_spread(&pairs[at].bound, pairs[at].light);
-        pairs[at].bound.kind == 1 && found[at] != [false; 2] && height.abs() > 2.0 * spread
+    let index = (0..pairs.len()).find(|&index| {
+        let [height, spread] = height_and_spread(&pairs[index].bound, pairs[index].light);
+        pairs[index].bound.kind == 1 && found[index] != [false; 2] && height.abs() > 2.0 * spread
     });
-    let at = at.ok_or("nothing is decided")?;
-    for other in [[found[at][1], found[at][0]], [false; 2]] {
+    let index = index.ok_or("nothing is decided")?;
+    for other in [[found[index][1], found[index][0]], [false; 2]] {
         let mut wrong = found.to_vec();
-        wrong[at] = other;
+        wrong[index] = other;
         must_fail("another decision", &check(pairs, &wrong))?;
     }
     Ok(())
@@ -106,14 +121,9 @@ fn rounding() -> Result<(), String> {
     for _ in 0..count {
         let Some(Bounded { faces, light, bound }) = bounded(&mut random)? else { continue };
         let signs = faces.iter().map(|face| ExactFace::new(face, [0, 1, 2]).map_or(0, |face| face.sign(light)));
-        let signs: Vec<i32> = signs.collect();
-        let are_all = [1, -1].map(|side| signs.iter().all(|&sign| sign == side));
-        pairs.push(Pair { bound, light, are_all });
+        pairs.push(Pair::new(bound, light, signs));
     }
-    let found = decisions(gpu, &pairs)?;
-    let counts = check(&pairs, &found)?;
-    println!("{counts:?} of {}", pairs.len());
-    check_controls(&pairs, &found)?;
+    let counts = decided(gpu, &pairs)?;
     if pairs.len() * 2 < count || counts.decided * 10 < pairs.len() || counts.decided * 10 > pairs.len() * 9 {
         return Err("neither side is tried enough".to_owned());
     }
@@ -143,15 +153,10 @@ fn meshes() -> Result<(), String> {
                         None => 0,
                     }
                 };
-                let signs: Vec<i32> = slots.iter().map(sign).collect();
-                let are_all = [1, -1].map(|side| signs.iter().all(|&sign| sign == side));
-                pairs.push(Pair { bound, light, are_all });
+                pairs.push(Pair::new(bound, light, slots.iter().map(sign)));
             }
         }
     }
-    let found = decisions(gpu, &pairs)?;
-    let counts = check(&pairs, &found)?;
-    println!("{counts:?} of {}", pairs.len());
-    check_controls(&pairs, &found)?;
+    let counts = decided(gpu, &pairs)?;
     if counts.decided * 10 < pairs.len() || counts.marginal < 100 { Err("too few".to_owned()) } else { Ok(()) }
 }

@@ -10,6 +10,7 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused};
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{is_long, must_fail, same};
 
@@ -19,7 +20,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("occluded_casters_are_culled_and_others_are_not", random),
     ("cracks_and_edges_cull_nothing", edges),
     ("most_turns_of_reach", most_tried),
-    ("polygons_that_are_no_occluders_are_refused", refused),
+    ("polygons_that_are_no_occluders_are_refused", refusals),
 ];
 
 /// A caster of the test.
@@ -364,26 +365,25 @@ fn most_tried() -> Result<(), String> {
     Ok(())
 }
 
-fn refused() -> Result<(), String> {
+fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let bodies = [Body { mesh: 0, rows: rows(&mut Random::new(1), [1.0; 3], [0.0; 3]) }];
     let mut stage = Stage::new(gpu, &bodies, &[], true)?;
     let caster = stage.casters[0];
-    let mut error = |polygons: &[&[[f32; 3]]]| stage.scene.set_occluders(caster, polygons).err();
+    let mut row = |what, polygons: &[&[[f32; 3]]], expected| {
+        refused([refusal(what, stage.scene.set_occluders(caster, polygons), expected)])
+    };
     let good: &[[f32; 3]] = &[[1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
-    same("good", &[error(&[good, good])], &[None])?;
-    let of = |number, corners| Some(ShadowError::OccluderCorners { number, corners });
-    same("two corners", &[error(&[good, &good[..2]])], &[of(1, 2)])?;
-    same("nine corners", &[error(&[&[[1.0; 3]; 9]])], &[of(0, 9)])?;
+    let corners = |number, corners| is(ShadowError::OccluderCorners { number, corners });
+    row("good", &[good, good], Expected::Taken)?;
+    row("two corners", &[good, &good[..2]], corners(1, 2))?;
+    row("nine corners", &[&[[1.0; 3]; 9]], corners(0, 9))?;
     for c in [1.5, f32::NAN, f32::INFINITY] {
         let position = [1.0, c, 1.0];
-        let found = error(&[&[good[0], good[1], position]]);
-        let is_outside = matches!(found, Some(ShadowError::OccluderOutside { number: 0, corner: 2, .. }));
-        if !is_outside {
-            return Err(format!("{c}: {found:?}"));
-        }
+        let outside = ShadowError::OccluderOutside { number: 0, corner: 2, position };
+        row("outside", &[&[good[0], good[1], position]], is(outside))?;
     }
-    // A caster in a buffer is none.
+    // Only rigid casters have occluders.
     let shape = shapes::cube();
     let buffer = gpu.storage(&shape.positions);
     let positions = rimline::gpu::PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };

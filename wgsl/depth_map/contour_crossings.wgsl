@@ -1,10 +1,11 @@
 // Stage `contour_crossings`: computes where contours cross marked edges. At the rim of a smooth surface depths say where.
-// Elsewhere a line or parabola is fitted to the edges that the contour crosses before and after. After `contour_tiles`,
-// which writes its indirect dispatch: an invocation for each row of 16 samples of a listed tile. Reads depths, `marks` and
-// `counts`. Writes `crossings`. `contour_walls` reads them and moves them onto its segments; then the near cap of
-// `depth_walls` reads them. An invocation writes only the words of its samples. All is integer arithmetic, so crossings are
-// the same on every device. A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and
-// crossings": nothing overflows.
+// Elsewhere a line or parabola is fitted to the edges that the contour crosses before and after.
+// After `contour_tiles`, which writes its indirect dispatch: an invocation for each row of 16 samples of a listed tile.
+// Reads depths, `marks` and `counts`. Writes `crossings`. `contour_walls` reads them and moves them onto its segments. Then
+// the near cap of `depth_walls` reads them.
+// An invocation writes only the words of its samples. All is integer arithmetic, so crossings are the same on every device.
+// A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and crossings": nothing
+// overflows.
 
 #import depth_map/contour
 #import depth_map/contour_rim
@@ -20,48 +21,51 @@
 const BLOCK: u32 = 256u;
 
 // Edges to each side that a line is fitted to, at most.
-const REACH: i32 = 12;
+const MAX_LINE_EDGES: i32 = 12;
 // Edges to each side that a parabola is fitted to, at most.
-const BENT: i32 = 8;
+const MAX_PARABOLA_EDGES: i32 = 8;
 // A line is tried first if there are so many edges to each side.
 const MIN_LINE_EDGES: i32 = 5;
 
-// Edges that the contour crosses: at REACH the edge whose crossing is computed, below it the edges before, above it those
-// after. x and y: from the middle of that edge to the middle of this one, in half texels. z: the axis of this edge.
+// Edges that the contour crosses: at MAX_LINE_EDGES the edge whose crossing is computed, below it the edges before, above
+// it those after. x and y: from the middle of that edge to the middle of this one, in half texels. z: the axis of this
+// edge.
 var<private> crossed_edges: array<vec3<i32>, 25>;
 
-// Follows the contour from an edge into the cell `start`. Puts the edges that it crosses into `crossed_edges`, on side -1 or
-// 1 of REACH. Returns how many: up to REACH, or to where the contour ends or meets another. `edge`: a sample and an axis.
-// `exit_edge`: the number of that edge in the cell on its other side, out of which the contour leads into `start`.
+// Follows the contour from an edge into the cell `start`. Puts the edges that it crosses into `crossed_edges`, on side -1
+// or 1 of MAX_LINE_EDGES. Returns how many: up to MAX_LINE_EDGES, or to where the contour ends or meets another. `edge`:
+// a sample and an axis. `exit_edge`: the number of that edge in the cell on its other side, out of which the contour
+// leads into `start`.
 fn follow_contour(edge: vec3<i32>, start: vec2<i32>, exit_edge: u32, side: i32) -> i32 {
   let origin = 2 * edge.xy + step_along(u32(edge.z));
   var cell = start;
   var entry_edge = (exit_edge + 2u) & 3u;
-  for (var count = 0; count < REACH; count++) {
+  for (var count = 0; count < MAX_LINE_EDGES; count++) {
     let other_edges = load_edge_code(cell) & ~(1u << entry_edge);
     if (countOneBits(other_edges) != 1u) {
       return count;
     }
     let next_edge = countTrailingZeros(other_edges);
     let axis = next_edge & 1u;
-    crossed_edges[REACH + side * (count + 1)] =
+    crossed_edges[MAX_LINE_EDGES + side * (count + 1)] =
       vec3<i32>(2 * first_sample_of_edge(cell, next_edge) + step_along(axis) - origin, i32(axis));
     cell += step_across(next_edge);
     entry_edge = (next_edge + 2u) & 3u;
   }
-  return REACH;
+  return MAX_LINE_EDGES;
 }
 
-// The crossing of a curve with the edge at REACH, in 1/256 texel. The curve is a line or a parabola, fitted by least squares
-// to the middles of `count` edges on each side and of this edge. UNKNOWN if the curve does not cross each of these edges.
+// The crossing of a curve with the edge at MAX_LINE_EDGES, in 1/256 texel. The curve is a line or a parabola, fitted by
+// least squares to the middles of `count` edges on each side and of this edge. UNKNOWN if the curve does not cross each
+// of these edges.
 fn fitted_crossing(count: i32, is_line: bool, axis: u32) -> i32 {
   // Sums over the edges with indices i from -count to count, of their middles m: of m, i · m and i² · m.
   var sums = vec2<i32>();
   var first_moments = vec2<i32>();
   var second_moments = vec2<i32>();
-  // Turns: 2 * REACH + 1.
+  // Turns: 2 * MAX_LINE_EDGES + 1.
   for (var index = -count; index <= count; index++) {
-    let middle = crossed_edges[REACH + index].xy;
+    let middle = crossed_edges[MAX_LINE_EDGES + index].xy;
     sums += middle;
     first_moments += index * middle;
     second_moments += index * index * middle;
@@ -79,9 +83,9 @@ fn fitted_crossing(count: i32, is_line: bool, axis: u32) -> i32 {
     bend = (edge_count * second_moments - squares * sums) * (TEXEL * 32) / determinant;
   }
   let slope = first_moments * (TEXEL / 2) / squares;
-  // Turns: 2 * REACH + 1.
+  // Turns: 2 * MAX_LINE_EDGES + 1.
   for (var index = -count; index <= count; index++) {
-    let edge = crossed_edges[REACH + index];
+    let edge = crossed_edges[MAX_LINE_EDGES + index];
     let offset = edge.xy * (TEXEL / 2) - middle - index * slope - index * index * bend / 64;
     let direction = slope + index * bend / 32;
     // The component across the edge.
@@ -103,12 +107,12 @@ fn crossing_by_neighbours(sample: vec2<i32>, axis: u32) -> i32 {
     let cell = select(sample + step_across(exit_edge), sample, side == 1u);
     counts[side] = follow_contour(vec3<i32>(sample, i32(axis)), cell, exit_edge, 2 * i32(side) - 1);
   }
-  crossed_edges[REACH] = vec3<i32>(0, 0, i32(axis));
+  crossed_edges[MAX_LINE_EDGES] = vec3<i32>(0, 0, i32(axis));
   let max_count = min(counts[0], counts[1]);
   var crossing = UNKNOWN;
   // First a line through all edges, then parabolas through fewer and fewer. With one edge to each side it is a line again.
-  let max_parabola_count = min(max_count, BENT);
-  // Turns: BENT + 1.
+  let max_parabola_count = min(max_count, MAX_PARABOLA_EDGES);
+  // Turns: MAX_PARABOLA_EDGES + 1.
   for (
     var count = select(max_parabola_count, max_parabola_count + 1, max_count >= MIN_LINE_EDGES);
     count > 0 && crossing == UNKNOWN;

@@ -9,6 +9,7 @@
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
+#import depth_map/scan
 
 // Four parts, with room for all tiles:
 // 1. A word for each tile: whether a contour crosses it. Later, for each index of the list, the index of that tile's first
@@ -23,13 +24,13 @@
 
 const BLOCK: u32 = 256u;
 // Tiles of a workgroup of `contour_crossings`, which has an invocation for each row of a tile.
-const TILES_PER_PLACES_WORKGROUP: u32 = BLOCK / u32(TILE);
+const TILES_PER_CROSSINGS_WORKGROUP: u32 = BLOCK / u32(TILE);
 // Tiles of a workgroup of `contour_walls_trace`. Loops of an invocation have up to some 25,000 iterations a tile, and may
 // have 65,535 (src/turns.rs).
 const TILES_PER_WALLS_WORKGROUP: u32 = 2u;
 // The device's limit for workgroups of a dispatch, across and down. Workgroups loop over tiles where there are too few of
 // them.
-override MOST_WORKGROUPS: u32 = 65535u;
+override MAX_WORKGROUPS: u32 = 65535u;
 
 // A word has the marks of the 16 samples of a tile in a row, in pairs: the lower bit for the edge to the right, the upper
 // for the edge down. Edges on the tile's right border go down from the first sample of the next word (mask 2). Edges on its
@@ -66,33 +67,21 @@ fn contour_tiles_find(
   }
 }
 
-var<workgroup> prefix_sums: array<u32, BLOCK>;
-
 // One workgroup. Each invocation takes a range of tiles: it counts those to list, the counts are scanned, and it lists them.
-@compute @workgroup_size(BLOCK)
+@compute @workgroup_size(SCAN_LANES)
 fn contour_tiles_list(@builtin(local_invocation_index) lane: u32) {
   let tiles = contour.tiles.y;
-  let range_length = (tiles + BLOCK - 1u) / BLOCK;
+  let range_length = (tiles + SCAN_LANES - 1u) / SCAN_LANES;
   let begin = min(lane * range_length, tiles);
   let end = min(begin + range_length, tiles);
   var lane_sum = 0u;
-  // Turns: MAP_TILES / BLOCK.
+  // Turns: MAP_TILES / SCAN_LANES.
   for (var tile = begin; tile < end; tile++) {
     lane_sum += counts[tile];
   }
-  prefix_sums[lane] = lane_sum;
-  for (var stride = 1u; stride < BLOCK; stride *= 2u) {
-    workgroupBarrier();
-    var before = 0u;
-    if (lane >= stride) {
-      before = prefix_sums[lane - stride];
-    }
-    workgroupBarrier();
-    prefix_sums[lane] += before;
-  }
-  var index = prefix_sums[lane] - lane_sum;
+  var index = sum_before(lane, lane_sum);
   let list = tiles * (1u + WALKERS);
-  // Turns: MAP_TILES / BLOCK.
+  // Turns: MAP_TILES / SCAN_LANES.
   for (var tile = begin; tile < end; tile++) {
     if (counts[tile] != 0u) {
       counts[list + index] = tile;
@@ -100,13 +89,13 @@ fn contour_tiles_list(@builtin(local_invocation_index) lane: u32) {
     }
   }
   // The last invocation has the length of the list.
-  if (lane == BLOCK - 1u) {
+  if (lane == SCAN_LANES - 1u) {
     counts[list + tiles] = index;
     for (var dispatch = 0u; dispatch < 2u; dispatch++) {
-      let tiles_per_workgroup = select(TILES_PER_PLACES_WORKGROUP, TILES_PER_WALLS_WORKGROUP, dispatch == 1u);
+      let tiles_per_workgroup = select(TILES_PER_CROSSINGS_WORKGROUP, TILES_PER_WALLS_WORKGROUP, dispatch == 1u);
       let count = (index + tiles_per_workgroup - 1u) / tiles_per_workgroup;
-      let down = min((count + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS, MOST_WORKGROUPS);
-      workgroups[3u * dispatch] = min(count, MOST_WORKGROUPS);
+      let down = min((count + MAX_WORKGROUPS - 1u) / MAX_WORKGROUPS, MAX_WORKGROUPS);
+      workgroups[3u * dispatch] = min(count, MAX_WORKGROUPS);
       workgroups[3u * dispatch + 1u] = down;
       workgroups[3u * dispatch + 2u] = 1u;
     }

@@ -12,6 +12,7 @@
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
+#import depth_map/scan
 
 // Crossings, from `contour_crossings`. The listing pass moves those between the ends of a segment onto it, after its walk has
 // read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
@@ -431,8 +432,8 @@ fn start_edges(cell: vec2<i32>) -> u32 {
   return select(edge_code, of_passing, edge_count == 2u);
 }
 
-// Adds the walls of the walk that begins in a cell at one of its edges, unless the walk is taken from its other end.
-fn take_walk(cell: vec2<i32>, edge: u32) {
+// Adds the walls of the walk that begins in a cell at one of its edges, unless it is traced from its other end.
+fn trace_walk_once(cell: vec2<i32>, edge: u32) {
   let edge_code = load_edge_code(cell);
   let start_exit = CellExit(cell, edge);
   let is_from_junction = is_junction(cell);
@@ -445,8 +446,8 @@ fn take_walk(cell: vec2<i32>, edge: u32) {
   }
   let end = find_walk_end(first, is_loop);
   let begin = end_rank(cell, edge, is_from_junction);
-  // Invocations find a walk from both ends; it is taken from the end of lower rank. A walk from a junction to the tile's
-  // border over one edge is taken from the junction.
+  // Invocations find a walk from both ends; it is traced from the end of lower rank. A walk from a junction to the tile's
+  // border over one edge is traced from the junction.
   let ends_at_start_edge = is_from_junction && end + 1u == begin;
   if (select(begin <= end || ends_at_start_edge, end == 0u, is_loop)) {
     var kind = NODE_JUNCTION_START;
@@ -501,7 +502,7 @@ fn contour_walls_trace(
     // Turns: 4 * WALKER_CELLS.
     for (; remaining != 0u; remaining &= remaining - 1u) {
       let bit = countTrailingZeros(remaining);
-      take_walk(start + vec2<i32>(i32(bit / 4u), 0), bit & 3u);
+      trace_walk_once(start + vec2<i32>(i32(bit / 4u), 0), bit & 3u);
     }
     if (!LISTS) {
       counts[lane_counts + lane] = next_wall;
@@ -509,20 +510,17 @@ fn contour_walls_trace(
   }
 }
 
-const SCANNERS: u32 = 256u;
-var<workgroup> prefix_sums: array<u32, SCANNERS>;
-
 // One workgroup. Each invocation takes a range of tiles: it adds up their counts, the sums are scanned, and it writes prefix
 // sums.
-@compute @workgroup_size(SCANNERS)
+@compute @workgroup_size(SCAN_LANES)
 fn contour_walls_scan(@builtin(local_invocation_index) lane: u32) {
   let tiles = contour.tiles.y;
   let count = counts[tiles * (2u + WALKERS)];
-  let range_length = (count + SCANNERS - 1u) / SCANNERS;
+  let range_length = (count + SCAN_LANES - 1u) / SCAN_LANES;
   let begin = min(lane * range_length, count);
   let end = min(begin + range_length, count);
   var lane_sum = 0u;
-  // Turns: MAP_TILES / SCANNERS.
+  // Turns: MAP_TILES / SCAN_LANES.
   for (var index = begin; index < end; index++) {
     var tile_sum = 0u;
     for (var walker = 0u; walker < WALKERS; walker += 8u) {
@@ -533,25 +531,15 @@ fn contour_walls_scan(@builtin(local_invocation_index) lane: u32) {
     counts[index] = tile_sum;
     lane_sum += tile_sum;
   }
-  prefix_sums[lane] = lane_sum;
-  for (var stride = 1u; stride < SCANNERS; stride *= 2u) {
-    workgroupBarrier();
-    var before = 0u;
-    if (lane >= stride) {
-      before = prefix_sums[lane - stride];
-    }
-    workgroupBarrier();
-    prefix_sums[lane] += before;
-  }
-  var walls_before = prefix_sums[lane] - lane_sum;
-  // Turns: MAP_TILES / SCANNERS.
+  var walls_before = sum_before(lane, lane_sum);
+  // Turns: MAP_TILES / SCAN_LANES.
   for (var index = begin; index < end; index++) {
     let tile_sum = counts[index];
     counts[index] = walls_before;
     walls_before += tile_sum;
   }
   // The last invocation has the sum over all tiles.
-  if (lane == SCANNERS - 1u) {
+  if (lane == SCAN_LANES - 1u) {
     walls[0] = walls_before;
     // A list that overflowed is not read: triangles of all cells are drawn instead.
     let overflows = walls_before > contour.capacity;

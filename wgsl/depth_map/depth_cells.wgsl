@@ -10,6 +10,7 @@
 #import depth_map/cell_words
 #import depth_map/edge_code
 #import depth_map/samples
+#import depth_map/scan
 
 // The number of listed cells, then their entries.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
@@ -129,40 +130,27 @@ fn depth_cells_count(
   }
 }
 
-const BLOCK: u32 = 256u;
-var<workgroup> prefix_sums: array<u32, BLOCK>;
-
 // One workgroup. Each invocation takes a range of blocks: it adds up their counts, the sums are scanned, and it writes
 // prefix sums.
-@compute @workgroup_size(BLOCK)
+@compute @workgroup_size(SCAN_LANES)
 fn depth_cells_scan(@builtin(local_invocation_index) lane: u32) {
-  let range_length = (depth_map.blocks + BLOCK - 1u) / BLOCK;
+  let range_length = (depth_map.blocks + SCAN_LANES - 1u) / SCAN_LANES;
   let begin = min(lane * range_length, depth_map.blocks);
   let end = min(begin + range_length, depth_map.blocks);
   var lane_sum = 0u;
-  // Turns: MAP_BLOCKS / BLOCK.
+  // Turns: MAP_BLOCKS / SCAN_LANES.
   for (var block = begin; block < end; block++) {
     lane_sum += cell_words[block];
   }
-  prefix_sums[lane] = lane_sum;
-  for (var stride = 1u; stride < BLOCK; stride *= 2u) {
-    workgroupBarrier();
-    var before = 0u;
-    if (lane >= stride) {
-      before = prefix_sums[lane - stride];
-    }
-    workgroupBarrier();
-    prefix_sums[lane] += before;
-  }
-  var cells_before = prefix_sums[lane] - lane_sum;
-  // Turns: MAP_BLOCKS / BLOCK.
+  var cells_before = sum_before(lane, lane_sum);
+  // Turns: MAP_BLOCKS / SCAN_LANES.
   for (var block = begin; block < end; block++) {
     let count = cell_words[block];
     cell_words[block] = cells_before;
     cells_before += count;
   }
   // The last invocation has the sum over all blocks.
-  if (lane == BLOCK - 1u) {
+  if (lane == SCAN_LANES - 1u) {
     cells[0] = cells_before;
     // A list that overflowed is not read: every cell is drawn, and the vertex shader decides.
     draws[0] = 6u * select(cells_before, depth_map.cells, cells_before > depth_map.capacity);
@@ -172,9 +160,9 @@ fn depth_cells_scan(@builtin(local_invocation_index) lane: u32) {
   }
 }
 
-// Invocations that list a block. Each takes RUN strips.
+// Invocations that list a block. Each takes STRIPS_PER_LISTER strips.
 const LISTERS: u32 = 32u;
-const RUN: u32 = BLOCK_STRIPS / LISTERS;
+const STRIPS_PER_LISTER: u32 = BLOCK_STRIPS / LISTERS;
 // For each invocation the index in the list of its first cell.
 var<workgroup> first_indices: array<u32, LISTERS>;
 
@@ -190,9 +178,9 @@ fn depth_cells_list(
     block < depth_map.blocks;
     block += dispatch_size.x * dispatch_size.y
   ) {
-    let first_strip = block * BLOCK_STRIPS + lane * RUN;
+    let first_strip = block * BLOCK_STRIPS + lane * STRIPS_PER_LISTER;
     var lane_count = 0u;
-    for (var strip = 0u; strip < RUN; strip++) {
+    for (var strip = 0u; strip < STRIPS_PER_LISTER; strip++) {
       lane_count += cell_words[strip_offsets(first_strip + strip).x];
     }
     first_indices[lane] = lane_count;
@@ -208,8 +196,8 @@ fn depth_cells_list(
     workgroupBarrier();
     var index = first_indices[lane];
     // An invocation that has nothing to list skips the loops.
-    // Turns: RUN.
-    for (var strip = select(RUN, 0u, lane_count > 0u); strip < RUN; strip++) {
+    // Turns: STRIPS_PER_LISTER.
+    for (var strip = select(STRIPS_PER_LISTER, 0u, lane_count > 0u); strip < STRIPS_PER_LISTER; strip++) {
       let offsets = strip_offsets(first_strip + strip);
       let strip_cells = cells_of_strip(first_strip + strip);
       // Turns: STRIP.

@@ -23,7 +23,7 @@ override OBJECTS: bool = true;
 // Whether `depth_map.spread` may be set. A pipeline without it is smaller.
 override SPREADS: bool = true;
 
-// The number of the object that is seen in each texel. One texel if edges between objects are not marked.
+// The index of the object that is visible in each texel. One texel if edges between objects are not marked.
 @group(0) @binding(4) var object_texture: texture_2d<u32>;
 
 // The mantissa of a float that is 0, or positive and not subnormal.

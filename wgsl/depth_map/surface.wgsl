@@ -270,7 +270,7 @@ fn is_behind_triangle(point: NearPoint) -> bool {
 // contours it is drawn only if the list of walls overflowed.
 // `depth_near_cap`, with its fragment shader, is a triangle over the whole picture that inverts the bit where the near
 // rectangle is in shadow. It has 3 vertices, or 0 if `depth_near` found the rectangle in light.
-// Together they invert the bit exactly where the seen point is behind the boundary, unless a detector missed an edge.
+// Together they invert the bit exactly where the visible point is behind the boundary, unless a detector missed an edge.
 
 // Vertices 0 to 2 are the first triangle of a cell, 3 to 5 the second. A triangle that is not drawn is degenerate.
 @vertex

@@ -77,6 +77,66 @@ struct FoundCuts {
   span: vec2<i32>,
 }
 
+// The three points of a test of edge `e` against an item. For an edge f with ends corners[0] and corners[1], tests 0 and 1
+// have the sides of e.a and e.b at f, tests 2 and 3 those of f's ends at e. For a triangle, test 0 is its own turn. Then, for
+// each of its edges, a test has the side of e.b, and the next one that of e.a.
+fn points_of_test(e: Edge, corners: array<vec3<u32>, 3>, is_edge: bool, test: u32) -> array<vec3<u32>, 3> {
+  if (is_edge && test >= 2u) {
+    return array<vec3<u32>, 3>(e.a, e.b, select(corners[0], corners[1], test == 3u));
+  }
+  if (is_edge) {
+    return array<vec3<u32>, 3>(corners[0], corners[1], select(e.a, e.b, test == 1u));
+  }
+  if (test == 0u) {
+    return corners;
+  }
+  let side = (test - 1u) / 2u;
+  let end = select(e.b, e.a, test % 2u == 0u);
+  if (side == 0u) {
+    return array<vec3<u32>, 3>(corners[0], corners[1], end);
+  }
+  if (side == 1u) {
+    return array<vec3<u32>, 3>(corners[1], corners[2], end);
+  }
+  return array<vec3<u32>, 3>(corners[2], corners[0], end);
+}
+
+// How an edge cuts another.
+struct EdgeCut {
+  is_cut: bool,
+  // An end of the cutting edge is on the other edge, in space. If so, whether it is the second end.
+  is_touching: bool,
+  is_second_end: bool,
+  // Edges on the same line: the other one lies beside the end of the edge that is cut, on its left.
+  is_left_at_end: bool,
+}
+
+// How edge `f` cuts edge `e`. `signs` are those of tests 0 to 3.
+fn cut_by_edge(f: Edge, f_index: u32, e: Edge, e_index: u32, signs: vec4<i32>) -> EdgeCut {
+  if (signs.z == 0 && signs.w == 0) {
+    let overlap = overlap_in_line(f, f_index, e, e_index);
+    return EdgeCut(overlap.is_cut, true, all(overlap.end == f.b), overlap.is_left_at_end);
+  }
+  let is_touching = signs.z == 0 || signs.w == 0;
+  // Points on the line of the edge are on its right, in ascending direction.
+  let left = select(vec2<bool>(signs.z >= 0, signs.w >= 0), vec2<bool>(signs.z > 0, signs.w > 0), is_below(e.a, e.b));
+  let is_crossing = signs.x * signs.y < 0 && left.x != left.y && (is_touching || signs.z == signs.y);
+  return EdgeCut(is_crossing, is_touching, signs.w == 0, false);
+}
+
+// Whether a triangle lies beside the end of edge `e`, on its left. `signs` are those of its tests.
+fn is_triangle_beside_end(corners: array<vec3<u32>, 3>, e: Edge, signs: array<i32, 7>) -> bool {
+  var sides = vec3<i32>(signs[1], signs[3], signs[5]);
+  sides = select(sides, vec3<i32>(signs[2], signs[4], signs[6]), sides == vec3<i32>(0));
+  let is_same = vec3<bool>(
+    has_same_direction(corners[0], corners[1], e.a, e.b),
+    has_same_direction(corners[1], corners[2], e.a, e.b),
+    has_same_direction(corners[2], corners[0], e.a, e.b),
+  );
+  sides = select(sides, select(vec3<i32>(-1), vec3<i32>(1), is_same), sides == vec3<i32>(0));
+  return signs[0] != 0 && all(sides == vec3<i32>(signs[0]));
+}
+
 // Finds the edges that cut the invocation's edge, and the parity of triangles beside its end on its left: it flips
 // `parities` for each. One loop runs over edges, then over triangles, so that `turn` is compiled once.
 fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
@@ -85,7 +145,6 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
   let e = work.edge;
   var result: FoundCuts;
   result.span = select(vec2<i32>(EXPONENT_LIMIT, -EXPONENT_LIMIT), bit_window_of(float_parts(e.a)), work.exists);
-  let is_up = is_below(e.a, e.b);
   let triangles = boundary.end_triangle - boundary.first_triangle;
   let end = select(0u, boundary.count + triangles, work.exists);
   // Turns: CUT_ITEMS.
@@ -104,75 +163,31 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
       let face = 3u * (boundary.first_triangle + item - boundary.count);
       corners = array<vec3<u32>, 3>(position_of(faces[face]), position_of(faces[face + 1u]), position_of(faces[face + 2u]));
     }
-    // For an edge f: the sides of e.a and e.b at f, then of f's ends at e. For a triangle: its own turn, then for each of
-    // its edges the sides of e.b and e.a.
     var signs: array<i32, 7>;
     var tie = IN_LINE;
     // Turns: CUT_TESTS in all.
     for (var test = 0u; test < select(7u, 4u, is_edge); test++) {
-      var p = corners[0];
-      var q = corners[1];
-      var r = e.a;
-      if (is_edge) {
-        if (test >= 2u) {
-          p = e.a;
-          q = e.b;
-          r = corners[test - 2u];
-        } else if (test == 1u) {
-          r = e.b;
-        }
-      } else if (test == 0u) {
-        r = corners[2];
-      } else {
-        let side = (test - 1u) / 2u;
-        if (test % 2u == 0u && signs[test - 1u] != 0) {
-          continue;
-        }
-        p = corners[side];
-        q = corners[(side + 1u) % 3u];
-        r = e.b;
-        if (test % 2u == 0u) {
-          r = e.a;
-        }
+      // The second end decides for a side only if the first is on its line.
+      if (!is_edge && test > 0u && test % 2u == 0u && signs[test - 1u] != 0) {
+        continue;
       }
-      let turn_result = turn(p, q, r, work.light_index);
+      let points = points_of_test(e, corners, is_edge, test);
+      let turn_result = turn(points[0], points[1], points[2], work.light_index);
       signs[test] = turn_result.sign;
       tie = select(tie, min(tie, turn_result.tie), test < 2u);
     }
+    var is_beside_end = false;
     if (is_edge) {
-      let bit = 1u << select(item, item / BOUNDARY_LANES, work.is_large);
-      var is_touching = signs[2] == 0 || signs[3] == 0;
-      var is_second_end = signs[3] == 0;
-      // Points on the line of the edge are on its right, in ascending direction.
-      let left = select(vec2<bool>(signs[2] >= 0, signs[3] >= 0), vec2<bool>(signs[2] > 0, signs[3] > 0), is_up);
-      var is_crossing = signs[0] * signs[1] < 0 && left.x != left.y && (is_touching || signs[2] == signs[1]);
-      if (signs[2] == 0 && signs[3] == 0) {
-        let f = Edge(corners[0], corners[1], true);
-        let overlap = overlap_in_line(f, item, e, work.edge_index);
-        is_crossing = overlap.is_cut;
-        is_second_end = all(overlap.end == f.b);
-        if (overlap.is_left_at_end) {
-          atomicXor(&parities[slot], 1u);
-        }
-      }
-      if (is_crossing) {
-        result.cuts |= bit;
-        result.touching |= select(0u, bit, is_touching);
-        result.touching_second_end |= select(0u, bit, is_touching && is_second_end);
-        result.ties |= select(vec2<u32>(0u), vec2<u32>(bit), (vec2<u32>(tie) & vec2<u32>(1u, 2u)) != vec2<u32>(0u));
-      }
-      continue;
-    }
-    var is_beside_end = signs[0] != 0;
-    for (var side = 0u; side < 3u; side++) {
-      var sign = signs[2u * side + 1u];
-      if (sign == 0) {
-        sign = signs[2u * side + 2u];
-      }
-      if (sign == 0) {
-        sign = select(-1, 1, has_same_direction(corners[side], corners[(side + 1u) % 3u], e.a, e.b));
-      }
-      is_beside_end = is_beside_end && sign == signs[0];
+      let f = Edge(corners[0], corners[1], true);
+      let cut = cut_by_edge(f, item, e, work.edge_index, vec4<i32>(signs[0], signs[1], signs[2], signs[3]));
+      is_beside_end = cut.is_left_at_end;
+      let bit = select(0u, 1u << select(item, item / BOUNDARY_LANES, work.is_large), cut.is_cut);
+      result.cuts |= bit;
+      result.touching |= select(0u, bit, cut.is_touching);
+      result.touching_second_end |= select(0u, bit, cut.is_touching && cut.is_second_end);
+      result.ties |= select(vec2<u32>(0u), vec2<u32>(bit), (vec2<u32>(tie) & vec2<u32>(1u, 2u)) != vec2<u32>(0u));
+    } else {
+      is_beside_end = is_triangle_beside_end(corners, e, signs);
     }
     if (is_beside_end) {
       atomicXor(&parities[slot], 1u);

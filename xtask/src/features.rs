@@ -68,7 +68,7 @@ pub(crate) fn command_without_bench() -> Result<(), String> {
     ]))?;
     let tree = ["tree", "--package", "rimline-cli", "--edges", "normal", "--prefix", "none", "--format", "{p}"];
     let found = among(
-        &["plotters", "resvg", "epaint_default_fonts"],
+        &["plotters", "resvg", "epaint_default_fonts", "egui", "winit"],
         &process::output(process::cargo(tree).arg("--no-default-features"))?,
     );
     if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }

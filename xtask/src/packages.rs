@@ -58,6 +58,28 @@ impl Manager {
         }
     }
 
+    /// Commands that install a display without a screen, and libraries that windows there load. Empty where tests do without.
+    fn steps_of_xvfb(self) -> &'static [&'static [&'static str]] {
+        match self {
+            Self::Apt => &[
+                &["apt-get", "update"],
+                &[
+                    "apt-get",
+                    "install",
+                    "-y",
+                    "--no-install-recommends",
+                    "xvfb",
+                    "libx11-xcb1",
+                    "libxcursor1",
+                    "libxi6",
+                    "libxkbcommon-x11-0",
+                    "libxrandr2",
+                ],
+            ],
+            Self::Dnf | Self::Pacman => &[],
+        }
+    }
+
     /// All steps as one line for a user's shell.
     pub(crate) fn one_command(self) -> String {
         one_command(self.steps())
@@ -66,6 +88,12 @@ impl Manager {
     /// Installs the driver and the loader, as root or through a sudo that asks for no password.
     pub(crate) fn install(self) -> Result<(), String> {
         run("Vulkan driver", self.steps())
+    }
+
+    /// Installs Xvfb, likewise.
+    pub(crate) fn install_xvfb(self) -> Result<(), String> {
+        let steps = self.steps_of_xvfb();
+        if steps.is_empty() { Ok(()) } else { run("Xvfb", steps) }
     }
 
     /// Installs `SwiftShader`, likewise.

@@ -2,6 +2,7 @@
 
 use std::process::Command;
 
+use crate::packages::Manager;
 use crate::summary::Summary;
 use crate::{drivers, features, process, vulkan};
 
@@ -45,9 +46,20 @@ fn ensure_driver(summary: &mut Summary) {
     }
 }
 
+/// Tests of windows need a display. Without one they fail, or are ignored by name where none can be installed.
+fn ensure_display() {
+    if !cfg!(target_os = "linux") || process::output(Command::new("Xvfb").arg("-help")).is_ok() {
+        return;
+    }
+    if let Some(Err(error)) = Manager::of_this_system().map(Manager::install_xvfb) {
+        println!("note: {error}");
+    }
+}
+
 /// Runs every test and counts it in `summary`.
 pub(crate) fn add(summary: &mut Summary) {
     ensure_driver(summary);
+    ensure_display();
     run_tests(&mut process::cargo(EVERYTHING), summary);
     summary.check("the library builds with any of its features", features::library_alone());
     summary.check("the library without `gpu` has no GPU library", features::no_gpu_dependencies());

@@ -11,11 +11,17 @@ use crate::lines::args::LinesArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
 use crate::spec::{self, LightSpec};
+#[cfg(feature = "view")]
+use crate::view::WindowArgs;
 
 /// Silhouettes of triangle meshes, on the GPU.
 #[derive(Parser, Debug)]
 #[command(name = "rimline", version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
 pub(crate) struct Cli {
+    /// Print nothing but results and errors: no warnings, no progress, and not what was written
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -42,13 +48,15 @@ Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
+    /// Look at models in a window: drag lights, see silhouettes and shadows
+    View(WindowArgs),
     /// Draw a model with its outline, as a PNG
     Draw(DrawArgs),
     /// Draw models as lines without what is hidden, as SVG, PDF, DXF, JSON or PNG
     Lines(LinesArgs),
     /// Draw models with their shadows, as a PNG, and masks of what each light reaches
     Shadow(ShadowArgs),
-    /// Draw an animation with its shadows, as numbered PNG files
+    /// Draw an animation with its shadows, as numbered PNG files, GIF, APNG or MP4
     Film(FilmArgs),
     /// Extract facing, silhouette and winding bits for lights, as NumPy arrays
     Extract(ExtractArgs),
@@ -62,6 +70,38 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     /// Measure run times and errors of all methods on this machine, and write a report with plots
     Bench(BenchArgs),
+    /// Print the completions of a shell
+    Completions(CompletionsArgs),
+    /// Write manual pages, one for each subcommand
+    Man(ManArgs),
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = COMPLETIONS_REMARKS)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub(crate) shell: clap_complete::Shell,
+}
+
+const COMPLETIONS_REMARKS: &str = "\
+Where shells look for them: bash ~/.local/share/bash-completion/completions/rimline, fish \
+~/.config/fish/completions/rimline.fish, zsh a file _rimline in a folder of $fpath.";
+
+#[derive(Args, Debug)]
+pub(crate) struct ManArgs {
+    /// The folder, such as ~/.local/share/man/man1. It is made if it does not exist
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+}
+
+/// All options are taken, and none is followed: this build has no window.
+#[cfg(not(feature = "view"))]
+#[derive(Args, Debug)]
+#[command(disable_help_flag = true)]
+pub(crate) struct WindowArgs {
+    /// This build leaves the window out
+    #[arg(hide = true, allow_hyphen_values = true, trailing_var_arg = true)]
+    _rest: Vec<std::ffi::OsString>,
 }
 
 /// All options are taken, and none is followed: this build does not measure.
@@ -170,6 +210,10 @@ pub(crate) struct DrawArgs {
     /// Where to write the picture, a PNG
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
+
+    /// Print what was drawn as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 const DRAW_EXAMPLES: &str = "\
@@ -180,7 +224,9 @@ Examples:
 ";
 
 const DRAW_REMARKS: &str = "\
-Silhouette edges and open boundaries are dark; with --show-boundary, boundaries are orange. World space is right-handed with +Y up.";
+Silhouette edges and open boundaries are dark; with --show-boundary, boundaries are orange. World space is right-handed with +Y up.
+
+Keys of --json: adapter, out, size, vertices, faces, origin (only where it is not zero).";
 
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(INFO_EXAMPLES), after_help = INFO_KEYS)]

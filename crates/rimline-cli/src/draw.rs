@@ -14,14 +14,16 @@ use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::internals::cpu::is_finite;
 use rimline::{Light, Mesh, MeshError, wgpu};
+use serde_json::json;
 
 use crate::args::DrawArgs;
+use crate::coordinates::add_origin;
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::{Picture, wrote};
 use crate::input::{Scene, Shape};
-use crate::output::{Output, print};
+use crate::output::{Output, print, say};
 use crate::posed_input::{PosedInput, Positions};
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
@@ -57,7 +59,16 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     progress.step("writing");
     output.finish(|file| picture.write_png(file))?;
     drop(progress);
-    print(&format!("{}\n", wrote(&args.out, args.view.size)))
+    if !args.json {
+        return say(&format!("{}\n", wrote(&args.out, args.view.size)));
+    }
+    let (vertices, faces) = (scene.mesh.vertex_count(), scene.mesh.face_count());
+    let mut report = json!({
+        "adapter": device::describe(&gpu.info), "out": args.out.display().to_string(), "size": args.view.size,
+        "vertices": vertices, "faces": faces,
+    });
+    add_origin(&mut report, posed.input.origin());
+    print(&format!("{report:#}\n"))
 }
 
 /// Draws the picture. Shaders compile on threads of their own, and each part of the picture is submitted as soon as those that

@@ -18,7 +18,7 @@ use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::Device;
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
-use crate::output::{Output, print};
+use crate::output::{Output, print, say};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
 use crate::report::{self, Lines, Times, per_light};
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let names = [adapter, value_name(&args.method), value_name(&named)];
     let report = Report { mesh, lights: lights.len(), found: &found, names, origin, times };
     drop(progress);
-    print(&if args.json { report.json() } else { report.text(&args.out) })
+    if args.json { print(&report.json()) } else { say(&report.text(&args.out)) }
 }
 
 /// Method and predicate, which must go together.

@@ -37,6 +37,10 @@ pub(crate) enum Failure {
     /// There is no device that could do it.
     #[error(transparent)]
     NoDevice(#[from] NoDevice),
+    /// There is no window.
+    #[cfg(feature = "view")]
+    #[error("{0}")]
+    Window(String),
     /// The device stopped in the middle.
     #[error("the device {adapter} failed: {message}; nothing was written")]
     DeviceLost { adapter: String, message: String },
@@ -164,6 +168,15 @@ pub(crate) enum UsageError {
     PictureMemory { width: u32, height: u32, needed: u64, adapter: String, fits: [u32; 2] },
     #[error("no file has an animation, so nothing moves; give --displace, or the number of pictures with --frames")]
     NoAnimation,
+    #[error(
+        "{} needs ffmpeg, and no program of this name can be started: {source}; install it (on Debian `sudo apt-get install ffmpeg`), \
+         or give a folder, .gif or .apng", .out.display()
+    )]
+    NoFfmpeg { out: PathBuf, source: std::io::Error },
+    #[error("--resume keeps the pictures of a folder; give --out the name of a folder, or leave it out")]
+    ResumeClip,
+    #[error("a GIF has at most 65535 pixels in each direction; give a smaller --size, or .apng")]
+    GifSize,
     #[error("a film with --displace needs a length; give --frames or --seconds, or name an --animation")]
     EndlessDisplacement,
     #[error("--out and --mask would both write {}; change one of them", .file.display())]
@@ -173,8 +186,8 @@ pub(crate) enum UsageError {
     #[error("{} is written as {what}; give a name that ends in .{own}", .out.display())]
     Ending { out: PathBuf, what: &'static str, own: &'static str },
     #[error(
-        "{} looks like a file, but --out is the folder for numbered PNG files; give the name of a folder (a program such as \
-         ffmpeg makes a video of the files)", .out.display()
+        "{} looks like a file, but --out is the folder for numbered PNG files; give the name of a folder, or one that ends in .gif, \
+         .apng or .mp4", .out.display()
     )]
     FolderEnding { out: PathBuf },
     #[cfg(feature = "bench")]
@@ -209,6 +222,12 @@ pub(crate) enum UsageError {
          `--features bench`"
     )]
     WithoutBench,
+    #[cfg(not(feature = "view"))]
+    #[error(
+        "this build of rimline leaves `view` out; `cargo install rimline-cli` builds one that has it, and so does \
+         `--features view`; `rimline shadow` draws to a file"
+    )]
+    WithoutView,
     #[error("{0}; give another light, or leave out --hide-covered")]
     Covered(rimline::cpu::CpuError),
     #[error(
@@ -306,6 +325,8 @@ impl Failure {
             Self::Input { .. } | Self::Pose(_) => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
+            #[cfg(feature = "view")]
+            Self::Window(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),

@@ -50,6 +50,15 @@ impl Picture {
         self.bytes.chunks(self.pitch).map(|row| &row[..self.depth * self.size[0] as usize])
     }
 
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// All rows without alpha, of a picture in colour.
+    pub(crate) fn rgb(&self) -> Vec<u8> {
+        self.rows().flat_map(|row| row.chunks_exact(4)).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+    }
+
     /// The mean of pictures of one size, each byte rounded to the nearest; at least one picture.
     pub(crate) fn mean(mut pictures: Vec<Self>) -> Self {
         let mut mean = pictures.swap_remove(0);

@@ -24,7 +24,7 @@ use crate::failure::{Failure, InputError};
 use crate::film::{self, Claim};
 use crate::info::Seams;
 use crate::input::{Input, Shape};
-use crate::output::{Folder, Output, note, print};
+use crate::output::{Folder, Output, note, say};
 use crate::posed_input::{animations, note_idle_time};
 use crate::progress::Progress;
 use crate::target::Inputs;
@@ -74,9 +74,8 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         Ok::<_, Failure>(objects)
     };
     let first = objects_at(0)?;
-    let objects_of_frame = |frame: u32| match is_moving && frame > 0 {
-        true => objects_at(frame).map(Cow::Owned),
-        false => Ok(Cow::Borrowed(&first)),
+    let objects_of_frame = |frame: u32| {
+        if is_moving && frame > 0 { objects_at(frame).map(Cow::Owned) } else { Ok(Cow::Borrowed(&first)) }
     };
     let refused = |error: LinesError| refused(&args.files[0], error);
     let mut corners = eye::corners(&first);
@@ -126,7 +125,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         said = sheet.said(args, eye.view.is_perspective(), &[file(0), file(frame)]);
     }
     drop(progress);
-    print(&said)
+    say(&said)
 }
 
 fn options(args: &LinesArgs) -> LineOptions {

@@ -28,12 +28,15 @@ mod query;
 mod render;
 mod report;
 mod shadow;
+mod shell;
 mod shown;
 mod signals;
 mod source;
 mod spec;
 mod target;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 mod warm_up;
 
 use std::io::Write as _;
@@ -57,12 +60,15 @@ fn main() -> ExitCode {
     #[cfg(all(unix, not(target_vendor = "apple")))]
     keep_wayland_quiet();
     let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
+    if cli.quiet {
+        output::be_quiet();
+    }
     // Before anything is read: the code of a signal does not depend on when it comes.
     signals::heed_signals();
     match run(&cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            output::note(&format!("error: {failure}"));
+            output::complain(&failure);
             failure.code().into()
         }
     }
@@ -96,7 +102,7 @@ fn refuse(error: &clap::Error) -> ! {
         // Help and version are results like others.
         let printed = error.print().and_then(|()| std::io::stdout().flush());
         let Err(failure) = output::printed(printed) else { std::process::exit(error.exit_code()) };
-        output::note(&format!("error: {failure}"));
+        output::complain(&failure);
         std::process::exit(failure.code().into());
     }
     let is_tame = |argument: std::ffi::OsString| {
@@ -121,9 +127,15 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Film(args) => film::run(args),
         Command::Query(args) => query::run(args),
         Command::Verify(args) => verify::run(args),
+        Command::Completions(args) => shell::completions(args),
+        Command::Man(args) => shell::man(args),
         #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(args),
         #[cfg(not(feature = "bench"))]
         Command::Bench(_) => Err(failure::UsageError::WithoutBench.into()),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args),
+        #[cfg(not(feature = "view"))]
+        Command::View(_) => Err(failure::UsageError::WithoutView.into()),
     }
 }

@@ -3,6 +3,7 @@
 use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use tempfile::TempPath;
 
@@ -36,9 +37,34 @@ pub(crate) fn printed(result: io::Result<()>) -> Result<(), Failure> {
     }
 }
 
+/// Whether only results and errors are printed.
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Prints only results and errors from now on.
+pub(crate) fn be_quiet() {
+    IS_QUIET.store(true, Ordering::Relaxed);
+    log::set_max_level(log::LevelFilter::Error);
+}
+
+pub(crate) fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
+/// Prints what was done, which is no result: that is in a file.
+pub(crate) fn say(text: &str) -> Result<(), Failure> {
+    if is_quiet() { Ok(()) } else { print(text) }
+}
+
 /// Prints a remark for the user to standard error, which carries no results.
 pub(crate) fn note(text: &str) {
-    let _ = writeln!(io::stderr(), "rimline: {}", Line(text));
+    if !is_quiet() {
+        let _ = writeln!(io::stderr(), "rimline: {}", Line(text));
+    }
+}
+
+/// Prints why the command stops.
+pub(crate) fn complain(failure: &Failure) {
+    let _ = writeln!(io::stderr(), "rimline: {}", Line(format!("error: {failure}")));
 }
 
 /// A result's file. It takes its name only once it is complete: it is written beside its target and then renamed. A
@@ -75,6 +101,13 @@ impl Output {
             }
         };
         Ok(Self { name: name.to_owned(), place, file: Some(BufWriter::with_capacity(1 << 18, file)) })
+    }
+
+    /// The file, for a program that writes it piece by piece. `finish` has to come after.
+    pub(crate) fn handle(&self) -> Result<File, Failure> {
+        let file = self.file.as_ref().ok_or_else(|| io::Error::other("it is complete"));
+        let handle = file.and_then(|file| file.get_ref().try_clone());
+        handle.map_err(|source| Failure::Output { file: self.name.clone(), source })
     }
 
     /// Lets `write` fill the file and puts it in its place.

@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::output::is_quiet;
 #[cfg(feature = "bench")]
 use crate::output::note;
 use crate::shown::Line;
@@ -25,6 +26,9 @@ impl Progress {
     fn with(bar: ProgressBar, template: &str) -> Self {
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
+        }
+        if is_quiet() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
         }
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(100));

@@ -18,7 +18,7 @@ use crate::device::Device;
 use crate::extract::arrays::write_lights;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::Scene;
-use crate::output::{Output, note, print};
+use crate::output::{Output, note, print, say};
 use crate::posed_input::PosedInput;
 use crate::progress::Progress;
 use crate::report::{self, Lines, Times, first_lights, per_light};
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;
     let report = Report { mesh: &scene.mesh, asked, depths: &depths, origin, adapter, times };
     drop(progress);
-    print(&if args.json { report.json() } else { report.text(&args.out) })
+    if args.json { print(&report.json()) } else { say(&report.text(&args.out)) }
 }
 
 fn read_points(file: &Path, memory_limit: u64) -> Result<npz::PointArrays, Failure> {

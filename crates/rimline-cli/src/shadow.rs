@@ -39,7 +39,7 @@ use crate::failure::{Failure, UsageError};
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::Picture;
 use crate::origin;
-use crate::output::print;
+use crate::output::{print, say};
 use crate::posed_input::note_idle_time;
 use crate::progress::Progress;
 use crate::report::Times;
@@ -139,7 +139,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     drop(progress);
     depth::warn_of_limits(report.all);
     set.warn_of_depth(&gpu);
-    print(&if args.json { report.json(scene, &times) } else { report.text(&files.names, scene.view.size, &times) })
+    if args.json {
+        return print(&report.json(scene, &times));
+    }
+    say(&report.text(&files.names, scene.view.size, &times))
 }
 
 /// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.

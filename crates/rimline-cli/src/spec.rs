@@ -338,6 +338,11 @@ pub(crate) fn field_of_view(text: &str) -> Result<f32, SpecError> {
     if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err(SpecError::Angle) }
 }
 
+/// Degrees that a camera is led around in a film.
+pub(crate) fn orbit(text: &str) -> Result<f32, SpecError> {
+    within(text, -3600.0, 3600.0)
+}
+
 /// The angle of creases in degrees.
 pub(crate) fn crease(text: &str) -> Result<f64, SpecError> {
     let [degrees] = numbers(text)?;

@@ -184,6 +184,9 @@ const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif hei
 pub(crate) fn check_ending(out: &Path, own: &'static str) -> Result<(), UsageError> {
     let what = match own {
         "png" => "a PNG picture",
+        "gif" => "a GIF",
+        "apng" => "an animated PNG",
+        "mp4" => "an MP4 video",
         "npz" => "a NumPy archive",
         "svg" => "an SVG drawing",
         "pdf" => "a PDF",

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use zip::ZipArchive;
 
-use crate::error::FileError;
 use crate::{obj, stl};
 
 /// A format that is read.
@@ -25,28 +24,31 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format of a file: by how it begins, or, where that says nothing, by its ending. Leaves the reader at its start.
+    /// The format of a file: by how it begins, or, where that says nothing, by its ending. `None` if neither says it. Leaves
+    /// the reader at its start.
     ///
     /// # Errors
-    /// [`FileError::Format`] if neither says it, and [`FileError::Foreign`] for a file that is certainly of another kind.
-    pub(crate) fn of(reader: &mut (impl Read + Seek), name: Option<&Path>) -> Result<Self, FileError> {
-        let ending = name.and_then(Path::extension).map(|ending| ending.to_string_lossy().to_lowercase());
-        match (begins(reader)?, ending.as_deref()) {
-            (Begins::Ply, _) | (Begins::Unknown, Some("ply")) => Ok(Self::Ply),
-            (Begins::Stl, _) | (Begins::Unknown, Some("stl")) => Ok(Self::Stl),
-            (Begins::Archive, _) | (Begins::Unknown, Some("npz")) => Ok(Self::Npz),
-            (Begins::Glb, _) | (Begins::Json, Some("obj" | "npz" | "ply" | "stl")) => Ok(Self::Gltf),
-            (Begins::Json, _) if name.is_none() => Ok(Self::Gltf),
-            (Begins::Obj, Some("gltf" | "glb" | "npz" | "ply" | "stl")) | (_, Some("obj")) => Ok(Self::Obj),
-            (Begins::Obj, _) if name.is_none() => Ok(Self::Obj),
-            (_, Some("gltf" | "glb")) => Ok(Self::Gltf),
+    /// [`FormatError::Foreign`] for a file that is certainly of another kind.
+    pub(crate) fn of(reader: &mut (impl Read + Seek), name: Option<&Path>) -> Result<Option<Self>, FormatError> {
+        let ending = name.and_then(ending);
+        Ok(match (begins(reader)?, ending.as_deref()) {
+            (Begins::Ply, _) | (Begins::Unknown, Some("ply")) => Some(Self::Ply),
+            (Begins::Stl, _) | (Begins::Unknown, Some("stl")) => Some(Self::Stl),
+            (Begins::Archive, _) | (Begins::Unknown, Some("npz")) => Some(Self::Npz),
+            (Begins::Glb, _) | (Begins::Json, Some("obj" | "npz" | "ply" | "stl")) => Some(Self::Gltf),
+            (Begins::Json, _) if name.is_none() => Some(Self::Gltf),
+            (Begins::Obj, Some("gltf" | "glb" | "npz" | "ply" | "stl")) | (_, Some("obj")) => Some(Self::Obj),
+            (Begins::Obj, _) if name.is_none() => Some(Self::Obj),
+            (_, Some("gltf" | "glb")) => Some(Self::Gltf),
             // Any text may begin like an OBJ.
-            (_, _) => {
-                let what = ending.map_or_else(|| "a file of this format".to_owned(), |ending| format!(".{ending}"));
-                Err(FileError::Format { what })
-            }
-        }
+            (_, _) => None,
+        })
     }
+}
+
+/// What a name ends in, in small letters.
+pub(crate) fn ending(name: &Path) -> Option<String> {
+    name.extension().map(|ending| ending.to_string_lossy().to_lowercase())
 }
 
 /// How a file begins.

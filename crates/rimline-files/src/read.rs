@@ -10,7 +10,7 @@ use rimline::{Geometry, GeometryOptions, Instance, Mesh, Model};
 
 use crate::error::FileError;
 use crate::file::{File, GivenPolygons};
-use crate::format::Format;
+use crate::format::{Format, ending};
 use crate::{npz, obj, ply, stl};
 
 /// How polygons are taken. Those of an .npz are always taken whole.
@@ -102,7 +102,12 @@ pub fn read_bytes(bytes: &[u8], name: Option<&Path>, options: &ReadOptions) -> R
 }
 
 fn format(reader: &mut (impl Read + Seek), name: Option<&Path>, options: &ReadOptions) -> Result<Format, FileError> {
-    options.format.map_or_else(|| Format::of(reader, name), Ok)
+    if let Some(format) = options.format {
+        return Ok(format);
+    }
+    let shown = |ending| format!(".{ending}");
+    let what = || name.and_then(ending).map_or_else(|| "a file of this format".to_owned(), shown);
+    Format::of(reader, name)?.ok_or_else(|| FileError::Format { what: what() })
 }
 
 /// Reads a file that names no others.

@@ -60,6 +60,9 @@ fn is_same_half_plane([a, b]: [[f32; 3]; 2], one: [f32; 3], other: [f32; 3]) -> 
     dot(cross(minus(b), minus(one)), cross(minus(b), minus(other))) > 0.0
 }
 
+/// The bits of the positions of a line's ends, the lower one first.
+type Ends = [[u32; 3]; 2];
+
 /// Takes out lines of intersection along an edge that two objects share, where a face of one lies over a face of the other: surfaces
 /// that coincide do not pass through each other.
 pub(crate) fn without_touching(lines: &mut Vec<Line>, world: &World<'_>) {
@@ -70,7 +73,7 @@ pub(crate) fn without_touching(lines: &mut Vec<Line>, world: &World<'_>) {
         Some([a.min(b), a.max(b)])
     };
     let is_meeting = |line: &&Line| line.class == LineClass::Intersection;
-    let mut apexes: HashMap<[[u32; 3]; 2], Vec<(u32, [f32; 3])>> = HashMap::new();
+    let mut apexes: HashMap<Ends, Vec<(u32, [f32; 3])>> = HashMap::new();
     apexes.extend(lines.iter().filter(is_meeting).filter_map(|line| Some((key(line.vertices)?, Vec::new()))));
     if apexes.is_empty() {
         return;

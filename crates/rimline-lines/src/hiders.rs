@@ -64,6 +64,7 @@ impl Reach {
     }
 
     /// A bit for each box of a row that the line meets.
+    #[expect(clippy::needless_bitwise_bool, reason = "boxes are tested together, without branches")]
     pub(crate) fn meets(&self, Row { low, high }: &Row) -> u32 {
         let ([left, below, _], [right, above, far]) = (self.around.low, self.around.high);
         let ([nx, ny], [at_x, at_y]) = (self.across, self.at);

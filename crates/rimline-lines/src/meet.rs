@@ -8,7 +8,7 @@ use rimline::cpu::Threads;
 use crate::drawing::FaceId;
 use crate::edges::Line;
 use crate::error::{LinesError, check_count};
-use crate::exact::{Plane, face_value, sum_of_sizes};
+use crate::exact::{Height, Plane, face_value, sum_of_sizes};
 use crate::options::LineClass;
 use crate::tree::{Box3, Tree};
 use crate::view::{cross, dot};
@@ -42,7 +42,8 @@ pub(crate) fn meet(
     tick: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<(), LinesError> {
     let faces = Faces::new(world);
-    let around = world.positions.iter().fold(Box3::EMPTY, |all, &position| all.join(Box3::of(position)));
+    let finite = world.positions.iter().filter(|position| position.iter().all(|c| c.is_finite()));
+    let around = finite.fold(Box3::EMPTY, |all, &position| all.join(Box3::of(position)));
     let tree = Tree::new(faces.count as usize, (3, &around), threads, |number| {
         let corners = faces.corners(number as u32);
         let [a, b, c] = faces.positions(corners).map(Box3::of);
@@ -149,7 +150,7 @@ impl Own {
         let is_in = [is_shared(0), is_shared(1), is_shared(2)];
         let position = |at: usize| positions[others[at] as usize];
         match is_in {
-            [false, false, false] => !is_beside(&self.plane, &is_in, [position(0), position(1), position(2)]),
+            [false, false, false] => !is_beside(&self.plane, is_in, [position(0), position(1), position(2)]),
             [true, false, false] => self.may_meet_at(others[0], [position(1), position(2)], positions),
             [false, true, false] => self.may_meet_at(others[1], [position(2), position(0)], positions),
             [false, false, true] => self.may_meet_at(others[2], [position(0), position(1)], positions),
@@ -161,11 +162,11 @@ impl Own {
     /// The same for a face that shares one corner, and has two others.
     fn may_meet_at(&self, shared: u32, [p, q]: [[f32; 3]; 2], positions: &[[f32; 3]]) -> bool {
         let heights = [self.plane.height(p.map(f64::from)), self.plane.height(q.map(f64::from))];
-        let signs = heights.map(|height| height.certain_sign());
+        let signs = heights.map(Height::certain_sign);
         if signs[0] * signs[1] > 0 {
             return false;
         }
-        let [Some(from_p), Some(from_q)] = heights.map(|height| height.accurate()) else { return true };
+        let [Some(from_p), Some(from_q)] = heights.map(Height::accurate) else { return true };
         let at = positions[shared as usize];
         let [a, b] = match self.corners {
             [first, b, c] if first == shared => [b, c],
@@ -181,14 +182,14 @@ impl Own {
         let size = from_q * sum_of_sizes(p) + from_p * sum_of_sizes(q);
         let is_outside = |edge: [f64; 3], turn: f64| {
             let inside = turn * dot(cross(self.plane.normal(), edge), along);
-            inside < -1e-7 * self.plane.size() * sum_of_sizes(edge) * size
+            inside < -(1e-7 * self.plane.size() * sum_of_sizes(edge) * size).max(f64::MIN_POSITIVE)
         };
         !(is_outside(away(positions[a as usize]), 1.0) || is_outside(away(positions[b as usize]), -1.0))
     }
 }
 
 /// Whether `f64` is certain that the corners are on one side of a plane, but for those that are in it.
-fn is_beside(plane: &Plane, is_in: &[bool; 3], corners: [[f32; 3]; 3]) -> bool {
+fn is_beside(plane: &Plane, is_in: [bool; 3], corners: [[f32; 3]; 3]) -> bool {
     let signs = corners.map(|corner| plane.height(corner.map(f64::from)).certain_sign());
     [1, -1].into_iter().any(|side| (0..3).all(|at| is_in[at] || signs[at] == side))
 }
@@ -222,7 +223,7 @@ fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let plane = Plane::of_face(a, b, c);
     let is_shared = face.corners.map(|vertex| other.corners.contains(&vertex));
     // A shared corner is in the plane. With all others on one side, that is all that is.
-    if is_beside(&plane, &is_shared, face.positions) {
+    if is_beside(&plane, is_shared, face.positions) {
         return None;
     }
     let heights = face.positions.map(|p| plane.height(p.map(f64::from)));

@@ -23,10 +23,10 @@ impl Box3 {
     }
 
     pub(crate) fn join(self, other: Self) -> Self {
-        Self {
-            low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis])),
-            high: [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis])),
-        }
+        // There are no NaN, so comparisons do.
+        let less = |axis: usize| if self.low[axis] < other.low[axis] { self.low[axis] } else { other.low[axis] };
+        let more = |axis: usize| if self.high[axis] > other.high[axis] { self.high[axis] } else { other.high[axis] };
+        Self { low: [less(0), less(1), less(2)], high: [more(0), more(1), more(2)] }
     }
 }
 
@@ -60,6 +60,7 @@ impl Row {
     }
 
     /// A bit for each of the boxes that meets another one.
+    #[expect(clippy::needless_bitwise_bool, reason = "boxes are tested together, without branches")]
     fn meets(&self, Box3 { low, high }: &Box3) -> u32 {
         let ([x, y, z], [right, above, far]) = (*low, *high);
         bits(|at| {
@@ -192,10 +193,10 @@ impl<T: Copy + Send + Sync> Tree<T> {
                 let prepared: Vec<_> = items.iter().map(&prepare).collect();
                 self.rows(&|row| row.meets(&around), number, |other, mask| {
                     let row = &rows[other];
-                    for at in 0..items.len() {
+                    for (at, item) in prepared.iter().enumerate() {
                         let later = if other == number { u32::MAX << at << 1 } else { u32::MAX };
                         for other_at in positions_of(row.meets(&own.get(at)) & mask & later) {
-                            found(&mut results, &prepared[at], &self.items[WIDE * other + other_at]);
+                            found(&mut results, item, &self.items[WIDE * other + other_at]);
                         }
                     }
                 });
@@ -279,5 +280,48 @@ impl Curve {
         let x = x.map(|x| x ^ flip);
         let digits = (0..bits).rev().flat_map(|bit| (0..self.axes).map(move |axis| x[axis] >> bit & 1));
         digits.fold(0, |place, digit| place << 1 | digit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Trees of one row, of two and of three levels find the pairs that all pairs of boxes have, and what each box meets.
+    #[test]
+    fn trees_miss_nothing() {
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for (count, axes) in [(0, 3), (1, 3), (7, 2), (9, 3), (64, 2), (65, 3), (700, 2), (700, 3)] {
+            let mut boxes = Vec::new();
+            for _ in 0..count {
+                let low = [random(), random(), random()];
+                let size = 0.2 * random();
+                boxes.push(Box3 { low, high: low.map(|c| c + size) });
+            }
+            let is_met = |one: &Box3, other: &Box3| {
+                (0..3).all(|axis| one.low[axis] <= other.high[axis] && other.low[axis] <= one.high[axis])
+            };
+            let tree = Tree::new(count, (axes, &Box3::UNIT), Threads::new(2), |at| (boxes[at], at));
+            let add = |found: &mut Vec<[usize; 2]>, &one: &usize, &other: &usize| {
+                found.push([one.min(other), one.max(other)]);
+            };
+            let found = tree.pairs(Threads::new(2), &mut |_| ControlFlow::Continue(()), |&item| item, add);
+            let mut found = found.expect("not ended").concat();
+            found.sort_unstable();
+            let all = (0..count).flat_map(|one| (one + 1..count).map(move |other| [one, other]));
+            let expected: Vec<_> = all.filter(|&[one, other]| is_met(&boxes[one], &boxes[other])).collect();
+            assert_eq!(found, expected, "{count} boxes");
+            for around in &boxes {
+                let mut found = Vec::new();
+                tree.visit(|row| row.meets(around), |item| found.push(item));
+                found.sort_unstable();
+                let expected: Vec<_> = (0..count).filter(|&at| is_met(around, &boxes[at])).collect();
+                assert_eq!(found, expected, "{count} boxes");
+            }
+        }
     }
 }

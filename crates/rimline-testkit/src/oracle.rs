@@ -212,3 +212,32 @@ pub fn unclosed(mesh: &Mesh, masks: &[EdgeMasks], lights: usize) -> usize {
     }
     open
 }
+
+/// Records, silhouette bits and winding bits against the faces alone.
+///
+/// # Errors
+/// The first difference, or vertices that are not closed.
+pub fn check_masks(name: &str, mesh: &Mesh, facing: &[u32], masks: &[EdgeMasks], lights: usize) -> Result<(), String> {
+    let edges = edge_faces(mesh.faces());
+    for light in 0..lights {
+        let expected = multiplicities(&edges, facing, mesh.faces().len(), light);
+        if record_multiplicities(mesh, masks, light) != expected {
+            return Err(format!("{name}, light {light}: multiplicities differ"));
+        }
+        let expected = plain_silhouettes(&edges, facing, mesh.faces().len(), light);
+        if record_silhouettes(mesh, &edges, masks, light) != expected {
+            return Err(format!("{name}, light {light}: silhouettes differ"));
+        }
+        let plane = &masks[light / 32 * mesh.edges().len()..];
+        for (edge, masks) in mesh.edges().iter().zip(plane) {
+            let faces_light = side(facing, mesh.faces().len(), edge.face_0, light) > 0;
+            if (masks.winding >> (light % 32) & 1 != 0) != faces_light {
+                return Err(format!("{name}, light {light}: winding of {edge:?}"));
+            }
+        }
+    }
+    match unclosed(mesh, masks, lights) {
+        0 => Ok(()),
+        open => Err(format!("{name}: {open} vertices unclosed")),
+    }
+}

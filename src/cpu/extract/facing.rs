@@ -63,13 +63,13 @@ pub fn facing_into(
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
         let light_batch = LightBatch::new(lights, 0, 3);
         let statistics = threads.share(plane, |first, masks| {
-            let run = Run { positions, faces: &faces[first..], light_batch: &light_batch, largest };
+            let range = FaceRange { positions, faces: &faces[first..], light_batch: &light_batch, largest };
             match (predicate, lights.len()) {
-                (Predicate::Exact, 1) => run.fill_exactly_for_one_light(masks),
-                (Predicate::Exact, _) => run.fill_exactly(masks),
-                (Predicate::Fast, 1) => run.fill_fast_for_one_light(masks),
-                (Predicate::Fast, _) => run.fill_fast(masks),
-                (Predicate::Plane, _) => run.fill_by_plane(masks),
+                (Predicate::Exact, 1) => range.fill_exactly_for_one_light(masks),
+                (Predicate::Exact, _) => range.fill_exactly(masks),
+                (Predicate::Fast, 1) => range.fill_fast_for_one_light(masks),
+                (Predicate::Fast, _) => range.fill_fast(masks),
+                (Predicate::Plane, _) => range.fill_by_plane(masks),
             }
         });
         let statistics = statistics.into_iter().fold(FacingStatistics::default(), FacingStatistics::plus);
@@ -79,8 +79,8 @@ pub fn facing_into(
     total
 }
 
-/// A run of faces that one thread decides.
-struct Run<'a> {
+/// A range of faces that one thread decides.
+struct FaceRange<'a> {
     positions: &'a [[f32; 3]],
     faces: &'a [[u32; 3]],
     light_batch: &'a LightBatch,
@@ -88,7 +88,7 @@ struct Run<'a> {
     largest: f32,
 }
 
-impl Run<'_> {
+impl FaceRange<'_> {
     fn fill_exactly(&self, masks: &mut [u32]) -> FacingStatistics {
         let mut statistics = FacingStatistics::default();
         for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
@@ -188,7 +188,7 @@ impl Run<'_> {
 /// The largest absolute coordinate, or infinity if a coordinate is infinite. NaNs are ignored.
 pub(crate) fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
     let larger = |a: f32, b: f32| if b > a { b } else { a };
-    let runs = threads.map(positions, |positions| {
+    let largest_of_ranges = threads.map(positions, |positions| {
         let coordinates: &[f32] = positions.as_flattened();
         // Sixteen at a time, for the vector registers.
         let (groups, rest) = coordinates.as_chunks::<16>();
@@ -200,7 +200,7 @@ pub(crate) fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32
         });
         largest.into_iter().chain(rest.iter().map(|c| c.abs())).fold(0.0, larger)
     });
-    runs.into_iter().fold(0.0, larger)
+    largest_of_ranges.into_iter().fold(0.0, larger)
 }
 
 /// A face and the positions of its corners.

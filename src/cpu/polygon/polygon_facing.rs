@@ -27,11 +27,11 @@ pub fn polygon_facing(
         let light_batch = LightBatch::new(lights, 0, 3);
         let statistics = threads.share(plane, |first, masks| {
             let mut statistics = FacingStatistics::default();
-            // In runs, so that what is found of them stays in the cache.
-            for (run, masks) in masks.chunks_mut(RUN).enumerate() {
-                let run = first + RUN * run..first + RUN * run + masks.len();
-                let decided = turns_batch(positions, polygons, run.clone(), largest, &light_batch);
-                for ((polygon, masks), decided) in run.zip(masks).zip(decided) {
+            // In ranges whose results fit the cache.
+            for (range, masks) in masks.chunks_mut(RANGE).enumerate() {
+                let range = first + RANGE * range..first + RANGE * range + masks.len();
+                let decided = turns_batch(positions, polygons, range.clone(), largest, &light_batch);
+                for ((polygon, masks), decided) in range.zip(masks).zip(decided) {
                     let Decided { facing, twisted, undecided } = decided;
                     *masks = PolygonMasks { facing, twisted, excluded: twisted };
                     if undecided != 0 {
@@ -49,7 +49,7 @@ pub fn polygon_facing(
 }
 
 /// The number of polygons at a time.
-const RUN: usize = 1024;
+const RANGE: usize = 1024;
 
 /// Decides lights that `f32` leaves undecided.
 fn decide(

@@ -1,4 +1,4 @@
-//! Polygon pairs: how a light sees the boundary of a polygon, by all pairs of its edges.
+//! Polygon pairs: the side of a polygon that a light sees, by all pairs of edges of its boundary.
 
 use super::corner_turn::{turn, turn_as_given};
 use super::edge_pair::{Edge, edge_pair};
@@ -7,6 +7,7 @@ use super::many_edges::{MANY_EDGES, many_edges};
 use super::orientation::Orientation;
 use super::polygon_turns::polygon_turns;
 use crate::cpu::common::positions::{is_finite, position};
+use crate::mesh::is_loop;
 
 /// The boundary of a polygon at the positions of its corners, without edges of length 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,9 +29,7 @@ impl Boundary {
             return None;
         }
         edges.retain(|[a, b]| a != b);
-        let ends = edges.iter().skip(1).chain(edges.first());
-        let is_loop = edges.iter().zip(ends).all(|([_, end], [start, _])| end == start);
-        Some(Self { corners: edges.iter().map(|edge| edge[0]).collect(), is_loop, edges })
+        Some(Self { corners: edges.iter().map(|edge| edge[0]).collect(), is_loop: is_loop(&edges), edges })
     }
 
     /// The edges that have a length.
@@ -38,7 +37,7 @@ impl Boundary {
         &self.edges
     }
 
-    /// How the light `(l, w)` sees it, and whether this took more than the cheap way.
+    /// The side that the light `(l, w)` sees, and whether the fast test did not decide it.
     pub fn orientation(&self, light: [f32; 4]) -> (Orientation, bool) {
         if let Some(seen) = if self.is_loop { polygon_turns(&self.corners, light) } else { None } {
             return (seen, false);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::polygon_turns::convex_turns;
 use crate::cpu::extract::batch::{Batch, LANES};
 use crate::layout::LightBatch;
-use crate::mesh::Polygons;
+use crate::mesh::{Polygons, is_loop};
 
 /// Decision for a polygon in `f32`, for 32 lights.
 #[derive(Clone, Copy)]
@@ -91,10 +91,4 @@ struct Waiting {
     corners: [[u32; 3]; LANES],
     polygons: [usize; LANES],
     count: usize,
-}
-
-/// Whether a boundary is one loop, whose edges follow each other.
-fn is_loop(boundary: &[[u32; 2]]) -> bool {
-    let ends = boundary.iter().skip(1).chain(boundary.first());
-    boundary.len() >= 3 && boundary.iter().zip(ends).all(|([_, end], [start, _])| end == start)
 }

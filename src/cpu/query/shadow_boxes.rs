@@ -13,7 +13,7 @@ pub(crate) const CLUSTER: usize = 32;
 /// The faces of the mesh in order, 32 in each cluster, with the boxes around the faces that count. A face counts if it is
 /// finite and names three different vertices. A vertex that `positions` lacks counts as non-finite.
 pub fn shadow_boxes(positions: &[[f32; 3]], mesh: &Mesh, threads: Threads) -> Vec<FaceCluster> {
-    let mut clusters = clusters(mesh, ANY_RUN);
+    let mut clusters = clusters(mesh, ANY_RANGE);
     threads.share_runs_of(CLUSTER, &mut clusters, |_, clusters| {
         for cluster in clusters {
             let (faces, _) = cluster.corners.as_chunks::<3>();
@@ -31,23 +31,23 @@ pub fn shadow_boxes(positions: &[[f32; 3]], mesh: &Mesh, threads: Threads) -> Ve
     clusters
 }
 
-/// A run of clusters that holds every mesh.
-const ANY_RUN: usize = usize::MAX / CLUSTER;
+/// A range of clusters that holds every mesh.
+const ANY_RANGE: usize = usize::MAX / CLUSTER;
 
 /// The clusters of a mesh without their boxes, with its faces in order. No polygon lies in two
-/// runs of `run` clusters: entries before one that would stay empty. A polygon with more faces than a run still does, see
+/// ranges of `range` clusters: entries before one that would stay empty. A polygon with more faces than a range still does, see
 /// [`largest_polygon`].
-pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
-    let mut clusters = vec![FaceCluster::zeroed(); cluster_count(mesh, run)];
-    let mut put = |index: usize, number: usize, head: usize| {
-        let (cluster, face) = (&mut clusters[index / CLUSTER], mesh.faces()[number]);
+pub(crate) fn clusters(mesh: &Mesh, range: usize) -> Vec<FaceCluster> {
+    let mut clusters = vec![FaceCluster::zeroed(); cluster_count(mesh, range)];
+    let mut put = |index: usize, face_index: usize, head: usize| {
+        let (cluster, face) = (&mut clusters[index / CLUSTER], mesh.faces()[face_index]);
         if index.is_multiple_of(CLUSTER) {
-            cluster.first_face = number as u32;
+            cluster.first_face = face_index as u32;
         }
         cluster.corners[index % CLUSTER * 3..][..3].copy_from_slice(&face);
         cluster.continues |= u32::from(index > head) << (index % CLUSTER);
         if index.is_multiple_of(CLUSTER) && index > head {
-            cluster.head = (head % (run * CLUSTER)) as u32;
+            cluster.head = (head % (range * CLUSTER)) as u32;
         }
     };
     let Some(polygons) = mesh.polygons() else {
@@ -59,7 +59,7 @@ pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
     let mut end = 0;
     for polygon in 0..polygons.len() {
         let triangles = polygons.triangles(polygon);
-        let first = first_index(end, triangles.len(), run);
+        let first = first_index(end, triangles.len(), range);
         for (index, face) in (first..).zip(triangles.clone()) {
             put(index, face, first);
         }
@@ -69,10 +69,10 @@ pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
 }
 
 /// The number of clusters that [`clusters`] gives.
-pub(crate) fn cluster_count(mesh: &Mesh, run: usize) -> usize {
+pub(crate) fn cluster_count(mesh: &Mesh, range: usize) -> usize {
     let end = mesh.polygons().map_or(mesh.faces().len(), |polygons| {
         let sizes = (0..polygons.len()).map(|polygon| polygons.triangles(polygon).len());
-        sizes.fold(0, |end, size| first_index(end, size, run) + size)
+        sizes.fold(0, |end, size| first_index(end, size, range) + size)
     });
     end.div_ceil(CLUSTER)
 }
@@ -85,9 +85,9 @@ pub(crate) fn largest_polygon(mesh: &Mesh) -> usize {
 }
 
 /// Where a polygon of `size` triangles begins if all entries below `end` are in use.
-fn first_index(end: usize, size: usize, run: usize) -> usize {
-    let run = run * CLUSTER;
-    if end / run == (end + size).saturating_sub(1) / run { end } else { end.next_multiple_of(run) }
+fn first_index(end: usize, size: usize, range: usize) -> usize {
+    let range = range * CLUSTER;
+    if end / range == (end + size).saturating_sub(1) / range { end } else { end.next_multiple_of(range) }
 }
 
 /// A box of integers that have the same order as the floats. No device can flush or round them.

@@ -75,13 +75,13 @@ impl ClockCheck {
     /// Submits the load. Returns the buffer of its timestamps, for [`load_ticks`].
     pub(super) fn submit(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> &wgpu::Buffer {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for number in 0..PASSES {
+        for index in 0..PASSES {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("clock load"),
                 timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
                     query_set: &self.set,
-                    beginning_of_pass_write_index: Some(2 * number),
-                    end_of_pass_write_index: Some(2 * number + 1),
+                    beginning_of_pass_write_index: Some(2 * index),
+                    end_of_pass_write_index: Some(2 * index + 1),
                 }),
             });
             pass.set_pipeline(&self.pipeline);

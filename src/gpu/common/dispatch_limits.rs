@@ -53,8 +53,8 @@ impl DispatchLimits {
         }
     }
 
-    /// Cuts `items` into runs that one dispatch can walk along. Each item takes up to `bytes_per_item` bytes of a
-    /// binding. Runs begin at multiples of the workgroup size, so that any array of words may be bound there.
+    /// Cuts `items` into ranges that one dispatch can walk along. Each item takes up to `bytes_per_item` bytes of a
+    /// binding. Ranges begin at multiples of the workgroup size, so that any array of words may be bound there.
     pub(crate) fn chunks(
         &self,
         what: &'static str,
@@ -63,12 +63,12 @@ impl DispatchLimits {
     ) -> Result<Vec<Range<usize>>, DeviceError> {
         let workgroup = u64::from(WORKGROUP);
         let fitting = (self.binding / bytes_per_item.max(1)).min(self.workgroups * workgroup);
-        let run = fitting / workgroup * workgroup;
-        if run == 0 {
+        let length = fitting / workgroup * workgroup;
+        if length == 0 {
             return Err(DeviceError::BindingTooLarge { what, bytes: bytes_per_item * workgroup, limit: self.binding });
         }
-        let run = run as usize;
-        Ok((0..items).step_by(run).map(|first| first..(first + run).min(items)).collect())
+        let length = length as usize;
+        Ok((0..items).step_by(length).map(|first| first..(first + length).min(items)).collect())
     }
 
     /// Cuts `bytes` into [`WINDOWS`] bindings. All have the same length except the last one, and unused ones repeat the

@@ -271,14 +271,14 @@ fn chunk_geometry(
     let morph_bytes = 12 * geometry.morph_targets().len() as u64;
     let most_influences = geometry.influences().map_or(0, |influences| influences.most_per_vertex() as u64);
     let bytes_per_vertex = 13.max(morph_bytes).max(8 + 8 * most_influences);
-    let runs = split.chunks("vertices of a deforming mesh", geometry.positions().len(), bytes_per_vertex)?;
+    let ranges = split.chunks("vertices of a deforming mesh", geometry.positions().len(), bytes_per_vertex)?;
     let mut append = |array: usize, bytes: u64| {
         let begin = split.align_up(ends[array]);
         // The range is never empty, because an array without elements is still bound.
         ends[array] = begin + bytes.max(4);
         begin..ends[array]
     };
-    let chunks = runs.into_iter().map(|vertices| GeometryChunk {
+    let chunks = ranges.into_iter().map(|vertices| GeometryChunk {
         rest: append(0, 12 * vertices.len() as u64),
         morph: append(1, morph_bytes * vertices.len() as u64),
         skin: append(2, 4 * skin_word_count(geometry, &vertices)),

@@ -126,7 +126,7 @@ impl Contours {
         // Compiles them here, so that no draw waits for the compiler.
         pipelines.walls()?;
         let max_workgroups = shared.device().limits().max_compute_workgroups_per_dimension;
-        let limits = [("MOST_WORKGROUPS", f64::from(max_workgroups))];
+        let limits = [("MAX_WORKGROUPS", f64::from(max_workgroups))];
         let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
         let stages = [
             shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),

@@ -8,7 +8,7 @@ use super::errors::ExtractorError;
 use super::extraction::{Extraction, PositionSlice, Shared};
 use super::options::ExtractorOptions;
 use super::results::ExtractionResults;
-use super::stages::{Binder, Made, Runs, from_facing, from_positions, made, programs};
+use super::stages::{Binder, DispatchRanges, Made, from_facing, from_positions, made, programs};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::{Step, record};
@@ -29,7 +29,7 @@ use crate::{Light, Mesh};
 pub struct Extractor {
     shared: Arc<Shared>,
     options: ExtractorOptions,
-    runs: Runs,
+    ranges: DispatchRanges,
     /// The stages that read positions, for windows of this number of words.
     reading: (u32, Vec<Made>),
     /// Their steps for each batch of lights, and the positions that they are bound to.
@@ -71,7 +71,7 @@ impl Extractor {
         let edges = split.chunks("edge records", shape.edges, if per_edge { 16 } else { 8 })?;
         let facing = split.windows("facing masks", 4 * shape.face_words as u64)?;
         let mut chunks = UniformTable::default();
-        let runs = Runs::new(&shape, [&faces, &edges], &mut chunks);
+        let ranges = DispatchRanges::new(&shape, [&faces, &edges], &mut chunks);
         let buffers = Buffers::new(device, mesh, &shape, &options, &split, &chunks)?;
 
         let twisted_offset = if shape.polygons.is_some() { shape.faces } else { 0 };
@@ -84,7 +84,7 @@ impl Extractor {
             device,
             shape: &shape,
             buffers: &buffers,
-            runs: &runs,
+            ranges: &ranges,
             facing: &facing,
             positions: None,
             given: None,
@@ -104,7 +104,7 @@ impl Extractor {
             encodes: AtomicU64::new(0),
             include_groups: Mutex::default(),
         });
-        Ok(Self { shared, options, runs, reading: (0, reading), from_positions: None, before, from_facing, at_last })
+        Ok(Self { shared, options, ranges, reading: (0, reading), from_positions: None, before, from_facing, at_last })
     }
 
     /// Records the extraction for `lights` and returns what was extracted. Lights are in the space of the positions. No
@@ -161,10 +161,10 @@ impl Extractor {
             return Ok(());
         }
         self.from_positions = None;
-        let Self { shared, options, runs, reading, .. } = self;
+        let Self { shared, options, ranges, reading, .. } = self;
         let Shared { pipelines, shape, buffers, facing, .. } = &**shared;
         let (device, positions) = (pipelines.device(), Some((&slice.buffer, bound)));
-        let binder = Binder { device, shape, buffers, runs, facing, positions, given: None };
+        let binder = Binder { device, shape, buffers, ranges, facing, positions, given: None };
         let steps = positions::bound(device, || {
             let words = bound.windows.words;
             if reading.0 != words {

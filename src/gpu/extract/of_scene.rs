@@ -5,7 +5,7 @@ use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
 use super::polygon_buffers::{HEAD, PolygonBuffers, PolygonCounts, PolygonShape, boundaries};
-use super::stages::{Binder, Runs, from_facing, from_positions, made, programs};
+use super::stages::{Binder, DispatchRanges, from_facing, from_positions, made, programs};
 use crate::Mesh;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -100,7 +100,7 @@ impl PolygonPart<'_> {
         };
         let facing = limits.windows("facing masks", 4 * shape.face_words as u64)?;
         let mut chunks = UniformTable::default();
-        let runs = Runs::new(&shape, [&[], &limits.chunks("edge records", edges, 8)?], &mut chunks);
+        let ranges = DispatchRanges::new(&shape, [&[], &limits.chunks("edge records", edges, 8)?], &mut chunks);
         let buffers = self.buffers(chunks.into_buffer(device, "chunks"));
         let (reading, others) =
             (from_positions(device, &options, Some(true), 0), from_facing(&options, faces, facing.words));
@@ -110,8 +110,8 @@ impl PolygonPart<'_> {
         pipelines.make_together(&all);
         let (reading, others) = (made(pipelines, reading), made(pipelines, others));
         let positions = Some((self.positions.0, &self.positions.1));
-        let (shape, buffers, runs, facing) = (&shape, &buffers, &runs, &facing);
-        let binder = Binder { device, shape, buffers, runs, facing, positions, given: self.given };
+        let (shape, buffers, ranges, facing) = (&shape, &buffers, &ranges, &facing);
+        let binder = Binder { device, shape, buffers, ranges, facing, positions, given: self.given };
         let mut steps =
             vec![Step::Clear(self.record.clone(), 0..RECORD_HEAD), Step::Clear(self.lists.0.clone(), 0..self.lists.1)];
         steps.extend(binder.read_positions(&reading, 0));

@@ -4,7 +4,7 @@ use super::errors::ExtractorError;
 use super::options::MAX_BOUNDARY_EDGES;
 use crate::Mesh;
 use crate::gpu::common::wanted::Wanted;
-use crate::mesh::Polygons;
+use crate::mesh::{Polygons, is_loop};
 use crate::turns::POLYGON_TRIANGLES;
 
 /// The largest number of edges of a boundary that is decided by an invocation for each edge and light, and of triangles of its
@@ -138,9 +138,7 @@ pub(super) fn boundaries(polygons: &Polygons) -> Vec<[u32; 2]> {
     let mut edges = Vec::new();
     for polygon in 0..polygons.len() {
         let boundary = polygons.boundary(polygon);
-        let ends = boundary.iter().skip(1).chain(boundary.first());
-        let is_loop = boundary.len() >= 3 && boundary.iter().zip(ends).all(|([_, end], [start, _])| end == start);
-        let first = edges.len() as u32 | if is_loop { ONE_LOOP } else { 0 };
+        let first = edges.len() as u32 | if is_loop(boundary) { ONE_LOOP } else { 0 };
         table.push([first, polygons.triangles(polygon).start as u32]);
         edges.extend(boundary);
     }

@@ -135,14 +135,14 @@ pub(crate) fn of_triangles(device: &wgpu::Device, options: &ExtractorOptions) ->
 
 /// Items of a dispatch, for a batch of lights.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Run {
+pub(super) struct BatchItems {
     pub(super) batch: usize,
     pub(super) items: Range<usize>,
     /// The offset of its `Chunk` in the table of chunks.
     pub(super) chunk: u32,
 }
 
-impl Run {
+impl BatchItems {
     /// Its bytes in an array of `bytes_per_item`.
     fn bytes(&self, bytes_per_item: u64) -> Range<u64> {
         self.items.start as u64 * bytes_per_item..self.items.end as u64 * bytes_per_item
@@ -151,22 +151,22 @@ impl Run {
 
 /// The dispatches over faces, edges and polygons: for each batch of lights those of its chunks.
 #[derive(Debug)]
-pub(super) struct Runs {
-    pub(super) faces: Vec<Vec<Run>>,
-    pub(super) edges: Vec<Vec<Run>>,
-    pub(super) polygons: Vec<Vec<Run>>,
+pub(super) struct DispatchRanges {
+    pub(super) faces: Vec<Vec<BatchItems>>,
+    pub(super) edges: Vec<Vec<BatchItems>>,
+    pub(super) polygons: Vec<Vec<BatchItems>>,
 }
 
-impl Runs {
+impl DispatchRanges {
     /// Writes the chunks to the table.
     pub(super) fn new(shape: &Shape, [faces, edges]: [&[Range<usize>]; 2], table: &mut UniformTable) -> Self {
         let mut plan = |chunks: &[Range<usize>], capacity: u32, blocks: u32| {
-            let mut run = |batch: usize, items: &Range<usize>| {
+            let mut range = |batch: usize, items: &Range<usize>| {
                 let (first, count, first_light) = (items.start as u32, items.len() as u32, 32 * batch as u32);
                 let chunk = table.push(&Chunk { first, count, first_light, capacity, blocks });
-                Run { batch, items: items.clone(), chunk }
+                BatchItems { batch, items: items.clone(), chunk }
             };
-            let mut of_batch = |batch| chunks.iter().map(|items| run(batch, items)).collect();
+            let mut of_batch = |batch| chunks.iter().map(|items| range(batch, items)).collect();
             (0..shape.batches()).map(&mut of_batch).collect()
         };
         let Shape { capacity, blocks, polygons, .. } = *shape;
@@ -178,13 +178,13 @@ impl Runs {
         }
     }
 
-    fn of(&self, over: Over, batch: usize) -> &[Run] {
-        let runs = match over {
+    fn of(&self, over: Over, batch: usize) -> &[BatchItems] {
+        let ranges = match over {
             Over::Faces => &self.faces,
             Over::Edges => &self.edges,
             Over::Polygons => &self.polygons,
         };
-        runs.get(batch).map_or(&[], Vec::as_slice)
+        ranges.get(batch).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -205,7 +205,7 @@ pub(super) struct Binder<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) shape: &'a Shape,
     pub(super) buffers: &'a Buffers,
-    pub(super) runs: &'a Runs,
+    pub(super) ranges: &'a DispatchRanges,
     /// The windows of facing masks.
     pub(super) facing: &'a Windows,
     /// Positions, for stages that read them.
@@ -215,7 +215,7 @@ pub(super) struct Binder<'a> {
 }
 
 impl<'a> Binder<'a> {
-    fn get(&self, name: &str, at: &Run) -> Option<Resource<'a>> {
+    fn get(&self, name: &str, at: &BatchItems) -> Option<Resource<'a>> {
         let Self { buffers, positions, .. } = *self;
         let polygons = buffers.polygons.as_ref();
         let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(at.batch);
@@ -258,7 +258,7 @@ impl<'a> Binder<'a> {
         })
     }
 
-    fn dispatch(&self, (planned, pipeline): &Made, at: &Run) -> Dispatch {
+    fn dispatch(&self, (planned, pipeline): &Made, at: &BatchItems) -> Dispatch {
         let over = |invocations: u32| Workgroups::Known([(at.items.len() as u32).div_ceil(invocations), 1]);
         let workgroups = match planned.size {
             Size::Items => over(WORKGROUP),
@@ -286,11 +286,11 @@ impl<'a> Binder<'a> {
         let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
         let over = stages.first().map_or(Over::Faces, |(planned, _)| planned.over);
         // Each chunk goes through all stages in turn, because all share the list of undecided faces.
-        for (number, run) in self.runs.of(over, batch).iter().enumerate() {
+        for (number, range) in self.ranges.of(over, batch).iter().enumerate() {
             if (batch, number) != (0, 0) {
                 steps.push(Step::Clear(self.buffers.record.clone(), RECORD_HEAD - 4..RECORD_HEAD));
             }
-            steps.extend(stages.iter().map(|made| made.1.pass([self.dispatch(made, run)])));
+            steps.extend(stages.iter().map(|made| made.1.pass([self.dispatch(made, range)])));
         }
         steps
     }
@@ -319,18 +319,20 @@ impl<'a> Binder<'a> {
                 copied.push(byte);
                 steps.push(Step::Copy([undecided, arguments].map(|buffer| (buffer.clone(), byte)), INDIRECT_BYTES));
             }
-            steps.push(made.1.pass(self.runs.of(Over::Polygons, batch).iter().map(|run| self.dispatch(made, run))));
+            steps.push(
+                made.1.pass(self.ranges.of(Over::Polygons, batch).iter().map(|range| self.dispatch(made, range))),
+            );
         }
         steps
     }
 
     /// The stages after facing, for a batch of lights.
     pub(super) fn read_facing(&self, stages: &[Made], batch: usize) -> Vec<Step> {
-        let runs = |planned: &Planned| {
-            let runs = self.runs.of(planned.over, batch);
-            if let Size::Lights = planned.size { runs.get(..1).unwrap_or_default() } else { runs }
+        let ranges = |planned: &Planned| {
+            let ranges = self.ranges.of(planned.over, batch);
+            if let Size::Lights = planned.size { ranges.get(..1).unwrap_or_default() } else { ranges }
         };
-        let pass = |made: &Made| made.1.pass(runs(&made.0).iter().map(|run| self.dispatch(made, run)));
+        let pass = |made: &Made| made.1.pass(ranges(&made.0).iter().map(|range| self.dispatch(made, range)));
         stages.iter().map(pass).collect()
     }
 
@@ -339,7 +341,7 @@ impl<'a> Binder<'a> {
         let Buffers { record, statistics, .. } = self.buffers;
         let workgroups = self.in_turn(self.shape.max_lights.div_ceil(64));
         let pass = arguments.map(|pipeline| {
-            pipeline.pass([pipeline.dispatch(self.device, workgroups, |name| self.get(name, &Run::default()))])
+            pipeline.pass([pipeline.dispatch(self.device, workgroups, |name| self.get(name, &BatchItems::default()))])
         });
         let copy = Step::Copy([record, statistics].map(|buffer| (buffer.clone(), 0)), statistics.size());
         pass.into_iter().chain([copy]).collect()

@@ -7,7 +7,7 @@ pub struct ShadowQueryOptions {
     pub max_points: u32,
     /// The largest number of lights in one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
-    /// Skip runs of 32 and of 1,024 faces if the segment from point to light misses their box. It never changes a
+    /// Skip ranges of 32 and of 1,024 faces if the segment from point to light misses their box. It never changes a
     /// depth. It makes the query faster if neighbours in the list of faces are neighbours in space.
     pub skip_by_boxes: bool,
     /// The approximate product of faces, points and lights in one dispatch. It bounds the time of a dispatch, because

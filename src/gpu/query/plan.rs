@@ -19,14 +19,14 @@ const MOST_QUERIES: u64 = 1 << 17;
 /// The largest number of groups that one dispatch goes over, even for few points. A single invocation must end; `turns` says
 /// how many turns its loops have. With 31 groups, a word of `UndecidedFaces` also has a bit for each and one more.
 const MOST_GROUPS: u64 = QUERY_GROUPS as u64;
-/// The number of points in a run is a multiple of this, so that the depths can be bound at its first point.
+/// The number of points in a range is a multiple of this, so that the depths can be bound at its first point.
 const POINTS: u64 = 64;
 /// Bytes before the undecided pairs.
 const UNDECIDED_HEAD: u64 = 8;
 const UNDECIDED: u64 = size_of::<UndecidedFaces>() as u64;
 
 /// The number of clusters that one binding and one dispatch of the boxes stage can hold: whole groups.
-pub(super) fn cluster_run(split: &DispatchLimits) -> Result<usize, DeviceError> {
+pub(super) fn cluster_range(split: &DispatchLimits) -> Result<usize, DeviceError> {
     let bytes = (GROUP * size_of::<FaceCluster>()) as u64;
     let groups = (split.binding / bytes).min(split.workgroups);
     if groups == 0 {
@@ -35,10 +35,10 @@ pub(super) fn cluster_run(split: &DispatchLimits) -> Result<usize, DeviceError> 
     Ok(groups as usize * GROUP)
 }
 
-/// The runs of clusters that one binding and one dispatch of the boxes stage can hold.
+/// The ranges of clusters that one binding and one dispatch of the boxes stage can hold.
 pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, DeviceError> {
-    let run = cluster_run(split)?;
-    Ok((0..clusters).step_by(run).map(|first| first..(first + run).min(clusters)).collect())
+    let range = cluster_range(split)?;
+    Ok((0..clusters).step_by(range).map(|first| first..(first + range).min(clusters)).collect())
 }
 
 /// The size of the undecided faces of `pairs` of point and light, in bytes.
@@ -52,7 +52,7 @@ pub(super) fn most_queries(split: &DispatchLimits, points: u32, lights: usize) -
     all.min(MOST_QUERIES).min((split.binding - UNDECIDED_HEAD) / UNDECIDED).min(split.workgroups * WORKGROUP)
 }
 
-/// The runs of points for `lights` lights. `stride` is the bytes from one point to the next.
+/// The ranges of points for `lights` lights. `stride` is the bytes from one point to the next.
 pub(super) fn point_chunks(
     split: &DispatchLimits,
     queries: u64,
@@ -64,12 +64,12 @@ pub(super) fn point_chunks(
     let by_undecided = queries / lights.min(32) as u64;
     // The binding may begin a little before the first point.
     let by_points = split.binding.saturating_sub(256) / stride;
-    let run = by_undecided.min(by_points).min(split.binding / depths) / POINTS * POINTS;
-    if run == 0 {
+    let range = by_undecided.min(by_points).min(split.binding / depths) / POINTS * POINTS;
+    if range == 0 {
         let bytes = POINTS * depths.max(stride).max(UNDECIDED * lights.min(32) as u64);
         return Err(DeviceError::BindingTooLarge { what: "64 points", bytes, limit: split.binding });
     }
-    Ok((0..points).step_by(run as usize).map(|first| first..first.saturating_add(run as u32).min(points)).collect())
+    Ok((0..points).step_by(range as usize).map(|first| first..first.saturating_add(range as u32).min(points)).collect())
 }
 
 /// The number of clusters that a dispatch of `queries` goes over, a multiple of a group.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::errors::QueryError;
 use super::options::ShadowQueryOptions;
 use super::plan::{
-    CLUSTER, GROUP, cluster_chunks, cluster_run, most_queries, point_chunks, range_clusters, undecided_bytes,
+    CLUSTER, GROUP, cluster_chunks, cluster_range, most_queries, point_chunks, range_clusters, undecided_bytes,
     workgroups,
 };
 use super::points::QueryPoints;
@@ -141,9 +141,9 @@ impl ShadowQuery {
         let ShadowQueryOptions { max_points, max_lights, skip_by_boxes, memory_limit, .. } = options;
         check_room(max_lights)?;
         let split = DispatchLimits::new(&device.limits());
-        let run = cluster_run(&split)?;
+        let range = cluster_range(&split)?;
         let faces = largest_polygon(mesh);
-        if faces > run * CLUSTER {
+        if faces > range * CLUSTER {
             let bytes = (faces.div_ceil(CLUSTER) * size_of::<FaceCluster>()) as u64;
             return Err(DeviceError::BindingTooLarge {
                 what: "the triangles of a polygon",
@@ -152,11 +152,11 @@ impl ShadowQuery {
             }
             .into());
         }
-        let clusters = cluster_count(mesh, run);
+        let clusters = cluster_count(mesh, range);
         let max_points = max_points.max(1);
         let most_queries = most_queries(&split, max_points, max_lights);
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
-        let faces_in_clusters = shadow_boxes::clusters(mesh, run);
+        let faces_in_clusters = shadow_boxes::clusters(mesh, range);
         let sizes = [u64::from(max_points) * max_lights as u64 * 4, undecided_bytes(most_queries)];
         let mut account = Account::default();
         Buffers::<()>::plan(&faces_in_clusters, sizes, |wanted| account.note(&wanted));
@@ -350,7 +350,7 @@ impl ShadowQuery {
     }
 }
 
-/// A run of clusters and one of points, and the dynamic offsets of batch, chunk and range.
+/// A range of clusters and one of points, and the dynamic offsets of batch, chunk and range.
 struct At<'a> {
     clusters: &'a Range<usize>,
     points: Range<u32>,
@@ -419,7 +419,7 @@ impl Tables {
         }
     }
 
-    /// The dynamic offset for a run of points and a batch of lights.
+    /// The dynamic offset for a range of points and a batch of lights.
     fn chunk_offset(&self, batch: u64, chunk: u64) -> u32 {
         ((batch * self.point_chunks + chunk) * UniformTable::stride::<PointChunk>() as u64) as u32
     }

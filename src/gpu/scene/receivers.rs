@@ -38,7 +38,7 @@ pub struct Receivers<'a> {
     pub version: Option<u64>,
 }
 
-/// What an encode knew of the receivers of a view.
+/// The receivers of a view in an encode, to compare with the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ReceiverState {
     None,

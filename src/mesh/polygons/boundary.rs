@@ -45,3 +45,9 @@ impl Walker {
         boundary.truncate(end);
     }
 }
+
+/// Whether directed edges are one loop of at least three, each beginning where the previous one ends.
+pub(crate) fn is_loop<V: PartialEq>(edges: &[[V; 2]]) -> bool {
+    let next = edges.iter().skip(1).chain(edges.first());
+    edges.len() >= 3 && edges.iter().zip(next).all(|([_, end], [start, _])| end == start)
+}

@@ -6,6 +6,8 @@ mod fans;
 mod surface;
 mod triangulate;
 
+pub(crate) use boundary::is_loop;
+
 use super::error::{MAX_FACES, MeshError};
 use super::topology::HalfEdges;
 use super::weld::{self, Weld, WeldCounts};

@@ -117,7 +117,7 @@ fn cell([x, y, z]: [f32; 3], distance: WeldDistance) -> [i64; 3] {
 /// A cell with a vertex.
 struct Cell {
     class: u32,
-    cell: [i64; 3],
+    index: [i64; 3],
     entries: Range<usize>,
     /// Its positions, each once, in [`Cells::points`].
     points: Range<usize>,
@@ -142,8 +142,8 @@ impl Cells {
             let count = deduplicated(&mut points[start..]);
             points.truncate(start + count);
             let end = first + entries.len();
-            let (class, cell) = entries[0].key();
-            cells.push(Cell { class, cell, entries: first..end, points: start..points.len() });
+            let (class, index) = entries[0].key();
+            cells.push(Cell { class, index, entries: first..end, points: start..points.len() });
             first = end;
         }
         let parents = (0..cells.len() as u32).collect();
@@ -157,17 +157,17 @@ impl Cells {
         let beside = (0..=radius).flat_map(|z| (-radius..=radius).map(move |y| [z, y]));
         let mut rows: Vec<([i64; 2], usize)> = beside.filter(|&row| row >= [0, 0]).map(|row| (row, 0)).collect();
         for at in 0..self.cells.len() {
-            let (class, [z, y, x]) = (self.cells[at].class, self.cells[at].cell);
+            let (class, [z, y, x]) = (self.cells[at].class, self.cells[at].index);
             for ([above, beside], start) in &mut rows {
                 let is_same_row = *above == 0 && *beside == 0;
                 let key_at = |x: i64| (class, [z + *above, y + *beside, x]);
                 let (low, high) = (key_at(if is_same_row { x + 1 } else { x - radius }), key_at(x + radius));
-                let key = |at: usize| self.cells.get(at).map(|cell| (cell.class, cell.cell));
+                let key = |at: usize| self.cells.get(at).map(|cell| (cell.class, cell.index));
                 while key(*start).is_some_and(|key| key < low) {
                     *start += 1;
                 }
                 let mut other = *start;
-                while self.cells.get(other).is_some_and(|cell| (cell.class, cell.cell) <= high) {
+                while self.cells.get(other).is_some_and(|cell| (cell.class, cell.index) <= high) {
                     self.join_pair(at, other, distance);
                     other += 1;
                 }

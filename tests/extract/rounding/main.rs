@@ -43,7 +43,6 @@ fn certificates_hold(seed: u64, rounds: usize, bound: Bound) -> Result<usize, St
 #[test]
 fn the_band_holds_for_any_rounding() -> Outcome {
     let seed = 101;
-    println!("seed {seed}");
     let rounds = if is_long() { 5_000_000 } else { 60_000 };
     let outside = certificates_hold(seed, rounds, facing_bound)?;
     println!("{outside} of {rounds} pairs outside the band");
@@ -155,7 +154,6 @@ fn the_filters_constants_are_those_of_the_derivation() {
 #[test]
 fn the_filter_decides_rightly_for_any_rounding() -> Outcome {
     let seed = 103;
-    println!("seed {seed}");
     let rounds = if is_long() { 10_000_000 } else { 200_000 };
     let bounds: [(&str, FilterBound); 2] =
         [("a light's", RoundingModels::light_bound), ("a face's", RoundingModels::face_bound)];

@@ -1,6 +1,7 @@
 //! Where the picture is taken from, and the outermost points that its frame hangs on.
 
 use crate::render::bounds::Bounds;
+use crate::render::centre;
 use glam::{DVec3, Vec3};
 
 use crate::failure::UsageError;
@@ -62,6 +63,40 @@ impl Camera {
             near: (distance.min(f64::from(extent)) * 1e-3) as f32,
         })
     }
+}
+
+impl Camera {
+    /// The same camera, turned about a vertical axis, seen from above against the clock.
+    pub(crate) fn turned(&self, axis: [f32; 3], degrees: f64) -> Self {
+        let turn = |v: Vec3| turned(v.as_dvec3(), degrees).as_vec3();
+        let axis = Vec3::from(axis);
+        Self {
+            eye: axis + turn(self.eye - axis),
+            right: turn(self.right),
+            up: turn(self.up),
+            forward: turn(self.forward),
+            ..*self
+        }
+    }
+}
+
+fn turned(v: DVec3, degrees: f64) -> DVec3 {
+    glam::DQuat::from_rotation_y(degrees.to_radians()) * v
+}
+
+/// Points that a camera on an orbit sees from one of its places: those of a scene, turned about the middle of their bounds.
+pub(crate) fn swept(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    const STEPS: u32 = 24;
+    let Some(bounds) = Bounds::of(points) else { return Vec::new() };
+    let centre = DVec3::from(centre(&bounds).map(f64::from));
+    let outermost = outermost(points, centre.as_vec3().into());
+    let turned = |step: u32| {
+        let degrees = 360.0 * f64::from(step) / f64::from(STEPS);
+        outermost
+            .iter()
+            .map(move |&point| (centre + turned(DVec3::from(point.map(f64::from)) - centre, degrees)).as_vec3())
+    };
+    (0..STEPS).flat_map(turned).map(Into::into).collect()
 }
 
 /// A direction to look in, without a place to look from.

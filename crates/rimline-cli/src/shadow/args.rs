@@ -292,9 +292,23 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::length)]
     pub(crate) seconds: Option<f32>,
 
-    /// The folder for 0000.png, 0001.png and so on. It is made if it does not exist. See below if it has an earlier film
-    #[arg(long, value_name = "DIR")]
+    /// Lead the camera around what it looks at, by so many degrees in the whole film: 360 is once around, against the clock from
+    /// above. The camera then stands so far away that all is seen from everywhere. Without an animation, the film lasts 4 seconds
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::orbit)]
+    pub(crate) orbit: Option<f32>,
+
+    /// The folder for 0000.png, 0001.png and so on, which is made if it does not exist. See below if it has an earlier film. Or a
+    /// file that moves: .gif, .apng, or .mp4, which needs ffmpeg
+    #[arg(long, value_name = "DIR|FILE")]
     pub(crate) out: PathBuf,
+
+    /// Keep the pictures that are in the folder, and draw those that are missing. They must be of the same film
+    #[arg(long)]
+    pub(crate) resume: bool,
+
+    /// Print what was written as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Help of `--animation` where something should move.
@@ -309,16 +323,22 @@ fn film_animation(arg: clap::Arg) -> clap::Arg {
 const FILM_EXAMPLES: &str = concat!(
     light_options!(),
     "
-Example:
+Examples:
+  rimline film house.glb --orbit 360 --out house.gif
   rimline film fox.glb --animation Run --fps 30 --out frames
 "
 );
 
 const FILM_REMARKS: &str = "\
-Every file in the folder is complete. Ctrl-C keeps the finished pictures. Camera and lights do not move.
+Every file in the folder is complete. Ctrl-C keeps the finished pictures, \
+and --resume goes on from there. Lights do not move, and without --orbit the camera does not, either.
 
 An earlier film in the folder is replaced: its pictures are removed as soon as the first new picture is complete. If \
-the earlier film is longer, the command refuses the folder and writes nothing: remove its pictures first.";
+the earlier film is longer, the command refuses the folder and writes nothing: remove its pictures first.
+
+A GIF has 256 colors a picture, and hundredths of a second. An MP4 is H.264; a side of an odd number of pixels gets one more.
+
+Keys of --json: adapter, out, frames, fps, size.";
 
 /// Five digits of frames.
 pub(crate) const MAX_FRAMES: i64 = 100_000;

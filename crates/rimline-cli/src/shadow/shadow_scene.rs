@@ -147,6 +147,12 @@ impl<'a> ShadowScene<'a> {
         self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
     }
 
+    /// A point of the vertical line that a camera on an orbit goes around: what it looks at.
+    pub(crate) fn orbit_axis(&self) -> [f32; 3] {
+        let view = self.args.view.relative_to(self.bodies[0].input.origin());
+        view.target.unwrap_or(self.stage.centre)
+    }
+
     /// Tells the user where depth is too coarse for the shadows that are seen.
     pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
         let farthest = farthest(&self.camera, &self.stage);

@@ -15,7 +15,7 @@ use crate::extract::{arrays, extract_exactly};
 use crate::failure::{Failure, InputError};
 use crate::input::{Input, Scene, Shape};
 use crate::origin;
-use crate::output::{Folder, Output, print};
+use crate::output::{Folder, Output, say};
 use crate::progress::Progress;
 use crate::report::Times;
 use crate::shown::Line;
@@ -134,7 +134,7 @@ impl Maker<'_> {
         output.finish(|to| arrays::write(to, &scene.mesh, lights, &found, origin))?;
         let faces = scene.mesh.faces().len();
         self.progress
-            .aside(|| print(&format!("wrote {} ({faces} faces, {} lights)\n", Line(file.display()), lights.len())))
+            .aside(|| say(&format!("wrote {} ({faces} faces, {} lights)\n", Line(file.display()), lights.len())))
     }
 }
 

@@ -14,6 +14,7 @@ use super::super::{Outcome, Test, ensure, schema};
 
 pub(crate) const TESTS: &[Test] = &[
     ("drawings::all_formats_hold_the_same_lines", formats_agree),
+    ("drawings::dxf_has_coordinates_of_the_files", dxf_has_coordinates),
     ("drawings::json_is_as_its_schema_says", json_has_its_schema),
 ];
 
@@ -244,6 +245,45 @@ fn formats_agree() -> Outcome {
         drawings.push(json);
     }
     ensure!(drawings[1].1.1 != drawings[2].1.1, "drawings are told apart");
+    Ok(())
+}
+
+/// In the unit of the files the ends of lines are where JSON has them in the world, as seen from the top.
+fn dxf_has_coordinates() -> Outcome {
+    let folder = folder();
+    for (at, scale) in [([1250.0, 3.0, -77.5], 20.0), ([0.0; 3], 1e-3)] {
+        folder.write("torus.npz", npz_model(&shapes::torus(24, 16, 1.0, 0.4), scale, at))?;
+        for (ending, options) in [("dxf", "--dxf-units model --unit mm --hidden thin"), ("json", "")] {
+            let line = format!("lines @torus.npz --view top --crease 10 {options} --out @drawing.{ending}");
+            folder.run(&line).expect(0, &[])?;
+        }
+        let dxf = String::from_utf8(folder.read("drawing.dxf")?).map_err(text)?;
+        let pairs = pairs(&dxf)?;
+        ensure!(variable(&pairs, "$INSUNITS")? == [4.0], "its unit is no millimetre");
+        let begin = pairs.iter().position(|pair| *pair == (2, "ENTITIES")).ok_or("no entities")?;
+        let entities = pairs[begin + 1..].chunk_by(|_, next| next.0 != 0).filter(|entity| entity[0].1 != "POLYLINE");
+        let [xs, ys] = [[10, 11], [20, 21]].map(|codes: [u32; 2]| {
+            let values = entities.clone().flatten().filter(|(code, _)| codes.contains(code));
+            values.map(|(_, value)| value.parse::<f64>().unwrap_or(f64::NAN)).collect::<Vec<_>>()
+        });
+        let found: Vec<[f64; 2]> = xs.into_iter().zip(ys).map(|(x, y)| [x, y]).collect();
+        let drawing: Value = serde_json::from_slice(&folder.read("drawing.json")?).map_err(text)?;
+        let spans = drawing["spans"].as_array().ok_or("no spans")?;
+        ensure!(spans.len() > 50 && found.len() > 50, "{} spans and {} points", spans.len(), found.len());
+        let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+        let ends = spans.iter().flat_map(|span| span["world"].as_array().into_iter().flatten());
+        let mut expected: Vec<[f64; 2]> = ends.map(|end| [number(&end[0]), -number(&end[2])]).collect();
+        let near = 1e-9 * f64::from(scale + at[0].abs());
+        expected.retain(|p| p.iter().all(|c| c.is_finite()));
+        let is_there = |list: &[[f64; 2]], p: &[f64; 2]| {
+            list.iter().any(|q| (p[0] - q[0]).abs() <= near && (p[1] - q[1]).abs() <= near)
+        };
+        let lost = expected.iter().find(|p| !is_there(&found, p)).or(found.iter().find(|p| !is_there(&expected, p)));
+        ensure!(lost.is_none(), "a point is in one file and not in the other: {lost:?}");
+        let low = variable(&pairs, "$EXTMIN")?;
+        let least = [0, 1].map(|axis| expected.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min));
+        ensure!((0..2).all(|axis| (low[axis] - least[axis]).abs() <= near), "extents from {low:?}, not {least:?}");
+    }
     Ok(())
 }
 

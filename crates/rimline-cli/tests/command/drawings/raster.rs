@@ -26,9 +26,9 @@ pub(crate) const TESTS: &[Test] = &[
     ("drawings::pictures_of_the_figure_show_its_lines", figure_shows_lines),
 ];
 
-/// Real files: a scan, many parts, skins, a smooth body, parts that pass through each other.
+/// Real files: a scan, many parts, skins, parts that coincide, parts that pass through each other.
 const DRAWN: [&str; 5] =
-    ["FlightHelmet.glb", "CesiumMilkTruck_quantized.glb", "Fox.glb", "spot.glb", "RobotExpressive.glb"];
+    ["FlightHelmet.glb", "CesiumMilkTruck_quantized.glb", "Fox.glb", "Knight.glb", "RobotExpressive.glb"];
 
 pub(crate) fn trials() -> Vec<Trial> {
     on_files("drawings_show_lines::", assets(), &DRAWN, |file| {
@@ -110,7 +110,7 @@ fn check(folder: &Folder, model: &str, objects: &[Object<'_>], view: &str) -> Re
     let found = compare(&scene, &render(&svg)?);
     let [stray, missing] = [found.stray.len(), found.missing.len()];
     println!("{model} {view}: {} of ink, {stray} stray; {} with a line, {missing} without", found.ink, found.lines);
-    ensure!(found.ink > 500 && found.lines > 500, "{model} {view}: little to compare: {found:?}");
+    ensure!(found.ink > 300 && found.lines > 300, "{model} {view}: little to compare: {found:?}");
     ensure!(stray == 0 && missing == 0, "{model} {view}: {:?} stray, {:?} missing", found.stray, found.missing);
     Ok((svg, scene))
 }

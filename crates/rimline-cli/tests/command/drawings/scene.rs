@@ -1,7 +1,7 @@
 //! What an eye sees of triangles, by rays through points of the page, and where lines must be between two such points. Nothing of it is
 //! shared with the code under test: surfaces are walked from face to face in `f64`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 use rimline_lines::Object;
@@ -115,7 +115,15 @@ impl Scene {
                 .map(|(vertex, position)| *of_position.entry(position.map(|c| (c + 0.0).to_bits())).or_insert(vertex))
                 .collect();
             let welded = object.mesh.faces().iter().map(|face| face.map(|vertex| vertices[vertex as usize]));
-            let faces: Vec<[u32; 3]> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+            // A face that is there twice is one.
+            let mut met = HashSet::new();
+            let mut is_new = |face: &[u32; 3]| {
+                let mut sorted = *face;
+                sorted.sort_unstable();
+                met.insert(sorted)
+            };
+            let faces = welded.filter(|[a, b, c]| a != b && b != c && c != a).filter(|face| is_new(face));
+            let faces: Vec<[u32; 3]> = faces.collect();
             let place = |vertex: u32| DVec3::from(object.positions[vertex as usize].map(f64::from));
             let first = corners.len() as u32;
             corners.extend(faces.iter().map(|face| face.map(|vertex| eye.pixel(place(vertex)))));
@@ -194,7 +202,7 @@ impl Scene {
 fn depth(&[a, b, c]: &[DVec3; 3], point: DVec3) -> Option<f64> {
     let area = (b - a).cross(c - a).z;
     let (s, t) = ((point - a).cross(c - a).z / area, (b - a).cross(point - a).z / area);
-    (s >= -1e-12 && t >= -1e-12 && s + t <= 1.0 + 1e-12).then(|| a.z + s * (b.z - a.z) + t * (c.z - a.z))
+    (s >= -1e-12 && t >= -1e-12 && s + t <= 1.0 + 1e-12).then_some(a.z + s * (b.z - a.z) + t * (c.z - a.z))
 }
 
 /// What lies beyond the edges of each face.

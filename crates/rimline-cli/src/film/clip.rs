@@ -1,0 +1,245 @@
+//! A film as one file: GIF, animated PNG, or MP4 by ffmpeg.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Seek as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::failure::{Failure, UsageError};
+use crate::image::Picture;
+use crate::output::{Output, note};
+use crate::shadow::args::FilmArgs;
+use crate::signals::{make_unfinished, remove_unfinished};
+use crate::target::Inputs;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    Gif,
+    Apng,
+    Mp4,
+}
+
+impl Format {
+    /// The format that a name ends in, unless it is that of a folder.
+    pub(super) fn of(out: &Path) -> Option<Self> {
+        let ending = out.extension()?.to_str()?.to_lowercase();
+        let found =
+            [("gif", Self::Gif), ("apng", Self::Apng), ("mp4", Self::Mp4)].into_iter().find(|(own, _)| *own == ending);
+        found.filter(|_| !out.is_dir()).map(|(_, format)| format)
+    }
+}
+
+/// Most pictures a second that browsers show of a GIF.
+const GIF_FPS: f32 = 50.0;
+
+/// A film in the making.
+pub(super) struct Clip {
+    out: PathBuf,
+    output: Output,
+    format: Format,
+    fps: f32,
+    size: [u32; 2],
+    encoder: Option<Encoder>,
+}
+
+enum Encoder {
+    Gif(Box<gif::Encoder<BufWriter<File>>>),
+    Apng(Box<png::Writer<BufWriter<File>>>),
+    Mp4(Ffmpeg),
+}
+
+impl Clip {
+    /// Refuses before long work what cannot be written.
+    pub(super) fn begin(out: &Path, format: Format, args: &FilmArgs) -> Result<Self, Failure> {
+        if args.resume {
+            return Err(UsageError::ResumeClip.into());
+        }
+        let (size, fps) = (args.scene.view.size, args.fps);
+        match format {
+            Format::Gif if size.iter().any(|&side| u16::try_from(side).is_err()) => {
+                return Err(UsageError::GifSize.into());
+            }
+            Format::Gif if fps > GIF_FPS => {
+                note(&format!(
+                    "warning: programs show at most {GIF_FPS} pictures of a GIF a second, so it takes longer than it says"
+                ));
+            }
+            Format::Mp4 => Ffmpeg::check().map_err(|source| UsageError::NoFfmpeg { out: out.to_owned(), source })?,
+            _ => {}
+        }
+        Ok(Self { out: out.to_owned(), output: Output::create(out)?, format, fps, size, encoder: None })
+    }
+
+    pub(super) fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure> {
+        inputs.spare(&self.out)?;
+        let file = || -> Result<_, Failure> { Ok(BufWriter::with_capacity(1 << 18, self.output.handle()?)) };
+        let [width, height] = self.size;
+        let encoder = match self.format {
+            Format::Gif => {
+                let encoder = gif::Encoder::new(file()?, width as u16, height as u16, &[]);
+                let encoder = encoder.and_then(|mut encoder| {
+                    encoder.set_repeat(gif::Repeat::Infinite)?;
+                    Ok(encoder)
+                });
+                Encoder::Gif(Box::new(encoder.map_err(|error| self.failed(io::Error::other(error)))?))
+            }
+            Format::Apng => {
+                let mut encoder = png::Encoder::new(file()?, width, height);
+                encoder.set_color(png::ColorType::Rgb);
+                encoder.set_depth(png::BitDepth::Eight);
+                encoder.set_filter(png::Filter::NoFilter);
+                encoder.set_deflate_compression(png::DeflateCompression::Level(5));
+                encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+                let (numerator, denominator) = delay(self.fps);
+                let encoder = encoder
+                    .set_animated(frames, 0)
+                    .and_then(|()| encoder.set_frame_delay(numerator, denominator))
+                    .and_then(|()| encoder.write_header());
+                Encoder::Apng(Box::new(encoder.map_err(|error| self.failed(error.into()))?))
+            }
+            Format::Mp4 => Encoder::Mp4(Ffmpeg::start(self.size, self.fps).map_err(|error| self.failed(error))?),
+        };
+        self.encoder = Some(encoder);
+        Ok(())
+    }
+
+    fn failed(&self, source: io::Error) -> Failure {
+        Failure::Output { file: self.out.clone(), source }
+    }
+
+    pub(super) fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
+        let (rgb, [width, height]) = (picture.rgb(), picture.size());
+        let written = match &mut self.encoder {
+            None => Ok(()),
+            Some(Encoder::Gif(encoder)) => {
+                // Delays are rounded so that the film keeps its length.
+                let at = |frame: u32| (100.0 * f64::from(frame) / f64::from(self.fps)).round() as u64;
+                let mut picture = gif::Frame::from_rgb_speed(width as u16, height as u16, &rgb, 10);
+                picture.delay = (at(frame + 1) - at(frame)).clamp(2, 65535) as u16;
+                encoder.write_frame(&picture).map_err(io::Error::other)
+            }
+            Some(Encoder::Apng(encoder)) => encoder.write_image_data(&rgb).map_err(io::Error::from),
+            Some(Encoder::Mp4(ffmpeg)) => ffmpeg.write(&rgb),
+        };
+        written.map_err(|error| self.failed(error))
+    }
+
+    /// Completes the file and says its name.
+    pub(super) fn finish(mut self) -> Result<PathBuf, Failure> {
+        let finished = match self.encoder.take() {
+            None => Ok(None),
+            Some(Encoder::Gif(encoder)) => {
+                encoder.into_inner().map_err(io::Error::other).and_then(|mut file| file.flush()).map(|()| None)
+            }
+            Some(Encoder::Apng(encoder)) => encoder.finish().map_err(io::Error::from).map(|()| None),
+            Some(Encoder::Mp4(mut ffmpeg)) => ffmpeg.finish().map(|()| Some(ffmpeg)),
+        };
+        let made = finished.map_err(|error| self.failed(error))?;
+        self.output.finish(|to| -> io::Result<()> {
+            made.map_or(Ok(()), |ffmpeg| io::copy(&mut File::open(&ffmpeg.made)?, to).map(drop))
+        })?;
+        Ok(self.out)
+    }
+}
+
+/// Seconds from a picture to the next, as a fraction.
+fn delay(fps: f32) -> (u16, u16) {
+    let scaled = |numerator: u16| (f64::from(fps) * f64::from(numerator)).round();
+    let numerator = [1000, 100, 10].into_iter().find(|&numerator| scaled(numerator) <= 65535.0).unwrap_or(1);
+    (numerator, scaled(numerator).clamp(1.0, 65535.0) as u16)
+}
+
+/// A running ffmpeg, which reads pictures and writes a file of its own: MP4 is not written from front to back.
+struct Ffmpeg {
+    child: Child,
+    made: TempPath,
+    complaints: File,
+}
+
+impl Ffmpeg {
+    /// Whether there is one.
+    fn check() -> io::Result<()> {
+        let silent = || Stdio::null();
+        Command::new("ffmpeg").arg("-version").stdin(silent()).stdout(silent()).stderr(silent()).status().map(drop)
+    }
+
+    fn start([width, height]: [u32; 2], fps: f32) -> io::Result<Self> {
+        let made = make_unfinished(|| {
+            let made = NamedTempFile::with_suffix(".mp4")?.into_temp_path();
+            let path = made.to_path_buf();
+            Ok((made, path))
+        })?;
+        let complaints = tempfile::tempfile()?;
+        let (size, rate) = (format!("{width}x{height}"), fps.to_string());
+        let child = Command::new("ffmpeg")
+            .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
+            .args(["-video_size", &size, "-framerate", &rate, "-i", "-"])
+            // H.264 halves the colours, so sides must be even.
+            .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"])
+            .args(["-movflags", "+faststart", "-f", "mp4"])
+            .arg(&made)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(complaints.try_clone()?)
+            .spawn()?;
+        Ok(Self { child, made, complaints })
+    }
+
+    fn write(&mut self, rgb: &[u8]) -> io::Result<()> {
+        let written = match &mut self.child.stdin {
+            Some(stdin) => stdin.write_all(rgb),
+            None => Ok(()),
+        };
+        // It says more than a broken pipe does.
+        if written.is_err() { self.ended().and(written) } else { Ok(()) }
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        drop(self.child.stdin.take());
+        self.ended()
+    }
+
+    /// Waits, and says what it complained about if it failed.
+    fn ended(&mut self) -> io::Result<()> {
+        if self.child.wait()?.success() {
+            return Ok(());
+        }
+        self.complaints.rewind()?;
+        let said = io::read_to_string(&self.complaints)?;
+        let last = said.lines().last().unwrap_or("it says nothing").chars().take(200).collect::<String>();
+        Err(io::Error::other(format!("ffmpeg failed: {last}")))
+    }
+}
+
+impl Drop for Ffmpeg {
+    fn drop(&mut self) {
+        // It is of no use without the rest of the pictures.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        remove_unfinished(&self.made);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_told_by_their_names() {
+        let of = |name: &str| Format::of(Path::new(name));
+        assert_eq!(
+            (of("a.GIF"), of("a.apng"), of("a/b.mp4")),
+            (Some(Format::Gif), Some(Format::Apng), Some(Format::Mp4))
+        );
+        assert_eq!((of("frames"), of("a.png"), of("gif")), (None, None, None));
+    }
+
+    #[test]
+    fn delays_are_fractions() {
+        let of = |fps: f32| delay(fps);
+        assert_eq!((of(25.0), of(0.001), of(29.97)), ((1000, 25000), (1000, 1), (1000, 29970)));
+        assert_eq!((of(100.0), of(1e5)), ((100, 10000), (1, 65535)));
+    }
+}

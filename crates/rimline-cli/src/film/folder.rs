@@ -1,0 +1,216 @@
+//! A film as numbered pictures in a folder.
+
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::failure::{Failure, UsageError};
+use crate::image::Picture;
+use crate::output::{Folder, Output};
+use crate::signals::{create_unfinished, remove_unfinished};
+use crate::target::{Inputs, check_folder};
+
+/// The ending of the pictures.
+const PNG: &str = "png";
+
+/// A folder that is claimed for a film. What is in it is dropped before the folder, which is removed if it is empty then.
+pub(super) struct Frames {
+    folder: PathBuf,
+    /// The first picture's file, until it is written.
+    first: Option<Output>,
+    _claim: Claim,
+    _made: Folder,
+    /// How many pictures the film has.
+    count: u32,
+    /// Whether pictures that are there are kept.
+    resumes: bool,
+}
+
+impl Frames {
+    /// Claims the folder before long work: a place that cannot be had is known at once.
+    pub(super) fn begin(folder: &Path, resumes: bool) -> Result<Self, Failure> {
+        check_folder(folder, |out| UsageError::FolderEnding { out })?;
+        let (made, claim) = (Folder::create(folder)?, Claim::take(folder)?);
+        Ok(Self { folder: folder.to_owned(), first: None, _claim: claim, _made: made, count: 0, resumes })
+    }
+
+    /// Refuses a film that would replace inputs or stand among pictures of another.
+    pub(super) fn start(&mut self, count: u32, inputs: &Inputs) -> Result<(), Failure> {
+        self.count = count;
+        for frame in 0..count {
+            let file = self.file(frame);
+            inputs.spare(&file)?;
+            if file.is_dir() {
+                let source = io::Error::other("it is a folder; remove it, or choose another place for the film");
+                return Err(Failure::Output { file, source });
+            }
+        }
+        check_earlier(&self.folder, count, PNG)?;
+        self.first = if self.has(0) { None } else { Some(Output::create(&self.file(0))?) };
+        Ok(())
+    }
+
+    pub(super) fn file(&self, frame: u32) -> PathBuf {
+        frame_file(&self.folder, frame, self.count, PNG)
+    }
+
+    /// Whether a picture is there and stays. All pictures are complete.
+    pub(super) fn has(&self, frame: u32) -> bool {
+        self.resumes && self.file(frame).is_file()
+    }
+
+    pub(super) fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
+        let output = self.first.take().map_or_else(|| Output::create(&self.file(frame)), Ok)?;
+        output.finish(|file| picture.write_png(file))?;
+        if frame == 0 && !self.resumes {
+            remove_earlier((1..self.count).map(|frame| self.file(frame)))?;
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a folder with pictures of a film that this one does not replace: they would stand among its own.
+pub(crate) fn check_earlier(folder: &Path, frames: u32, ending: &str) -> Result<(), Failure> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    let is_other = |path: &PathBuf| match frame_number(path, ending) {
+        Some(frame) => frame >= u64::from(frames) || frame_file(folder, frame as u32, frames, ending) != *path,
+        None => false,
+    };
+    let mut others: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_other).collect();
+    others.sort();
+    let Some(first) = others.first() else { return Ok(()) };
+    let count = if others.len() == 1 { "a picture".to_owned() } else { format!("{} pictures", others.len()) };
+    Err(UsageError::OtherFilm { folder: folder.to_owned(), first: first.clone(), count }.into())
+}
+
+/// The number of a file that is named as pictures are: four digits or more, and nothing else.
+fn frame_number(path: &Path, ending: &str) -> Option<u64> {
+    let digits = path.file_name()?.to_str()?.strip_suffix(ending)?.strip_suffix('.')?;
+    let is_number = digits.len() >= 4 && digits.bytes().all(|digit| digit.is_ascii_digit());
+    is_number.then(|| digits.parse().unwrap_or(u64::MAX))
+}
+
+/// Removes the pictures of an earlier film that this one is going to replace, so that one that is stopped leaves only its
+/// own.
+pub(crate) fn remove_earlier(files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+    for file in files.filter(|file| file.symlink_metadata().is_ok_and(|there| there.is_file())) {
+        std::fs::remove_file(&file).map_err(|source| Failure::Output { file, source })?;
+    }
+    Ok(())
+}
+
+/// Four digits or as many as it takes.
+pub(crate) fn frame_file(folder: &Path, frame: u32, frames: u32, ending: &str) -> PathBuf {
+    let digits = (frames - 1).to_string().len().max(4);
+    folder.join(format!("{frame:0digits$}.{ending}"))
+}
+
+/// A film's claim of its folder, as long as it lives: a hidden file with the number of the process. Two films in one folder
+/// would remove and replace each other's pictures.
+#[derive(Debug)]
+pub(crate) struct Claim {
+    file: PathBuf,
+}
+
+const CLAIM: &str = ".rimline-film.part";
+
+impl Claim {
+    /// Claims a folder that is there. A claim whose process is gone counts for nothing.
+    pub(crate) fn take(folder: &Path) -> Result<Self, Failure> {
+        let file = folder.join(CLAIM);
+        let mut taken = claim(&file);
+        if taken.as_ref().is_err_and(is_there) && is_stale(&file) {
+            let _ = std::fs::remove_file(&file);
+            taken = claim(&file);
+        }
+        match taken {
+            Ok(()) => Ok(Self { file }),
+            Err(error) if is_there(&error) => {
+                Err(UsageError::FilmInProgress { folder: folder.to_owned(), claim: file }.into())
+            }
+            Err(source) => Err(Failure::Output { file: folder.to_owned(), source }),
+        }
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        remove_unfinished(&self.file);
+    }
+}
+
+fn claim(file: &Path) -> io::Result<()> {
+    create_unfinished(file)?.write_all(std::process::id().to_string().as_bytes())
+}
+
+fn is_there(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::AlreadyExists
+}
+
+/// Whether the process that a claim names is gone. Where the system does not list processes as files, none is known to be.
+fn is_stale(file: &Path) -> bool {
+    let processes = Path::new("/proc");
+    let process = std::fs::read_to_string(file).ok().and_then(|text| text.parse::<u32>().ok());
+    processes.join("self").exists() && process.is_some_and(|process| !processes.join(process.to_string()).exists())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_of_other_films() {
+        assert_eq!(frame_number(Path::new("a/0007.png"), PNG), Some(7));
+        for other in ["a/007.png", "a/0007.PNG", "a/0007.jpg", "a/x0007.png", "a/+007.png", "0007"] {
+            assert_eq!(frame_number(Path::new(other), PNG), None, "{other}");
+        }
+        assert_eq!(frame_number(Path::new("99999999999999999999999.png"), PNG), Some(u64::MAX));
+    }
+
+    #[test]
+    fn an_earlier_film_makes_room() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let at = |name: &str| folder.path().join(name);
+        for name in ["0000.png", "0001.png", "0003.png", "notes.txt"] {
+            std::fs::write(at(name), "earlier").expect("there is room");
+        }
+        std::fs::create_dir(at("0002.png")).expect("there is room");
+        remove_earlier((1..3).map(|frame| frame_file(folder.path(), frame, 3, PNG))).expect("they can be removed");
+        for (name, is_left) in
+            [("0000.png", true), ("0001.png", false), ("0002.png", true), ("0003.png", true), ("notes.txt", true)]
+        {
+            assert_eq!(at(name).exists(), is_left, "{name}");
+        }
+    }
+
+    #[test]
+    fn frames_are_numbered_in_their_folder() {
+        for folder in ["a/frames", "a/frames/"] {
+            assert_eq!(frame_file(Path::new(folder), 7, 10, PNG), Path::new("a/frames/0007.png"));
+        }
+        assert_eq!(frame_file(Path::new("walk"), 12_345, 20_000, PNG), Path::new("walk/12345.png"));
+    }
+
+    #[test]
+    fn a_folder_has_one_film_at_a_time() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let first = Claim::take(folder.path()).expect("nobody claims it");
+        let second = Claim::take(folder.path()).expect_err("it is claimed");
+        assert!(second.to_string().contains(CLAIM), "{second}");
+        drop(first);
+        assert!(!folder.path().join(CLAIM).exists());
+        drop(Claim::take(folder.path()).expect("nobody claims it any more"));
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_claim_of_a_process_that_is_gone_counts_for_nothing() {
+        let folder = tempfile::tempdir().expect("there is room");
+        // Above the largest number of a process.
+        std::fs::write(folder.path().join(CLAIM), "4294967295").expect("there is room");
+        let claim = Claim::take(folder.path()).expect("its process is gone");
+        drop(claim);
+        // A file without a number may be a claim in the making.
+        std::fs::write(folder.path().join(CLAIM), "").expect("there is room");
+        Claim::take(folder.path()).expect_err("it may be in the making");
+    }
+}

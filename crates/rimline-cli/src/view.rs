@@ -1,0 +1,72 @@
+//! `rimline view`: models in a window.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use rimline::Origin;
+use rimline_files::{Polygons, ReadOptions, resting};
+use rimline_view::desktop::{DesktopError, DesktopOptions, Loaded, load_gltf, run as open_window};
+use rimline_view::{Body, BodyError};
+
+use crate::device::Wanted;
+use crate::failure::{Failure, UsageError};
+use crate::input::Input;
+use crate::input_args::{drawing_device, verbatim};
+use crate::spec;
+
+#[derive(Args, Debug)]
+#[command(help_template = verbatim(EXAMPLES), mut_arg("device", drawing_device))]
+pub(crate) struct WindowArgs {
+    /// .gltf, .glb, .obj or .npz files. Without any, a built-in scene is shown. More can be dropped on the window
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+
+    /// Width and height of the window in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x800", allow_hyphen_values = true, value_parser = spec::size)]
+    size: [u32; 2],
+
+    /// Where to draw
+    #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
+    device: String,
+
+    /// The folder that screenshots go to
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pictures: PathBuf,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  rimline view                          a walking figure; N shows the next scene
+  rimline view fox.glb house.obj
+
+Drag a light by its handle, or elsewhere to turn. ? lists the keys. C copies the view as
+a line of `rimline shadow`, which draws the same without a window.
+";
+
+pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
+    let device = match Wanted::parse(&args.device) {
+        Wanted::Cpu => return Err(UsageError::DrawOnCpu.into()),
+        Wanted::Named(name) => Some(name),
+        Wanted::Auto | Wanted::Gpu => None,
+    };
+    let options = DesktopOptions {
+        files: args.files.clone(),
+        size: args.size,
+        device,
+        loader: load,
+        pictures: args.pictures.clone(),
+    };
+    open_window(options).map_err(|error: DesktopError| Failure::Window(error.to_string()))
+}
+
+/// Reads a file as the other subcommands do.
+fn load(path: &Path, origin: Option<Origin>) -> Result<Loaded, BodyError> {
+    let input = Input::read(path, ReadOptions::default(), Polygons::Triangles);
+    let input = input.map_err(|failure| BodyError::File(failure.to_string()))?;
+    if input.asset().is_some() {
+        return load_gltf(path, origin);
+    }
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let still = (input.model().clone(), resting()?);
+    Ok((Body::new(&name, Some(path.display().to_string()), still)?, input.origin()))
+}

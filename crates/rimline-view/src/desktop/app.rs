@@ -1,0 +1,283 @@
+//! The window's events.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Window, WindowId};
+
+use super::files::{free_name, name};
+use super::surface::{Next, Screen};
+use super::{DesktopError, DesktopOptions};
+use crate::panel::Panel;
+use crate::renderer::Renderer;
+use crate::scenes;
+use crate::state::event::Event;
+use crate::state::viewer::{Request, Viewer};
+
+/// How long nothing must change before the picture is drawn once more with all samples, on software devices.
+const REFINE_AFTER: Duration = Duration::from_millis(350);
+
+pub(super) fn run(options: DesktopOptions, viewer: Viewer) -> Result<(), DesktopError> {
+    let events = EventLoop::<Files>::with_user_event();
+    let events = { events }.build().map_err(|error| DesktopError::NoDisplay(error.to_string()))?;
+    let proxy = events.create_proxy();
+    let mut app = App { options, viewer, proxy, shown: None, scene: 0, error: None, refine_at: None, wake_at: None };
+    for file in std::mem::take(&mut app.options.files) {
+        app.open(&file);
+    }
+    events.run_app(&mut app).map_err(|error| DesktopError::Window(error.to_string()))?;
+    app.error.map_or(Ok(()), Err)
+}
+
+/// Files that a dialog was closed with.
+type Files = Vec<PathBuf>;
+
+struct App {
+    options: DesktopOptions,
+    viewer: Viewer,
+    proxy: EventLoopProxy<Files>,
+    shown: Option<Shown>,
+    /// The built-in scene that was shown last.
+    scene: usize,
+    error: Option<DesktopError>,
+    refine_at: Option<Instant>,
+    wake_at: Option<Instant>,
+}
+
+/// A window that is open. Fields are dropped in this order.
+struct Shown {
+    renderer: Renderer,
+    panel: Panel,
+    input: egui_winit::State,
+    screen: Screen,
+}
+
+impl Shown {
+    fn new(events: &ActiveEventLoop, options: &DesktopOptions) -> Result<Self, DesktopError> {
+        let [width, height] = options.size;
+        let attributes = Window::default_attributes()
+            .with_title("Rimline")
+            .with_inner_size(PhysicalSize::new(width, height))
+            .with_min_inner_size(PhysicalSize::new(480, 320));
+        let window = events.create_window(attributes).map_err(|error| DesktopError::Window(error.to_string()))?;
+        Self::on(&Arc::new(window), options)
+    }
+
+    /// Makes everything that depends on the device.
+    fn on(window: &Arc<Window>, options: &DesktopOptions) -> Result<Self, DesktopError> {
+        let screen = Screen::open(Arc::clone(window), options.device.as_deref())?;
+        let panel = Panel::new(&screen.gpu, screen.format());
+        let renderer = Renderer::new(screen.gpu.clone())?;
+        let most = screen.gpu.device.limits().max_texture_dimension_2d as usize;
+        let scale = Some(window.scale_factor() as f32);
+        let context = panel.context().clone();
+        let input = egui_winit::State::new(context, egui::ViewportId::ROOT, &**window, scale, None, Some(most));
+        Ok(Self { renderer, panel, input, screen })
+    }
+}
+
+impl App {
+    /// Opens a file, or lets the viewer say why it cannot be opened.
+    fn open(&mut self, path: &Path) {
+        let is_first = self.viewer.bodies.iter().all(|body| body.file.is_none());
+        let origin = (!is_first).then_some(self.viewer.origin);
+        match (self.options.loader)(path, origin) {
+            Ok((body, origin)) => {
+                self.viewer.handle(Event::Opened(Ok(Box::new(body))));
+                self.viewer.origin = origin;
+            }
+            Err(error) => self.viewer.handle(Event::Opened(Err((name(path), error.to_string())))),
+        }
+        self.redraw();
+    }
+
+    fn redraw(&self) {
+        if let Some(shown) = &self.shown {
+            shown.screen.window.request_redraw();
+        }
+    }
+
+    /// Ends with an error.
+    fn fail(&mut self, events: &ActiveEventLoop, error: DesktopError) {
+        self.error = Some(error);
+        events.exit();
+    }
+
+    fn paint(&mut self) -> Result<(), DesktopError> {
+        let Self { viewer, shown: Some(shown), options, .. } = self else { return Ok(()) };
+        if shown.screen.gpu.is_lost() {
+            // Another device, or the same one again; the state stays.
+            let window = Arc::clone(&shown.screen.window);
+            self.shown = None;
+            let shown = Shown::on(&window, options)?;
+            viewer.handle(Event::Told("the device was lost; everything was made anew".into()));
+            self.shown = Some(shown);
+            self.redraw();
+            return Ok(());
+        }
+        let Shown { renderer, panel, input, screen } = shown;
+        let texture = match screen.next()? {
+            Next::Texture(texture) => texture,
+            Next::Hidden => return Ok(()),
+            Next::Again => {
+                screen.window.request_redraw();
+                return Ok(());
+            }
+        };
+        let window = Arc::clone(&screen.window);
+        let raw = input.take_egui_input(&window);
+        let pictures = renderer.pictures();
+        let output = panel.run(raw, viewer, renderer);
+        input.handle_platform_output(&window, output.platform.clone());
+        let view = texture.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        panel.paint(&screen.gpu, &view, screen.size(), &output);
+        window.pre_present_notify();
+        screen.gpu.queue.present(texture);
+        let now = Instant::now();
+        if renderer.pictures() != pictures {
+            self.refine_at = (renderer.is_coarse(viewer) && !viewer.is_animated()).then(|| now + REFINE_AFTER);
+        }
+        if output.repaint_after.is_zero() {
+            window.request_redraw();
+        } else {
+            self.wake_at = now.checked_add(output.repaint_after);
+        }
+        Ok(())
+    }
+
+    /// Does what the viewer asked for.
+    fn fulfil(&mut self, events: &ActiveEventLoop) {
+        for request in std::mem::take(&mut self.viewer.requests) {
+            match request {
+                Request::Close => events.exit(),
+                Request::NextScene => {
+                    self.scene = (self.scene + 1) % scenes::ALL.len();
+                    match scenes::ALL[self.scene].1() {
+                        Ok(bodies) => self.viewer.handle(Event::Replaced(bodies)),
+                        Err(error) => self.viewer.handle(Event::Told(error.to_string())),
+                    }
+                }
+                Request::Copy(line) => {
+                    let copied = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.set_text(line.clone()));
+                    let said = if copied.is_ok() { "copied" } else { "no clipboard; printed" };
+                    println!("{line}");
+                    self.viewer.handle(Event::Told(format!("{said}: {line}")));
+                }
+                Request::Screenshot { scale } => {
+                    let said = self.screenshot(scale);
+                    self.viewer.handle(match said {
+                        Ok(path) => Event::Told(format!("wrote {}", path.display())),
+                        Err(why) => Event::Opened(Err(("the screenshot".into(), why))),
+                    });
+                }
+                Request::OpenFiles => self.ask_for_files(),
+            }
+            self.redraw();
+        }
+    }
+
+    fn screenshot(&mut self, scale: u32) -> Result<PathBuf, String> {
+        let shown = self.shown.as_mut().ok_or("no window is open")?;
+        let picture = shown.renderer.screenshot(&self.viewer, scale).map_err(|error| error.to_string())?;
+        // The copy ends only while somebody polls the device.
+        let polled = shown.screen.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        polled.map_err(|error| error.to_string())?;
+        let picture = pollster::block_on(picture).map_err(|error| error.to_string())?;
+        let bytes = picture.png().map_err(|error| error.to_string())?;
+        let path = free_name(&self.options.pictures);
+        std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(path)
+    }
+
+    /// Shows the dialog of the system on a thread of its own, where the system allows that: the window goes on.
+    fn ask_for_files(&self) {
+        let proxy = self.proxy.clone();
+        let ask = move || {
+            let files = rfd::FileDialog::new().set_title("Open models").pick_files();
+            // The window may be closed by now.
+            let _ = proxy.send_event(files.unwrap_or_default());
+        };
+        if cfg!(target_os = "macos") {
+            ask();
+        } else {
+            let _ = std::thread::Builder::new().name("dialog".into()).spawn(ask);
+        }
+    }
+}
+
+impl ApplicationHandler<Files> for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.shown.is_some() {
+            return;
+        }
+        match Shown::new(events, &self.options) {
+            Ok(shown) => self.shown = Some(shown),
+            Err(error) => return self.fail(events, error),
+        }
+        self.redraw();
+    }
+
+    fn user_event(&mut self, _: &ActiveEventLoop, files: Files) {
+        for file in &files {
+            self.open(file);
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if !matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            return;
+        }
+        let now = Instant::now();
+        if self.refine_at.is_some_and(|at| at <= now) {
+            self.refine_at = None;
+            let Self { viewer, shown: Some(shown), .. } = self else { return };
+            if !shown.renderer.is_stale(viewer) && shown.renderer.refine(viewer).is_ok() {
+                self.redraw();
+            }
+        }
+        if self.wake_at.is_some_and(|at| at <= now) {
+            self.wake_at = None;
+            self.redraw();
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(shown) = &mut self.shown else { return };
+        match &event {
+            WindowEvent::CloseRequested => return events.exit(),
+            WindowEvent::Resized(size) => {
+                shown.screen.resize(size.width, size.height);
+                shown.screen.window.request_redraw();
+            }
+            WindowEvent::DroppedFile(path) => {
+                let path = path.clone();
+                return self.open(&path);
+            }
+            WindowEvent::RedrawRequested => {
+                if let Err(error) = self.paint() {
+                    return self.fail(events, error);
+                }
+                return self.fulfil(events);
+            }
+            _ => {}
+        }
+        if shown.input.on_window_event(&shown.screen.window, &event).repaint {
+            shown.screen.window.request_redraw();
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let next = [self.refine_at, self.wake_at].into_iter().flatten().min();
+        events.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // The device goes before the display does.
+        self.shown = None;
+    }
+}

@@ -1,0 +1,38 @@
+//! The viewer of Rimline: models with exact shadows of lights that are dragged on the picture.
+//!
+//! [`Viewer`] is the state, plain data that [`Event`]s change. [`Renderer`] draws it into a texture of its own, and [`Panel`] is the
+//! user interface around that texture, by egui. None of them knows windows, files, threads or clocks, so all of it runs in tests
+//! without a display, and in a browser. `desktop` (a feature, on by default) is the window: `rimline view` runs it.
+//!
+//! ```no_run
+//! use rimline_view::{Event, Gpu, Renderer, Viewer};
+//!
+//! # fn picture(gpu: Gpu) -> Result<(), Box<dyn std::error::Error>> {
+//! let mut viewer = Viewer::new(rimline_view::scenes::walking_figure()?);
+//! let mut renderer = Renderer::new(gpu)?;
+//! viewer.handle(Event::Resized([1280, 800]));
+//! renderer.draw(&viewer)?; // into `renderer.texture()`
+//! assert!(!renderer.is_stale(&viewer)); // nothing changed, so nothing is to be drawn
+//! # Ok(()) }
+//! ```
+
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "desktop")]
+pub mod desktop;
+mod panel;
+mod renderer;
+pub mod scenes;
+mod state;
+
+pub use panel::{Panel, PanelOutput};
+pub use renderer::{Counters, Gpu, Picture, RenderError, Renderer};
+pub use state::body::{Body, BodyError, Report, Source};
+pub use state::bounds::Bounds;
+pub use state::camera::{Camera, Orbit};
+pub use state::clock::Clock;
+pub use state::event::{Button, Event, Modifiers};
+pub use state::keys::{Action, KEYS, KeyBinding};
+pub use state::lamp::{Lamp, LampKind};
+pub use state::options::{Counting, Mode, Options, Overlays, Skipping};
+pub use state::viewer::{Request, Tone, Viewer};

@@ -1,0 +1,226 @@
+//! The user interface around the picture, by egui: it makes events of what egui hears, and shows the state.
+
+mod figures;
+mod help;
+mod lights;
+mod models;
+mod picture;
+mod style;
+mod switches;
+mod time;
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use egui_wgpu::ScreenDescriptor;
+
+use crate::renderer::{Gpu, Renderer};
+use crate::state::event::Event;
+use crate::state::keys::{self, Action};
+use crate::state::viewer::{Tone, Viewer};
+
+/// Frame times that the plot shows.
+const HISTORY: usize = 120;
+
+/// The panel, the time line and the picture between them.
+pub struct Panel {
+    context: egui::Context,
+    painter: egui_wgpu::Renderer,
+    texture: Option<egui::TextureId>,
+    /// The picture that the texture shows.
+    shown: u64,
+    history: VecDeque<f32>,
+    last: Option<f64>,
+    /// Whether the last run asked to be run again at once, so that the time since then is a frame's.
+    was_busy: bool,
+    deltas: egui::TexturesDelta,
+}
+
+/// Results of a run, to paint and to act on.
+pub struct PanelOutput {
+    /// What egui asks of the shell: the cursor and the like.
+    pub platform: egui::PlatformOutput,
+    /// When to run again, if nothing happens before. [`Duration::MAX`]: never.
+    pub repaint_after: Duration,
+    primitives: Vec<egui::ClippedPrimitive>,
+    pixels_per_point: f32,
+}
+
+impl Panel {
+    /// A panel that is painted onto targets of this format, which is not sRGB.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        let context = egui::Context::default();
+        context.options_mut(|options| options.max_passes = std::num::NonZeroUsize::MIN);
+        style::set(&context);
+        let options = egui_wgpu::RendererOptions { dithering: false, ..Default::default() };
+        Self {
+            context,
+            painter: egui_wgpu::Renderer::new(&gpu.device, format, options),
+            texture: None,
+            shown: 0,
+            history: VecDeque::with_capacity(HISTORY),
+            last: None,
+            was_busy: false,
+            deltas: egui::TexturesDelta::default(),
+        }
+    }
+
+    /// egui's context.
+    pub fn context(&self) -> &egui::Context {
+        &self.context
+    }
+
+    /// Takes what egui heard, lets the time pass, and draws the picture if it is to be another one.
+    pub fn run(&mut self, input: egui::RawInput, viewer: &mut Viewer, renderer: &mut Renderer) -> PanelOutput {
+        let mut input = input;
+        if let Some(time) = input.time {
+            let passed = self.last.replace(time).map_or(0.0, |last| (time - last) as f32);
+            if self.was_busy {
+                self.history.truncate(HISTORY - 1);
+                self.history.push_front(passed * 1e3);
+            }
+            viewer.handle(Event::Passed(passed.clamp(0.0, 0.25)));
+        }
+        if !self.context.egui_wants_keyboard_input() {
+            input.events.retain(|event| !take_key(event, viewer));
+        }
+        let has_news = renderer.poll();
+        if self.texture.is_none() {
+            // egui needs a texture to refer to.
+            renderer.show(viewer);
+            self.take_picture(renderer);
+        }
+        let (context, texture) = (self.context.clone(), self.texture);
+        let full = context.run_ui(input, |ui| {
+            if viewer.shows_panel {
+                side_panel(ui, viewer, renderer, &self.history);
+            }
+            if viewer.duration() > 0.0 {
+                egui::Panel::bottom("time").frame(style::strip()).show(ui, |ui| time::show(ui, viewer));
+            }
+            egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| picture::show(ui, viewer, texture));
+            help::show(ui.ctx(), viewer);
+        });
+        let is_drawn = renderer.show(viewer);
+        self.take_picture(renderer);
+        let is_busy = viewer.is_animated() || viewer.is_dragging();
+        let mut repaint_after =
+            full.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
+        if is_busy || has_news {
+            repaint_after = Duration::ZERO;
+        } else if renderer.is_waiting() {
+            repaint_after = repaint_after.min(Duration::from_millis(30));
+        } else if is_drawn && viewer.shows_panel {
+            repaint_after = repaint_after.min(Duration::from_millis(60));
+        }
+        self.was_busy = is_busy;
+        self.deltas.append(full.textures_delta);
+        PanelOutput {
+            platform: full.platform_output,
+            repaint_after,
+            primitives: self.context.tessellate(full.shapes, full.pixels_per_point),
+            pixels_per_point: full.pixels_per_point,
+        }
+    }
+
+    /// Paints onto a target of this size in pixels, and submits.
+    pub fn paint(&mut self, gpu: &Gpu, target: &wgpu::TextureView, size: [u32; 2], output: &PanelOutput) {
+        let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point: output.pixels_per_point };
+        for (id, deltas) in &self.deltas.set {
+            for delta in deltas {
+                self.painter.update_texture(&gpu.device, &gpu.queue, *id, delta);
+            }
+        }
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("panel") });
+        let mut buffers =
+            self.painter.update_buffers(&gpu.device, &gpu.queue, &mut encoder, &output.primitives, &screen);
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("panel"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        self.painter.render(&mut pass.forget_lifetime(), &output.primitives, &screen);
+        buffers.push(encoder.finish());
+        gpu.queue.submit(buffers);
+        for id in &self.deltas.free {
+            self.painter.free_texture(id);
+        }
+        self.deltas.clear();
+    }
+
+    /// Lets egui's texture be the last picture.
+    fn take_picture(&mut self, renderer: &Renderer) {
+        let Some(view) = renderer.texture().filter(|_| self.shown != renderer.pictures()) else { return };
+        self.shown = renderer.pictures();
+        let (device, filter) = (&renderer.gpu().device, wgpu::FilterMode::Nearest);
+        match self.texture {
+            Some(id) => self.painter.update_egui_texture_from_wgpu_texture(device, view, filter, id),
+            None => self.texture = Some(self.painter.register_native_texture(device, view, filter)),
+        }
+    }
+}
+
+impl Drop for Panel {
+    fn drop(&mut self) {
+        // egui panics where textures that were never painted are dropped.
+        self.deltas.clear();
+    }
+}
+
+/// Lets a key do what it is for. Returns whether it does anything.
+fn take_key(event: &egui::Event, viewer: &mut Viewer) -> bool {
+    let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { return false };
+    let action = keys::action(*key, modifiers.shift).filter(|_| !modifiers.ctrl && !modifiers.alt);
+    action.map(|action| viewer.handle(Event::Acted(action))).is_some()
+}
+
+fn side_panel(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, history: &VecDeque<f32>) {
+    egui::Panel::right("panel").exact_size(292.0).resizable(false).frame(style::panel()).show(ui, |ui| {
+        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            title(ui, viewer);
+            models::show(ui, viewer);
+            lights::show(ui, viewer);
+            switches::show(ui, viewer);
+            figures::show(ui, viewer, renderer, history);
+        });
+    });
+}
+
+fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
+    ui.horizontal(|ui| {
+        ui.label(egui::RichText::new("Rimline").size(18.0).strong());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            for (text, action) in [
+                ("?", Action::Help),
+                ("Picture", Action::Screenshot),
+                ("Copy", Action::CopyCommand),
+                ("Open…", Action::OpenFile),
+            ] {
+                let hint = keys::KEYS.iter().find(|binding| binding.action == action);
+                let button = ui.button(text).on_hover_text(
+                    hint.map_or_else(String::new, |binding| format!("{} ({})", binding.what, binding.name())),
+                );
+                if button.clicked() {
+                    viewer.handle(Event::Acted(action));
+                }
+            }
+        });
+    });
+    if let Some((tone, text)) = viewer.message.clone() {
+        let color = if tone == Tone::Error { style::ERROR } else { style::DIM };
+        ui.horizontal_wrapped(|ui| {
+            ui.colored_label(color, text);
+            if ui.small_button("×").clicked() {
+                viewer.message = None;
+            }
+        });
+    }
+}

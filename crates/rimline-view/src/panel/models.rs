@@ -1,0 +1,78 @@
+//! The list of models.
+
+use super::style;
+use crate::state::event::Event;
+use crate::state::keys::Action;
+use crate::state::viewer::Viewer;
+
+pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
+    style::heading(ui, "Models");
+    let mut choice = None;
+    for (number, body) in viewer.bodies.iter().enumerate() {
+        let report = body.report();
+        ui.horizontal(|ui| {
+            ui.label(&body.name);
+            ui.colored_label(style::DIM, format!("{} faces", grouped(report.faces)));
+        });
+        if let Some(advice) = report.advice() {
+            let mut facts = Vec::new();
+            for (count, what) in [
+                (report.boundary, "boundary"),
+                (report.non_manifold, "non-manifold"),
+                (report.inconsistent, "inconsistent"),
+            ] {
+                if count > 0 {
+                    facts.push(format!("{} {what}", grouped(count)));
+                }
+            }
+            ui.colored_label(style::DIM, format!("{} edges", facts.join(", "))).on_hover_text(advice);
+        }
+        if body.animations().len() > 1 {
+            let current = body.animation.and_then(|index| body.animations().get(index));
+            let text = current.map_or("at rest", |(name, _)| name.as_str());
+            egui::ComboBox::from_id_salt(("animation", number)).selected_text(text).width(180.0).show_ui(ui, |ui| {
+                for (index, (name, seconds)) in body.animations().iter().enumerate() {
+                    let label = format!("{name}  {seconds:.1} s");
+                    if ui.selectable_label(body.animation == Some(index), label).clicked() {
+                        choice = Some((number, Some(index)));
+                    }
+                }
+                if ui.selectable_label(body.animation.is_none(), "at rest").clicked() {
+                    choice = Some((number, None));
+                }
+            });
+        }
+    }
+    if let Some((number, animation)) = choice {
+        viewer.play(number, animation);
+    }
+    ui.horizontal(|ui| {
+        if ui.small_button("Next scene").on_hover_text("built-in scenes (N)").clicked() {
+            viewer.handle(Event::Acted(Action::NextScene));
+        }
+        if ui.small_button("Show all").on_hover_text("reset the camera (R)").clicked() {
+            viewer.handle(Event::Acted(Action::ResetCamera));
+        }
+    });
+}
+
+/// A number with its thousands apart.
+pub(super) fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn thousands_are_apart() {
+        assert_eq!([1, 999, 1000, 1_234_567].map(super::grouped), ["1", "999", "1,000", "1,234,567"]);
+    }
+}

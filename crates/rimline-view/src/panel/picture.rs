@@ -1,0 +1,167 @@
+//! The picture: what the pointer does there, and handles of lights over it.
+
+use egui::{Color32, Pos2, Rect, Stroke, pos2};
+use glam::{Vec2, Vec3};
+
+use super::style;
+use crate::state::bounds::Bounds;
+use crate::state::camera::Camera;
+use crate::state::event::{Button, Event, Modifiers};
+use crate::state::lamp::{Lamp, LampKind};
+use crate::state::viewer::Viewer;
+
+pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, texture: Option<egui::TextureId>) {
+    let rect = ui.max_rect();
+    let scale = ui.ctx().pixels_per_point();
+    let pixels = |length: f32| ((length * scale).round() as u32).max(1);
+    viewer.handle_radius = 16.0 * scale;
+    let size = [pixels(rect.width()), pixels(rect.height())];
+    if size != viewer.size() {
+        viewer.handle(Event::Resized(size));
+    }
+    let response = ui.interact(rect, ui.scope_id().with("picture"), egui::Sense::drag());
+    listen(ui, viewer, &response, rect, scale);
+    let painter = ui.painter_at(rect);
+    if let Some(texture) = texture {
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(texture, rect, whole, Color32::WHITE);
+    }
+    let over = Over { painter, rect, scale, camera: viewer.camera(), bounds: viewer.bounds(), ground: viewer.ground() };
+    if viewer.options.overlays.boxes {
+        viewer.bodies.iter().for_each(|body| over.draw_box(&body.bounds()));
+    }
+    for (number, lamp) in viewer.lamps.iter().enumerate() {
+        over.lamp(lamp, viewer.selected == Some(number), viewer.hovered == Some(number));
+    }
+    if viewer.hovered.is_some() {
+        ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
+    }
+}
+
+/// Makes events of what the pointer and held keys do.
+fn listen(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, rect: Rect, scale: f32) {
+    let pixel = |at: Pos2| ((at - rect.min) * scale).into();
+    let modifiers = ui.input(|input| input.modifiers);
+    let held = Modifiers { shift: modifiers.shift, control: modifiers.command };
+    let pressed = [
+        (egui::PointerButton::Primary, Button::Primary),
+        (egui::PointerButton::Secondary, Button::Secondary),
+        (egui::PointerButton::Middle, Button::Middle),
+    ];
+    for (of_egui, button) in pressed {
+        if response.drag_started_by(of_egui) {
+            if let Some(at) = ui.input(|input| input.pointer.press_origin()) {
+                viewer.handle(Event::Moved(pixel(at)));
+            }
+            viewer.handle(Event::Pressed(button, held));
+        }
+    }
+    if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
+        viewer.handle(Event::Moved(pixel(at)));
+    }
+    if response.drag_stopped() {
+        viewer.handle(Event::Released);
+    }
+    if response.hovered() {
+        let (scrolled, pinched) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
+        if scrolled != egui::Vec2::ZERO {
+            viewer.handle(Event::Scrolled([scrolled.x / 40.0, scrolled.y / 40.0], held));
+        }
+        if pinched != 1.0 {
+            viewer.handle(Event::Pinched(pinched));
+        }
+    }
+    if ui.ctx().egui_wants_keyboard_input() || modifiers.any() {
+        return;
+    }
+    let axis = |less: egui::Key, more: egui::Key| {
+        ui.input(|input| f32::from(i8::from(input.key_down(more)) - i8::from(input.key_down(less))))
+    };
+    let by = [axis(egui::Key::A, egui::Key::D), axis(egui::Key::Q, egui::Key::E), axis(egui::Key::S, egui::Key::W)];
+    if by != [0.0; 3] {
+        viewer.handle(Event::Flown(by, ui.input(|input| input.stable_dt).min(0.1)));
+        ui.ctx().request_repaint();
+    }
+}
+
+/// Draws over the picture.
+struct Over {
+    painter: egui::Painter,
+    rect: Rect,
+    scale: f32,
+    camera: Camera,
+    bounds: Bounds,
+    ground: f32,
+}
+
+impl Over {
+    fn at(&self, point: Vec3) -> Option<Pos2> {
+        let Vec2 { x, y } = self.camera.project(point)? / self.scale;
+        Some(self.rect.min + egui::vec2(x, y))
+    }
+
+    fn line(&self, from: Vec3, to: Vec3, stroke: Stroke) {
+        if let (Some(from), Some(to)) = (self.at(from), self.at(to)) {
+            self.painter.line_segment([from, to], stroke);
+        }
+    }
+
+    fn draw_box(&self, bounds: &Bounds) {
+        let corners = bounds.corners();
+        for corner in 0..8_usize {
+            for axis in [1, 2, 4] {
+                if corner & axis == 0 {
+                    self.line(corners[corner], corners[corner | axis], Stroke::new(1.0, style::ACCENT));
+                }
+            }
+        }
+    }
+
+    /// The handle of a light: a disc in its colour with a stalk to the ground, or for a light at infinity with rays.
+    fn lamp(&self, lamp: &Lamp, is_selected: bool, is_hovered: bool) {
+        let handle = lamp.handle(&self.bounds);
+        let Some(at) = self.at(handle) else { return };
+        let brightest = lamp.color.iter().copied().fold(1e-6, f32::max);
+        let [r, g, b] = lamp.color.map(|c| ((c / brightest).powf(1.0 / 2.2) * 255.0) as u8);
+        let color = if lamp.is_on { Color32::from_rgb(r, g, b) } else { Color32::from_gray(90) };
+        let faint = Stroke::new(1.0, Color32::from_rgba_unmultiplied(20, 22, 26, 120));
+        match lamp.kind {
+            LampKind::Point(_) => {
+                let foot = handle.with_y(self.ground);
+                self.line(handle, foot, faint);
+                if let Some(foot) = self.at(foot) {
+                    self.painter.circle_filled(foot, 2.5, faint.color);
+                }
+                if let Some(range) = lamp.range.filter(|_| is_selected) {
+                    self.circle(handle, range, faint);
+                }
+            }
+            LampKind::Sun(towards) => {
+                self.line(handle, self.bounds.centre() + 0.75 * (handle - self.bounds.centre()), faint);
+                let _ = towards;
+                for ray in 0..8 {
+                    let way = egui::Vec2::angled(std::f32::consts::TAU * ray as f32 / 8.0);
+                    self.painter.line_segment([at + 10.0 * way, at + 15.0 * way], Stroke::new(2.0, color));
+                }
+            }
+        }
+        let radius = if is_hovered || is_selected { 8.0 } else { 6.5 };
+        self.painter.circle_filled(at, radius + 1.5, Color32::from_rgba_unmultiplied(20, 22, 26, 170));
+        self.painter.circle_filled(at, radius, color);
+        if is_selected {
+            self.painter.circle_stroke(at, radius + 3.5, Stroke::new(1.5, style::ACCENT));
+        } else if is_hovered {
+            self.painter.circle_stroke(at, radius + 3.5, Stroke::new(1.5, Color32::from_gray(230)));
+        }
+    }
+
+    /// A level circle around a point.
+    fn circle(&self, centre: Vec3, radius: f32, stroke: Stroke) {
+        const SEGMENTS: u32 = 64;
+        let place = |step: u32| {
+            let angle = std::f32::consts::TAU * step as f32 / SEGMENTS as f32;
+            centre + radius * Vec3::new(angle.cos(), 0.0, angle.sin())
+        };
+        (0..SEGMENTS).for_each(|step| self.line(place(step), place(step + 1), stroke));
+    }
+}

@@ -1,0 +1,64 @@
+//! Failures of drawing.
+
+use rimline::gpu::{DeviceError, ExtractorError, OutlineError, ShadowError};
+
+use crate::state::body::BodyError;
+
+/// Why a picture cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The adapter cannot be used.
+    #[error("the adapter {name} cannot be used: {why}")]
+    Adapter {
+        /// Its name.
+        name: String,
+        /// Why.
+        why: String,
+    },
+    /// A model cannot be shown. The others can.
+    #[error("{name}: {why}")]
+    Body {
+        /// Its place among the models.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Why.
+        why: String,
+    },
+    /// The device fails.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// Shadows cannot be computed.
+    #[error(transparent)]
+    Shadow(#[from] ShadowError),
+    /// Silhouettes cannot be computed.
+    #[error(transparent)]
+    Extractor(#[from] ExtractorError),
+    /// Outlines cannot be drawn.
+    #[error(transparent)]
+    Outline(#[from] OutlineError),
+    /// The picture has more pixels than the device takes.
+    #[error("a picture of {width} x {height} pixels is too large for this device, which takes up to {limit} each way")]
+    Size {
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+        /// The limit.
+        limit: u32,
+    },
+    /// The picture cannot be encoded.
+    #[error("the picture cannot be written: {0}")]
+    Png(#[from] png::EncodingError),
+}
+
+impl RenderError {
+    pub(super) fn body(index: usize, name: &str, why: &dyn ToString) -> Self {
+        Self::Body { index, name: name.to_owned(), why: why.to_string() }
+    }
+
+    pub(super) fn of_body(index: usize, name: &str, error: &BodyError) -> Self {
+        Self::body(index, name, error)
+    }
+}

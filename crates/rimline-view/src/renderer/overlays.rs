@@ -1,0 +1,126 @@
+//! Edges over the picture: silhouettes, volumes, boundaries. They have extractions of their own.
+
+use rimline::gpu::{Extraction, Extractor, ExtractorOptions, Outline, OutlineInputs, OutlineSource, OutlineStyle};
+use rimline::{Light, ShadowCamera};
+
+use super::error::RenderError;
+use super::gpu::Gpu;
+use super::models::Models;
+use super::pipelines::{Pipelines, Shared};
+use super::targets::Targets;
+use crate::state::body::non_manifold_bits;
+use crate::state::lamp::Lamp;
+use crate::state::viewer::{MAX_LAMPS, Viewer};
+
+/// Extractors of all models, for the lights and the eye.
+pub(super) struct Overlays {
+    generation: u64,
+    bodies: Vec<(Extractor, wgpu::Buffer)>,
+    /// Results of the last encode.
+    extractions: Vec<Extraction>,
+}
+
+const BOUNDARY: [f32; 4] = [0.86, 0.12, 0.10, 1.0];
+const NON_MANIFOLD: [f32; 4] = [0.72, 0.10, 0.78, 1.0];
+const CREASE: [f32; 4] = [0.12, 0.13, 0.16, 0.75];
+const SILHOUETTE: [f32; 4] = [0.04, 0.05, 0.07, 1.0];
+
+impl Overlays {
+    pub(super) fn new(gpu: &Gpu, viewer: &Viewer) -> Result<Self, RenderError> {
+        let options = ExtractorOptions { max_lights: MAX_LAMPS + 1, ..ExtractorOptions::default() };
+        let mut bodies = Vec::with_capacity(viewer.bodies.len());
+        for (index, body) in viewer.bodies.iter().enumerate() {
+            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, &error.to_string());
+            let pose = body.pose(viewer.clock.seconds).map_err(|error| failed(&error))?;
+            let mesh = body.model().mesh(&pose).map_err(|error| failed(&error))?;
+            let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| failed(&error))?;
+            let bits = non_manifold_bits(&mesh);
+            let marked = gpu.filled("non-manifold", bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE);
+            bodies.push((extractor, marked));
+        }
+        Ok(Self { generation: viewer.generation(), bodies, extractions: Vec::new() })
+    }
+
+    pub(super) fn is_of(&self, viewer: &Viewer) -> bool {
+        self.generation == viewer.generation()
+    }
+
+    /// Extracts the silhouettes of all lights that are on, then of the eye, from positions that were encoded before.
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        models: &Models,
+        viewer: &Viewer,
+        camera: &ShadowCamera,
+    ) -> Result<(), RenderError> {
+        let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(Lamp::light);
+        let lights: Vec<Light> = lamps.chain([Light::point(camera.origin)]).collect();
+        self.extractions.clear();
+        for (index, (extractor, _)) in self.bodies.iter_mut().enumerate() {
+            self.extractions.push(extractor.encode(encoder, models.positions(index)?, &lights)?);
+        }
+        Ok(())
+    }
+
+    /// Draws the volumes of a light into a pass that has its uniform.
+    pub(super) fn draw_volumes(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        (shared, pipelines): (&Shared, &Pipelines),
+        lamp: usize,
+    ) -> Result<(), RenderError> {
+        for extraction in &self.extractions {
+            let group = extraction.bind_group(&shared.results, 0)?;
+            pass.set_bind_group(2, &group, &[]);
+            for pipeline in &pipelines.volumes {
+                pass.set_pipeline(pipeline);
+                extraction.draw(pass, lamp)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The lines that are drawn over a picture, those of the eye last.
+    pub(super) fn outlines(
+        &self,
+        pipelines: &Pipelines,
+        targets: &Targets,
+        viewer: &Viewer,
+        camera: &ShadowCamera,
+    ) -> Result<Vec<Outline>, RenderError> {
+        let shown = viewer.options.overlays;
+        let lamps: Vec<_> = viewer.lamps.iter().filter(|lamp| lamp.is_on).collect();
+        // Two pixels at 800 rows.
+        let width = (targets.size[1] as f32 / 400.0).clamp(1.5, 12.0);
+        let silhouette = shown.silhouettes.then_some(SILHOUETTE);
+        let boundary = if shown.boundary { Some(BOUNDARY) } else { silhouette };
+        let eye = OutlineStyle {
+            width,
+            silhouette,
+            boundary,
+            crease: shown.creases.then_some(CREASE),
+            marked: shown.non_manifold.then_some(NON_MANIFOLD),
+            ..OutlineStyle::default()
+        };
+        let mut outlines = Vec::new();
+        for (extraction, (_, marked)) in self.extractions.iter().zip(&self.bodies) {
+            let prepare = |number, style, marked| {
+                let of = OutlineSource::Extraction(extraction, number);
+                let depth = &targets.depth_only;
+                pipelines.outlines.prepare(&OutlineInputs { of, camera, depth, style, marked })
+            };
+            for (number, lamp) in lamps.iter().enumerate().filter(|_| shown.light_silhouettes) {
+                let brightest = lamp.color.iter().copied().fold(1e-6, f32::max);
+                let [r, g, b] = lamp.color.map(|c| (c / brightest).powf(1.0 / 2.2));
+                let color = Some([r, g, b, 1.0]);
+                let style = OutlineStyle { width, silhouette: color, boundary: color, ..OutlineStyle::default() };
+                outlines.push(prepare(number, style, None)?);
+            }
+            let is_shown = [eye.silhouette, eye.boundary, eye.crease, eye.marked].iter().any(Option::is_some);
+            if is_shown {
+                outlines.push(prepare(lamps.len(), eye, eye.marked.map(|_| marked))?);
+            }
+        }
+        Ok(outlines)
+    }
+}

@@ -1,0 +1,21 @@
+//! Levels of skipping as the library has them.
+
+use rimline::gpu::Measuring;
+
+use crate::state::options::Skipping;
+
+/// Work that no picture needs: the levels of skipping that are off.
+pub(super) fn measuring(skipping: Skipping) -> Measuring {
+    let Skipping { range, view, bits, lists, faces } = skipping;
+    let mut measuring = Measuring::default();
+    for (level, is_on) in [
+        (Measuring::CULLED_BY_RANGE, range),
+        (Measuring::CULLED_BY_VIEW, view),
+        (Measuring::CACHED_BITS, bits),
+        (Measuring::CACHED_LISTS, lists),
+        (Measuring::EVERY_FACE, faces),
+    ] {
+        measuring.set(level, !is_on);
+    }
+    measuring
+}

@@ -1,0 +1,329 @@
+//! Models that are shown.
+
+use std::collections::HashMap;
+use std::fmt::{self, Debug, Formatter};
+
+use glam::Vec3;
+use rimline::cpu::{Threads, deform};
+use rimline::gltf::{Asset, GltfError, SceneLight};
+use rimline::mesh::{EdgeKind, MeshDiagnostics};
+use rimline::{Mesh, MeshError, Model, ModelError, Pose};
+
+use super::bounds::Bounds;
+
+/// Why a model cannot be shown.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BodyError {
+    /// The file, or an animation of it, is damaged or not supported.
+    #[error(transparent)]
+    Gltf(#[from] GltfError),
+    /// The pose does not fit the model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Faces make no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// There is nothing to look at.
+    #[error("it has no faces with finite corners")]
+    NoFaces,
+    /// The file cannot be read.
+    #[error("{0}")]
+    File(String),
+}
+
+/// Data that a model is posed from. A reader of files implements it.
+pub trait Source: Send {
+    /// The model.
+    fn model(&self) -> &Model;
+
+    /// The state of the model at a time of one of its animations, or at rest.
+    ///
+    /// # Errors
+    /// [`BodyError`] if the animation is damaged.
+    fn pose(&self, animation: Option<usize>, seconds: f32) -> Result<Pose, BodyError>;
+
+    /// Names and durations of animations, in seconds.
+    fn animations(&self) -> Vec<(String, f32)> {
+        Vec::new()
+    }
+
+    /// Lights of the file, at rest.
+    fn lights(&self) -> Vec<SceneLight> {
+        Vec::new()
+    }
+}
+
+impl Source for Asset {
+    fn model(&self) -> &Model {
+        self.model()
+    }
+
+    fn pose(&self, animation: Option<usize>, seconds: f32) -> Result<Pose, BodyError> {
+        Ok(self.pose(animation, seconds)?)
+    }
+
+    fn animations(&self) -> Vec<(String, f32)> {
+        let name = |(number, info): (usize, &rimline::gltf::AnimationInfo)| {
+            (info.name.clone().unwrap_or_else(|| format!("animation {number}")), info.duration_s)
+        };
+        self.animations().iter().enumerate().map(name).collect()
+    }
+
+    fn lights(&self) -> Vec<SceneLight> {
+        self.each_light(None, 0.0).into_iter().flatten().flatten().collect()
+    }
+}
+
+/// A model in one pose.
+impl Source for (Model, Pose) {
+    fn model(&self) -> &Model {
+        &self.0
+    }
+
+    fn pose(&self, _: Option<usize>, _: f32) -> Result<Pose, BodyError> {
+        Ok(self.1.clone())
+    }
+}
+
+/// A model that is shown, and what was found out about it when it was opened.
+pub struct Body {
+    /// The name that it is listed by.
+    pub name: String,
+    /// What the command calls it: a file, or nothing for a model of the viewer's own.
+    pub file: Option<String>,
+    /// The animation that plays.
+    pub animation: Option<usize>,
+    source: Box<dyn Source>,
+    animations: Vec<(String, f32)>,
+    report: Report,
+    bounds: Bounds,
+}
+
+impl Debug for Body {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Body").field("name", &self.name).field("report", &self.report).finish_non_exhaustive()
+    }
+}
+
+/// Facts about the mesh of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Triangles of all instances.
+    pub faces: usize,
+    /// Vertices of all instances, as they are welded.
+    pub vertices: usize,
+    /// Edge records.
+    pub edges: usize,
+    /// Edges of one face.
+    pub boundary: usize,
+    /// Edges of more than two faces.
+    pub non_manifold: usize,
+    /// Edges of two faces that run opposite ways.
+    pub inconsistent: usize,
+}
+
+impl Report {
+    /// Whether every edge has two faces that agree.
+    pub fn is_closed(&self) -> bool {
+        self.boundary == 0 && self.inconsistent == 0
+    }
+
+    /// Advice about what is open. `None`: nothing is.
+    pub fn advice(&self) -> Option<&'static str> {
+        match self {
+            report if report.is_closed() => None,
+            Self { boundary: 0, .. } => {
+                Some("Faces disagree about which side is out. Shadows are right; turn them in a modeller for outlines.")
+            }
+            _ => Some(
+                "Shadows are right, also of open surfaces. If edges are seams of split vertices, open the file in the command \
+                 with --weld position.",
+            ),
+        }
+    }
+}
+
+impl Body {
+    /// Examines a model. `file` is what the command calls it.
+    ///
+    /// # Errors
+    /// [`BodyError`] if nothing of it can be shown.
+    pub fn new(name: &str, file: Option<String>, source: impl Source + 'static) -> Result<Self, BodyError> {
+        let animations = source.animations();
+        // The first animation that plays; a file may have damaged ones.
+        let animation = (0..animations.len()).find(|&index| source.pose(Some(index), 0.0).is_ok());
+        let pose = source.pose(animation, 0.0)?;
+        let mesh = source.model().mesh(&pose)?;
+        let world = deform(source.model(), &pose, 0.0, None, Threads::new(1))?;
+        let used = mesh.faces().iter().flatten().filter_map(|&vertex| world.get(vertex as usize).copied());
+        let bounds = Bounds::of(used).filter(|bounds| (bounds.max - bounds.min).is_finite());
+        let bounds = bounds.ok_or(BodyError::NoFaces)?;
+        let found = MeshDiagnostics::of(&mesh, 0);
+        let report = Report {
+            faces: mesh.faces().len(),
+            vertices: mesh.vertex_count() as usize,
+            edges: mesh.edges().len(),
+            boundary: found.edges.boundary,
+            non_manifold: found.non_manifold_edges,
+            inconsistent: found.edges.inconsistent,
+        };
+        Ok(Self { name: name.to_owned(), file, animation, source: Box::new(source), animations, report, bounds })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        self.source.model()
+    }
+
+    /// The pose at a time of the animation that plays.
+    ///
+    /// # Errors
+    /// [`BodyError`] if the animation is damaged.
+    pub fn pose(&self, seconds: f32) -> Result<Pose, BodyError> {
+        self.source.pose(self.animation, seconds)
+    }
+
+    /// Names and durations of animations.
+    pub fn animations(&self) -> &[(String, f32)] {
+        &self.animations
+    }
+
+    /// The duration of the animation that plays, in seconds. 0: none does.
+    pub fn duration(&self) -> f32 {
+        self.animation.and_then(|index| self.animations.get(index)).map_or(0.0, |(_, duration)| *duration)
+    }
+
+    /// Lights of the file.
+    pub fn lights(&self) -> Vec<SceneLight> {
+        self.source.lights()
+    }
+
+    /// Facts about the mesh at the start of the animation.
+    pub fn report(&self) -> Report {
+        self.report
+    }
+
+    /// The box of the model at the start of the animation.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The positions of all vertices in world space at a time, computed without a device.
+    ///
+    /// # Errors
+    /// [`BodyError`] if the animation is damaged.
+    pub fn positions(&self, seconds: f32) -> Result<Vec<[f32; 3]>, BodyError> {
+        Ok(deform(self.model(), &self.pose(seconds)?, seconds, None, Threads::new(1))?)
+    }
+}
+
+/// A bit for each edge record, in words, for edges of more than two faces and of faces that run opposite ways.
+pub(crate) fn non_manifold_bits(mesh: &Mesh) -> Vec<u32> {
+    let undirected = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut records: HashMap<[u32; 2], u32> = HashMap::new();
+    for &vertices in mesh.edges().vertices() {
+        *records.entry(undirected(vertices)).or_default() += 1;
+    }
+    let mut bits = vec![0_u32; mesh.edges().len().div_ceil(32).max(1)];
+    for (number, edge) in mesh.edges().iter().enumerate() {
+        let is_shared = records.get(&undirected(edge.vertices)).is_some_and(|&count| count > 1);
+        if is_shared || edge.kind == EdgeKind::Inconsistent {
+            bits[number / 32] |= 1 << (number % 32);
+        }
+    }
+    bits
+}
+
+/// How corners of faces share normals: each corner has a group, and the normal of a group is the sum over its faces by area.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Smoothing {
+    /// The group of each corner.
+    pub(crate) groups: Vec<u32>,
+    /// Where the faces of each group begin in [`Self::faces`], with the end of the last one.
+    pub(crate) starts: Vec<u32>,
+    pub(crate) faces: Vec<u32>,
+}
+
+/// Faces that meet at more than this angle, in degrees, keep their own normals.
+const CREASE: f32 = 60.0;
+
+impl Smoothing {
+    /// Groups of the faces of a mesh, by their angles at these positions. Vertices at one position are one.
+    pub(crate) fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
+        let position = |v: u32| Vec3::from(positions[v as usize]);
+        let unit =
+            |&[a, b, c]: &[u32; 3]| (position(b) - position(a)).cross(position(c) - position(a)).normalize_or_zero();
+        let units: Vec<Vec3> = faces.iter().map(unit).collect();
+        let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
+        let same: Vec<u32> = (0..)
+            .zip(positions)
+            .map(|(vertex, place)| *first_at.entry(place.map(|c| (c + 0.0).to_bits())).or_insert(vertex))
+            .collect();
+        let mut around: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
+        for (face, corners) in (0..).zip(faces) {
+            for &vertex in corners {
+                around[same[vertex as usize] as usize].push(face);
+            }
+        }
+        let cosine = CREASE.to_radians().cos();
+        let mut smoothing = Self { starts: vec![0], ..Self::default() };
+        // The groups of each vertex, which are few.
+        let mut known: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
+        let mut own = Vec::new();
+        for (face, corners) in faces.iter().enumerate() {
+            for &vertex in corners {
+                let vertex = same[vertex as usize] as usize;
+                own.clear();
+                let is_near = |&&other: &&u32| units[other as usize].dot(units[face]) > cosine;
+                own.extend(around[vertex].iter().filter(is_near));
+                if own.is_empty() {
+                    own.push(face as u32);
+                }
+                let found = known[vertex].iter().find(|&&group| smoothing.faces_of(group) == own).copied();
+                let group = found.unwrap_or_else(|| {
+                    smoothing.faces.extend(&own);
+                    smoothing.starts.push(smoothing.faces.len() as u32);
+                    let group = smoothing.starts.len() as u32 - 2;
+                    known[vertex].push(group);
+                    group
+                });
+                smoothing.groups.push(group);
+            }
+        }
+        smoothing
+    }
+
+    fn faces_of(&self, group: u32) -> &[u32] {
+        let group = group as usize;
+        &self.faces[self.starts[group] as usize..self.starts[group + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crease_splits_groups_and_a_bend_does_not() {
+        let groups = |height: f32| {
+            let positions = [[0.0; 3], [0.0, 0.0, 1.0], [-1.0, height, 0.0], [1.0, height, 0.0]];
+            Smoothing::of(&positions, &[[0, 2, 1], [0, 1, 3]])
+        };
+        let gentle = groups(0.1);
+        assert_eq!((gentle.groups[0], gentle.faces_of(gentle.groups[0]).len()), (gentle.groups[3], 2));
+        let sharp = groups(2.0);
+        assert_ne!(sharp.groups[0], sharp.groups[3]);
+    }
+
+    #[test]
+    fn edges_of_three_faces_are_marked() {
+        let faces = vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]];
+        let mesh = Mesh::from_faces(5, faces).expect("three sheets");
+        let bits = non_manifold_bits(&mesh);
+        let marked: Vec<_> =
+            mesh.edges().iter().enumerate().filter(|(n, _)| bits[n / 32] >> (n % 32) & 1 != 0).collect();
+        assert_eq!(marked.len(), 2);
+        assert!(marked.iter().all(|(_, edge)| edge.vertices.iter().all(|&v| v < 2)));
+    }
+}

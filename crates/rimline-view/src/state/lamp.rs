@@ -1,0 +1,117 @@
+//! Lights that are dragged.
+
+use glam::Vec3;
+use rimline::gltf::SceneLight;
+use rimline::{Cone, Light};
+
+use super::bounds::Bounds;
+
+/// Whether a light is at a point or at infinity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LampKind {
+    /// At a point in world space.
+    Point(Vec3),
+    /// At infinity, in this direction from the scene, of length 1.
+    Sun(Vec3),
+}
+
+/// A light of the viewer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lamp {
+    /// Where it is.
+    pub kind: LampKind,
+    /// Linear red, green and blue.
+    pub color: [f32; 3],
+    /// Times the colour.
+    pub intensity: f32,
+    /// The distance at which a light at a point ends. `None`: it does not.
+    pub range: Option<f32>,
+    /// Where a spot shines, and the angle from there to where it has faded, in radians.
+    pub cone: Option<(Vec3, f32)>,
+    /// Whether it shines.
+    pub is_on: bool,
+}
+
+/// Colours of the first lights; then from the beginning again.
+const COLORS: [[f32; 3]; 6] = [
+    [1.0, 0.93, 0.80],
+    [0.42, 0.62, 1.0],
+    [1.0, 0.50, 0.28],
+    [0.55, 0.95, 0.60],
+    [0.95, 0.48, 0.75],
+    [0.75, 0.72, 1.0],
+];
+
+/// Directions in which the first lights are, from the middle of the models: to the right, up, and towards the front.
+const DIRECTIONS: [Vec3; 6] = [
+    Vec3::new(-0.62, 1.25, 0.95),
+    Vec3::new(1.25, 0.85, 0.35),
+    Vec3::new(0.25, 1.0, -1.15),
+    Vec3::new(-1.2, 0.7, -0.3),
+    Vec3::new(0.9, 1.3, 0.9),
+    Vec3::new(-0.2, 1.6, 0.1),
+];
+
+impl Lamp {
+    /// The light with this number around models in `bounds`.
+    pub fn around(bounds: &Bounds, number: usize) -> Self {
+        let direction = DIRECTIONS[number % DIRECTIONS.len()].normalize();
+        Self {
+            kind: LampKind::Point(bounds.centre() + 1.05 * bounds.extent() * direction),
+            color: COLORS[number % COLORS.len()],
+            intensity: if number == 0 { 1.0 } else { 0.6 },
+            range: None,
+            cone: None,
+            is_on: true,
+        }
+    }
+
+    /// A light of a file, with `intensity` as its share of the brightest one's.
+    pub fn of_file(light: &SceneLight, intensity: f32) -> Self {
+        let xyz = Vec3::from(light.light.xyz);
+        let kind = if light.light.w == 0.0 { LampKind::Sun(xyz.normalize_or(Vec3::Y)) } else { LampKind::Point(xyz) };
+        let cone = light.cone.map(|cone| (Vec3::from(cone.direction), cone.outer_angle));
+        Self { kind, color: light.color, intensity, range: light.range, cone, is_on: true }
+    }
+
+    /// The light as the library takes it.
+    pub fn light(&self) -> Light {
+        match self.kind {
+            LampKind::Sun(towards) => Light::directional(towards.to_array()),
+            LampKind::Point(at) => {
+                let light = Light::point(at.to_array()).with_range(self.range.unwrap_or(f32::INFINITY));
+                match self.cone {
+                    Some((axis, angle)) => light.with_cone(Cone::new(axis.to_array(), angle)),
+                    None => light,
+                }
+            }
+        }
+    }
+
+    /// Colour times intensity.
+    pub fn shine(&self) -> Vec3 {
+        Vec3::from(self.color) * self.intensity
+    }
+
+    /// The point of its handle: the light itself, or for a light at infinity a point in its direction beside the models.
+    pub fn handle(&self, bounds: &Bounds) -> Vec3 {
+        match self.kind {
+            LampKind::Point(at) => at,
+            LampKind::Sun(towards) => bounds.centre() + sun_distance(bounds) * towards,
+        }
+    }
+
+    /// Makes a light at a point one at infinity in the same direction from the models, and the other way round.
+    pub fn change_kind(&mut self, bounds: &Bounds) {
+        let handle = self.handle(bounds);
+        self.kind = match self.kind {
+            LampKind::Sun(_) => LampKind::Point(handle),
+            LampKind::Point(at) => LampKind::Sun((at - bounds.centre()).normalize_or(Vec3::Y)),
+        };
+    }
+}
+
+/// How far from the middle of the models the handles of lights at infinity are.
+pub(crate) fn sun_distance(bounds: &Bounds) -> f32 {
+    bounds.extent()
+}

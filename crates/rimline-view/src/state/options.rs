@@ -1,0 +1,139 @@
+//! What is drawn, and how.
+
+/// How shadow volumes are counted, as `rimline shadow --method` has it.
+pub use rimline::Counting;
+
+/// How shadows are drawn, as `rimline shadow --mode` has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Each light adds its light where it is not in shadow.
+    #[default]
+    Additive,
+    /// Full light; places in the shadow of any light have ambient light only.
+    Ambient,
+    /// Full light; places in the shadow of any light are black.
+    Black,
+    /// Full light; each shadow halves it.
+    Composited,
+}
+
+impl Mode {
+    /// All of them, with the names that the command gives them.
+    pub const ALL: [(Self, &'static str); 4] = [
+        (Self::Additive, "additive"),
+        (Self::Ambient, "ambient"),
+        (Self::Black, "black"),
+        (Self::Composited, "composited"),
+    ];
+
+    /// The name that the command gives it.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+}
+
+/// What is drawn over the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
+pub struct Overlays {
+    /// Outlines as the eye sees them.
+    pub silhouettes: bool,
+    /// Silhouettes as each light sees them, in its colour.
+    pub light_silhouettes: bool,
+    /// Sides of the shadow volumes.
+    pub volumes: bool,
+    /// Faces that cast: the light caps of the volumes.
+    pub caps: bool,
+    /// Edges of one face.
+    pub boundary: bool,
+    /// Edges of more than two faces, and of faces that run opposite ways.
+    pub non_manifold: bool,
+    /// Edges between faces that meet at more than 30°.
+    pub creases: bool,
+    /// The boxes of the models.
+    pub boxes: bool,
+}
+
+impl Overlays {
+    /// Whether any of them needs an extraction of its own.
+    pub fn needs_edges(&self) -> bool {
+        let Self { silhouettes, light_silhouettes, volumes, boundary, non_manifold, creases, .. } = *self;
+        silhouettes || light_silhouettes || volumes || boundary || non_manifold || creases
+    }
+}
+
+/// Levels of skipping. The picture is the same without them, and takes longer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
+pub struct Skipping {
+    /// Casters out of a light's range or cone.
+    pub range: bool,
+    /// Shadows out of sight.
+    pub view: bool,
+    /// Facing bits of what did not change.
+    pub bits: bool,
+    /// Lists of what did not change.
+    pub lists: bool,
+    /// Front-facing casters, where back-facing ones suffice.
+    pub faces: bool,
+}
+
+impl Default for Skipping {
+    fn default() -> Self {
+        Self { range: true, view: true, bits: true, lists: true, faces: true }
+    }
+}
+
+/// All options.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
+pub struct Options {
+    /// How shadow volumes are counted.
+    pub counting: Counting,
+    /// How shadows are drawn.
+    pub mode: Mode,
+    /// Whether the sides of faces smooth into each other.
+    pub smooth: bool,
+    /// Whether there is a ground that receives shadows.
+    pub ground: bool,
+    /// Whether models throw shadows.
+    pub shadows: bool,
+    /// What is drawn over the picture.
+    pub overlays: Overlays,
+    /// What is left out because no picture needs it.
+    pub skipping: Skipping,
+    /// Whether the stages are timed by the device.
+    pub timing: bool,
+    /// Samples of each pixel while nothing moves: 4, or 1 for speed.
+    pub samples: u32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            counting: Counting::Auto,
+            mode: Mode::default(),
+            smooth: true,
+            ground: true,
+            shadows: true,
+            overlays: Overlays::default(),
+            skipping: Skipping::default(),
+            timing: false,
+            samples: 4,
+        }
+    }
+}
+
+/// Counting methods that can be chosen, with the names that the command gives them.
+pub(crate) const COUNTINGS: [(Counting, &str); 5] = [
+    (Counting::Auto, "auto"),
+    (Counting::ZpPlus, "zp+"),
+    (Counting::ZpPlus2005, "zp+paper"),
+    (Counting::ZFail, "z-fail"),
+    (Counting::ZPass, "z-pass"),
+];
+
+/// The name that the command gives a counting method.
+pub(crate) fn counting_name(counting: Counting) -> &'static str {
+    COUNTINGS.iter().find(|(of, _)| *of == counting).map_or("auto", |(_, name)| name)
+}

@@ -1,0 +1,143 @@
+//! The panel by egui's own events, without a window.
+
+use std::time::Duration;
+
+use egui::{Event as Heard, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use rimline_testkit::harness::Test;
+use rimline_view::{Event, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
+
+use crate::support::{Outcome, handle, hold, say, viewer};
+
+pub(crate) const TESTS: [Test; 4] = [
+    ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
+    ("the pointer drags a light on the picture", the_pointer_drags_a_light),
+    ("keys do what the list says", keys),
+    ("a bad file gives a message and the viewer goes on", a_bad_file),
+];
+
+const SIZE: [u32; 2] = [900, 560];
+
+/// A viewer with a panel, and a target that stands for the window.
+struct Stage {
+    viewer: Viewer,
+    renderer: Renderer,
+    panel: Panel,
+    target: wgpu::TextureView,
+    time: f64,
+}
+
+impl Stage {
+    fn new(scene: scenes::Make) -> Result<Self, String> {
+        let (viewer, renderer) = viewer(scene, SIZE)?;
+        let format = wgpu::TextureFormat::Rgba8Unorm;
+        let target = renderer.gpu().device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("window"),
+            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let target = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let panel = Panel::new(renderer.gpu(), format);
+        Ok(Self { viewer, renderer, panel, target, time: 0.0 })
+    }
+
+    fn run(&mut self, events: Vec<Heard>) -> PanelOutput {
+        self.time += 0.05;
+        let input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(SIZE[0] as f32, SIZE[1] as f32))),
+            time: Some(self.time),
+            focused: true,
+            events,
+            ..RawInput::default()
+        };
+        let output = self.panel.run(input, &mut self.viewer, &mut self.renderer);
+        self.panel.paint(self.renderer.gpu(), &self.target, SIZE, &output);
+        output
+    }
+
+    /// Runs until nothing is on its way, and returns what the last run asked for.
+    fn settle(&mut self) -> Result<Duration, String> {
+        for _ in 0..40 {
+            let output = self.run(Vec::new());
+            self.renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+            if output.repaint_after > Duration::from_secs(1) {
+                return Ok(output.repaint_after);
+            }
+        }
+        Err("it does not come to rest".into())
+    }
+}
+
+fn button(at: Pos2, pressed: bool) -> Heard {
+    Heard::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+}
+
+fn key(key: Key, modifiers: Modifiers) -> Heard {
+    Heard::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }
+}
+
+fn a_still_panel_asks_for_no_repaint() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    let pictures = stage.renderer.pictures();
+    hold(stage.renderer.counters().scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
+    stage.settle()?;
+    hold(stage.renderer.pictures() == pictures, "a picture was drawn")
+}
+
+fn the_pointer_drags_a_light() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    let at = handle(&stage.viewer, 1)?;
+    let (from, to) = (pos2(at.x, at.y), pos2(at.x - 60.0, at.y + 25.0));
+    let (orbit, before) = (stage.viewer.orbit, stage.viewer.lamps[1].clone());
+    stage.run(vec![Heard::PointerMoved(from)]);
+    hold(stage.viewer.hovered == Some(1), "the pointer is on the handle")?;
+    stage.run(vec![button(from, true)]);
+    stage.run(vec![Heard::PointerMoved(to)]);
+    stage.run(vec![button(to, false)]);
+    let there = handle(&stage.viewer, 1)?;
+    hold((there.x - to.x).hypot(there.y - to.y) < 1.0, format!("the handle is at {there}, not {to}"))?;
+    hold(stage.viewer.lamps[1] != before && stage.viewer.orbit == orbit, "only the light moves")?;
+    hold(stage.viewer.selected == Some(1) && !stage.viewer.is_dragging(), "it is selected and let go")?;
+    // Elsewhere the camera turns.
+    let [from, to] = [pos2(30.0, 500.0), pos2(90.0, 480.0)];
+    for events in [vec![Heard::PointerMoved(from)], vec![button(from, true)], vec![Heard::PointerMoved(to)]] {
+        stage.run(events);
+    }
+    hold(stage.viewer.orbit != orbit, "the camera does not turn")
+}
+
+fn keys() -> Outcome {
+    let mut stage = Stage::new(scenes::walking_figure)?;
+    stage.settle()?;
+    for binding in &rimline_view::KEYS {
+        let modifiers = if binding.shift { Modifiers::SHIFT } else { Modifiers::NONE };
+        stage.run(vec![key(binding.key, modifiers)]);
+        hold(stage.viewer.message.as_ref().is_none_or(|(tone, _)| *tone == Tone::Note), binding.what)?;
+    }
+    let has = |request: &Request| stage.viewer.requests.contains(request);
+    hold(has(&Request::OpenFiles) && has(&Request::Screenshot { scale: 4 }), "a request is missing")?;
+    let line = stage.viewer.requests.iter().find_map(|request| match request {
+        Request::Copy(line) => Some(line.clone()),
+        _ => None,
+    });
+    let line = line.unwrap_or_default();
+    hold(line.starts_with("rimline ") && line.contains("--eye "), line)
+}
+
+fn a_bad_file() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    let pictures = stage.renderer.pictures();
+    stage.viewer.handle(Event::Opened(Err(("bad.glb".into(), "it is no glTF".into()))));
+    stage.settle()?;
+    hold(stage.viewer.message == Some((Tone::Error, "bad.glb: it is no glTF".into())), "no message")?;
+    hold(stage.viewer.bodies.len() == 5 && stage.renderer.pictures() == pictures, "the scene changed")?;
+    stage.run(vec![key(Key::ArrowLeft, Modifiers::NONE)]);
+    hold(stage.renderer.pictures() == pictures + 1, "the viewer does not go on")
+}

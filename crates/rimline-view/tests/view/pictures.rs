@@ -1,0 +1,220 @@
+//! Pictures: shadows are where rays say, switches change nothing or what they are for, and nothing is drawn twice.
+
+use glam::Vec2;
+use rimline::Light;
+use rimline::cpu::{Threads, shadow_depth};
+use rimline_testkit::harness::Test;
+use rimline_view::{Action, Counting, Event, Mode, Modifiers, Picture, Skipping, Viewer, scenes};
+
+use crate::support::{Outcome, drag, finish, handle, hold, on_ground, picture, say, viewer};
+
+pub(crate) const TESTS: [Test; 7] = [
+    ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
+    ("a still viewer draws nothing", a_still_viewer_draws_nothing),
+    ("counting methods and levels of skipping change no picture", switches_change_no_picture),
+    ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
+    ("built-in scenes are drawn in every moment", scenes_are_drawn),
+    ("a screenshot has more pixels and the same picture", screenshots),
+    ("lights come, go and change their kind", lights_come_and_go),
+];
+
+/// Pixels of the ground whose shadow the picture shows wrongly, and those that were looked at: far enough from models and borders
+/// of shadows that a pixel's width does not matter.
+fn wrong_on_ground(viewer: &Viewer, picture: &Picture, dark: &Picture) -> Result<[usize; 3], String> {
+    let seconds = viewer.clock.seconds;
+    let lamps: Vec<Light> = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(rimline_view::Lamp::light).collect();
+    let [width, height] = viewer.size();
+    let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| [x, y]));
+    let points: Vec<_> = pixels.filter_map(|at| Some((at, on_ground(viewer, at)?))).collect();
+    let eye = Light::point(viewer.camera().eye.into());
+    let (mut wrong, mut shadowed, mut lit) = (0, 0, 0);
+    let mut depths = vec![[0_i32; 2]; points.len() * 5];
+    // Each point and four around it: where all five agree, no border is near.
+    let near = 1.5 * viewer.camera().pixel() * viewer.orbit.distance;
+    let around = [[0.0, 0.0], [near, 0.0], [-near, 0.0], [0.0, near], [0.0, -near]];
+    let positions: Vec<[f32; 3]> =
+        points.iter().flat_map(|(_, p)| around.map(|[x, z]| [p.x + x, p.y, p.z + z])).collect();
+    for body in &viewer.bodies {
+        let mesh = body.model().mesh(&body.pose(seconds).map_err(say)?).map_err(say)?;
+        let world = body.positions(seconds).map_err(say)?;
+        let found = shadow_depth(&world, &mesh, &positions, &[lamps[0], eye], Threads::all()).map_err(say)?;
+        for (sum, found) in depths.iter_mut().zip(found.chunks(2)) {
+            *sum = [sum[0] + found[0], sum[1] + found[1]];
+        }
+    }
+    for ((at, _), depths) in points.iter().zip(depths.chunks(5)) {
+        let is_seen = depths.iter().all(|depth| depth[1] == 0);
+        let is_dark = depths[0][0] != 0;
+        if !is_seen || depths.iter().any(|depth| (depth[0] != 0) != is_dark) {
+            continue;
+        }
+        let sum = |picture: &Picture| picture.at(*at)[..3].iter().map(|&c| i32::from(c)).sum::<i32>();
+        // Ambient light alone, or more.
+        let shows_dark = (sum(picture) - sum(dark)).abs() <= 6;
+        *(if is_dark { &mut shadowed } else { &mut lit }) += 1;
+        wrong += usize::from(shows_dark != is_dark);
+    }
+    Ok([wrong, shadowed, lit])
+}
+
+fn a_light_dragged_moves_its_shadow() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [420, 300])?;
+    viewer.lamps.truncate(1);
+    viewer.lamps[0].color = [1.0; 3];
+    let before = picture(&viewer, &mut renderer)?;
+    let from = handle(&viewer, 0)?;
+    for (to, modifiers) in [
+        (from, Modifiers::default()),
+        (from + Vec2::new(150.0, 20.0), Modifiers::default()),
+        (from + Vec2::new(100.0, 40.0), Modifiers { shift: true, ..Modifiers::default() }),
+    ] {
+        let start = handle(&viewer, 0)?;
+        drag(&mut viewer, start, to, modifiers);
+        let lit = picture(&viewer, &mut renderer)?;
+        // The same without what the light adds: darkness, as bright as ambient light is.
+        let ambient = ambient_only(&mut viewer, &mut renderer)?;
+        let [wrong, shadowed, bright] = wrong_on_ground(&viewer, &lit, &ambient)?;
+        println!("{to}: {wrong} wrong of {shadowed} in shadow and {bright} lit");
+        hold(wrong == 0, format!("{to}: {wrong} wrong of {shadowed} in shadow and {bright} lit"))?;
+        hold(shadowed > 40 && bright > 400, format!("{to}: only {shadowed} in shadow and {bright} lit"))?;
+    }
+    hold(picture(&viewer, &mut renderer)? != before, "the picture did not change")
+}
+
+/// The picture with the ground in ambient light only: the light shines from below it, as brightly.
+fn ambient_only(viewer: &mut Viewer, renderer: &mut rimline_view::Renderer) -> Result<Picture, String> {
+    let lamp = viewer.lamps[0].clone();
+    let at = lamp.handle(&viewer.bounds());
+    viewer.lamps[0].kind = rimline_view::LampKind::Point(at.with_y(2.0 * viewer.ground() - at.y));
+    let picture = picture(viewer, renderer);
+    viewer.lamps[0] = lamp;
+    picture
+}
+
+fn a_still_viewer_draws_nothing() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::moebius, [160, 120])?;
+    hold(renderer.draw(&viewer).map_err(say)?, "the first picture was not drawn")?;
+    for event in [Event::Moved([10.0, 10.0]), Event::Released, Event::Passed(1.0), Event::Acted(Action::Boxes)] {
+        let text = format!("{event:?}");
+        viewer.handle(event);
+        hold(!renderer.is_stale(&viewer) && !renderer.draw(&viewer).map_err(say)?, format!("{text} drew a picture"))?;
+    }
+    hold(renderer.pictures() == 1, "more than one picture was drawn")?;
+    viewer.handle(Event::Acted(Action::TurnLeft));
+    hold(renderer.draw(&viewer).map_err(say)?, "turning drew no picture")
+}
+
+fn switches_change_no_picture() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [240, 160])?;
+    let before = picture(&viewer, &mut renderer)?;
+    let same = |viewer: &Viewer, renderer: &mut _, what: &str| {
+        let now = picture(viewer, renderer)?;
+        let differing = now.pixels.iter().zip(&before.pixels).filter(|(a, b)| a != b).count();
+        hold(differing == 0, format!("{what}: {differing} pixels differ"))
+    };
+    for counting in [Counting::ZpPlus, Counting::ZFail, Counting::Auto] {
+        viewer.options.counting = counting;
+        same(&viewer, &mut renderer, &format!("{counting:?}"))?;
+    }
+    let all = Skipping::default();
+    for (skipping, what) in [
+        (Skipping { range: false, ..all }, "range"),
+        (Skipping { view: false, ..all }, "view"),
+        (Skipping { bits: false, ..all }, "bits"),
+        (Skipping { lists: false, ..all }, "lists"),
+        (Skipping { faces: false, ..all }, "faces"),
+    ] {
+        viewer.options.skipping = skipping;
+        same(&viewer, &mut renderer, what)?;
+    }
+    Ok(())
+}
+
+fn overlays_change_the_picture() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::moebius, [240, 160])?;
+    let before = picture(&viewer, &mut renderer)?;
+    for action in [
+        Action::Silhouettes,
+        Action::LightSilhouettes,
+        Action::Volumes,
+        Action::Caps,
+        Action::Boundary,
+        Action::NonManifold,
+        Action::Ground,
+        Action::Shadows,
+        Action::Smooth,
+        Action::NextMode,
+    ] {
+        viewer.handle(Event::Acted(action));
+        let now = picture(&viewer, &mut renderer)?;
+        hold(now != before, format!("{action:?} changed nothing"))?;
+        viewer.handle(Event::Acted(action));
+        if action != Action::NextMode {
+            hold(picture(&viewer, &mut renderer)? == before, format!("{action:?} did not go back"))?;
+        }
+    }
+    for (mode, name) in Mode::ALL {
+        viewer.options.mode = mode;
+        let now = picture(&viewer, &mut renderer)?;
+        hold((now == before) == (mode == Mode::Additive), name)?;
+    }
+    Ok(())
+}
+
+fn scenes_are_drawn() -> Outcome {
+    for (name, make) in scenes::ALL {
+        let (mut viewer, mut renderer) = viewer(make, [320, 200])?;
+        let first = picture(&viewer, &mut renderer)?;
+        viewer.clock.is_running = true;
+        viewer.handle(Event::Passed(0.3));
+        let later = picture(&viewer, &mut renderer)?;
+        hold((first == later) == (viewer.duration() == 0.0), format!("{name}: animation"))?;
+        let colors: std::collections::HashSet<_> = first.pixels.iter().collect();
+        hold(colors.len() > 500, format!("{name} has {} colours", colors.len()))?;
+    }
+    Ok(())
+}
+
+fn screenshots() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::walking_figure, [200, 140])?;
+    viewer.options.overlays.silhouettes = true;
+    let small = picture(&viewer, &mut renderer)?;
+    let large = renderer.screenshot(&viewer, 4).map_err(say)?;
+    let large = finish(&renderer, large)?;
+    hold(large.size == [800, 560], format!("{:?}", large.size))?;
+    let mut apart = 0.0;
+    for y in 0..140 {
+        for x in 0..200 {
+            let of = |picture: &Picture, at| f64::from(picture.at(at)[1]);
+            apart += (of(&small, [x, y]) - of(&large, [4 * x + 2, 4 * y + 2])).abs();
+        }
+    }
+    hold(apart / 28_000.0 < 4.0, format!("{} apart", apart / 28_000.0))?;
+    hold(!renderer.is_stale(&viewer), "the screenshot changed the picture")?;
+    let huge = renderer.screenshot(&viewer, 1000).err().map(|error| error.to_string()).unwrap_or_default();
+    hold(huge.contains("too large"), huge)
+}
+
+fn lights_come_and_go() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [160, 120])?;
+    let before = picture(&viewer, &mut renderer)?;
+    for _ in 0..7 {
+        viewer.handle(Event::Acted(Action::AddLight));
+        picture(&viewer, &mut renderer)?;
+    }
+    hold(viewer.lamps.len() == 8 && viewer.message.is_some(), "there may be eight lights")?;
+    viewer.handle(Event::Acted(Action::ChangeLightKind));
+    let direction = picture(&viewer, &mut renderer)?;
+    viewer.handle(Event::Acted(Action::SwitchLight));
+    hold(picture(&viewer, &mut renderer)? != direction, "a light off changes nothing")?;
+    for _ in 0..5 {
+        viewer.handle(Event::Acted(Action::RemoveLight));
+        picture(&viewer, &mut renderer)?;
+    }
+    hold(viewer.lamps.len() == 3 && picture(&viewer, &mut renderer)? == before, "the first lights are not as before")?;
+    for _ in 0..3 {
+        viewer.handle(Event::Acted(Action::RemoveLight));
+    }
+    picture(&viewer, &mut renderer)?;
+    hold(viewer.lamps.is_empty() && viewer.selected.is_none(), "a light is left")
+}

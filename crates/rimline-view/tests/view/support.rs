@@ -1,0 +1,77 @@
+//! Viewers on the shared device.
+
+use glam::{Vec2, Vec3};
+use rimline_testkit::device::Gpu as Device;
+use rimline_view::{Button, Event, Gpu, Modifiers, Picture, Renderer, Viewer, scenes};
+
+pub(crate) type Outcome = Result<(), String>;
+
+#[expect(clippy::needless_pass_by_value, reason = "it is for `map_err`")]
+pub(crate) fn say(error: impl ToString) -> String {
+    error.to_string()
+}
+
+/// A condition that must be true.
+pub(crate) fn hold(is_true: bool, what: impl Into<String>) -> Outcome {
+    if is_true { Ok(()) } else { Err(what.into()) }
+}
+
+pub(crate) fn gpu() -> Result<Gpu, String> {
+    let shared = Device::shared()?;
+    Ok(Gpu::of(shared.device.clone(), shared.queue.clone(), shared.name.clone(), true))
+}
+
+/// A viewer of a scene, and its renderer.
+pub(crate) fn viewer(scene: scenes::Make, size: [u32; 2]) -> Result<(Viewer, Renderer), String> {
+    let mut viewer = Viewer::new(scene().map_err(say)?);
+    viewer.handle(Event::Resized(size));
+    viewer.handle(Event::Acted(rimline_view::Action::ResetCamera));
+    viewer.clock.is_running = false;
+    Ok((viewer, Renderer::new(gpu()?).map_err(say)?))
+}
+
+pub(crate) fn picture(viewer: &Viewer, renderer: &mut Renderer) -> Result<Picture, String> {
+    renderer.draw(viewer).map_err(say)?;
+    let picture = renderer.read().ok_or("no picture was drawn")?;
+    finish(renderer, picture)
+}
+
+/// Waits for a picture of the device.
+pub(crate) fn finish(
+    renderer: &Renderer,
+    picture: impl Future<Output = Result<Picture, rimline_view::RenderError>>,
+) -> Result<Picture, String> {
+    renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+    let picture = pollster::block_on(picture).map_err(say)?;
+    // Somebody who sets this wants to look.
+    if let Some(folder) = std::env::var_os("RIMLINE_PICTURES") {
+        let name = std::thread::current().name().unwrap_or("picture").replace([':', ' '], "_");
+        let path = std::path::Path::new(&folder).join(format!("{name}_{}.png", renderer.pictures()));
+        std::fs::write(path, picture.png().map_err(say)?).map_err(say)?;
+    }
+    Ok(picture)
+}
+
+/// The pixel of a light's handle.
+pub(crate) fn handle(viewer: &Viewer, lamp: usize) -> Result<Vec2, String> {
+    let at = viewer.lamps[lamp].handle(&viewer.bounds());
+    viewer.camera().project(at).ok_or_else(|| "the handle is behind the eye".into())
+}
+
+/// Drags from one pixel to another.
+pub(crate) fn drag(viewer: &mut Viewer, from: Vec2, to: Vec2, modifiers: Modifiers) {
+    viewer.handle(Event::Moved(from.into()));
+    viewer.handle(Event::Pressed(Button::Primary, modifiers));
+    for step in 1..=4 {
+        viewer.handle(Event::Moved(from.lerp(to, step as f32 / 4.0).into()));
+    }
+    viewer.handle(Event::Released);
+}
+
+/// The point of the ground that a pixel's centre shows.
+pub(crate) fn on_ground(viewer: &Viewer, [x, y]: [u32; 2]) -> Option<Vec3> {
+    let camera = viewer.camera();
+    let ray = camera.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+    let along = (viewer.ground() - camera.eye.y) / ray.y;
+    (along > 0.0 && along.is_finite()).then(|| camera.eye + along * ray)
+}
