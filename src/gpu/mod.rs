@@ -44,8 +44,8 @@ pub use scene::mask::LightMask;
 #[doc(hidden)]
 pub use scene::options::Measuring;
 pub use scene::options::{Capacities, SceneOptions, StencilCounts};
-pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;
+pub use scene::view::Receivers;
 pub use scene::view::{FrameInputs, View};
 pub use shadow::errors::ShadowError;
 pub use shadow::{ShadowFormat, ShadowPipelines};

@@ -29,9 +29,8 @@ use crate::posed_input::{animations, note_idle_time};
 use crate::progress::Progress;
 use crate::target::Inputs;
 use crate::{origin, shown};
-use args::{DxfUnits, Hidden, LinesArgs};
+use args::{DxfUnits, Format, Hidden, LinesArgs};
 use eye::Eye;
-use format::Format;
 use sheet::Sheet;
 use style::Style;
 

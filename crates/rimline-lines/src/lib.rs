@@ -38,6 +38,7 @@ mod object;
 mod options;
 mod outlines;
 mod parallel;
+mod touching;
 mod tree;
 mod view;
 mod world;

@@ -2,7 +2,7 @@
 
 use glam::Mat4;
 
-use super::view::View;
+use super::view::{Receivers, View};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::memory::any_error;
@@ -20,23 +20,6 @@ const HEAD: u64 = 16;
 const TILE: u32 = 8;
 /// Invocations of a workgroup that take a tile each.
 const TILES_PER_WORKGROUP: u32 = 64;
-
-/// The depth attachment that the volumes of a view will be drawn against. Draw the visible surfaces before the encode's
-/// commands run. Volumes in which no receiver can be are culled.
-///
-/// Later draws must be nearer than this depth. If they cover pixels where nothing was drawn, set [`Self::sky_receives`].
-#[derive(Clone, Copy, Debug)]
-pub struct Receivers<'a> {
-    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING`, and the size of the
-    /// viewport that the volumes are drawn with. All samples of a pixel count.
-    pub depth: &'a wgpu::TextureView,
-    /// Whether shadows fall on pixels at the cleared depth, 0 with reversed depth and else 1. Set it if something is drawn
-    /// there later.
-    pub sky_receives: bool,
-    /// The version of the depths. While the version and the camera stay the same, the depths must stay the same, and lists are
-    /// cached. `None`: the depths may change in each encode.
-    pub version: Option<u64>,
-}
 
 /// The receivers of a view in an encode, to compare with the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,13 +6,27 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use rimline_lines::{Classes, LineClass};
 
-use super::format::Format;
 use crate::coordinates::Coordinate;
 use crate::failure::UsageError;
 use crate::input_args::{LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
 use crate::spec;
+
+/// A format that is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// A vector graphic for browsers and Inkscape, with a layer a class
+    Svg,
+    /// A page for printing, with a layer a class
+    Pdf,
+    /// A drawing for CAD (R12), with a layer a class; in millimetres of the page, or see --dxf-units
+    Dxf,
+    /// All spans and chains with their ids
+    Json,
+    /// A picture
+    Png,
+}
 
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(EXAMPLES), after_help = REMARKS, mut_arg("weld", |weld| weld.default_value("position")))]

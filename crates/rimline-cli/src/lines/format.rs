@@ -4,25 +4,10 @@ use std::io::{self, Write};
 
 use clap::ValueEnum;
 
-use super::args::LinesArgs;
+use super::args::{Format, LinesArgs};
 use super::{Picture, dxf, json, pdf, png, svg};
 use crate::failure::UsageError;
 use crate::target::{check_ending, check_folder};
-
-/// A format that is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
-    /// A vector graphic for browsers and Inkscape, with a layer a class
-    Svg,
-    /// A page for printing, with a layer a class
-    Pdf,
-    /// A drawing for CAD (R12), with a layer a class; in millimetres of the page, or see --dxf-units
-    Dxf,
-    /// All spans and chains with their ids
-    Json,
-    /// A picture
-    Png,
-}
 
 impl Format {
     /// The format that is asked for, or that the name of the result has. Of numbered drawings the name is a folder's.

@@ -6,58 +6,60 @@ use super::lamp::LampKind;
 use super::options::counting_name;
 use super::viewer::Viewer;
 
-/// The command that draws what a viewer shows: `rimline shadow`, or without shadows `draw` or `lines`.
-pub(crate) fn command(viewer: &Viewer) -> String {
-    let options = &viewer.options;
-    let verb = match (options.shadows, options.overlays.creases) {
-        (true, _) => "shadow",
-        (false, true) => "lines",
-        (false, false) => "draw",
-    };
-    let mut line = format!("rimline {verb}");
-    let files = viewer.bodies.iter().map(|body| body.file.as_deref().unwrap_or("FILE"));
-    // `draw` takes one file.
-    for file in files.take(if verb == "draw" { 1 } else { usize::MAX }) {
-        let _ = write!(line, " {}", quoted(file));
-    }
-    let moved = |point: glam::Vec3| {
-        let origin = viewer.origin.to_array();
-        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(point[axis]) + origin[axis]);
-        if origin == [0.0; 3] { format!("{},{},{}", point.x, point.y, point.z) } else { format!("{x},{y},{z}") }
-    };
-    if let Some(body) = viewer.bodies.iter().find(|body| body.duration() > 0.0) {
-        if let Some(index) = body.animation {
-            let _ = write!(line, " --animation {index}");
+impl Viewer {
+    /// The command line that draws this view: `rimline shadow`, or without shadows `draw` or `lines`.
+    pub fn command(&self) -> String {
+        let options = &self.options;
+        let verb = match (options.shadows, options.overlays.creases) {
+            (true, _) => "shadow",
+            (false, true) => "lines",
+            (false, false) => "draw",
+        };
+        let mut line = format!("rimline {verb}");
+        let files = self.bodies.iter().map(|body| body.file.as_deref().unwrap_or("FILE"));
+        // `draw` takes one file.
+        for file in files.take(if verb == "draw" { 1 } else { usize::MAX }) {
+            let _ = write!(line, " {}", quoted(file));
         }
-        let _ = write!(line, " --time {}", viewer.clock.seconds);
-    }
-    let orbit = &viewer.orbit;
-    let [width, height] = viewer.size();
-    let _ = write!(line, " --eye {} --target {} --fov {}", moved(orbit.eye()), moved(orbit.target), orbit.fov);
-    if verb != "lines" {
-        let _ = write!(line, " --size {width}x{height}");
-    }
-    if verb == "shadow" {
-        let ground = f64::from(viewer.ground()) + viewer.origin.to_array()[1];
-        let _ = write!(line, " --ground {}", ground as f32);
-        for lamp in viewer.lamps.iter().filter(|lamp| lamp.is_on) {
-            let _ = match lamp.kind {
-                LampKind::Point(at) => write!(line, " --light point:{}", moved(at)),
-                LampKind::Sun(towards) => write!(line, " --light dir:{},{},{}", towards.x, towards.y, towards.z),
-            };
-            let [r, g, b] = lamp.color;
-            let _ = write!(line, ",color={r},{g},{b},intensity={}", lamp.intensity);
-            if let (LampKind::Point(_), Some(range)) = (lamp.kind, lamp.range) {
-                let _ = write!(line, ",range={range}");
+        let moved = |point: glam::Vec3| {
+            let origin = self.origin.to_array();
+            let [x, y, z] = [0, 1, 2].map(|axis| f64::from(point[axis]) + origin[axis]);
+            if origin == [0.0; 3] { format!("{},{},{}", point.x, point.y, point.z) } else { format!("{x},{y},{z}") }
+        };
+        if let Some(body) = self.bodies.iter().find(|body| body.duration() > 0.0) {
+            if let Some(index) = body.animation {
+                let _ = write!(line, " --animation {index}");
+            }
+            let _ = write!(line, " --time {}", self.clock.seconds);
+        }
+        let orbit = &self.orbit;
+        let [width, height] = self.size();
+        let _ = write!(line, " --eye {} --target {} --fov {}", moved(orbit.eye()), moved(orbit.target), orbit.fov);
+        if verb != "lines" {
+            let _ = write!(line, " --size {width}x{height}");
+        }
+        if verb == "shadow" {
+            let ground = f64::from(self.ground()) + self.origin.to_array()[1];
+            let _ = write!(line, " --ground {}", ground as f32);
+            for lamp in self.lamps.iter().filter(|lamp| lamp.is_on) {
+                let _ = match lamp.kind {
+                    LampKind::Point(at) => write!(line, " --light point:{}", moved(at)),
+                    LampKind::Sun(towards) => write!(line, " --light dir:{},{},{}", towards.x, towards.y, towards.z),
+                };
+                let [r, g, b] = lamp.color;
+                let _ = write!(line, ",color={r},{g},{b},intensity={}", lamp.intensity);
+                if let (LampKind::Point(_), Some(range)) = (lamp.kind, lamp.range) {
+                    let _ = write!(line, ",range={range}");
+                }
+            }
+            let _ = write!(line, " --method {} --mode {}", counting_name(options.counting), options.mode.name());
+            if options.overlays.volumes {
+                line += " --volumes";
             }
         }
-        let _ = write!(line, " --method {} --mode {}", counting_name(options.counting), options.mode.name());
-        if options.overlays.volumes {
-            line += " --volumes";
-        }
+        let ending = if verb == "lines" { "svg" } else { "png" };
+        line + &format!(" --out view.{ending}")
     }
-    let ending = if verb == "lines" { "svg" } else { "png" };
-    line + &format!(" --out view.{ending}")
 }
 
 /// A word for a shell, in quotes if it needs them.

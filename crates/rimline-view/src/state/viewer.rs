@@ -7,7 +7,6 @@ use super::body::Body;
 use super::bounds::Bounds;
 use super::camera::{Camera, Orbit};
 use super::clock::Clock;
-use super::command::command;
 use super::event::{Button, Event, Modifiers};
 use super::keys::Action;
 use super::lamp::{Lamp, LampKind, sun_distance};
@@ -160,11 +159,6 @@ impl Viewer {
     /// Whether the pointer drags something.
     pub fn is_dragging(&self) -> bool {
         self.drag.is_some()
-    }
-
-    /// The command line that draws this view: `rimline shadow`, `draw` or `lines`.
-    pub fn command(&self) -> String {
-        command(self)
     }
 
     /// Takes a model out, as one that the device has no room for.
