@@ -156,7 +156,7 @@ impl Rig {
     }
 }
 
-/// What a stencil must agree in with the rays.
+/// How closely a stencil must agree with the rays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Compared {
     Counts,

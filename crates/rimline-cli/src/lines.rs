@@ -138,7 +138,7 @@ fn options(args: &LinesArgs) -> LineOptions {
     }
 }
 
-/// What is said to the user, once.
+/// Remarks for the user, each of which is printed once.
 #[derive(Default)]
 struct Remarks(BTreeSet<String>);
 

@@ -31,7 +31,7 @@ pub enum FileError {
     /// It is certainly of a format that is not read.
     #[error(transparent)]
     Foreign(#[from] FormatError),
-    /// What is wrong with a glTF.
+    /// The fault of a glTF.
     #[error(transparent)]
     Gltf(GltfError),
     /// It takes more memory than [`ReadOptions::memory_limit`](crate::ReadOptions::memory_limit).
@@ -66,16 +66,16 @@ pub enum FileError {
     /// Its faces make no mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// What is wrong with an archive.
+    /// The fault of an archive.
     #[error(transparent)]
     Npz(#[from] NpzError),
-    /// What is wrong with an OBJ.
+    /// The fault of an OBJ.
     #[error(transparent)]
     Obj(#[from] ObjError),
-    /// What is wrong with a PLY.
+    /// The fault of a PLY.
     #[error(transparent)]
     Ply(#[from] PlyError),
-    /// What is wrong with an STL.
+    /// The fault of an STL.
     #[error(transparent)]
     Stl(#[from] StlError),
 }

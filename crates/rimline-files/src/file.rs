@@ -12,7 +12,7 @@ use crate::error::FileError;
 #[derive(Debug)]
 pub struct File {
     pub(crate) content: Content,
-    /// Of the content in world space.
+    /// Result of welding the content in world space.
     pub(crate) weld: WeldCounts,
     pub(crate) polygons: Option<Box<Mesh>>,
     pub(crate) described: Option<Box<GivenPolygons>>,
@@ -115,7 +115,7 @@ impl File {
         self.asset().map_or(&[], Asset::named_files)
     }
 
-    /// What the reader skipped or changed. Positions that are not finite are counted apart: [`File::non_finite`].
+    /// Parts of the file that the reader skipped or changed. Positions that are not finite are counted apart: [`File::non_finite`].
     pub fn warnings(&self) -> impl Iterator<Item = &GltfWarning> {
         let is_told = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
         self.asset().map_or(&[][..], Asset::warnings).iter().filter(is_told)

@@ -46,7 +46,7 @@ impl Format {
     }
 }
 
-/// What a name ends in, in small letters.
+/// The ending of a name, in small letters.
 pub(crate) fn ending(name: &Path) -> Option<String> {
     name.extension().map(|ending| ending.to_string_lossy().to_lowercase())
 }

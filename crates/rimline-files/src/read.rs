@@ -16,10 +16,10 @@ use crate::{npz, obj, ply, stl};
 /// How polygons are taken. Those of an .npz are always taken whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Polygons {
-    /// As triangles, which are drawn.
+    /// Polygons become triangles, which are drawn.
     #[default]
     Triangles,
-    /// As triangles, and polygons beside them to describe: [`File::described`].
+    /// Polygons become triangles, and are kept beside them to describe: [`File::described`].
     Described,
     /// Each is one face: [`File::polygons`].
     Whole,

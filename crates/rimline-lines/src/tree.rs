@@ -14,7 +14,7 @@ pub(crate) struct Box3 {
 }
 
 impl Box3 {
-    /// Of a page, and of depths.
+    /// Axes of a page, and of depths.
     pub(crate) const UNIT: Self = Self { low: [0.0; 3], high: [1.0; 3] };
     pub(crate) const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
 
@@ -108,7 +108,7 @@ const RUN: usize = 1 << 14;
 const PAIR_RUN: usize = 1 << 8;
 
 impl<T: Copy + Send + Sync> Tree<T> {
-    /// Of `count` items, each with a box. They are ordered along the first `axes` axes, 2 or 3. Most are within `around`.
+    /// Makes a tree of `count` items, each with a box. They are ordered along the first `axes` axes, 2 or 3. Most are within `around`.
     pub(crate) fn new(
         count: usize,
         (axes, around): (usize, &Box3),

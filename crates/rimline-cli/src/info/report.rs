@@ -113,7 +113,7 @@ impl MeshReport {
     }
 }
 
-/// What to do about a count of something, where something can be done.
+/// Advice about a count of something, where something can be done.
 struct Remedy {
     count: usize,
     one: &'static str,
@@ -122,7 +122,7 @@ struct Remedy {
 }
 
 impl MeshReport {
-    /// What to do about what was found, beside the options that close seams.
+    /// Advice about the findings, beside the options that close seams.
     pub(super) fn advice(&self) -> Vec<String> {
         let diagnostics = &self.diagnostics;
         let remedies = [

@@ -16,7 +16,7 @@ pub(crate) struct Eye {
     pub(crate) view: View,
     /// A point, or the direction towards an eye at infinity.
     at: [f32; 3],
-    /// What an eye at a point looks at.
+    /// The target of an eye at a point.
     target: Option<[f32; 3]>,
     up: [f32; 3],
     turned: f64,
@@ -113,7 +113,7 @@ impl Eye {
         Ok(Self { turned: degrees, ..turned })
     }
 
-    /// What to add to a point of the page of an eye at infinity, so that it is relative to the origin of the files.
+    /// The offset to add to a point of the page of an eye at infinity, so that it is relative to the origin of the files.
     pub(crate) fn page_of_origin(&self, origin: Origin) -> [f64; 2] {
         self.view.page(origin.to_array())
     }

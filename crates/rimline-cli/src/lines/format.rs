@@ -34,7 +34,7 @@ impl Format {
         }
     }
 
-    /// What it is, in a sentence.
+    /// The format in a sentence.
     pub(crate) fn said(self) -> &'static str {
         match self {
             Self::Svg => "an SVG",

@@ -20,9 +20,9 @@ pub(crate) struct Sheet {
     pub(crate) size_mm: [f64; 2],
     /// Lengths are in millimetres, or in the unit of the files if `units` says so.
     pub(crate) mm_per_unit: f64,
-    /// Of a drawing in the unit of the files.
+    /// Units of a drawing in the unit of the files.
     pub(crate) units: Option<Units>,
-    /// What the user should know.
+    /// Remarks for the user.
     pub(crate) remarks: Vec<String>,
     /// The point of the view's page that is at the lower left corner.
     corner: [f64; 2],
@@ -258,7 +258,7 @@ impl Extent {
             objects.flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| place(object, face)))
         };
         let near = if view.is_perspective() {
-            // As lines begin by default.
+            // Lines begin this way by default.
             1e-3 * faces().flatten().map(|point| view.depth(point)).fold(0.0, f64::max)
         } else {
             f64::NEG_INFINITY

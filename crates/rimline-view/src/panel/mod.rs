@@ -38,7 +38,7 @@ pub struct Panel {
 
 /// Results of a run, to paint and to act on.
 pub struct PanelOutput {
-    /// What egui asks of the shell: the cursor and the like.
+    /// Requests of egui to the shell: the cursor and the like.
     pub platform: egui::PlatformOutput,
     /// When to run again, if nothing happens before. [`Duration::MAX`]: never.
     pub repaint_after: Duration,

@@ -15,7 +15,7 @@ type Pending<T> = Pin<Box<dyn Future<Output = Result<T, DeviceError>>>>;
 /// Numbers of the last frame that was read back.
 #[derive(Clone, Debug, Default)]
 pub struct Counters {
-    /// What was computed, and what was left out.
+    /// Counters of work that was done and work that was left out.
     pub scene: Option<SceneStatistics>,
     /// The same of shadow volumes.
     pub shadow: Option<ShadowStatistics>,

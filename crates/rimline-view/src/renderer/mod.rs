@@ -309,7 +309,7 @@ fn read(gpu: &Gpu, copy: Copy) -> impl Future<Output = Result<Picture, RenderErr
     async move { Ok(copy.picture(&words.await?)) }
 }
 
-/// What the passes of the light read.
+/// Bindings of the passes of a light.
 struct Drawing<'a> {
     shared: &'a Shared,
     pipelines: &'a Pipelines,

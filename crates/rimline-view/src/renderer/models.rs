@@ -13,7 +13,7 @@ use crate::state::lamp::Lamp;
 use crate::state::options::{Counting, Skipping};
 use crate::state::viewer::Viewer;
 
-/// What the scene was made for. Another one needs another scene.
+/// The models that the scene was made for. Another one needs another scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Made {
     generation: u64,

@@ -110,7 +110,7 @@ impl Source for (Model, Pose) {
 pub struct Body {
     /// The name that it is listed by.
     pub name: String,
-    /// What the command calls it: a file, or nothing for a model of the viewer's own.
+    /// The name that the command gives it: a file, or nothing for a model of the viewer's own.
     pub file: Option<String>,
     /// The animation that plays.
     pub animation: Option<usize>,

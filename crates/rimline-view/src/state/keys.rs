@@ -59,7 +59,7 @@ pub struct KeyBinding {
     pub key: egui::Key,
     /// Whether Shift is held.
     pub shift: bool,
-    /// What it does.
+    /// Its effect.
     pub action: Action,
     /// The same in words.
     pub what: &'static str,

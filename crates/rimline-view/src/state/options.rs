@@ -1,4 +1,4 @@
-//! What is drawn, and how.
+//! Options of the picture.
 
 /// How shadow volumes are counted, as `rimline shadow --method` has it.
 pub use rimline::Counting;
@@ -32,7 +32,7 @@ impl Mode {
     }
 }
 
-/// What is drawn over the picture.
+/// Overlays of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct Overlays {
@@ -98,9 +98,9 @@ pub struct Options {
     pub ground: bool,
     /// Whether models throw shadows.
     pub shadows: bool,
-    /// What is drawn over the picture.
+    /// Overlays of the picture.
     pub overlays: Overlays,
-    /// What is left out because no picture needs it.
+    /// Work that is left out because no picture needs it.
     pub skipping: Skipping,
     /// Whether the stages are timed by the device.
     pub timing: bool,

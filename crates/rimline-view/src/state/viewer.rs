@@ -15,7 +15,7 @@ use super::options::{COUNTINGS, Mode, Options};
 /// Lights that there may be at a time.
 pub(crate) const MAX_LAMPS: usize = 8;
 
-/// What the viewer wants of the shell that runs it.
+/// Requests of the viewer to the shell that runs it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Request {
@@ -52,7 +52,7 @@ pub struct Viewer {
     pub lamps: Vec<Lamp>,
     /// Where the eye is.
     pub orbit: Orbit,
-    /// What is drawn, and how.
+    /// Options of the picture.
     pub options: Options,
     /// The time of animations.
     pub clock: Clock,
@@ -60,7 +60,7 @@ pub struct Viewer {
     pub selected: Option<usize>,
     /// The light whose handle the pointer is on.
     pub hovered: Option<usize>,
-    /// What is to be told.
+    /// A message for the user.
     pub message: Option<(Tone, String)>,
     /// Whether the panel is shown.
     pub shows_panel: bool,
@@ -70,7 +70,7 @@ pub struct Viewer {
     pub origin: Origin,
     /// How near to a handle the pointer drags it, in pixels.
     pub handle_radius: f32,
-    /// What the shell is asked for. It takes them out.
+    /// Requests to the shell, which takes them out.
     pub requests: Vec<Request>,
     size: [u32; 2],
     generation: u64,
@@ -80,7 +80,7 @@ pub struct Viewer {
     is_built_in: bool,
 }
 
-/// What the pointer drags.
+/// The thing that the pointer drags.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Drag {
     Turn,

@@ -86,7 +86,7 @@ fn compare(scene: &Scene, ink: &[f32]) -> Found {
     }
     let pixels = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| [column, row]));
     let pixels: Vec<_> = pixels.filter(|&pixel| is_ink(pixel, 0.5)).collect();
-    // What lies between the middles of pixels needs a closer look.
+    // A line between the middles of pixels needs a closer look.
     let is_stray = |&[column, row]: &[usize; 2]| {
         !is_near_change[row * SIDE + column] && {
             let low = [column, row].map(|at| at as f64 + 0.5 - 2.0);

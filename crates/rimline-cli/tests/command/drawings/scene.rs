@@ -1,4 +1,4 @@
-//! What an eye sees of triangles, by rays through points of the page, and where lines must be between two such points. Nothing of it is
+//! The view of an eye on triangles, by rays through points of the page, and where lines must be between two such points. Nothing of it is
 //! shared with the code under test: surfaces are walked from face to face in `f64`.
 
 use std::collections::{HashMap, HashSet};
@@ -78,7 +78,7 @@ impl Eye {
     }
 }
 
-/// What lies beyond an edge of a face.
+/// The neighbour beyond an edge of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Side {
     /// Another face, without a line between.
@@ -88,7 +88,7 @@ enum Side {
     Perhaps,
 }
 
-/// What lies between two points of the page.
+/// The change between two points of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Between {
     Nothing,
@@ -205,7 +205,7 @@ fn depth(&[a, b, c]: &[DVec3; 3], point: DVec3) -> Option<f64> {
     (s >= -1e-12 && t >= -1e-12 && s + t <= 1.0 + 1e-12).then_some(a.z + s * (b.z - a.z) + t * (c.z - a.z))
 }
 
-/// What lies beyond the edges of each face.
+/// The neighbours beyond the edges of each face.
 fn sides_of(faces: &[[u32; 3]], place: impl Fn(u32) -> DVec3, eye: &Eye) -> Vec<[Side; 3]> {
     let mut of_edge: HashMap<[u32; 2], Vec<(u32, bool)>> = HashMap::new();
     let edge = |face: &[u32; 3], side: usize| [face[side], face[(side + 1) % 3]];
