@@ -31,7 +31,7 @@ pub(crate) enum Format {
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(EXAMPLES), after_help = REMARKS, mut_arg("weld", |weld| weld.default_value("position")))]
 pub(crate) struct LinesArgs {
-    /// One or more .gltf, .glb, .obj or .npz files, or - for standard input. All are drawn together
+    /// One or more .gltf, .glb, .obj, .ply, .stl or .npz files, or - for standard input. All are drawn together
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
 
