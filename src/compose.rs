@@ -51,8 +51,8 @@ pub(crate) fn compose(
         }
     }
     let mut remaining: Vec<usize> = words(further).iter().filter_map(|word| indices.get(word.text).copied()).collect();
-    let is_own = |entry: &str, item: &Item| entry != "compute" || entry_points.contains(&item.name);
-    let is_entry = |item: &Item| item.file == file && item.entry.is_some_and(|entry| is_own(entry, item));
+    let is_requested = |entry: &str, item: &Item| entry != "compute" || entry_points.contains(&item.name);
+    let is_entry = |item: &Item| item.file == file && item.entry.is_some_and(|entry| is_requested(entry, item));
     remaining.extend((0..).zip(&items).filter(|(_, item)| item.is_override || is_entry(item)).map(|(index, _)| index));
     let mut is_reached = vec![false; items.len()];
     while let Some(index) = remaining.pop() {

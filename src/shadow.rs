@@ -407,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn far_planes_are_told_from_infinity() {
+    fn far_planes_are_no_infinity() {
         let expected = [false, false, true, true, true, true];
         assert_eq!(cameras().map(|camera| camera.has_far_plane()), expected);
         // The camera's position and direction do not matter.
@@ -487,7 +487,7 @@ mod tests {
     }
 
     #[test]
-    fn mirror_images_are_told_and_refused() {
+    fn mirror_images_are_refused() {
         for (number, camera) in cameras().into_iter().enumerate() {
             assert_eq!(camera.check(), Ok(()), "{number}");
             // A turn by half a circle is no mirror.
@@ -533,12 +533,13 @@ mod tests {
             let towards = Vec3::from_array(random.direction());
             let view = look_at_mat4(eye, eye + towards, towards.any_orthonormal_vector());
             // Relative to the world's origin, or to the eye.
-            let (place, origin) =
+            let (placement, origin) =
                 if number & 16 == 0 { (view, Vec3::ZERO) } else { (Mat4 { w_axis: Vec4::W, ..view }, eye) };
             let clip = Mat4::from_scale(flip) * (projection * scale);
-            let found = |clip: Mat4| ShadowCamera::from_matrix((clip * place).to_cols_array_2d(), origin.to_array());
+            let found =
+                |clip: Mat4| ShadowCamera::from_matrix((clip * placement).to_cols_array_2d(), origin.to_array());
             let camera = found(clip).unwrap_or_else(|error| panic!("{number}: {error}"));
-            let (depth, mirrors) = seen(clip * place, origin, view);
+            let (depth, mirrors) = seen(clip * placement, origin, view);
             assert_eq!((camera.depth, camera.mirrors()), (depth, mirrors), "{number}");
             assert_eq!(camera.has_far_plane(), has_far_plane, "{number}");
             assert_eq!(camera.check(), if mirrors { Err(CameraError::Mirrored) } else { Ok(()) }, "{number}");

@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_form_takes_points_to_the_same_place() {
+    fn each_form_moves_points_alike() {
         let rotation = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(-1.1);
         let affine = Affine3A::from_scale_rotation_translation(vec3(2.0, -0.5, 3.0), rotation, vec3(4.0, 5.0, -6.0));
         let transform = Transform::from(affine);

@@ -24,7 +24,7 @@ const SMALL: [(&str, &str); 6] = [
 ];
 
 fn read(name: &str) -> Option<&'static str> {
-    SMALL.iter().find(|(own, _)| *own == name).map(|&(_, text)| text)
+    SMALL.iter().find(|(file, _)| *file == name).map(|&(_, text)| text)
 }
 
 fn composed(file: &'static str, flags: &[&str], further: &str) -> Result<String, String> {
@@ -44,7 +44,8 @@ fn a_module_has_what_is_reached_and_no_more() {
 #[test]
 fn a_module_has_the_compute_entry_points_of_its_stage() {
     let text = "@compute @workgroup_size(1)\nfn x() {}\n@compute @workgroup_size(1)\nfn y() {}\n@fragment\nfn z() {}\n";
-    let found = |own: &[&str]| compose("x", &[], own, "", &|_: &str| Some(text)).map(|found| found.wgsl);
+    let found =
+        |entry_points: &[&str]| compose("x", &[], entry_points, "", &|_: &str| Some(text)).map(|found| found.wgsl);
     assert_eq!(found(&["y"]).as_deref(), Ok("@compute @workgroup_size(1)\nfn y() {}\n@fragment\nfn z() {}\n"));
     assert_eq!(found(&["x", "y"]).as_deref(), Ok(text));
 }
@@ -65,7 +66,7 @@ fn constants_that_a_pipeline_may_set_are_kept() {
 }
 
 #[test]
-fn lines_are_told_by_file() {
+fn lines_are_found_by_file() {
     let module = compose("main", &["WIDE"], &["main"], "", &read).expect("valid files");
     let line = 1 + module.wgsl.lines().position(|line| line.contains("return LIMIT")).expect("it is reached");
     assert_eq!(module.located(line, "no"), "wgsl/one.wgsl:5: no");
@@ -175,12 +176,12 @@ fn files_import_what_they_use() {
     let imports: BTreeMap<_, _> = parsed.iter().map(|(file, _, (imports, _))| (*file, imports.clone())).collect();
     let everything: BTreeSet<_> = declared.values().flatten().copied().collect();
     let mut wrong = Vec::new();
-    for (file, text, (own_imports, items)) in &parsed {
+    for (file, text, (file_imports, items)) in &parsed {
         let used: BTreeSet<_> =
             items.iter().flat_map(taken_from_others).filter(|name| everything.contains(name)).collect();
-        let own = &declared[file];
-        let mut missing: BTreeSet<_> = used.difference(own).copied().collect();
-        for import in own_imports {
+        let declared_here = &declared[file];
+        let mut missing: BTreeSet<_> = used.difference(declared_here).copied().collect();
+        for import in file_imports {
             let given = given(import, &declared, &imports);
             let takes_nothing =
                 used.is_disjoint(&given) && !file.starts_with("interface/") && *import != "deform/displace";

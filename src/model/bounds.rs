@@ -145,12 +145,12 @@ impl ModelBounds {
             return Err(ModelError::PoseInstances { given, needed });
         }
         let instances = self.instances.iter().zip(pose.instances()).enumerate();
-        let own_box = |(number, (&geometry, pose)): (usize, (&usize, &InstancePose))| {
+        let box_of_instance = |(number, (&geometry, pose)): (usize, (&usize, &InstancePose))| {
             let geometry = &self.geometries[geometry];
             pose.check_counts(number, geometry.joints_needed, geometry.targets_needed)?;
             Ok(geometry.posed(pose, displaced_by.into()))
         };
-        instances.map(own_box).collect()
+        instances.map(box_of_instance).collect()
     }
 }
 

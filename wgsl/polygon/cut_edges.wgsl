@@ -338,7 +338,7 @@ fn cut_edges_before(
     return;
   }
   let by_rank = !has_equal_ranks(stored.row);
-  let own_key = order_key(stored.row, stored.index, by_rank);
+  let stored_key = order_key(stored.row, stored.index, by_rank);
   var earlier = 0u;
   var last = vec2<u32>(0u);
   var before = pack_cut(Cut(CORNER, false, false, 0u));
@@ -346,7 +346,7 @@ fn cut_edges_before(
   for (var index = 0u; index < stored.row.cut_count; index++) {
     let list_index = stored.row.first + index;
     let key = order_key(stored.row, list_index, by_rank);
-    if (is_less(key, own_key)) {
+    if (is_less(key, stored_key)) {
       if (earlier == 0u || is_less(last, key)) {
         last = key;
         before = pieces.words[piece_offset(stored.row.light, list_index) + CUT_WORD];

@@ -22,7 +22,7 @@ pub(crate) fn run() -> Summary {
     documentation.args(everything).env("RUSTDOCFLAGS", "-D warnings");
     summary.check("documentation", process::run(&mut documentation));
     summary.check("module circles", circles::run());
-    summary.check("words that comments open with", words::run());
+    summary.check("words of comments and names", words::run());
     test::add(&mut summary);
     drivers::add_swiftshader(&mut summary, &drivers::QUICK);
     wgsl::add(&mut summary);

@@ -210,16 +210,17 @@ impl Deformer {
         let offsets: Vec<u32> = plan.iter().map(|dispatch| table.push(dispatch)).collect();
         let dispatches = table.into_buffer(device, "deform dispatches");
         let bind = |(planned, offset): (&PlannedDispatch, u32)| {
-            let [own_rest, own_morph, own_skin, own_sources, own_positions] = planned.arrays.clone();
+            let [planned_rest, planned_morph, planned_skin, planned_sources, planned_positions] =
+                planned.arrays.clone();
             pipeline.dispatch(device, Workgroups::Known([planned.workgroups, 1]), |name| {
                 Some(match name {
                     "dispatch" => uniform::<DeformDispatch>(&dispatches, offset),
-                    "rest" => part(&rest, own_rest.clone()),
-                    "morph" => part(&morph, own_morph.clone()),
-                    "skin" => part(&skin, own_skin.clone()),
+                    "rest" => part(&rest, planned_rest.clone()),
+                    "morph" => part(&morph, planned_morph.clone()),
+                    "skin" => part(&skin, planned_skin.clone()),
                     "pose" => whole(&pose),
-                    "source_vertices" => part(&source_vertices, own_sources.clone()),
-                    "positions" => part(&positions, own_positions.clone()),
+                    "source_vertices" => part(&source_vertices, planned_sources.clone()),
+                    "positions" => part(&positions, planned_positions.clone()),
                     _ => return None,
                 })
             })

@@ -252,7 +252,7 @@ impl Scene {
     pub fn insert(&mut self, caster: Caster) -> Result<CasterHandle, ShadowError> {
         let Caster { mesh, positions, lights, in_depth } = caster;
         let mesh = mesh.key_in(self.id)?;
-        let (placement, source) = self.place(mesh, positions)?;
+        let (placement, source) = self.placement_of(mesh, positions)?;
         let mut has_polygons = false;
         if let Some(entry) = self.content.meshes.get_mut(mesh) {
             entry.casters += 1;
@@ -377,7 +377,7 @@ impl Scene {
     ) -> Result<(), ShadowError> {
         let (key, entry) = self.entry_of_caller(caster)?;
         let mesh = entry.mesh;
-        let (placement, source) = self.place(mesh, positions.into())?;
+        let (placement, source) = self.placement_of(mesh, positions.into())?;
         if let Some(entry) = self.content.casters.get_mut(key) {
             entry.placement = placement;
             (entry.positions_version, entry.bounds) = (None, None);
@@ -391,7 +391,11 @@ impl Scene {
     }
 
     /// The placement of a caster of a mesh, and the source of its positions, which counts the caster.
-    fn place(&mut self, mesh: DefaultKey, positions: CasterPositions) -> Result<(Placement, DefaultKey), ShadowError> {
+    fn placement_of(
+        &mut self,
+        mesh: DefaultKey,
+        positions: CasterPositions,
+    ) -> Result<(Placement, DefaultKey), ShadowError> {
         let entry = self.content.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
         let (page, vertices) = (entry.region.page, entry.vertices);
         let (placement, bound) = match positions {

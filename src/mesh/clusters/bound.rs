@@ -18,9 +18,9 @@ mod cluster_kinds {
     /// All faces face a light, or none does.
     pub(super) const BOUNDED: u32 = 1;
     /// No face faces a light. Some faces name a vertex twice.
-    pub(super) const AT_MOST_AVERTED: u32 = 2;
+    pub(super) const AT_MOST_BACK_FACING: u32 = 2;
     /// All faces name a vertex twice, so they are back-facing for every light.
-    pub(super) const AVERTED: u32 = 3;
+    pub(super) const BACK_FACING: u32 = 3;
 }
 
 /// The bound of a cluster: 48 bytes.
@@ -54,8 +54,8 @@ pub(super) fn bounds(order: &Order, threads: Threads) -> Vec<ClusterBound> {
             let kind = match (has(Kind::Irregular), has(Kind::Degenerate), has(Kind::Regular)) {
                 (true, _, _) => cluster_kinds::MIXED,
                 (_, false, _) => cluster_kinds::BOUNDED,
-                (_, true, true) => cluster_kinds::AT_MOST_AVERTED,
-                (_, true, false) => cluster_kinds::AVERTED,
+                (_, true, true) => cluster_kinds::AT_MOST_BACK_FACING,
+                (_, true, false) => cluster_kinds::BACK_FACING,
             };
             planes.retain(|plane| Kind::of(plane) == Kind::Regular);
             *bound =

@@ -155,7 +155,7 @@ mod tests {
     /// Pythagorean triples give distances that are exactly a float, at any scale. One step further is one too far, though
     /// `f64` cannot decide it if the step is small.
     #[test]
-    fn ties_and_their_neighbours_are_told_apart() {
+    fn ties_differ_from_their_neighbours() {
         for scale in [1.0, f32::MIN_POSITIVE, f32::from_bits(1), 2.0_f32.powi(100), 2.0_f32.powi(-100)] {
             for [x, y, z, d] in [[2.0, 3.0, 6.0, 7.0], [1.0, 4.0, 8.0, 9.0], [0.0, 3.0, 4.0, 5.0]] {
                 let [x, y, z, d] = [x, y, z, d].map(|v: f32| v * scale);
