@@ -7,7 +7,6 @@ use glam::{DMat4, DVec3, DVec4, Mat4};
 use rimline::{DepthDirection, ShadowCamera};
 
 use crate::maps::Map;
-use crate::rules::cast;
 
 /// A triangle by the first texel of its cell, and which half of the cell it is.
 pub(crate) type Name = ([i64; 2], usize);
@@ -44,7 +43,13 @@ fn determinant(a: DVec4, b: DVec4, c: DVec4, d: DVec4) -> f64 {
 
 /// The device depth of a sample, `None` where it casts nothing.
 pub(crate) fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
-    cast(map, x, y).map(f64::from)
+    let [width, height] = map.size.map(i64::from);
+    if x < 0 || y < 0 || x >= width || y >= height {
+        return None;
+    }
+    let depth = f64::from(map.depths[(y * width + x) as usize]);
+    let is_far = depth.is_nan() || if map.is_reversed { depth < f64::from(f32::MIN_POSITIVE) } else { depth >= 1.0 };
+    (!is_far).then(|| depth.clamp(0.0, 1.0))
 }
 
 /// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too.

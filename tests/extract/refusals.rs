@@ -26,6 +26,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("a_memory_limit_refuses_before_anything_is_allocated", memory_limit),
     ("the_include_refuses_what_takes_several_bindings", include_refuses),
     ("draws_without_lists_are_refused", no_lists),
+    ("overwritten_extractions_are_refused", stale),
     ("polygons_need_exact_masks_and_boundaries_of_some_size", polygons),
 ];
 
@@ -176,4 +177,35 @@ fn no_lists() -> Result<(), String> {
         refusal("no lists", arguments(None)?, is(ExtractorError::NoLists)),
         refusal("lists", arguments(Some(ListOptions::default()))?, Expected::Taken),
     ])
+}
+
+/// Every reader refuses results that a later encode overwrote, and lights that were not extracted.
+fn stale() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::cube();
+    let mesh = mesh_of(&shape)?;
+    let buffer = gpu.storage(&shape.positions);
+    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let options = ExtractorOptions { max_lights: 4, ..Default::default() };
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+    let mut encode = |lights: &[Light]| gpu.submit(|encoder| extractor.encode(encoder, bound, lights).map_err(text));
+    let lights = [[0.0, 4.0, 1.0], [1.0, 2.0, 0.0], [3.0, 1.0, 0.0]].map(Light::point);
+    let (first, second) = (encode(&lights[..2])?, encode(&lights[2..])?);
+    let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
+    let is_stale = || is(ExtractorError::Stale);
+    let past = is(ExtractorError::NoSuchLight { light: 1, lights: 1 });
+    let batch = is(ExtractorError::NoSuchBatch { batch: 1, batches: 1 });
+    refused([
+        refusal("its bind group", first.bind_group(&layout, 0), is_stale()),
+        refusal("its draws", first.draw_arguments(0), is_stale()),
+        refusal("its results", first.results(), is_stale()),
+        refusal("draws past the lights", second.draw_arguments(1), past),
+        refusal("a batch past the lights", second.bind_group(&layout, 1), batch),
+        refusal("a good one", second.bind_group(&layout, 0), Expected::Taken),
+    ])?;
+    // A refused extraction does not change the results.
+    if encode(&[Light::homogeneous([0.0; 4])]).is_ok() {
+        return Err("no light was extracted".to_owned());
+    }
+    refused([refusal("the second after a refused one", second.results(), Expected::Taken)])
 }

@@ -99,6 +99,10 @@ fn boundary() -> Result<(), String> {
                         let place = (index, order.as_ref());
                         let listed = sides_of(&found, caster, &scene, place, of_group.side_capacity, (&sides, bit))?;
                         let Some(listed) = listed else {
+                            let [plain, clipped] = [0, 1].map(|kind| sides[2 * bit as usize + kind]);
+                            if plain + clipped > 2 * found.group(group, batch)?.edge_slots {
+                                return Err(format!("caster {number}, light {light}: more than two sides an edge"));
+                            }
                             overflowed += 1;
                             continue;
                         };

@@ -132,8 +132,8 @@ fn certainly_affects(content: &Content, caster: &TestCaster, light: Light) -> bo
     let least = || corners().map(|corner| corner.distance(apex)).fold(f64::MAX, f64::min);
     let is_in_range = !light.range.is_finite() || least() <= f64::from(light.range) * (1.0 - 1e-5);
     // Faces that are not finite are in no box.
-    let has_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(rest[vertex as usize]));
-    let finite = || mesh.faces().iter().filter(has_finite).flatten().map(|&vertex| in_world(caster, rest, vertex));
+    let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(rest[vertex as usize]));
+    let finite = || mesh.faces().iter().filter(is_finite).flatten().map(|&vertex| in_world(caster, rest, vertex));
     is_in_range && light.cone.is_none_or(|cone| finite().any(|corner| inside(cone, apex, corner) > 0.0))
 }
 

@@ -14,7 +14,7 @@ use crate::scenes::roomy;
 pub(crate) const TESTS: &[Test] =
     &[("two_frames_in_one_encoder", two_frames), ("regions_of_removed_meshes_wait_for_late_frames", removed_mesh)];
 
-/// Each frame of an encoder sees its caster scene: the lists of the first are copied before the second overwrites them.
+/// Each frame of an encoder sees its own scene: the lists of the first are copied before the second overwrites them.
 fn two_frames() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for seed in 2301..2321 {

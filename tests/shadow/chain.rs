@@ -94,7 +94,7 @@ fn chain() -> Result<(), String> {
             let expected: Vec<ShadowDraws> = draws[..LIGHTS].iter().map(shaped).collect();
             same(&format!("{what}, draws"), &draws[..LIGHTS], &expected)?;
             let statistics = shadow_statistics(gpu, &frame)?;
-            // Distances come from a division and a square root, which WGSL lets be off by some units of the last layout.
+            // Distances come from a division and a square root, which WGSL lets be off by some units of the last place.
             let mut words: Vec<u32> =
                 lights.iter().flat_map(|light| [light.casting, light.counting, light.excludes]).collect();
             words.extend(draws[..LIGHTS].iter().flat_map(instances));

@@ -76,7 +76,7 @@ fn one_large(faces: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     (positions, faces)
 }
 
-/// Only the last choices says that the box is needed, and only the last batch has a light.
+/// Only the last choices say that the box is needed, and only the last batch has a light.
 fn bounds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let chunks = 64 * stated("BOUND_CHUNKS");

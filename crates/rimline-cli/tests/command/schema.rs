@@ -1,6 +1,6 @@
-//! Data held against a JSON Schema, by the keywords of `bench.schema.json` and `docs/lines.schema.json`. Two rules are stricter than the standard's: a key
-//! that the schema does not describe is an error, and so is a keyword that is not known here, since JSON Schema passes over
-//! misspelt ones.
+//! Data held against a JSON Schema, by the keywords of `bench.schema.json` and `docs/lines.schema.json`. Two rules are
+//! stricter than the standard's: a key that the schema does not describe is an error, and so is a keyword that is not known
+//! here, since JSON Schema passes over misspelt ones.
 
 use std::collections::BTreeSet;
 
