@@ -2,10 +2,12 @@
 
 use super::document::{Interpolation, unit};
 
-/// Values over time. There is at least one key, and times never decrease. Keys of one time are a step: before it the first
-/// counts, at it and after it the last.
+/// Values over time. The reader (animation.rs) makes sure that there is a key, and that times never decrease. It
+/// refuses numbers that are not finite, and keys with a rotation of length 0. Keys of one time are a step: before it the
+/// first counts, at it and after it the last.
 #[derive(Debug)]
 pub(super) struct Curve {
+    /// In seconds.
     pub(super) times: Vec<f32>,
     /// The values of all keys, `width` for each. For a cubic spline a key has an in-tangent, a value and an out-tangent
     /// of that width.
@@ -15,7 +17,7 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// The number of values of each key.
+    /// How many of `values` a key has: three times the width for a cubic spline, else the width.
     pub(super) fn stride(interpolation: Interpolation, width: usize) -> usize {
         match interpolation {
             Interpolation::CubicSpline => 3 * width,
@@ -23,10 +25,11 @@ impl Curve {
         }
     }
 
-    /// The curve's value at a time, which is clamped to the range of the keys. Rotations take the shorter arc (LINEAR)
-    /// and have length 1. They are not finite where a spline passes through zero.
-    pub(super) fn sample(&self, time: f64, rotation: bool) -> Vec<f64> {
-        let key_value = |key| if rotation { normalized(&self.value(key)) } else { self.value(key) };
+    /// The curve's `width` values at a time in seconds, which is clamped to the range of the keys. Values of a rotation are
+    /// a quaternion of length 1. Between keys of a LINEAR curve it takes the shorter arc. All its components are NaN where a
+    /// spline passes through zero.
+    pub(super) fn sample(&self, time: f64, is_rotation: bool) -> Vec<f64> {
+        let key_value = |key| if is_rotation { normalized(&self.value(key)) } else { self.value(key) };
         let after = self.times.partition_point(|&t| f64::from(t) <= time);
         let Some(key) = after.checked_sub(1) else {
             return key_value(0);
@@ -40,9 +43,9 @@ impl Curve {
         match self.interpolation {
             Interpolation::CubicSpline => {
                 let value = self.spline(key, interval, t);
-                if rotation { normalized(&value) } else { value }
+                if is_rotation { normalized(&value) } else { value }
             }
-            _ if rotation => slerp(&key_value(key), &key_value(after), t),
+            _ if is_rotation => slerp(&key_value(key), &key_value(after), t),
             _ => {
                 let (a, b) = (key_value(key), key_value(after));
                 a.iter().zip(b).map(|(a, b)| a * (1.0 - t) + b * t).collect()
@@ -50,17 +53,20 @@ impl Curve {
         }
     }
 
-    /// The value of a key.
+    /// The value of a key, without tangents, as the file has it: a rotation need not have length 1.
     pub(super) fn value(&self, key: usize) -> Vec<f64> {
         self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline)).collect()
     }
 
-    /// A part of a key. A key of a spline has an in-tangent, the value and an out-tangent.
+    /// A part of a key. A key of a spline has an in-tangent (0), the value (1) and an out-tangent (2), another key the value
+    /// (0).
     fn part(&self, key: usize, part: usize) -> impl Iterator<Item = f64> {
         let start = key * Self::stride(self.interpolation, self.width) + part * self.width;
         self.values[start..start + self.width].iter().map(|&value| f64::from(value))
     }
 
+    /// The cubic Hermite spline from `key` to the next, `interval` seconds later, at the fraction `t`. Tangents are per
+    /// second.
     fn spline(&self, key: usize, interval: f64, t: f64) -> Vec<f64> {
         let (t2, t3) = (t * t, t * t * t);
         let [starts, ends] =
@@ -75,6 +81,7 @@ impl Curve {
     }
 }
 
+/// The quaternion with length 1, or NaN in all components if its length is 0.
 fn normalized(rotation: &[f64]) -> Vec<f64> {
     let unit = rotation.try_into().ok().and_then(unit);
     unit.map_or(vec![f64::NAN; rotation.len()], |unit| unit.to_array().to_vec())

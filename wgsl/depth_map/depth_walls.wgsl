@@ -1,20 +1,22 @@
 // Stage `depth_walls`: draws walls and flaps over contours into the caller's stencil bit, in place of the triangles of
 // `depth_surface`. A contour is where a surface ends before another as the light sees it. A wall stands over it along rays
-// of the light. A flap joins the top of a wall to samples of the nearer surface.
+// of the light. A flap joins the top of a wall to samples of the nearer surface. Cells, edges, tiles, corners and distances
+// are those of contour.wgsl, the lattice that of samples.wgsl. A distance is a device depth in units, not a length.
 // `DepthMapFrame::draw` draws both, by the indirect draw of `contour_walls`: six vertices a quadrilateral. Depth is tested
-// and not written. Here `cells` is the list of walls. Then `depth_walls_near_cap_fragment`, with the vertex shader
-// `depth_near_cap`, inverts the bit where the near rectangle is in shadow: the eye's near plane in the picture.
-// The near cap must agree with what is drawn. The surface on a point's side of the contour says whether the point is in
-// shadow. An odd number of flap triangles there that say otherwise inverts the answer. If the list overflowed, triangles of
-// cells are drawn and looked up instead. docs/numerics/contours.md, "Heights".
+// and not written. Here `cells` is the list of walls, which has flaps, too. Then `depth_walls_near_cap_fragment`, with the
+// vertex shader `depth_near_cap`, inverts the bit where the near rectangle is in shadow: the eye's near plane in the
+// picture. The near cap must agree with what is drawn. The surface on a point's side of the contour says whether the point
+// is in shadow. An odd number of flap triangles there that say otherwise inverts the answer. If the list overflowed,
+// triangles of cells are drawn and looked up instead. docs/numerics/contours.md, "Heights".
 
 #import depth_map/contour
 #import depth_map/contour_rim
 #import depth_map/samples
 #import depth_map/surface
 
-// The two triangles of a wall or flap have its vertices 0, 1, 2 and 0, 2, 3. The list has 12 words a quadrilateral from
-// offset 4 on: four vertices of x and y on the lattice, in 1/256 texel, and a distance.
+// The two triangles of a wall or flap have its vertices 0, 1, 2 and 0, 2, 3. Word 0 of the list is the number of
+// quadrilaterals that were found, more than there is room for if the list overflowed. From word 4 on the list has 12 words a
+// quadrilateral: four vertices of x and y on the lattice, in 1/256 texel, and a distance.
 @vertex
 fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   let corner = index % 6u;
@@ -32,14 +34,15 @@ fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   return SurfaceVertex(view.across * centred.x + view.down * centred.y + view.depth * depth + view.middle);
 }
 
-// Whether a point in a cell that a contour crosses is behind the surface on its side.
+// Whether a point in a cell that a contour crosses is in shadow of the surface on its side: farther from the light than it.
+// `edge_code` has a bit for each marked edge of the cell (contour_rim.wgsl).
 fn is_behind_contour(point: NearPoint, cell: vec2<i32>, edge_code: u32) -> bool {
   let distance = contour_distance(cell, edge_code, point.lattice - floor(point.lattice));
   if (distance != FAR) {
     let depth = select(distance, RANGE - distance, depth_map.is_reversed != 0u);
     return is_behind_depth(point.depth, f32(depth) / f32(RANGE));
   }
-  // The boundary of a parallel light has no depth at infinity.
+  // FAR: the boundary is at infinity, as far surfaces are. For a parallel light it has no depth there.
   if (views[0].infinity.w != 0.0) {
     return false;
   }
@@ -74,7 +77,8 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) near_
   }
 }
 
-// Flaps. Between the last samples of a surface and a wall, shadow begins at the flap, not where the surface goes on.
+// Functions for flaps. Between the last samples of a surface and a wall, shadow begins at the flap, not where the surface
+// goes on.
 
 // From `contour_walls`: for each index of the list of tiles the index of that tile's first wall. The list of tiles and its
 // length follow at offsets that contour_tiles.wgsl describes.
@@ -109,12 +113,12 @@ fn flap_vertex(quad: u32, vertex: u32, cell: vec2<i32>, fraction: vec2<f32>) -> 
     vec2<f32>(from_cell) - fraction * f32(TEXEL), select(distance, RANGE - distance, depth_map.is_reversed != 0u));
 }
 
-// Whether a device depth is farther from the light than `depth`.
+// Whether the device depth of a point is farther from the light than `depth`.
 fn is_behind_depth(point_depth: f32, depth: f32) -> bool {
   return select(point_depth > depth, point_depth < depth, depth_map.is_reversed != 0u);
 }
 
-// Whether the bounding box of a quadrilateral meets a cell.
+// Whether the bounding box of a quadrilateral meets a cell, as seen from the light.
 fn box_meets_cell(quad: u32, cell: vec2<i32>) -> bool {
   let offset = 4u + 12u * quad;
   var low = vec2<u32>(cells[offset], cells[offset + 1u]);
@@ -131,6 +135,7 @@ fn box_meets_cell(quad: u32, cell: vec2<i32>) -> bool {
 // Whether a triangle of a flap covers the origin and contradicts `is_behind`, which says whether the point there is behind
 // the boundary. Triangles of walls have no area, so they cover nothing.
 fn triangle_changes(a: FlapVertex, b: FlapVertex, c: FlapVertex, depth: f32, is_behind: bool) -> bool {
+  // An even number of sides crosses the ray: the origin is outside.
   if ((crosses_ray(a.position, b.position) != crosses_ray(b.position, c.position)) == crosses_ray(c.position, a.position)) {
     return false;
   }
@@ -167,7 +172,7 @@ fn flaps_change(cell: vec2<i32>, fraction: vec2<f32>, depth: f32, is_behind: boo
   let first = vec2<u32>(max(cell - FLAP_LENGTH, vec2<i32>(0)) / TILE);
   let last = min(vec2<u32>((cell + FLAP_LENGTH) / TILE), tiles - 1u);
   let count = counts[contour.tiles.y * (2u + WALKERS)];
-  var changes = false;
+  var is_odd = false;
   // Turns: 2.
   for (var y = first.y; y <= last.y; y++) {
     // Turns: 2.
@@ -188,17 +193,18 @@ fn flaps_change(cell: vec2<i32>, fraction: vec2<f32>, depth: f32, is_behind: boo
         let a = flap_vertex(quad, 0u, cell, fraction);
         let c = flap_vertex(quad, 2u, cell, fraction);
         // Vertices 0, 1, 2 and 0, 2, 3.
-        changes = changes != triangle_changes(a, flap_vertex(quad, 1u, cell, fraction), c, depth, is_behind);
-        changes = changes != triangle_changes(a, flap_vertex(quad, 3u, cell, fraction), c, depth, is_behind);
+        is_odd = is_odd != triangle_changes(a, flap_vertex(quad, 1u, cell, fraction), c, depth, is_behind);
+        is_odd = is_odd != triangle_changes(a, flap_vertex(quad, 3u, cell, fraction), c, depth, is_behind);
       }
     }
   }
-  return changes;
+  return is_odd;
 }
 
 // The surface that a point in a marked cell belongs to.
 
-// From `contour_walls`: crossings of marked edges on its segments (contour_crossings.wgsl), in 1/65,536 texel. Positions in
+// From `contour_crossings`, moved by `contour_walls`: crossings of marked edges on segments, in 1/65,536 texel. A word
+// for each sample: the lower half for the edge to the right, the upper for the edge down. Positions in
 // `cells` are in 1/256 texel.
 @group(0) @binding(5) var<storage, read> crossings: array<u32>;
 
@@ -221,7 +227,8 @@ fn perp_dot(a: vec2<f32>, b: vec2<f32>) -> f32 {
 // the cell's first sample.
 fn corner_of_surface(cell: vec2<i32>, edge_code: u32, point: vec2<f32>) -> u32 {
   var best = 0u;
-  // One contour through the cell: the nearest corner on the point's side of it.
+  // One contour through the cell: the nearest corner on the point's side of it. Left of the contour from the first marked
+  // edge to the second are the corners between these edges.
   if (countOneBits(edge_code) == 2u) {
     let first = countTrailingZeros(edge_code);
     let second = 31u - countLeadingZeros(edge_code);
@@ -237,20 +244,22 @@ fn corner_of_surface(cell: vec2<i32>, edge_code: u32, point: vec2<f32>) -> u32 {
     }
     return best;
   }
-  // A junction: the corner of the sector between two edges, as seen from the middle.
+  // A junction: corner `i` has the sector between the crossings of edges `i` - 1 and `i`, as seen from the middle. If the
+  // point is in two sectors, the lower corner wins.
   let from_middle = point - 0.5;
-  for (var corner = 4u; corner > 0u; corner--) {
-    let before = crossing_point(cell, (corner + 2u) & 3u) - 0.5;
-    let after = crossing_point(cell, corner - 1u) - 0.5;
+  for (var next_corner = 4u; next_corner > 0u; next_corner--) {
+    let before = crossing_point(cell, (next_corner + 2u) & 3u) - 0.5;
+    let after = crossing_point(cell, next_corner - 1u) - 0.5;
     if (perp_dot(before, from_middle) >= 0.0 && perp_dot(from_middle, after) >= 0.0) {
-      best = corner - 1u;
+      best = next_corner - 1u;
     }
   }
   return best;
 }
 
-// The distance of the surface at a point of a marked cell, which is in texels from the cell's first sample. Between
-// neighbours of the same surface it is interpolated, towards neighbours of another one extrapolated.
+// The distance, with the bias, of the surface at a point of a marked cell, or FAR. The point is in texels from the cell's
+// first sample. Between neighbours of the same surface the distance is interpolated, towards those of another one
+// extrapolated.
 fn contour_distance(cell: vec2<i32>, edge_code: u32, point: vec2<f32>) -> i32 {
   let corner = corner_offset(corner_of_surface(cell, edge_code, point));
   let sample = cell + corner;

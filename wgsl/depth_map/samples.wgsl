@@ -9,25 +9,26 @@
 // (docs/numerics/depth-maps.md, "Exact decisions").
 
 struct DepthMapShape {
-  // Texels of one map: width and height.
+  // Texels of one map: width and height, without the border of the lattice.
   size: vec2<u32>,
-  // Cells of all maps. A cell is the square between four samples.
+  // The number of cells of all maps. (The buffer `cells` of importers is a list.) A cell is the square between four samples.
   cells: u32,
   // Blocks of 64 strips of cells (cell_words.wgsl); in the stages that write a map, blocks of 256 texels.
   blocks: u32,
-  // Cells that the list has room for.
+  // How many cells, or with contours walls, the list has room for.
   capacity: u32,
   // 1: every edge but those between two far samples is marked. 0: edges with a difference above the threshold are.
   every_cell: u32,
-  // Bits of the threshold, a difference of device depths.
+  // Bits of the threshold as a float. The threshold is a difference of device depths.
   threshold: u32,
   // 1: the near plane has depth 1 and the far end 0.
   is_reversed: u32,
-  // Maps: 1, or 6 for a cube.
+  // The number of maps: 1, or 6 for the faces of a cube, which are no faces of a mesh.
   faces: u32,
   // 1: edges between different objects are marked.
   has_objects: u32,
-  // 1: triangles with a sample at the end of a marked edge are drawn, too.
+  // 1: triangles with a sample at the end of a marked edge are drawn, too. Rust sets it if the boundary has several bits of
+  // the stencil.
   spread: u32,
   // 0.
   unused: u32,
@@ -72,8 +73,8 @@ fn load_key(sample: vec2<u32>) -> u32 {
   return select(key, FAR_KEY, !is_cube && any(inside != sample));
 }
 
-// `count` as a value that compilers do not know, so that they do not unroll a loop up to it. `count + depth_map.cells` must
-// not overflow.
+// Returns `count`. Compilers cannot know that, because the value depends on a uniform, so they do not unroll a loop up to
+// it. `count + depth_map.cells` must not overflow.
 fn opaque(count: u32) -> u32 {
   return min(count, count + depth_map.cells);
 }

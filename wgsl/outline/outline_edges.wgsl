@@ -1,7 +1,9 @@
 // Stage `outline_edges`: draws edges of an extraction, or in the variant SCENE of a group of a scene's casters, as lines of
 // a width in pixels. Each instance is an edge and four vertices, a strip: a quad around the line, which the fragment shader
-// trims to a line with round ends. `outline_silhouette` draws the light's list, by its indirect draw. `outline_feature` draws
-// creases and marked edges; it has an instance for each edge and leaves out those that `outline_silhouette` draws.
+// trims to a line with round ends. The entry points are two vertex shaders and the fragment shader `outline_ink`.
+// `outline_silhouette` draws silhouettes, which include edges with one face, by the indirect draw of the light's list.
+// `outline_feature` draws creases and marked edges, with an instance for each edge. It draws no silhouette, even if the
+// class of silhouettes is not drawn.
 // Group 0 has the edges (interface/outlined.wgsl), group 1 what is declared below.
 // Reads: silhouettes, facing masks, positions, faces, marks, and the caller's depth, which hides lines.
 // The depth test is at the nearest point of the line, not at the pixel. Half of an outline's width lies outside the surface,
@@ -27,9 +29,9 @@ struct OutlineView {
   depth_bias: f32,
   // The edge of two faces is a crease if the cosine between their normals is smaller.
   crease_cosine: f32,
-  // The index of the light.
+  // The index of the light that stands for the eye.
   light: u32,
-  // A bit for each class that is drawn: silhouettes, boundaries, creases, marked edges.
+  // A bit for each class that is drawn, from bit 0 on: silhouettes, boundaries, creases, marked edges.
   classes: u32,
   // 1 if a larger depth is nearer.
   is_reversed: u32,
@@ -46,9 +48,10 @@ struct OutlineView {
 // The vertices of faces, three each. Only `outline_feature` reads them.
 @group(1) @binding(2) var<storage, read> outline_faces: array<u32>;
 const NO_EDGE: u32 = 3u; // The kind of a slot without an edge.
-// Bits of `classes`, and the kind of an edge with one face.
+// Bits of `classes`.
 const CREASES: u32 = 4u;
 const MARKED: u32 = 8u;
+// The kind of an edge with one face.
 const BOUNDARY: u32 = 2u;
 
 struct OutlinePoint {
@@ -81,7 +84,8 @@ fn to_pixels(clip: vec4<f32>) -> vec2<f32> {
   return (vec2<f32>(0.5) + vec2<f32>(0.5, -0.5) * clip.xy / clip.w) * outline.size;
 }
 
-// Corner 0 to 3 of the quad around the line between mesh vertices `a` and `b`.
+// A corner of the quad around the line between mesh vertices `a` and `b`. Larger indices give corner 3, because the draw of
+// an extraction with triangle lists has six vertices: the strip then ends in triangles without area.
 fn line_corner(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint {
   let columns = mat4x4<f32>(outline.columns[0], outline.columns[1], outline.columns[2], outline.columns[3]);
   var from_clip = rimline_clip(columns, vec3<f32>(), outlined_offset(a));
@@ -106,11 +110,12 @@ fn line_corner(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint {
   let along = select(vec2<f32>(1.0, 0.0), span / length(span), length(span) > 0.0);
   let across = vec2<f32>(-along.y, along.x);
   let is_end = (min(corner, 3u) & 1u) == 1u;
-  let is_left = min(corner, 3u) >= 2u;
+  // On the right of the line as seen on the screen, because rows of pixels go down.
+  let is_right = min(corner, 3u) >= 2u;
   // Coverage fades out over half a pixel. The other half pixel covers rounding.
   let radius = outline.half_width + 1.0;
   let pixel = select(from_pixel - radius * along, to_pixel + radius * along, is_end)
-    + select(-radius, radius, is_left) * across;
+    + select(-radius, radius, is_right) * across;
   let ndc = (2.0 * pixel / outline.size - vec2<f32>(1.0)) * vec2<f32>(1.0, -1.0);
   let depths = vec2<f32>(from_clip.z / from_clip.w, to_clip.z / to_clip.w);
   return OutlinePoint(vec4<f32>(ndc, 0.5, 1.0), vec4<f32>(from_pixel, to_pixel), depths, color);
@@ -151,6 +156,7 @@ fn is_crease(edge: u32, is_inconsistent: bool) -> bool {
 @vertex
 fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> OutlinePoint {
   let edge = outlined_record(slot);
+  // `valid`: the edge is a silhouette for the light.
   if (edge.valid || edge.kind == NO_EDGE) {
     return no_line();
   }
@@ -163,7 +169,8 @@ fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) 
   return no_line();
 }
 
-// A depth with the larger one farther, for both directions of depth.
+// A device depth as one that grows with the distance, for both directions of depth. The next two functions return and take
+// such depths, and `is_hidden` takes a device depth.
 fn forward_depth(depth: f32) -> f32 { return select(depth, -depth, outline.is_reversed == 1u); }
 
 // The caller's depth at a pixel. Pixels outside the image have that of the border.
@@ -178,9 +185,9 @@ fn largest_step(depth: f32, next: f32, after: f32) -> f32 {
   return max(abs(next - depth), abs(after - next));
 }
 
-// Whether the caller's depth hides a point of a line. It does if it is nearer at the point's pixel and at the eight around it.
-// The slope of the surface over one pixel each way is allowed for. The slope is that of the flatter side, because the surface
-// may end on the other one. Beyond the image's border there is no side.
+// Whether the caller's depth hides a point of a line. It does if it is nearer at the point's pixel and at the eight around
+// it. The slope of the surface over one pixel each way is allowed for. The slope is that of the flatter side, because the
+// surface may end on the other one. Beyond the image's border there is no side.
 fn is_hidden(point: vec2<f32>, depth: f32) -> bool {
   let last = vec2<i32>(outline.size) - vec2<i32>(1);
   let pixel = clamp(vec2<i32>(floor(point)), vec2<i32>(0), last);

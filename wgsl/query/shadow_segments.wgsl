@@ -1,13 +1,14 @@
 // Pairs of point and light as segments, and whether a segment misses a box, for `shadow_depth`, `exact_shadow_depth` and
 // `exact_shadow_depth_recount`, which share these bindings; `depth_arguments` uses `range` and `undecided_pairs`. The index
 // of a pair is the point's index in the dispatch times the lights of the batch, plus the light's. `misses_box` returns true
-// only if certainly no face in the box lies between: its margins must not shrink. docs/numerics/query.md.
+// only if certainly no face in the box lies between point and light: its margins must not shrink. docs/numerics/query.md.
 
 #import common/determinant
 #import common/extraction
 #import query/records
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
+// The points of this dispatch. (It has nothing to do with the chunks of scenes.)
 @group(0) @binding(1) var<uniform> chunk: PointChunk;
 @group(0) @binding(6) var<uniform> range: FaceRange;
 @group(0) @binding(7) var<storage, read> clusters: array<FaceCluster>;
@@ -16,7 +17,7 @@
 @group(0) @binding(9) var<storage, read_write> depths: array<atomic<i32>>;
 @group(0) @binding(10) var<storage, read_write> undecided_pairs: UndecidedPairs;
 
-// Whether to cull groups and clusters whose box the segment misses.
+// Whether to cull groups and clusters whose box the segment misses. It changes no count.
 override SKIP: bool = true;
 
 // Whether points name the face that they are on.
@@ -34,9 +35,9 @@ struct Segment {
   d: vec3<f32>,
   // The largest component of `sizes`.
   size: f32,
-  // |d|, plus |w p| if w p is inexact.
+  // |d|, plus |w p| if w p is inexact, as LightBatch.inexact_w says. For bounds of errors.
   sizes: vec3<f32>,
-  // Whether the coordinates are small enough for f32 to decide.
+  // Whether the coordinates of p are small enough for f32 to decide. Boxes and faces are tested, too.
   is_certain: bool,
   // |w|, or inexact_w if that is larger.
   w_size: f32,
@@ -83,8 +84,8 @@ fn segment_of(pair: PointAndLight) -> Segment {
 const MARGIN: f32 = 0x1p-18;
 const TINY: f32 = 0x1p-100;
 
-// Whether certainly no face in a box lies between. The words are those of FaceCluster. `low_bits.w`: the largest absolute
-// coordinate; `high_bits.w`: whether any face can count.
+// Whether certainly no face in a box lies between point and light. The words are those of FaceCluster. `low_bits.w`: the
+// largest absolute coordinate; `high_bits.w`: whether any face can count.
 fn misses_box(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   if (high_bits.w == 0u) {
     return true;
@@ -94,7 +95,8 @@ fn misses_box(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bo
   }
   let low = bitcast<vec3<f32>>(low_bits.xyz);
   let high = bitcast<vec3<f32>>(high_bits.xyz);
-  // The box is before both ends or beyond both.
+  // The box is before both ends along an axis, or beyond both. The signs of `to_low` and `to_high` are exact, or they are 0,
+  // so they need no margin.
   let light = batch.lights[segment.light];
   let to_low = low - segment.p;
   let to_high = high - segment.p;

@@ -1,4 +1,6 @@
-//! Signs and values of `det[b − a, p − a, l − w·a]`, and what `f64` leaves undecided of them.
+//! Signs and values of `det[b − a, p − a, l − w·a]`, for points `a`, `b`, `p` and the eye `(l, w)`. They say on which side
+//! of the line from `a` to `b` the eye sees `p`. [`Plane`] and [`Height`] find them in `f64` with a bound of the error.
+//! The functions `…_value` compute in integers, for where that bound leaves the sign or the accuracy open.
 
 use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
@@ -17,7 +19,8 @@ const WINDOW: i32 = 40;
 /// The eye as `(l, w)`; `w` is 0 or 1.
 pub(crate) type Eye = [f32; 4];
 
-/// A determinant for the eye moved by `(ε, ε², ε³)`: the value of the first order in ε that is not 0.
+/// A determinant for the eye moved by `(ε, ε², ε³)`: the value of the lowest order in ε that is not 0. Beside it values of
+/// higher orders are infinitely small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Value {
     /// 0 for the eye as given, 1 to 3 for an axis, 4 if all are 0.
@@ -32,13 +35,14 @@ impl Value {
         i32::from(self.value > 0.0) - i32::from(self.value < 0.0)
     }
 
-    /// The value of its order.
+    /// The value without its order. Callers ask it of face values, which are of order 0, or 0.
     pub(crate) fn number(self) -> f64 {
         self.value
     }
 
     /// Where between this end (0) and the other (1) a linear function with opposite signs there is 0.
     pub(crate) fn crossing(self, other: Self) -> f64 {
+        // An end of higher order is infinitely nearer to the 0.
         match self.order.cmp(&other.order) {
             std::cmp::Ordering::Less => 1.0,
             std::cmp::Ordering::Greater => 0.0,
@@ -49,9 +53,11 @@ impl Value {
 
 /// The plane through an edge and the eye, or that of a face, with the error of what `f64` finds.
 pub(crate) struct Plane {
+    /// A point of the plane.
     at: [f64; 3],
     normal: [f64; 3],
-    size: f64,
+    /// The error of a determinant divided by the sum of sizes of its third vector.
+    unit_error: f64,
 }
 
 impl Plane {
@@ -70,7 +76,7 @@ impl Plane {
     }
 
     fn new(at: [f64; 3], u: [f64; 3], v: [f64; 3]) -> Self {
-        Self { at, normal: cross(u, v), size: RELATIVE * sum_of_sizes(u) * sum_of_sizes(v) }
+        Self { at, normal: cross(u, v), unit_error: RELATIVE * sum_of_sizes(u) * sum_of_sizes(v) }
     }
 
     pub(crate) fn normal(&self) -> [f64; 3] {
@@ -79,7 +85,7 @@ impl Plane {
 
     /// The product of the sums of sizes of the vectors that span it.
     pub(crate) fn size(&self) -> f64 {
-        self.size / RELATIVE
+        self.unit_error / RELATIVE
     }
 
     /// The determinant at `p`, and a bound of its error.
@@ -89,11 +95,12 @@ impl Plane {
 
     /// The determinant with a direction in the place of `p − a`.
     pub(crate) fn along(&self, direction: [f64; 3]) -> Height {
-        Height { value: dot(self.normal, direction), error: self.size * sum_of_sizes(direction) }
+        Height { value: dot(self.normal, direction), error: self.unit_error * sum_of_sizes(direction) }
     }
 }
 
-/// A determinant in `f64`.
+/// A determinant in `f64` and a bound of its error. It is the height of a point over a plane, times the length of the
+/// plane's normal.
 #[derive(Clone, Copy)]
 pub(crate) struct Height {
     value: f64,
@@ -101,7 +108,7 @@ pub(crate) struct Height {
 }
 
 impl Height {
-    /// At the mean of two points, with weights that are off by a few units in the last place.
+    /// The height of the mean of two points, from theirs. The weights are off by a few units in the last place.
     pub(crate) fn mean(heights: [Self; 2], weights: [f64; 2]) -> Self {
         let [p, q] = [0, 1].map(|at| weights[at] * heights[at].value);
         let errors = weights[0] * heights[0].error + weights[1] * heights[1].error;
@@ -132,7 +139,7 @@ pub(crate) fn sum_of_sizes(v: [f64; 3]) -> f64 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 
-/// `det[b − a, p − a, l − w·a]`, rounded once; a 0 is broken by the moved eye.
+/// `det[b − a, p − a, l − w·a]`, rounded. Where it is 0, the value for the moved eye.
 pub(crate) fn edge_value(a: [f32; 3], b: [f32; 3], p: [f32; 3], eye: Eye) -> Value {
     value(a, b, p, eye, true)
 }
@@ -143,7 +150,7 @@ pub(crate) fn is_in_plane(a: [f32; 3], b: [f32; 3], p: [f32; 3], eye: Eye) -> bo
     height.certain_sign() == 0 && value(a, b, p, eye, false).sign() == 0
 }
 
-/// `det[b − a, c − a, p − a]`, rounded once.
+/// `det[b − a, c − a, p − a]`, rounded: the height of `p` over a face. It does not depend on the eye, so 0 stays 0.
 pub(crate) fn face_value(a: [f32; 3], b: [f32; 3], c: [f32; 3], p: [f32; 3]) -> Value {
     value(a, b, c, [p[0], p[1], p[2], 1.0], false)
 }
@@ -153,6 +160,7 @@ pub(crate) fn facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye) -> i32 {
     value(a, b, c, eye, false).sign()
 }
 
+/// `det[b − a, c − a, l − w·a]`, rounded. `is_moved`: a 0 is replaced by the value for the moved eye.
 fn value(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye, is_moved: bool) -> Value {
     let is_point = eye[3] != 0.0;
     let units = Units::new(&[a, b, c], eye);
@@ -164,7 +172,8 @@ fn value(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye, is_moved: bool) -> Val
     }
 }
 
-/// The ends of an edge and the corners of a face that it pierces.
+/// The ends of an edge and the corners of a face that it pierces. The point of piercing is no `f32`: it is the mean of the
+/// ends, each weighted with the height of the other over the face.
 pub(crate) struct PiercePositions {
     pub(crate) edge: [[f32; 3]; 2],
     pub(crate) face: [[f32; 3]; 3],
@@ -173,6 +182,7 @@ pub(crate) struct PiercePositions {
 impl PiercePositions {
     /// [`edge_value`] where the edge pierces the face.
     pub(crate) fn edge_value(&self, a: [f32; 3], b: [f32; 3], eye: Eye) -> Value {
+        // The third point varies below. Its coordinates are among the edge's.
         let units = self.units([a, b, a], eye);
         let at_end = |p| determinants(&units.all([a, b, p], eye, big), eye[3] != 0.0);
         self.mean(&self.edge.map(at_end), true, &units)
@@ -190,9 +200,11 @@ impl PiercePositions {
         Units::new(&[a, b, c, p, q, d, e, f], eye)
     }
 
-    /// The mean of the values at the edge's ends, weighted with how far they are from the face's plane.
+    /// The value at the point of piercing, from those at the edge's ends. The weight of an end is the height of the other
+    /// end over the face, without its sign. `at_ends` has a determinant for each order, `units` its units.
     fn mean(&self, at_ends: &[[BigInt; 4]; 2], is_moved: bool, units: &Units) -> Value {
         let heights = self.edge.map(|[x, y, z]| {
+            // Here an end of the edge stands where the eye stands else, so it has the unit of points.
             let all = Units { far_low: units.low, ..*units }.all(self.face, [x, y, z, 1.0], big);
             let [height, ..] = determinants(&all, true);
             BigInt::from(height.into_parts().1)
@@ -202,11 +214,13 @@ impl PiercePositions {
     }
 }
 
-/// The powers of two that coordinates and those of the eye are multiples of.
+/// Units in which coordinates are integers.
 struct Units {
+    /// Coordinates of points are multiples of `2^low`.
     low: i32,
+    /// Coordinates of the eye are multiples of `2^far_low`. It differs from `low` only for an eye at infinity.
     far_low: i32,
-    /// The most bits of a coordinate.
+    /// Bits from the unit to the highest bit of any coordinate.
     bits: i32,
 }
 
@@ -222,6 +236,8 @@ impl Units {
         Self { low, far_low: low, bits: high - low }
     }
 
+    /// The coordinates of `a`, `b`, `c` and the eye as integers, three each. `integer` takes a coordinate and the exponent
+    /// of its unit.
     fn all<T>(&self, [a, b, c]: [[f32; 3]; 3], [x, y, z, _]: Eye, integer: impl Fn(f32, i32) -> T) -> [T; 12] {
         let all = [a, b, c, [x, y, z]];
         from_fn(|at| integer(all[at / 3][at % 3], if at < 9 { self.low } else { self.far_low }))
@@ -230,7 +246,7 @@ impl Units {
 
 /// Integers in which determinants are exact.
 pub(crate) trait Integer: Clone + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// The value times `2^exponent`, rounded; 0 only if it is.
+    /// The value times `2^exponent`, rounded to about half a unit in the last place; 0 only if the value is.
     fn rounded(&self, exponent: i32) -> f64;
 }
 
@@ -242,12 +258,14 @@ impl Integer for i128 {
 
 impl Integer for BigInt {
     fn rounded(&self, exponent: i32) -> f64 {
-        let above = self.bits().saturating_sub(100) as i32;
-        i128::try_from(self >> above).unwrap_or(0) as f64 * 2_f64.powi(exponent + above)
+        // The highest 100 bits.
+        let dropped = self.bits().saturating_sub(100) as i32;
+        i128::try_from(self >> dropped).unwrap_or(0) as f64 * 2_f64.powi(exponent + dropped)
     }
 }
 
-/// `det[b − a, c − a, l − w·a]`, and for the axes in the place of the third vector. `all` are a, b, c and l.
+/// A determinant for each order of [`Value`]: `det[b − a, c − a, l − w·a]`, then those with an axis as the third vector.
+/// `all` has the coordinates of a, b, c and l.
 fn determinants<T: Integer>(all: &[T; 12], is_point: bool) -> [T; 4] {
     let minus = |at: usize| -> [T; 3] { from_fn(|axis| all[at + axis].clone() - all[axis].clone()) };
     let towards = if is_point { minus(9) } else { from_fn(|axis| all[9 + axis].clone()) };
@@ -255,13 +273,16 @@ fn determinants<T: Integer>(all: &[T; 12], is_point: bool) -> [T; 4] {
     [nx.clone() * x + ny.clone() * y + nz.clone() * z, nx, ny, nz]
 }
 
-/// The first that is not 0, divided by a number of height units.
+/// The first of the determinants, by order, that is not 0. `divisor`: they are sums weighted with heights over a face, to be
+/// divided by the sum of the weights.
 fn first_of<T: Integer>(values: &[T; 4], is_moved: bool, units: &Units, divisor: Option<T>) -> Value {
-    // Heights over a face have the unit of three coordinates.
-    let (above, divisor) = divisor.map_or((0, 1.0), |divisor| (3 * units.low, divisor.rounded(3 * units.low)));
+    // A height over a face is a product of three coordinates, and has the cube of their unit.
+    let (weight_exponent, divisor) =
+        divisor.map_or((0, 1.0), |divisor| (3 * units.low, divisor.rounded(3 * units.low)));
     let orders = if is_moved { 4 } else { 1 };
     for (order, value) in (0..).zip(&values[..orders]) {
-        let exponent = above + 2 * units.low + if order == 0 { units.far_low } else { 0 };
+        // Two vectors between points, and as the third the eye or, in higher orders, an axis, which has no unit.
+        let exponent = weight_exponent + 2 * units.low + if order == 0 { units.far_low } else { 0 };
         let value = value.rounded(exponent) / divisor;
         if value != 0.0 {
             return Value { order, value };
@@ -293,12 +314,13 @@ pub(crate) fn window(numbers: impl Iterator<Item = f32>) -> (i32, i32) {
     ends.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1))).unwrap_or((0, 0))
 }
 
-/// The number as a multiple of `2^low`, which its window begins with.
+/// The number as a multiple of `2^low`, for `low` of a window of at most [`WINDOW`] bits that the number is in.
 fn fixed(number: f32, low: i32) -> i64 {
     let (mantissa, exponent) = decode(number);
     mantissa << (exponent - low).clamp(0, WINDOW)
 }
 
+/// The number as a multiple of `2^low`, for `low` of any window that the number is in.
 pub(crate) fn big(number: f32, low: i32) -> BigInt {
     let (mantissa, exponent) = decode(number);
     BigInt::from(mantissa) << (exponent - low).max(0)

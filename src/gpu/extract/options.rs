@@ -13,28 +13,28 @@ pub struct ExtractorOptions {
     /// The method that finds silhouettes.
     #[doc(hidden)]
     pub method: Method,
-    /// How a face's side is decided.
+    /// How the facing of a face is decided: exactly, or in `f32` alone.
     pub predicate: Predicate,
     /// Faces that the list of undecided faces has room for. `None`: all faces, at 4 bytes each. An overflow loses
     /// nothing: every face then goes through the exact stage, which is slow.
     pub undecided_capacity: Option<u32>,
     /// Keep the silhouette and winding masks of every edge record. They take 8 bytes for each edge and batch of 32
-    /// lights.
+    /// lights. Facing masks do not depend on it.
     pub masks: bool,
     /// The lists of silhouette edges. `None`: no lists.
     pub lists: Option<ListOptions>,
     /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no limit.
-    /// wgpu has no function for the memory of a device, so only the device detects then that a mesh is too large. Buffers allocated
-    /// before that are freed.
+    /// Without a limit, a mesh that is too large fails only when the device refuses a buffer. Buffers allocated before are
+    /// freed. wgpu cannot ask how much memory there is.
     pub memory_limit: Option<u64>,
-    /// With lists, find what only the shadow volumes of a scene read, too: which faces have a light in their plane, and the
-    /// pieces of twisted polygons. For tests. It is not covered by the promise of stability.
+    /// With lists, also find which faces have a light in their plane, and the pieces of twisted polygons. Only shadow
+    /// volumes read these. Scenes find them in buffers of their own, so only tests set it. It may change in any release.
     #[doc(hidden)]
     pub for_volumes: bool,
 }
 
 impl Default for ExtractorOptions {
-    /// One light, face masks, the exact predicate, lists, no edge masks, no memory limit.
+    /// One light, the exact predicate, room for all undecided faces, unordered lists, no masks of edges, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 1,
@@ -50,7 +50,7 @@ impl Default for ExtractorOptions {
 }
 
 impl ExtractorOptions {
-    /// Whether it finds what volumes read.
+    /// Whether the extractor finds what only shadow volumes read.
     pub(crate) const fn is_for_volumes(&self) -> bool {
         self.for_volumes && self.lists.is_some()
     }
@@ -65,23 +65,25 @@ impl ExtractorOptions {
 #[derive(Clone, Copy, Debug)]
 pub struct ListOptions {
     /// Entries that the list of each light has room for, from 1 to the number of edge records. `None`: room for all
-    /// boundary and inconsistent edges, and for a share of the others. All lights together have room for four times the
-    /// others, and each light for at least sixteen times their square root.
+    /// boundary and inconsistent edges, and for a part of the `n` consistent ones. The part is the largest of
+    /// `4n / max_lights`, `16 √n` and 1,024, and at most `n`.
     ///
-    /// An overflow loses nothing: the draw then goes over all edges, and the include rejects those that are no
-    /// silhouette. It uses the facing masks for this. The per-edge method has none, so only the edge masks decide there.
+    /// An overflow loses nothing: the draw then goes over all edges, and the WGSL of
+    /// [`include_wgsl`](crate::gpu::include_wgsl) rejects those that are no silhouette, by the facing masks. The per-edge
+    /// method has no facing masks, so there only [`ExtractorOptions::masks`] tell which edges are silhouettes.
     /// [`ExtractionStatistics`](crate::gpu::ExtractionStatistics) counts overflows.
     pub capacity: Option<u32>,
-    /// Whether lists have the order of the edges, which is the same in every run. It costs the memory traffic of the
-    /// masks.
+    /// Whether lists have the order of the edges, which is the same in every run. Such lists are made from
+    /// silhouette and winding masks: they cost the memory traffic of the masks, and 8 bytes for each edge if masks are not
+    /// kept.
     pub ordered: bool,
     /// The primitives of each edge in the light's draw.
     pub topology: EdgeTopology,
 }
 
 /// The primitives that draw an edge: a quad or a line. It sets the `vertex_count` of the draw arguments, and
-/// [`Self::primitive_topology`] is for the pipeline that draws them. The include's `rimline_corner` and `rimline_edge_vertex`
-/// take the vertices of each.
+/// [`Self::primitive_topology`] is for the pipeline that draws them. The include's `rimline_corner` and
+/// `rimline_edge_vertex` take the vertices of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EdgeTopology {
     /// A quad, as a strip of four vertices.
