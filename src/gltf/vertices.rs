@@ -77,7 +77,7 @@ fn vectors(
 struct Set {
     joints: Vec<[u32; 4]>,
     weights: Vec<[f32; 4]>,
-    joints_place: String,
+    joints_path: String,
 }
 
 fn bindings(
@@ -88,11 +88,11 @@ fn bindings(
 ) -> Result<Bindings, GltfError> {
     let mark = reader.budget.mark();
     let set = |&InfluenceSet { set, joints, weights }: &InfluenceSet| {
-        let [joints_place, weights_path] =
+        let [joints_path, weights_path] =
             ["JOINTS", "WEIGHTS"].map(|name| format!("{json_path}.attributes.{name}_{set}"));
-        reader.check_count(joints, vertices, &joints_place)?;
+        reader.check_count(joints, vertices, &joints_path)?;
         reader.check_count(weights, vertices, &weights_path)?;
-        let joints = reader.integers(joints, reader::JOINTS, &joints_place)?.as_chunks().0.to_vec();
+        let joints = reader.integers(joints, reader::JOINTS, &joints_path)?.as_chunks().0.to_vec();
         let weights: Vec<[f32; 4]> = reader.vectors(weights, reader::WEIGHTS, &weights_path)?;
         let is_bad = |weight: f32| !(weight.is_finite() && weight >= 0.0);
         let mut each = weights.as_flattened().iter().copied().enumerate();
@@ -103,7 +103,7 @@ fn bindings(
                 format!(": weight {weight} is not a finite number of 0 or more"),
             ));
         }
-        Ok(Set { joints, weights, joints_place })
+        Ok(Set { joints, weights, joints_path })
     };
     let sets: Vec<Set> = sets.iter().map(set).collect::<Result<_, _>>()?;
     let mut bindings = Bindings::default();
@@ -131,12 +131,12 @@ impl Bindings {
             for (joint, weight) in set.joints[vertex].into_iter().zip(set.weights[vertex]) {
                 let weight = (f64::from(weight) / total) as f32;
                 if weight > 0.0 {
-                    self.entry(joint, weight, vertex, &set.joints_place);
+                    self.entry(joint, weight, vertex, &set.joints_path);
                 }
             }
         }
         if start == self.joints.len() {
-            self.entry(sets[0].joints[vertex][0], 1.0, vertex, &sets[0].joints_place);
+            self.entry(sets[0].joints[vertex][0], 1.0, vertex, &sets[0].joints_path);
         }
         self.counts.push((self.joints.len() - start) as u32);
     }
