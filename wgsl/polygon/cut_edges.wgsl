@@ -104,8 +104,9 @@ fn points_of_test(e: Edge, corners: array<vec3<u32>, 3>, is_edge: bool, test: u3
 // How an edge cuts another.
 struct EdgeCut {
   is_cut: bool,
-  // An end of the cutting edge is on the other edge, in space. If so, whether it is the second end.
+  // An end of the cutting edge is on the other edge, in space.
   is_touching: bool,
+  // Whether it is the second end, if so.
   is_second_end: bool,
   // Edges on the same line: the other one lies beside the end of the edge that is cut, on its left.
   is_left_at_end: bool,

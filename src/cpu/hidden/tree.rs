@@ -42,7 +42,7 @@ struct Node {
     sides: [Child; 2],
 }
 
-/// A occluder: its plane, and the side of it that the light is on.
+/// An occluder: its plane, and the side of it that the light is on.
 #[derive(Clone, Copy, Debug)]
 struct Occluder {
     plane: Plane,

@@ -145,7 +145,7 @@ pub enum DepthMapError {
     Apart {
         /// Index of the map.
         face: usize,
-        /// What differs.
+        /// The difference.
         what: &'static str,
     },
 

@@ -131,7 +131,7 @@ impl SceneFrame {
     }
 
     /// Draws the shadow volumes of all casters for a light and a view, into a pass with the attachments of `pipelines`. `view` is
-    /// the index of a camera of the encode. The draw adds to the bits of the stencil that counts own, which must be 0 if casters
+    /// the index of a camera of the encode. The draw adds to the bits of the stencil that hold counts, which must be 0 if casters
     /// are counted in batches. Other bits do not change. Other state of the pass does not matter. The call changes the pipeline
     /// and bind groups 0 and 1, and sets the stencil reference to 0, for pipelines that add light.
     ///
