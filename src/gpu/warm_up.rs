@@ -45,9 +45,9 @@ impl Pipelines {
     /// are not in the depth buffer. No frame makes what an earlier frame of the same scene and options had.
     ///
     /// On software Vulkan (llvmpipe, Mesa 22.3.6, two cores that were busy otherwise too) a scene's first encode with a camera took
-    /// 0.6 s to make its 16 pipelines on one thread. Many drivers compile a shader when it first runs, even if its pipeline exists:
-    /// another 3 s there, unless the driver finds all in its cache. An engine that cannot have that in its first frame also
-    /// submits an encode with a small mesh beforehand.
+    /// 0.6 s to make its 16 pipelines on one thread. Many drivers compile a shader when it first runs, even if its pipeline
+    /// exists: another 3 s there, unless the driver finds all in its cache. An engine that cannot have that in its first
+    /// frame also submits an encode with a small mesh beforehand.
     ///
     /// A pipeline that the device refuses is not cached. The constructor or frame that needs it then gives the error.
     ///

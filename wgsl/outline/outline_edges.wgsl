@@ -1,7 +1,7 @@
 // Stage `outline_edges`: draws edges of an extraction, or in the variant SCENE of a group of a scene's casters, as lines of
 // a width in pixels. Each instance is an edge and four vertices, a strip: a quad around the line, which the fragment shader
-// trims to a line with round ends. `outline_silhouette` draws the light's list, by its indirect draw. `outline_feature` draws
-// creases and marked edges; it has an instance for each edge and leaves out those that `outline_silhouette` draws.
+// trims to a line with round ends. `outline_silhouette` draws the light's list, by its indirect draw. `outline_feature`
+// draws creases and marked edges; it has an instance for each edge and leaves out those that `outline_silhouette` draws.
 // Group 0 has the edges (interface/outlined.wgsl), group 1 what is declared below.
 // Reads: silhouettes, facing masks, positions, faces, marks, and the caller's depth, which hides lines.
 // The depth test is at the nearest point of the line, not at the pixel. Half of an outline's width lies outside the surface,
@@ -178,9 +178,9 @@ fn largest_step(depth: f32, next: f32, after: f32) -> f32 {
   return max(abs(next - depth), abs(after - next));
 }
 
-// Whether the caller's depth hides a point of a line. It does if it is nearer at the point's pixel and at the eight around it.
-// The slope of the surface over one pixel each way is allowed for. The slope is that of the flatter side, because the surface
-// may end on the other one. Beyond the image's border there is no side.
+// Whether the caller's depth hides a point of a line. It does if it is nearer at the point's pixel and at the eight around
+// it. The slope of the surface over one pixel each way is allowed for. The slope is that of the flatter side, because the
+// surface may end on the other one. Beyond the image's border there is no side.
 fn is_hidden(point: vec2<f32>, depth: f32) -> bool {
   let last = vec2<i32>(outline.size) - vec2<i32>(1);
   let pixel = clamp(vec2<i32>(floor(point)), vec2<i32>(0), last);

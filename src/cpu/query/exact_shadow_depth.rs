@@ -7,8 +7,8 @@ const AXES: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0
 
 /// Whether the face `(a, b, c)` lies strictly between the point `p` and the light `(l, w)`, with `w ≥ 0`. This means:
 /// point and light are strictly on opposite sides of its plane, and the line between them goes through the inside of
-/// the face after the light has moved by `(ε, ε², ε³)`; docs/numerics/query.md. The orientation of the face has no effect. All
-/// numbers are finite.
+/// the face after the light has moved by `(ε, ε², ε³)`; docs/numerics/query.md. The orientation of the face has no effect.
+/// All numbers are finite.
 pub(crate) fn exactly_between([a, b, c]: [[f32; 3]; 3], p: [f32; 3], light: [f32; 4]) -> bool {
     let [x, y, z] = p;
     let face = ExactFace::new(a, b, c);

@@ -24,8 +24,8 @@ pub struct ExtractorOptions {
     /// The lists of silhouette edges. `None`: no lists.
     pub lists: Option<ListOptions>,
     /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no limit.
-    /// wgpu has no function for the memory of a device, so only the device detects then that a mesh is too large. Buffers allocated
-    /// before that are freed.
+    /// wgpu has no function for the memory of a device, so only the device detects then that a mesh is too large. Buffers
+    /// allocated before that are freed.
     pub memory_limit: Option<u64>,
     /// With lists, find what only the shadow volumes of a scene read, too: which faces have a light in their plane, and the
     /// pieces of twisted polygons. For tests. It is not covered by the promise of stability.

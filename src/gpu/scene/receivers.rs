@@ -27,14 +27,14 @@ const TILES_PER_WORKGROUP: u32 = 64;
 /// Later draws must be nearer than this depth. If they cover pixels where nothing was drawn, set [`Self::sky_receives`].
 #[derive(Clone, Copy, Debug)]
 pub struct Receivers<'a> {
-    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING`, and the size of the
-    /// viewport that the volumes are drawn with. All samples of a pixel count.
+    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING`, and the size of
+    /// the viewport that the volumes are drawn with. All samples of a pixel count.
     pub depth: &'a wgpu::TextureView,
     /// Whether shadows fall on pixels at the cleared depth, 0 with reversed depth and else 1. Set it if something is drawn
     /// there later.
     pub sky_receives: bool,
-    /// The version of the depths. While the version and the camera stay the same, the depths must stay the same, and lists are
-    /// cached. `None`: the depths may change in each encode.
+    /// The version of the depths. While the version and the camera stay the same, the depths must stay the same, and lists
+    /// are cached. `None`: the depths may change in each encode.
     pub version: Option<u64>,
 }
 
