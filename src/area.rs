@@ -52,8 +52,8 @@ impl AreaLight {
         self.pattern_samples(count, 0, 1)
     }
 
-    /// The samples of the pattern with the index `pattern` of `patterns`; larger indices start again from 0. All patterns are
-    /// equally good, and together they are spread more evenly. Give neighbouring pixels different patterns, so that
+    /// The samples of the pattern with the index `pattern` of `patterns`; larger indices start again from 0. All patterns
+    /// are equally good, and together they are spread more evenly. Give neighbouring pixels different patterns, so that
     /// soft shadows show no steps. Every run gives the same lights.
     pub fn pattern_samples(&self, count: usize, pattern: usize, patterns: usize) -> Vec<Light> {
         let patterns = patterns.max(1);

@@ -25,8 +25,8 @@ pub struct StructLayout {
     pub fields: &'static [FieldLayout],
 }
 
-/// Slots of a chunk of a scene. Smaller chunks are slower; larger ones leave
-/// more slots empty, which costs memory and no time.
+/// Slots of a chunk of a scene. Smaller chunks are slower; larger ones leave more slots empty, which costs
+/// memory and no time.
 pub const CHUNK: u32 = 64;
 /// Invocations that share a chunk, in facing and edges. Each takes slots in turn, so it looks up their caster once.
 pub const LANES: u32 = 8;
@@ -437,7 +437,7 @@ shared_structs! {
         is_parallel: u32,
     }
 
-    /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
+    /// A depth map as a camera sees it. A position on the lattice is twice the distance from its middle.
     struct DepthMapView {
         across: [f32; 4],
         down: [f32; 4],

@@ -84,8 +84,8 @@ impl Light {
         [x, y, z, self.w]
     }
 
-    /// Moves this light from world space into the space of a mesh. `mesh_to_world` transforms the mesh to world space: four columns of
-    /// three rows, and the last column is the translation.
+    /// Moves this light from world space into the space of a mesh. `mesh_to_world` transforms the mesh to world space: four
+    /// columns of three rows, and the last column is the translation.
     ///
     /// With it a rigid instance can keep its positions in mesh space. The facing bits are then those of world space,
     /// but for one rounding: the light's components are computed in `f64` and rounded once to `f32`. This holds for

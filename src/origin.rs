@@ -64,7 +64,7 @@ impl Origin {
     /// The origin for what lies between a lowest and a highest corner. It is zero unless `f32` loses more than a
     /// thousandth of the smallest edge there: half the distance of two neighbouring numbers is more than that. Else each
     /// component is a multiple of one power of two, at least twice the largest side of the box, and the nearest to the
-    /// box's middle. A component is so zero where the box contains or nearly contains the world's zero.
+    /// box's middle. So a component is zero where the box contains or nearly contains the world's zero.
     ///
     /// `smallest_edge` is the length of the smallest edge that has one. It is called only if the result depends on it.
     pub fn near([low, high]: [[f64; 3]; 2], smallest_edge: impl FnOnce() -> f64) -> Self {

@@ -219,8 +219,9 @@ impl ShadowCamera {
         self.view().map(drop)
     }
 
-    /// Whether the matrix makes a mirror image, as one does whose y points down: counter-clockwise triangles are clockwise on the
-    /// screen. It has no meaning for cameras that [`Self::check`] refuses for another reason than [`CameraError::Mirrored`].
+    /// Whether the matrix makes a mirror image, as one does whose y points down: counter-clockwise triangles are clockwise
+    /// on the screen. It has no meaning for cameras that [`Self::check`] refuses for another reason than
+    /// [`CameraError::Mirrored`].
     pub fn mirrors(&self) -> bool {
         let determinant = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4().determinant();
         (determinant > 0.0) != (self.depth == DepthDirection::Reversed)

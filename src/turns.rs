@@ -21,8 +21,8 @@ pub const NEEDS_BOXES: usize = 2500;
 /// Triangles of a polygon that is extracted on the GPU.
 pub const POLYGON_TRIANGLES: usize = 2048;
 
-/// Undecided faces that an invocation of exact facing takes in turn at most, of a scene with `lights` lights in a batch. Each has
-/// about 42 turns for each light, and 40 others.
+/// Undecided faces that an invocation of exact facing takes in turn at most, of a scene with `lights` lights in a batch.
+/// Each has about 42 turns for each light, and 40 others.
 pub fn scene_exact_items(lights: u32) -> u32 {
     (60_000 / (50 + 45 * lights.clamp(1, 32))).min(400)
 }

@@ -154,7 +154,7 @@ impl Budget {
         let vertices = geometry.positions().len() as u64;
         let influences = geometry.influences();
         let entries = influences.map_or(0, |i: &Influences| i.joints().len()) as u64;
-        // The offsets of the remaining ones are a list that doubles.
+        // The offsets of the remaining vertices are a list that doubles.
         let offset = if influences.is_some() { GROWTH * 4 } else { 0 };
         let by_distance = if matches!(weld, Weld::Distance(_)) { WELD_BY_DISTANCE } else { 0 };
         self.charge(vertices, WELDING + offset + by_distance + vertex(geometry.morph_targets().len()), what)?;

@@ -66,8 +66,8 @@ fn is_supported(name: &str) -> bool {
     SUPPORTED.iter().any(|known| known.strip_suffix('*').map_or(*known == name, |prefix| name.starts_with(prefix)))
 }
 
-/// Refuses required extensions that are not supported, and warns of others that may change the result. Returns all that the file
-/// uses.
+/// Refuses required extensions that are not supported, and warns of others that may change the result. Returns all that the
+/// file uses.
 pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<String>, GltfError> {
     let required: Vec<&str> = root.list("extensionsRequired")?;
     for &name in &required {

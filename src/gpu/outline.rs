@@ -82,8 +82,8 @@ pub struct OutlineStyle {
     pub crease_angle: f32,
     /// The colour of the edges of [`OutlineInputs::marked`], if they are nothing else that is drawn.
     pub marked: Option<[f32; 4]>,
-    /// A line is visible up to this much behind the drawn depth, in units of depth. Slopes of surfaces are allowed for in any
-    /// case. It covers the rounding of depth: a few units in its last place, so 4e-5 for `Depth16Unorm`.
+    /// A line is visible up to this much behind the drawn depth, in units of depth. Slopes of surfaces are allowed for in
+    /// any case. It covers the rounding of depth: a few units in its last place, so 4e-5 for `Depth16Unorm`.
     pub depth_bias: f32,
 }
 

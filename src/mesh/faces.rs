@@ -143,7 +143,8 @@ impl Mesh {
         self.id
     }
 
-    /// The number of source vertices, including those that were welded to others. A position buffer must hold this number of positions.
+    /// The number of source vertices, including those that were welded to others. A position buffer must hold this number of
+    /// positions.
     pub fn vertex_count(&self) -> u32 {
         self.vertex_count
     }

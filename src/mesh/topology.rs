@@ -43,8 +43,8 @@ pub struct EdgeCounts {
 /// The edge records of a mesh, ordered by face 0 and its corner. The edge from corner 0 to corner 1 comes first.
 ///
 /// An edge with more than two faces has several records that partition its faces. Faces of opposite traversal are
-/// paired first, lowest face first. The faces that remain all traverse the edge in the same direction. Neighbours among them are
-/// paired, and a last single face makes a boundary record.
+/// paired first, lowest face first. The faces that remain all traverse the edge in the same direction. Neighbours among them
+/// are paired, and a last single face makes a boundary record.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EdgeRecords {
     vertices: Vec<[u32; 2]>,

@@ -14,8 +14,8 @@
 #import depth_map/samples
 #import depth_map/scan
 
-// Crossings, from `contour_crossings`. The listing pass moves those between the ends of a segment onto it, after its walk has
-// read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
+// Crossings, from `contour_crossings`. The listing pass moves those between the ends of a segment onto it, after its walk
+// has read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> crossings: array<atomic<u32>>;
 // Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, then the index of its first
 // wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.

@@ -1,5 +1,5 @@
 // The scan of one workgroup. Imported by `depth_cells_scan`, `contour_tiles_list` and `contour_walls_scan`: each invocation
-// takes a range of counts, adds them up, and learns the sum over the ranges before that.
+// takes a range of counts, adds them up, and learns the sum over the ranges before it.
 
 // Invocations of the workgroup.
 const SCAN_LANES: u32 = 256u;

@@ -79,7 +79,7 @@ fn clip_distance(plane: u32, clip: vec4<f32>) -> f32 {
   return clip.w * scale + select(clip[axis], -clip[axis], (plane & 1u) == 0u);
 }
 
-// A point in clip space, in pixels from the left upper corner.
+// A point in clip space, in pixels from the upper left corner.
 fn to_pixels(clip: vec4<f32>) -> vec2<f32> {
   return (vec2<f32>(0.5) + vec2<f32>(0.5, -0.5) * clip.xy / clip.w) * outline.size;
 }

@@ -1,5 +1,5 @@
-// The functions of interface/outlined.wgsl for a group of a scene's casters, in the variant SCENE of `outline_edges`. A slot is
-// the index of a face or edge record in the group's masks. Facing masks decide which edges are silhouettes, by the same
+// The functions of interface/outlined.wgsl for a group of a scene's casters, in the variant SCENE of `outline_edges`. A slot
+// is the index of a face or edge record in the group's masks. Facing masks decide which edges are silhouettes, by the same
 // function as for shadow sides (`side_of_edge`). So a draw by the list and a draw over all slots show the same edges. Only
 // casters for which the light is relevant have outlines: masks of other casters have no meaning.
 //

@@ -1,9 +1,9 @@
 // Boundaries of polygons and the lists of undecided polygons, for all stages of polygons: `polygon_facing`, `polygon_turns`,
-// `polygon_pairs`, `polygon_masks`, `cut_edges`, `cut_quads`, in this order for each batch of up to 32 lights. A boundary is the
-// directed edges around a polygon, in one loop or several; edges that it walks both ways have cancelled. `undecided` holds:
-// a head, the arguments of indirect dispatches, reset for each batch; a record for each polygon to decide; and entries, each
-// some edges and lights of a record for one workgroup. Records and entries come in no particular order, and no result may
-// depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants.
+// `polygon_pairs`, `polygon_masks`, `cut_edges`, `cut_quads`, in this order for each batch of up to 32 lights. A boundary is
+// the directed edges around a polygon, in one loop or several; edges that it walks both ways have cancelled. `undecided`
+// holds: a head, the arguments of indirect dispatches, reset for each batch; a record for each polygon to decide; and
+// entries, each some edges and lights of a record for one workgroup. Records and entries come in no particular order, and no
+// result may depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants.
 // docs/numerics/polygons.md.
 
 #import common/positions
@@ -38,9 +38,9 @@ const GROUP_CUTS: u32 = 8u;
 // Words of a record.
 // * POLYGON: the polygon, with bit 31 (NOT_FINITE) if a corner is not finite.
 // * LIGHTS: bits of the undecided lights; after `polygon_masks`, those for which `cut_edges` cuts the boundary.
-// * IN_HALF_SPACE to OFF_PLANE: `polygon_pairs` sets a light's bit if one edge shows it. All corners lie in a half-space as seen
-//   from the light; the edge meets another, or the winding number on its left is not 0 or 1; that number is 1; it is 0; the
-//   edge and a corner are not in one plane with the light.
+// * IN_HALF_SPACE to OFF_PLANE: `polygon_pairs` sets a light's bit if one edge shows it. All corners lie in a half-space as
+//   seen from the light; the edge meets another, or the winding number on its left is not 0 or 1; that number is 1; it is 0;
+//   the edge and a corner are not in one plane with the light.
 // * TWISTED_QUAD: lights for which f32 proves that a quadrilateral is L-twisted (its boundary crosses itself as seen from
 //   the light).
 // * TURN_0, TURN_1: those of them that see a counter-clockwise turn at corner 0, at corner 1.

@@ -1,10 +1,10 @@
 // The exact turn of three points as seen from a light: the sign of det[b - a, c - a, l - w a]. It is 1 if the light sees a,
-// b, c counter-clockwise, -1 if clockwise. `polygon_pairs` and the passes of `cut_edges` call `turn`. A bound on rounding decides
-// if it can, then fixed point, then `exact_sign`, so all devices have the same sign. If the determinant is 0, the light
-// moves by (e, e^2, e^3) for an infinitely small e. Then the sign is the first that is not 0 with the axes x, y, z for the
-// light. All callers must share this rule, or their results for one boundary contradict each other. Also the rounded value
-// of the determinant, for the order of cuts. Points are the bits of positions, and must be finite. `Turns:` above a loop is
-// its most iterations. Claims: docs/numerics/polygons.md.
+// b, c counter-clockwise, -1 if clockwise. `polygon_pairs` and the passes of `cut_edges` call `turn`. A bound on rounding
+// decides if it can, then fixed point, then `exact_sign`, so all devices have the same sign. If the determinant is 0, the
+// light moves by (e, e^2, e^3) for an infinitely small e. Then the sign is the first that is not 0 with the axes x, y, z for
+// the light. All callers must share this rule, or their results for one boundary contradict each other. Also the rounded
+// value of the determinant, for the order of cuts. Points are the bits of positions, and must be finite. `Turns:` above a
+// loop is its most iterations. Claims: docs/numerics/polygons.md.
 
 #import common/determinant
 #import common/exact_sign

@@ -78,8 +78,8 @@ struct FoundCuts {
 }
 
 // The three points of a test of edge `e` against an item. For an edge f with ends corners[0] and corners[1], tests 0 and 1
-// have the sides of e.a and e.b at f, tests 2 and 3 those of f's ends at e. For a triangle, test 0 is its own turn. Then, for
-// each of its edges, a test has the side of e.b, and the next one that of e.a.
+// have the sides of e.a and e.b at f, tests 2 and 3 those of f's ends at e. For a triangle, test 0 is its own turn. Then,
+// for each of its edges, a test has the side of e.b, and the next one that of e.a.
 fn points_of_test(e: Edge, corners: array<vec3<u32>, 3>, is_edge: bool, test: u32) -> array<vec3<u32>, 3> {
   if (is_edge && test >= 2u) {
     return array<vec3<u32>, 3>(e.a, e.b, select(corners[0], corners[1], test == 3u));
@@ -104,8 +104,9 @@ fn points_of_test(e: Edge, corners: array<vec3<u32>, 3>, is_edge: bool, test: u3
 // How an edge cuts another.
 struct EdgeCut {
   is_cut: bool,
-  // An end of the cutting edge is on the other edge, in space. If so, whether it is the second end.
+  // An end of the cutting edge is on the other edge, in space.
   is_touching: bool,
+  // Whether it is the second end, if so.
   is_second_end: bool,
   // Edges on the same line: the other one lies beside the end of the edge that is cut, on its left.
   is_left_at_end: bool,

@@ -146,9 +146,9 @@ fn load_cut(workgroup: u32, index: u32) -> StoredCut {
 }
 
 // The order of two cuts. `cut_edges_rank` counts by `is_before` how many cuts are before each. Turns decide if one cut is on
-// one side of the other's edge (polygon/corner_turn.wgsl). If three edges cross each other, the fractions of the edge at which the
-// cuts lie decide; these are rounded. All three edges must get orders that fit each other, or pieces leave gaps. So all
-// compute the order from the same numbers; change a rule only with its proof.
+// one side of the other's edge (polygon/corner_turn.wgsl). If three edges cross each other, the fractions of the edge at
+// which the cuts lie decide; these are rounded. All three edges must get orders that fit each other, or pieces leave gaps.
+// So all compute the order from the same numbers; change a rule only with its proof.
 
 // The edge that is cut, and the light.
 struct CutEdge {

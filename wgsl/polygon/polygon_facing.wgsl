@@ -1,10 +1,10 @@
 // Facing of polygons, from the turns of their corners. A turn is 1 if the light sees three corners counter-clockwise, -1 if
 // clockwise, 0 if they and the light are in one plane. Three stages for each batch of up to 32 lights replace `facing`.
 // `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals. `polygon_turns`, an invocation a
-// record of `undecided`, decides other simple cases. `polygon_masks` runs after `polygon_pairs`, which decides the others exactly.
-// All triangles of a polygon have the same bits. All bits are those of exact arithmetic, or silhouettes would not close:
-// bounds must not shrink. The facing masks are complete after `polygon_masks`; then `edges` and others read them. `Turns:`
-// above a loop is its most iterations. Claim: docs/numerics/polygons.md, "Four turns".
+// record of `undecided`, decides other simple cases. `polygon_masks` runs after `polygon_pairs`, which decides the others
+// exactly. All triangles of a polygon have the same bits. All bits are those of exact arithmetic, or silhouettes would not
+// close: bounds must not shrink. The facing masks are complete after `polygon_masks`; then `edges` and others read them.
+// `Turns:` above a loop is its most iterations. Claim: docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/extraction
@@ -368,8 +368,8 @@ struct PolygonMasks {
 }
 
 // The bits of the record at word `offset` of `undecided`. A polygon with a corner that is not finite faces no light and is
-// excluded for all: LIGHTS has them. `polygon_pairs` found bits over all edges (polygon/boundaries.wgsl). If winding numbers 1 and 0
-// both occur on the left of edges, the boundary is not simple.
+// excluded for all: LIGHTS has them. `polygon_pairs` found bits over all edges (polygon/boundaries.wgsl). If winding numbers
+// 1 and 0 both occur on the left of edges, the boundary is not simple.
 fn masks_of_record(offset: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[offset + LIGHTS]);
   if (atomicLoad(&undecided[offset + POLYGON]) >= NOT_FINITE) {

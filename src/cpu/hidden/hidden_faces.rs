@@ -31,20 +31,20 @@ pub struct HiddenCaster<'a> {
 /// Counts of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HiddenStatistics {
-    /// Faces that were searched: all finite ones, but for polygons that are not exactly planar and strictly convex as seen from
-    /// the light.
+    /// Faces that were searched: all finite ones, but for polygons that are not exactly planar and strictly convex as seen
+    /// from the light.
     pub tried: usize,
     /// Faces that are hidden.
     pub hidden: usize,
     /// Hidden faces that are left out.
     pub left_out: usize,
-    /// Sides of all casters' volumes with all faces, where back-facing faces of closed meshes cast. An edge counts as often as
-    /// its side is drawn.
+    /// Sides of all casters' volumes with all faces, where back-facing faces of closed meshes cast. An edge counts as often
+    /// as its side is drawn.
     pub sides: usize,
     /// The same without the faces left out. It is at most [`Self::sides`], but for [`HiddenOptions::leave_out_all`].
     pub sides_left: usize,
-    /// Faces that still cast because they exceeded [`HiddenOptions::max_steps`]. Here and in `without_room`, a face counts in each
-    /// cone of directions that it is in, and a polygon by its triangles.
+    /// Faces that still cast because they exceeded [`HiddenOptions::max_steps`]. Here and in `without_room`, a face counts
+    /// in each cone of directions that it is in, and a polygon by its triangles.
     pub undecided: usize,
     /// Faces that still cast and occlude nothing more, because the tree was full.
     pub without_room: usize,

@@ -42,7 +42,7 @@ struct Node {
     sides: [Child; 2],
 }
 
-/// A occluder: its plane, and the side of it that the light is on.
+/// An occluder: its plane, and the side of it that the light is on.
 #[derive(Clone, Copy, Debug)]
 struct Occluder {
     plane: Plane,
@@ -62,8 +62,8 @@ pub(crate) struct Tree {
     cone: usize,
     max_nodes: usize,
     max_steps: usize,
-    /// Children that the current face has yet to visit, with its edges that lie in planes of visited nodes, as bits. A field, so
-    /// that it is allocated once.
+    /// Children that the current face has yet to visit, with its edges that lie in planes of visited nodes, as bits. A
+    /// field, so that it is allocated once.
     waiting: Vec<(Link, u8, Clipped)>,
     /// Open leaves that the current face is in.
     open_leaves: Vec<(Link, u8)>,

@@ -1,5 +1,5 @@
-//! Many edges: how a light sees a boundary of many edges, without going over all pairs of them; docs/numerics/polygons.md, "Many
-//! edges".
+//! Many edges: how a light sees a boundary of many edges, without going over all pairs of them; docs/numerics/polygons.md,
+//! "Many edges".
 
 use super::corner_turn::turn_as_given;
 use super::edge_pair::{Edge, edge_pair};
@@ -9,8 +9,8 @@ use crate::cpu::common::double_sign::{cross, difference, dot, sum_of_sizes, to_l
 /// With fewer edges, all pairs take less time.
 pub(crate) const MANY_EDGES: usize = 64;
 
-/// How the light sees the edges of a boundary, none of which has length 0. It equals the result of all pairs of edges. `None` if
-/// this way cannot decide: the light is close to the boundary, or amid its corners.
+/// How the light sees the edges of a boundary, none of which has length 0. It equals the result of all pairs of edges.
+/// `None` if this way cannot decide: the light is close to the boundary, or amid its corners.
 pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Orientation> {
     if is_in_plane(edges, light) {
         return Some(Orientation::InPlane);
@@ -32,8 +32,8 @@ pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Orientation>
     })
 }
 
-/// Whether each edge is in one plane with the light and each corner. An edge that points at the light always is. Any other edge
-/// decides for all corners.
+/// Whether each edge is in one plane with the light and each corner. An edge that points at the light always is. Any other
+/// edge decides for all corners.
 fn is_in_plane(edges: &[Edge], light: [f32; 4]) -> bool {
     let Some(&[a, b]) = edges.iter().find(|&&edge| !points_at(edge, light)) else { return true };
     edges.iter().all(|&[c, _]| turn_as_given(a, b, c, light) == 0)
@@ -98,8 +98,8 @@ const MOST_SCALE: f64 = 1024.0;
 const MARGIN: f64 = 1.0 / (1 << 30) as f64;
 
 impl Flat {
-    /// Seen from the light, points move onto the plane through the middle of the boundary. `None` if some are not well in front
-    /// of the light.
+    /// Seen from the light, points move onto the plane through the middle of the boundary. `None` if some are not well in
+    /// front of the light.
     fn new(edges: &[Edge], light: [f32; 4]) -> Option<Self> {
         let points = || edges.iter().flatten().map(|point| point.map(f64::from));
         let (low, high) = points().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), point| {

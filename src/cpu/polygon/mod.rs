@@ -1,4 +1,5 @@
-//! Polygons as a light sees them: front-facing, back-facing, in a plane with the light, or L-twisted; docs/numerics/polygons.md.
+//! Polygons as a light sees them: front-facing, back-facing, in a plane with the light, or L-twisted;
+//! docs/numerics/polygons.md.
 
 pub(crate) mod corner_turn;
 pub(crate) mod edge_pair;

@@ -28,8 +28,8 @@ pub fn polygon_facing(
         let statistics = threads.share(plane, |first, masks| {
             let mut statistics = FacingStatistics::default();
             // In ranges whose results fit the cache.
-            for (range, masks) in masks.chunks_mut(RANGE).enumerate() {
-                let range = first + RANGE * range..first + RANGE * range + masks.len();
+            for (number, masks) in masks.chunks_mut(RANGE).enumerate() {
+                let range = first + RANGE * number..first + RANGE * number + masks.len();
                 let decided = turns_batch(positions, polygons, range.clone(), largest, &light_batch);
                 for ((polygon, masks), decided) in range.zip(masks).zip(decided) {
                     let Decided { facing, twisted, undecided } = decided;

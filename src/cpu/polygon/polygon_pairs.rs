@@ -46,8 +46,8 @@ impl Boundary {
         (many.unwrap_or_else(|| self.orientation_by_pairs(light)), true)
     }
 
-    /// The same by pairs of edges that are close to each other, as for boundaries of many edges. `None` where this way does not
-    /// decide.
+    /// The same by pairs of edges that are close to each other, as for boundaries of many edges. `None` where this way does
+    /// not decide.
     pub fn orientation_by_close_pairs(&self, light: [f32; 4]) -> Option<Orientation> {
         many_edges(&self.edges, light)
     }

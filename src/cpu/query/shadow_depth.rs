@@ -17,7 +17,8 @@ use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 /// other in the result, with one number for each light. A point that is infinite or NaN has −1.
 ///
 /// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that
-/// contains the point or the light does not lie between them. Other ties are broken as if the light were moved by `(ε, ε², ε³)`; see docs/numerics/query.md.
+/// contains the point or the light does not lie between them. Other ties are broken as if the light were moved by
+/// `(ε, ε², ε³)`; see docs/numerics/query.md.
 ///
 /// A point that is on a face may lie before or behind it after rounding: [`shadow_depth_on_faces`] leaves that face out, and
 /// [`Light::lift`] moves points off all faces.
@@ -93,7 +94,8 @@ impl Segment {
 
     fn depth(&self, positions: &[[f32; 3]], clusters: &[FaceCluster]) -> i32 {
         let mut depth = 0;
-        // The current polygon, by the index of its first face, and whether an odd number of its triangles lie between so far.
+        // The current polygon, by the index of its first face, and whether an odd number of its triangles lie between so
+        // far.
         let mut odd = (0, false);
         for (group_index, group) in clusters.chunks(CLUSTER).enumerate() {
             if self.misses(group[0].group_low, group[0].group_high) {

@@ -43,8 +43,8 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
         make()
     }
 
-    /// Makes the value of `key` unless it exists. If the device reports an error, none is cached, and a caller that needs the value
-    /// gets the error.
+    /// Makes the value of `key` unless it exists. If the device reports an error, none is cached, and a caller that needs
+    /// the value gets the error.
     pub(crate) fn fill<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V)
     where
         K: Borrow<Q>,

@@ -23,8 +23,8 @@ pub struct StageTimes {
 /// llvmpipe takes those of compute passes too late once the device has drawn anything. So reading runs a load of a few
 /// milliseconds there, and checks its times.
 ///
-/// Reading returns a [`DeviceError`] where the times have no meaning; [`DeviceError::is_clock`] is true for these. Measure by a clock
-/// then.
+/// Reading returns a [`DeviceError`] where the times have no meaning; [`DeviceError::is_clock`] is true for these. Measure
+/// by a clock then.
 #[derive(Debug)]
 pub struct StageTimer {
     set: wgpu::QuerySet,

@@ -313,19 +313,19 @@ impl Deformer {
         uploads.into_iter().filter(|_| !self.plan.is_empty())
     }
 
-    /// Records the deformation of what was uploaded. `culled` has a word for each instance, from a byte on: 1 if its
-    /// positions need only be a point, else 2.
+    /// Records the deformation of what was uploaded. `states` has a word for each instance, from a byte offset on: 1 if
+    /// its positions need only be a point, else 2.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        culled: Option<(&wgpu::Buffer, u64)>,
+        states: Option<(&wgpu::Buffer, u64)>,
         resources: Option<&wgpu::BindGroup>,
         timer: Option<&mut StageTimer>,
     ) {
         if !self.plan.is_empty() {
             let bytes = 4 * self.layouts.len() as u64;
             encoder.copy_buffer_to_buffer(&self.held, 0, &self.pose, 4 * self.before, bytes);
-            if let Some((words, from)) = culled {
+            if let Some((words, from)) = states {
                 encoder.copy_buffer_to_buffer(words, from, &self.pose, 4 * self.before + bytes, bytes);
             }
             // The same commands write what the positions are, so an encoder that is dropped changes both or neither.

@@ -28,8 +28,8 @@ pub enum DepthMapError {
     Light(#[from] CameraError),
     /// The device refuses a texture, a pipeline or a bind group.
     #[error(
-        "the device refuses a resource of depth maps: {message}; give two-dimensional views of one layer and aspect, and buffers that \
-         are not destroyed, all on the same device"
+        "the device refuses a resource of depth maps: {message}; give two-dimensional views of one layer and aspect, and \
+         buffers that are not destroyed, all on the same device"
     )]
     Refused {
         /// The message of the device.
@@ -66,13 +66,14 @@ pub enum DepthMapError {
 
     /// The map has no texel, or too many.
     #[error(
-        "a map of {0} × {1} texels is refused; a map has at least one texel, and at most 2²⁹ cells: (width + 1) × (height + 1)"
+        "a map of {0} × {1} texels is refused; a map has at least one texel, and at most 2²⁹ cells: \
+         (width + 1) × (height + 1)"
     )]
     Size(u32, u32),
     /// The device has no texture of this size.
     #[error(
-        "the device has textures of up to {max_side} texels a side, and one of {} × {} is needed; take a smaller map, or a device \
-         with a larger `max_texture_dimension_2d`",
+        "the device has textures of up to {max_side} texels a side, and one of {} × {} is needed; take a smaller map, \
+         or a device with a larger `max_texture_dimension_2d`",
         .size[0], .size[1]
     )]
     Texture {
@@ -93,7 +94,8 @@ pub enum DepthMapError {
     },
     /// `rounded_to` is not a format of maps.
     #[error(
-        "`rounded_to` is {0:?}, which is not a format of depth maps; take Depth16Unorm, Depth24Plus, Depth32Float, or R32Float"
+        "`rounded_to` is {0:?}, which is not a format of depth maps; take Depth16Unorm, Depth24Plus, Depth32Float, \
+         or R32Float"
     )]
     RoundedTo(wgpu::TextureFormat),
     /// Contours and cubes need pipelines of one bit.
@@ -151,7 +153,8 @@ pub enum DepthMapError {
 
     /// A texture has another size than its user was made for.
     #[error(
-        "{map} has {} × {} texels, and {} × {} are needed; give textures of the size that was given to `new`, or call `new` again",
+        "{map} has {} × {} texels, and {} × {} are needed; give textures of the size that was given to `new`, \
+         or call `new` again",
         .given[0], .given[1], .made[0], .made[1]
     )]
     MapSize {

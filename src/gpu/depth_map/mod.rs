@@ -1,5 +1,5 @@
-//! Shadows of casters without a mesh, from depth maps of a light (feature `depth-map`). The boundary between light and shadow
-//! is rebuilt from the depths that the light sees, after Michael `McCool` (2000).
+//! Shadows of casters without a mesh, from depth maps of a light (feature `depth-map`). The boundary between light and
+//! shadow is rebuilt from the depths that the light sees, after Michael `McCool` (2000).
 //!
 //! Everything that writes depth casts a shadow: distance fields, alpha-tested leaves, points. [`DepthMapVolumes`] draws the
 //! shadows of one map, [`DepthMapCube`] those of six maps around a light. [`DepthMapMerge`] merges two maps, and

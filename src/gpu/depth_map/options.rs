@@ -66,8 +66,8 @@ pub enum DepthMapMethod {
     EveryCell,
     /// Edges between a depth and nothing, and edges whose depth difference exceeds four steps of the map's format and twice
     /// either difference beside it in the same row or column. It needs no threshold, and a surface that goes on at its slope
-    /// has no edge. It misses steps between steep slopes, such as equal stairs that are one texel wide. Bodies thinner than a
-    /// texel may leave streaks, and open sheets may swap single pixels (docs/measured.md).
+    /// has no edge. It misses steps between steep slopes, such as equal stairs that are one texel wide. Bodies thinner than
+    /// a texel may leave streaks, and open sheets may swap single pixels (docs/measured.md).
     Automatic {
         /// How dangling edges are continued. Default: `None`, they end.
         dangling: Option<DanglingEdges>,
@@ -96,11 +96,11 @@ pub enum DepthMapMethod {
     /// (section 8.1 of the paper). There are fewer triangles, and borders of shadows are smoother. Finding contours takes
     /// several times as long as finding cells. Keep a `slope_bias` of 1.
     ///
-    /// A jump is a difference that exceeds the slopes on both sides by more than the threshold. Three samples on a plane have
-    /// no jump. A difference below 16 thresholds is no jump beside one that is more than half as large.
+    /// A jump is a difference that exceeds the slopes on both sides by more than the threshold. Three samples on a plane
+    /// have no jump. A difference below 16 thresholds is no jump beside one that is more than half as large.
     ///
-    /// Shadows may be wrong at rims whose last facets are narrower than a texel, at rims close to the eye, and where the near
-    /// rectangle is within two texels of a rim (docs/measured.md).
+    /// Shadows may be wrong at rims whose last facets are narrower than a texel, at rims close to the eye, and where the
+    /// near rectangle is within two texels of a rim (docs/measured.md).
     ///
     /// Cubes and pipelines of more than one bit are refused. Maps may have as many texels as a storage binding has words: up
     /// to 5,790² with default limits.

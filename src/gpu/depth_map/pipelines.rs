@@ -90,8 +90,8 @@ impl DepthMapPipelines {
         Self::antialiased(pipelines, format, bits)
     }
 
-    /// Makes pipelines that count by parity in each of `bits`. For each bit the boundary is moved sideways by another part of
-    /// a texel (section 8.3 of the paper). So borders of shadows have a level of grey more than there are bits;
+    /// Makes pipelines that count by parity in each of `bits`. For each bit the boundary is moved sideways by another part
+    /// of a texel (section 8.3 of the paper). So borders of shadows have a level of grey more than there are bits;
     /// [`Self::lit_share`] resolves them. Volumes are drawn once for each bit, and the slope bias is up to twice as large.
     ///
     /// Where volumes of meshes count in the same stencil, use [`Self::beside_meshes`].
@@ -202,8 +202,8 @@ pub(super) fn wall_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
     pipelines.layout("depth walls", entries(wgpu::ShaderStages::VERTEX_FRAGMENT, all))
 }
 
-/// The text of a stage for draws with `samples` a pixel. With one sample it does not name samples, because an adapter without
-/// `DownlevelFlags::MULTISAMPLED_SHADING` refuses every module that does.
+/// The text of a stage for draws with `samples` a pixel. With one sample it does not name samples, because an adapter
+/// without `DownlevelFlags::MULTISAMPLED_SHADING` refuses every module that does.
 pub(crate) fn drawn_wgsl(stage: &Stage, samples: u32) -> String {
     let wgsl = stage.wgsl();
     if samples > 1 { wgsl } else { wgsl.replace("@interpolate(linear, sample)", "@interpolate(linear)") }

@@ -1,4 +1,5 @@
-//! The buffers of a mesh of polygons: their boundaries, those that are undecided, and the pieces of those that are L-twisted.
+//! The buffers of a mesh of polygons: their boundaries, those that are undecided, and the pieces of those that are
+//! L-twisted.
 
 use super::errors::ExtractorError;
 use super::options::MAX_BOUNDARY_EDGES;
@@ -7,8 +8,8 @@ use crate::gpu::common::wanted::Wanted;
 use crate::mesh::{Polygons, is_loop};
 use crate::turns::POLYGON_TRIANGLES;
 
-/// The largest number of edges of a boundary that is decided by an invocation for each edge and light, and of triangles of its
-/// polygon, as in `boundaries.wgsl`. The other constants are there, too.
+/// The largest number of edges of a boundary that is decided by an invocation for each edge and light, and of triangles of
+/// its polygon, as in `boundaries.wgsl`. The other constants are there, too.
 const SMALL_BOUNDARY: usize = 32;
 const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;

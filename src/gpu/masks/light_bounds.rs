@@ -65,8 +65,8 @@ impl Sector {
     }
 }
 
-/// A rectangle with all pixels that a light may affect, in an image of `size` pixels: x, y, width and height. `None`: there are
-/// none. It is the whole image for lights without a range, at infinity, or around the eye.
+/// A rectangle with all pixels that a light may affect, in an image of `size` pixels: x, y, width and height. `None`: there
+/// are none. It is the whole image for lights without a range, at infinity, or around the eye.
 pub(super) fn affected_pixels(camera: &ShadowCamera, light: &Light, size: [u32; 2]) -> Option<[u32; 4]> {
     let whole = Some([0, 0, size[0], size[1]]);
     let Some(sector) = Sector::new(camera, light) else { return whole };

@@ -18,9 +18,9 @@ const GROUP: usize = 32;
 
 /// Pipelines, and a depth and stencil buffer that Rimline owns, for [`SceneFrame::write_masks`].
 ///
-/// The first call makes pipelines, and so does the first call with other formats or another depth direction. A change of the image
-/// size makes new textures, so use one value for each size. Textures take 5 to 13 bytes for each sample of each pixel. The depth and
-/// the target of the last call stay alive.
+/// The first call makes pipelines, and so does the first call with other formats or another depth direction. A change of the
+/// image size makes new textures, so use one value for each size. Textures take 5 to 13 bytes for each sample of each pixel.
+/// The depth and the target of the last call stay alive.
 ///
 /// ```no_run
 /// # use rimline::gpu::{LightHandle, MaskError, MaskInputs, SceneFrame, ShadowMasks};
@@ -61,16 +61,17 @@ struct Writing {
 /// The inputs of [`SceneFrame::write_masks`].
 #[derive(Clone, Copy, Debug)]
 pub struct MaskInputs<'a> {
-    /// The depth of the surfaces that get the light, drawn by the camera of the view before the commands run: a view of the depth
-    /// aspect, of level 0 of one layer, of a texture with usage `TEXTURE_BINDING`. Any depth format and number of samples works.
-    /// `Depth32Float` needs a device with [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8).
+    /// The depth of the surfaces that get the light, drawn by the camera of the view before the commands run: a view of the
+    /// depth aspect, of level 0 of one layer, of a texture with usage `TEXTURE_BINDING`. Any depth format and number of
+    /// samples works. `Depth32Float` needs a device with
+    /// [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8).
     pub depth: &'a wgpu::TextureView,
     /// The view of the frame, counted from 0.
     pub view: usize,
     /// The lights, in the order of their bits.
     pub lights: &'a [LightHandle],
-    /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level 0 of as many
-    /// layers as the lights need:
+    /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level 0 of
+    /// as many layers as the lights need:
     ///
     /// * `R8Uint`, `R32Uint`: a bit a light, 8 or 32 of them in a layer. Light `i` is bit `i mod 8` of layer `i div 8`, or bit
     ///   `i mod 32` of layer `i div 32`. It is 1 if the light is in shadow. Other bits are 0. With several samples, sample 0
@@ -225,18 +226,20 @@ impl MaskInputs<'_> {
 }
 
 impl SceneFrame {
-    /// Writes which lights are in shadow at each pixel, from the depth that the caller drew, for renderers without a stencil: a bit or
-    /// a share for each light.
+    /// Writes which lights are in shadow at each pixel, from the depth that the caller drew, for renderers without a
+    /// stencil: a bit or a share for each light.
     ///
-    /// A mask has no meaning at pixels where nothing was drawn, out of the light's range or cone, and on back-facing surfaces: add no
-    /// light there. A light out of the view costs nothing. A mask is 0 outside a rectangle around the light's range and cone.
+    /// A mask has no meaning at pixels where nothing was drawn, out of the light's range or cone, and on back-facing
+    /// surfaces: add no light there. A light out of the view costs nothing. A mask is 0 outside a rectangle around the
+    /// light's range and cone.
     ///
-    /// On devices with [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8), volumes are compared with exactly the
-    /// depth that `textureLoad` returns. Without it, depth of 16 and 24 bits is stored in 24 bits again, and may differ by one unit in
-    /// the last place if the device rounds. [`Counting::ZFail`](crate::Counting::ZFail) compares caps with surfaces at the same depth, so
-    /// with it casters with an open surface need `Depth32Float`.
+    /// On devices with [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8), volumes are compared with
+    /// exactly the depth that `textureLoad` returns. Without it, depth of 16 and 24 bits is stored in 24 bits again, and may
+    /// differ by one unit in the last place if the device rounds. [`Counting::ZFail`](crate::Counting::ZFail) compares caps
+    /// with surfaces at the same depth, so with it casters with an open surface need `Depth32Float`.
     ///
-    /// The call records one pass for each 32 lights, and one for each layer of the target. One encoder may hold several calls.
+    /// The call records one pass for each 32 lights, and one for each layer of the target. One encoder may hold several
+    /// calls.
     ///
     /// # Errors
     /// [`MaskError`] if the frame is out of date, an input is refused, or the device lacks something. Nothing is recorded then.

@@ -30,11 +30,11 @@ use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DE
 use crate::{Light, Mesh};
 
 /// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, in either
-/// orientation and in any mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh the
+/// orientation and in any mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh
 /// the parity is that of inside and outside. A point in shadow has a depth above 0. The depths equal those of
 /// [`crate::cpu::shadow_depth`] on every device; that function describes how ties are broken. Points on the surface may name
-/// their face ([`QueryPoints`]), or be moved off it before ([`Light::lift`]). Ranges and cones of lights are ignored. For several
-/// meshes add the depths of a query for each, in its own space ([`Light::to_mesh_space`]).
+/// their face ([`QueryPoints`]), or be moved off it before ([`Light::lift`]). Ranges and cones of lights are ignored. For
+/// several meshes add the depths of a query for each, in its own space ([`Light::to_mesh_space`]).
 ///
 /// The query records compute passes into the caller's encoder. Every face is tested against every pair of point and
 /// light, except for faces that the boxes leave out.

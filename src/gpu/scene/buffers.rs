@@ -112,8 +112,8 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     pub(crate) relevant_lights: B,
     /// The active lights of each batch and caster.
     pub(crate) active_lights: B,
-    /// The versions that masks and lists were computed from, see `wgsl/scene/table.wgsl`. A new buffer comes with new masks and
-    /// lists.
+    /// The versions that masks and lists were computed from, see `wgsl/scene/table.wgsl`. A new buffer comes with new masks
+    /// and lists.
     pub(crate) cache: B,
     /// For each group and batch four words, then the lists of chunks.
     pub(crate) work: B,
@@ -177,8 +177,8 @@ impl Buffers {
         with_headroom.or_else(|_| Self::make(device, old, sizes, limits, 0))
     }
 
-    /// A buffer that replaces one that became too small gets a quarter more, up to `headroom` bytes. A scene that grows caster
-    /// by caster then makes new buffers only now and then.
+    /// A buffer that replaces one that became too small gets a quarter more, up to `headroom` bytes. A scene that grows
+    /// caster by caster then makes new buffers only now and then.
     fn make(
         device: &wgpu::Device,
         old: Option<&Self>,
@@ -263,12 +263,12 @@ pub(crate) struct WorkOffsets {
     pub(crate) edges: u64,
 }
 
-/// Words of a group and batch before the lists: the numbers of listed face chunks and edge chunks, the lights with dirty lists,
-/// and the lights with cached bits.
+/// Words of a group and batch before the lists: the numbers of listed face chunks and edge chunks, the lights with dirty
+/// lists, and the lights with cached bits.
 pub(crate) const WORK_WORDS: u64 = 4;
 
-/// Words of the cache for each chunk of faces and batch: the lights for which all faces of its cluster have one bit, and these
-/// bits.
+/// Words of the cache for each chunk of faces and batch: the lights for which all faces of its cluster have one bit, and
+/// these bits.
 pub(crate) const CLUSTER_WORDS: u32 = 2;
 
 /// The offsets of all groups and batches, and the number of words. Counts come first, so that one command clears them.

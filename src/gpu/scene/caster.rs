@@ -25,9 +25,9 @@ pub struct Caster {
     pub positions: CasterPositions,
     /// The lights for which it throws shadows.
     pub lights: LightMask,
-    /// Whether the surface is in the depth buffer that shadows are drawn against. Set it to false for a proxy, a simpler mesh
-    /// instead of the drawn one. Then every face casts, and z-pass and ZP+ draw light caps, too, because the eye may see through
-    /// its faces. Receivers exactly in its faces may be lit or not.
+    /// Whether the surface is in the depth buffer that shadows are drawn against. Set it to false for a proxy, a simpler
+    /// mesh instead of the drawn one. Then every face casts, and z-pass and ZP+ draw light caps, too, because the eye may
+    /// see through its faces. Receivers exactly in its faces may be lit or not.
     pub in_depth: bool,
 }
 
@@ -54,18 +54,18 @@ impl From<PositionBuffer<'_>> for CasterPositions {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum CasterPositions {
-    /// The positions of the mesh, moved to world space by this transform. Silhouettes are found in mesh space, to which lights
-    /// are moved as by [`Light::to_mesh_space`](crate::Light::to_mesh_space). A caster with a singular transform, or one that is
-    /// not finite, casts nothing.
+    /// The positions of the mesh, moved to world space by this transform. Silhouettes are found in mesh space, to which
+    /// lights are moved as by [`Light::to_mesh_space`](crate::Light::to_mesh_space). A caster with a singular transform, or
+    /// one that is not finite, casts nothing.
     ///
     /// The volumes compute a vertex less the camera's origin as `row.xyz · position + (row.w − origin)` for each axis, by
     /// [`Transform::rows`], with products added from x to z. With z-fail a depth pass must compute the same bits; see
     /// [`Counting`](crate::Counting).
     Rigid(Transform),
     /// Positions in the caller's buffer, in world space, for each source vertex of the mesh. Each encode reads them, unless
-    /// [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed. Casters with the same
-    /// buffer are drawn together, so keep many in one buffer. [`Scene::insert_model`](crate::gpu::Scene::insert_model) is easier
-    /// for a model with poses.
+    /// [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed. Casters with the
+    /// same buffer are drawn together, so keep many in one buffer. [`Scene::insert_model`](crate::gpu::Scene::insert_model)
+    /// is easier for a model with poses.
     Buffer {
         /// The buffer, with usage `STORAGE`.
         buffer: wgpu::Buffer,
@@ -174,7 +174,8 @@ impl CasterEntry {
         self.all_excluded().next().is_some()
     }
 
-    /// A light in the space of its positions, if it casts for that light. `None` also for a moved direction too small for `f32`.
+    /// A light in the space of its positions, if it casts for that light. `None` also for a moved direction too small for
+    /// `f32`.
     pub(crate) fn light(&self, lights: &Lights, bit: u32) -> Option<Light> {
         let light = lights.get(bit).filter(|_| self.lights.has(bit))?;
         let moved = match self.placement {

@@ -45,8 +45,8 @@ pub struct SceneGroupResults<'a> {
     pub group: usize,
     /// Bit `bit` of a mask is light `32 · batch + bit`.
     pub batch: usize,
-    /// Facing masks, one `u32` a face slot ([`SceneFrame::slot_order`]). Bits of lights that are not relevant to the caster have no
-    /// meaning.
+    /// Facing masks, one `u32` a face slot ([`SceneFrame::slot_order`]). Bits of lights that are not relevant to the caster
+    /// have no meaning.
     pub facing: &'a wgpu::Buffer,
     /// One `u32` a face slot: the lights in the plane of the face.
     pub excluded: &'a wgpu::Buffer,
@@ -85,19 +85,19 @@ pub struct SceneResults<'a> {
     pub cache: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
-    /// The lights in each view, [`ViewLight`](crate::layout::ViewLight)s of all bits, and the sizes of the first group and batch.
-    /// `None`: no view.
+    /// The lights in each view, [`ViewLight`](crate::layout::ViewLight)s of all bits, and the sizes of the first group and
+    /// batch. `None`: no view.
     pub view_lights: Option<(&'a wgpu::Buffer, ShadowShape)>,
     /// The choices: for each view, batch and caster eight words, as `rimline_testkit::choices` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
     /// After one word the receivers of each view, and how many words each has: a head and the levels of
     /// `wgsl/shadow/receivers.wgsl`. `None`: no view.
     pub receivers: Option<(&'a wgpu::Buffer, u64)>,
-    /// The versions of the lists of views: for each group, batch and view 32 pairs of words, the encode that made the silhouettes
-    /// and the version of the camera. `None`: no view.
+    /// The versions of the lists of views: for each group, batch and view 32 pairs of words, the encode that made the
+    /// silhouettes and the version of the camera. `None`: no view.
     pub listed: Option<&'a wgpu::Buffer>,
-    /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters a row of the
-    /// stage `stencil_crossings`. `None`: bounds are off.
+    /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters a row of
+    /// the stage `stencil_crossings`. `None`: bounds are off.
     pub bound: Option<[&'a wgpu::Buffer; 2]>,
     /// For each group the [`ShadowDraws`](crate::layout::ShadowDraws) of each view and light bit.
     pub shadow_draws: &'a [wgpu::Buffer],
@@ -113,8 +113,8 @@ impl SceneFrame {
         &self.lights
     }
 
-    /// Counts of the occluded faces of [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) that this encode culled
-    /// or ignored.
+    /// Counts of the occluded faces of [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) that this encode
+    /// culled or ignored.
     pub fn hidden(&self) -> HiddenCounts {
         self.hidden
     }
@@ -130,13 +130,13 @@ impl SceneFrame {
         self.structure.layout.groups.len()
     }
 
-    /// Draws the shadow volumes of all casters for a light and a view, into a pass with the attachments of `pipelines`. `view` is
-    /// the index of a camera of the encode. The draw adds to the bits of the stencil that counts own, which must be 0 if casters
-    /// are counted in batches. Other bits do not change. Other state of the pass does not matter. The call changes the pipeline
-    /// and bind groups 0 and 1, and sets the stencil reference to 0, for pipelines that add light.
+    /// Draws the shadow volumes of all casters for a light and a view, into a pass with the attachments of `pipelines`.
+    /// `view` is the index of a camera of the encode. The draw adds to the bits of the stencil that hold counts, which must
+    /// be 0 if casters are counted in batches. Other bits do not change. Other state of the pass does not matter. The call
+    /// changes the pipeline and bind groups 0 and 1, and sets the stencil reference to 0, for pipelines that add light.
     ///
-    /// Use one pass a light. The pass loads the depths of the depth pass and clears the stencil to 0. After this draw, the same
-    /// pass adds the light where the stencil is still 0, with a pipeline of
+    /// Use one pass a light. The pass loads the depths of the depth pass and clears the stencil to 0. After this draw, the
+    /// same pass adds the light where the stencil is still 0, with a pipeline of
     /// [`ShadowFormat::light_pass_depth_stencil`](crate::gpu::ShadowFormat::light_pass_depth_stencil).
     /// [`ShadowFormat::begin_pass`](crate::gpu::ShadowFormat::begin_pass) begins such a pass. A light with a range
     /// must add nothing beyond it.

@@ -25,19 +25,20 @@ pub struct HiddenCounts {
 const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 impl Scene {
-    /// Culls occluded faces of static casters for a light. `casters` are the casters of [`HiddenFaces::find`], in that order.
-    /// `hidden` replaces the faces that were set for the light before; `None` ends it. Other casters of the scene do not matter.
+    /// Culls occluded faces of static casters for a light. `casters` are the casters of [`HiddenFaces::find`], in that
+    /// order. `hidden` replaces the faces that were set for the light before; `None` ends it. Other casters of the scene do
+    /// not matter.
     ///
     /// Each encode checks these conditions:
     ///
     /// * The light has the same bits.
-    /// * Each caster exists and casts for the light. It is rigid with the identity for its transform, or the positions in your
-    ///   buffer have the version that was searched. An instance of a model never meets this.
+    /// * Each caster exists and casts for the light. It is rigid with the identity for its transform, or the positions in
+    ///   your buffer have the version that was searched. An instance of a model never meets this.
     /// * [`Self::set_excluded`] excludes no face of a caster for the light.
     ///
     /// If a condition fails, the encode ignores the light's occluded faces, and
-    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts them. A later encode uses them again once all conditions hold.
-    /// Each such change makes a new layout.
+    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts them. A later encode uses them again once all
+    /// conditions hold. Each such change makes a new layout.
     ///
     /// The caller must make sure that the positions are those that were searched: for a rigid caster those of its mesh.
     ///

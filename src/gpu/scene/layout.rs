@@ -17,9 +17,9 @@ use crate::gpu::extract::polygon_buffers::PolygonCounts;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
 
-/// Casters of one page that read positions from one source: one dispatch of each stage for each batch of lights. A source with
-/// more slots than a binding holds has several groups. A caster of polygons is a group of its own, because the stages of
-/// `Extractor` extract it.
+/// Casters of one page that read positions from one source: one dispatch of each stage for each batch of lights. A source
+/// with more slots than a binding holds has several groups. A caster of polygons is a group of its own, because the stages
+/// of `Extractor` extract it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     pub(crate) source: DefaultKey,

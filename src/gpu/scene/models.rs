@@ -17,9 +17,9 @@ use crate::model::{Geometry, Instance, InstancePose, Model, ModelBounds, ModelEr
 
 impl Scene {
     /// Adds a model, and a caster for each of its instances: in the depth buffer, for all lights. Each encode computes the
-    /// positions of the pose, by morph targets, skins and the displacement of `options`, for the instances that the frame needs.
-    /// A frame needs an instance if a camera may see it, or its shadow from a light that affects it. Without views it needs all.
-    /// So give a view for each camera that sees the positions, even if it draws no shadows.
+    /// positions of the pose, by morph targets, skins and the displacement of `options`, for the instances that the frame
+    /// needs. A frame needs an instance if a camera may see it, or its shadow from a light that affects it. Without views it
+    /// needs all. So give a view for each camera that sees the positions, even if it draws no shadows.
     ///
     /// [`Self::set_pose`] changes the pose. Draw the model from [`Self::positions`].
     ///
@@ -77,8 +77,8 @@ impl Scene {
         }
     }
 
-    /// Changes the pose of a model. Results stay cached for instances whose part of the pose is the same. If an instance becomes
-    /// mirrored or stops being so, its faces change, and the next encode makes a new layout.
+    /// Changes the pose of a model. Results stay cached for instances whose part of the pose is the same. If an instance
+    /// becomes mirrored or stops being so, its faces change, and the next encode makes a new layout.
     ///
     /// # Errors
     /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing, or an error of
@@ -97,7 +97,8 @@ impl Scene {
 
     /// The positions of a model in world space, once an encode was submitted: those of all instances, in the vertex order of
     /// [`Model::mesh`], three tightly packed `f32` each. The buffer has the usages `VERTEX` and `STORAGE`, and stays the same
-    /// while the model exists. An instance that the frame does not need has all vertices at (0, 0, 0), so drawing it draws nothing.
+    /// while the model exists. An instance that the frame does not need has all vertices at (0, 0, 0), so drawing it draws
+    /// nothing.
     ///
     /// # Errors
     /// An error of the handle.

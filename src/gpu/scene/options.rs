@@ -8,20 +8,20 @@ use crate::shadow::Counting;
 pub struct SceneOptions {
     /// The largest number of lights at a time, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS). Default: 32.
     pub max_lights: usize,
-    /// The counting method. The [`ShadowPipelines`](crate::gpu::ShadowPipelines) that draw volumes must have the same. Default:
-    /// [`Counting::Auto`].
+    /// The counting method. The [`ShadowPipelines`](crate::gpu::ShadowPipelines) that draw volumes must have the same.
+    /// Default: [`Counting::Auto`].
     pub counting: Counting,
     /// The use of the stencil. Default: one batch of casters, all 8 bits, no bound.
     pub stencil: StencilCounts,
     /// Room for the entries of lists. Default: from the meshes.
     pub capacities: Capacities,
-    /// Whether volumes end beyond their light's range instead of at infinity. Set it if ranges are short against the view: fewer
-    /// pixels are counted. Default: false. See docs/numerics/shadow-volumes.md, "Volumes that end".
+    /// Whether volumes end beyond their light's range instead of at infinity. Set it if ranges are short against the view:
+    /// fewer pixels are counted. Default: false. See docs/numerics/shadow-volumes.md, "Volumes that end".
     pub end_at_range: bool,
-    /// Meshes with at least this many faces get clusters of 128 neighbouring faces. A rigid caster then decides a cluster as a
-    /// whole if all its faces have one side to a light, so a smooth mesh tests about the root of its faces. Adding such a mesh
-    /// takes another 1.5 times as long as [`Mesh::new`](crate::Mesh::new), less than a byte a face of device memory, and 4 bytes
-    /// a face of host memory. Default: 4,096. `None`: never.
+    /// Meshes with at least this many faces get clusters of 128 neighbouring faces. A rigid caster then decides a cluster as
+    /// a whole if all its faces have one side to a light, so a smooth mesh tests about the root of its faces. Adding such a
+    /// mesh takes another 1.5 times as long as [`Mesh::new`](crate::Mesh::new), less than a byte a face of device memory,
+    /// and 4 bytes a face of host memory. Default: 4,096. `None`: never.
     pub clusters_from: Option<u32>,
     /// The largest device memory for the scene, in bytes, checked before each allocation. Default: `None`, no limit.
     pub memory_limit: Option<u64>,
@@ -30,25 +30,25 @@ pub struct SceneOptions {
     pub measuring: Measuring,
 }
 
-/// Room for the entries of lists. After an overflow a stage or draw processes all edges or faces, so nothing is lost, except for
-/// [`Self::pieces`].
+/// Room for the entries of lists. After an overflow a stage or draw processes all edges or faces, so nothing is lost, except
+/// for [`Self::pieces`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacities {
-    /// Entries of the edge list of each light, in each group of casters. `None`: all boundary and inconsistent edges, and a share
-    /// of the others.
+    /// Entries of the edge list of each light, in each group of casters. `None`: all boundary and inconsistent edges, and a
+    /// share of the others.
     pub lists: Option<u32>,
-    /// Entries of the list of undecided faces, in each group of casters and batch of 32 lights. `None`: a quarter of the faces, and
-    /// at least 4,096.
+    /// Entries of the list of undecided faces, in each group of casters and batch of 32 lights. `None`: a quarter of the
+    /// faces, and at least 4,096.
     pub undecided: Option<u32>,
-    /// Entries of the list of near caps, and of that of other caps, of each light, in each group of casters. `None`: every face
-    /// if every face may have a cap, else a share.
+    /// Entries of the list of near caps, and of that of other caps, of each light, in each group of casters. `None`: every
+    /// face if every face may have a cap, else a share.
     pub caps: Option<u32>,
-    /// Pieces of twisted polygons of each light, in each caster of polygons; a piece takes 36 bytes. A polygon is twisted if its
-    /// loops cross themselves as seen from a light. A twisted quadrilateral has 6 pieces, a polygon with n edges at most n(n − 2).
-    /// The capacity is never larger than this, or than one binding.
+    /// Pieces of twisted polygons of each light, in each caster of polygons; a piece takes 36 bytes. A polygon is twisted if
+    /// its loops cross themselves as seen from a light. A twisted quadrilateral has 6 pieces, a polygon with n edges at most
+    /// n(n − 2). The capacity is never larger than this, or than one binding.
     ///
-    /// `None`: the lights of a batch share 1,048,576, and each has one more for each sixteenth edge. **Pieces without room are not
-    /// drawn, and shadows are wrong.** If [`ShadowStatistics::lost_pieces`] is not 0, give
+    /// `None`: the lights of a batch share 1,048,576, and each has one more for each sixteenth edge. **Pieces without room
+    /// are not drawn, and shadows are wrong.** If [`ShadowStatistics::lost_pieces`] is not 0, give
     /// [`ShadowStatistics::most_pieces`] to [`Scene::set_capacities`](crate::gpu::Scene::set_capacities): it loses none.
     ///
     /// [`ShadowStatistics::lost_pieces`]: crate::gpu::ShadowStatistics::lost_pieces
@@ -59,14 +59,14 @@ pub struct Capacities {
 /// The use of the stencil by the counts of a scene's shadow volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StencilCounts {
-    /// The number of low stencil bits for counts, as in [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits) of the
-    /// pipelines that draw the scene: 1 to 8, and at least 2 with several [`Self::count_batches`]. The other bits do not change.
-    /// Default: 8.
+    /// The number of low stencil bits for counts, as in [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits)
+    /// of the pipelines that draw the scene: 1 to 8, and at least 2 with several [`Self::count_batches`]. The other bits do
+    /// not change. Default: 8.
     pub count_bits: u32,
-    /// The number of batches in which casters are counted, one after the other. 0 means 1. A count wraps, and a shadow looks lit, if
-    /// more than 2 to the power of b, less 1, casters lie behind each other, with b [`Self::count_bits`]; with several batches, more
-    /// than 2 to the power of b − 1, less 1, casters of one batch. Each batch takes a draw of all lists and a full-screen draw. Draw
-    /// with [`ShadowPipelines::in_batches`]. Default: 1.
+    /// The number of batches in which casters are counted, one after the other. 0 means 1. A count wraps, and a shadow looks
+    /// lit, if more than 2 to the power of b, less 1, casters lie behind each other, with b [`Self::count_bits`]; with
+    /// several batches, more than 2 to the power of b − 1, less 1, casters of one batch. Each batch takes a draw of all
+    /// lists and a full-screen draw. Draw with [`ShadowPipelines::in_batches`]. Default: 1.
     ///
     /// [`ShadowPipelines::in_batches`]: crate::gpu::ShadowPipelines::in_batches
     pub count_batches: u32,
@@ -83,7 +83,8 @@ impl Default for StencilCounts {
     }
 }
 
-/// Work that a scene does although no image needs it, and the predicate: for measuring and tests. It may change in any release.
+/// Work that a scene does although no image needs it, and the predicate: for measuring and tests. It may change in any
+/// release.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Measuring(u32);

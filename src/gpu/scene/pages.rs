@@ -134,8 +134,8 @@ impl Pages {
         Ok(Region { page, ranges })
     }
 
-    /// Uploads a mesh and its positions. The queue writes them before the commands of its next submission. No command that was
-    /// recorded before reads this region; see [`Self::free`].
+    /// Uploads a mesh and its positions. The queue writes them before the commands of its next submission. No command that
+    /// was recorded before reads this region; see [`Self::free`].
     pub(crate) fn upload(
         &self,
         device: &wgpu::Device,
@@ -161,8 +161,8 @@ impl Pages {
         self.freed.push((region, encodes));
     }
 
-    /// Makes freed regions available from the second encode after they were freed on. The queue would otherwise write them before
-    /// frames that are recorded but not yet submitted.
+    /// Makes freed regions available from the second encode after they were freed on. The queue would otherwise write them
+    /// before frames that are recorded but not yet submitted.
     pub(crate) fn reclaim(&mut self, encodes: u64) {
         for (region, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
             if let Some(page) = self.all.get_mut(region.page) {

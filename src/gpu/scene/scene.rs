@@ -31,9 +31,9 @@ use crate::gpu::shadow::pipelines::check_count_bits;
 use crate::method::Predicate;
 use crate::{Light, Mesh, Transform};
 
-/// Many casters and lights, whose silhouettes are extracted together. Casters share the stored mesh. The work of recording an
-/// encode does not depend on the number of casters, except for casters that moved, casters of polygons, which have their own
-/// passes, and the poses of models.
+/// Many casters and lights, whose silhouettes are extracted together. Casters share the stored mesh. The work of recording
+/// an encode does not depend on the number of casters, except for casters that moved, casters of polygons, which have their
+/// own passes, and the poses of models.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
 /// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README
@@ -80,8 +80,8 @@ pub struct Scene {
 
 impl Scene {
     /// A scene without casters and lights. `pipelines` is the device, or the [`Pipelines`] that many scenes share.
-    /// `queue` must be the queue of that device: it uploads topology. With the queue of another device, [`Self::add_mesh`] causes
-    /// a validation error on that other device, because wgpu does not say whose queue it is.
+    /// `queue` must be the queue of that device: it uploads topology. With the queue of another device, [`Self::add_mesh`]
+    /// causes a validation error on that other device, because wgpu does not say whose queue it is.
     ///
     /// # Errors
     /// [`ShadowError`] if the device lacks what extraction needs, or `max_lights` or `count_bits` is impossible.
@@ -140,12 +140,14 @@ impl Scene {
         }
     }
 
-    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. For casters with a
-    /// position buffer, give the positions at rest. Positions that are not finite are allowed; their faces never face a light.
+    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. For casters with
+    /// a position buffer, give the positions at rest. Positions that are not finite are allowed; their faces never face a
+    /// light.
     ///
     /// # Errors
     /// [`ShadowError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device. Polygons
-    /// of [`Mesh::from_polygons_by_loop`] have boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
+    /// of [`Mesh::from_polygons_by_loop`] have boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES)
+    /// edges.
     pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, ShadowError> {
         let needed = mesh.vertex_count();
         let Some(positions) = positions.get(..needed as usize) else {
@@ -199,8 +201,8 @@ impl Scene {
         }
     }
 
-    /// Removes a mesh that no caster has. From the second encode after this on, a new mesh may overwrite it in the buffers. So
-    /// submit or drop encoders that hold earlier encodes before you add a mesh then.
+    /// Removes a mesh that no caster has. From the second encode after this on, a new mesh may overwrite it in the buffers.
+    /// So submit or drop encoders that hold earlier encodes before you add a mesh then.
     ///
     /// # Errors
     /// [`ShadowError::MeshInUse`], or an error of the handle.
@@ -315,8 +317,8 @@ impl Scene {
         Ok(())
     }
 
-    /// States a box, its lowest and its highest corner in world space, that holds all positions of a caster's buffer from the
-    /// next encode on. A light whose range or cone misses the box then costs nothing for the caster. Default, also after
+    /// States a box, its lowest and its highest corner in world space, that holds all positions of a caster's buffer from
+    /// the next encode on. A light whose range or cone misses the box then costs nothing for the caster. Default, also after
     /// [`Self::set_positions`]: `None`, the positions may be anywhere.
     ///
     /// Finite positions outside the box may lack shadows. The box of a model at rest does not hold for a pose:
@@ -422,9 +424,9 @@ impl Scene {
         Ok(())
     }
 
-    /// Excludes faces of a caster for a light, as if the caster had no such faces. `faces` are indices of faces in the mesh, and
-    /// replace those of an earlier call. An empty list excludes none. An edge between an excluded face and another then bounds
-    /// the volume, once.
+    /// Excludes faces of a caster for a light, as if the caster had no such faces. `faces` are indices of faces in the mesh,
+    /// and replace those of an earlier call. An empty list excludes none. An edge between an excluded face and another then
+    /// bounds the volume, once.
     ///
     /// Use it for faces whose shadow lies in the shadow of others. Removing the light ends it.
     ///
@@ -452,13 +454,14 @@ impl Scene {
         Ok(())
     }
 
-    /// States occluders: polygons in mesh space that **lie wholly on faces of a rigid caster**, for example a face or a wall.
-    /// They have 3 to 8 corners, counter-clockwise as those of the faces, and replace those of an earlier call.
+    /// States occluders: polygons in mesh space that **lie wholly on faces of a rigid caster**, for example a face or a
+    /// wall. They have 3 to 8 corners, counter-clockwise as those of the faces, and replace those of an earlier call.
     ///
-    /// A caster whose box is wholly behind an occluder, as seen from a light, throws no shadow for this light, because its shadow
-    /// lies in that of the occluder. An occluder culls nothing for a light that its caster does not throw shadows for, from
-    /// which it does not look convex, or that is near its plane. On a closed mesh only back-facing occluders cull, so give
-    /// polygons on all sides. A caster with excluded faces culls nothing. Each encode tests each occluder for each caster and light.
+    /// A caster whose box is wholly behind an occluder, as seen from a light, throws no shadow for this light, because its
+    /// shadow lies in that of the occluder. An occluder culls nothing for a light that its caster does not throw shadows
+    /// for, from which it does not look convex, or that is near its plane. On a closed mesh only back-facing occluders cull,
+    /// so give polygons on all sides. A caster with excluded faces culls nothing. Each encode tests each occluder for each
+    /// caster and light.
     ///
     /// # Errors
     /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of the handle.

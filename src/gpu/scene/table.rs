@@ -74,8 +74,8 @@ impl Table {
         self.cones_offset() + CONE_PARTS * 32 * self.batches
     }
 
-    /// Writes the number of the encode, the word of the work lists where the states of deforming casters begin (0: none), and
-    /// the largest coordinate of the origins of cameras.
+    /// Writes the number of the encode, the word of the work lists where the states of deforming casters begin (0: none),
+    /// and the largest coordinate of the origins of cameras.
     pub(crate) fn put_encode(&mut self, encode: u32, needed_states_offset: u32, origin: f32) {
         self.put(self.encode_offset(), &[[encode, needed_states_offset, origin.to_bits(), 0]]);
     }

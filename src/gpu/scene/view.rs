@@ -24,9 +24,9 @@ impl<'a> FrameInputs<'a> {
 pub struct View<'a> {
     /// The camera.
     pub camera: ShadowCamera,
-    /// The depth that the view's volumes will be drawn against, if it is drawn before the encode. Volumes without a receiver are
-    /// then culled, which makes the draws faster. The view's lists are cached only if [`Receivers::version`] says that the depth
-    /// is the same. Default: `None`.
+    /// The depth that the view's volumes will be drawn against, if it is drawn before the encode. Volumes without a receiver
+    /// are then culled, which makes the draws faster. The view's lists are cached only if [`Receivers::version`] says that
+    /// the depth is the same. Default: `None`.
     pub depth: Option<Receivers<'a>>,
 }
 

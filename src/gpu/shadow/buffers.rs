@@ -21,7 +21,7 @@ pub(crate) struct Lists<B = wgpu::Buffer> {
 pub(crate) struct BoundBuffers<B = wgpu::Buffer> {
     /// A [`StencilPencil`](crate::layout::StencilPencil) for each view and light.
     pub(crate) pencils: B,
-    /// Its bins of half planes and the sides that cross them, for each batch of casters.
+    /// For each pencil a row of bins of half planes, with the sides that cross them, for each batch of casters.
     pub(crate) bin_rows: B,
 }
 
@@ -127,7 +127,7 @@ impl<B> VolumeBuffers<B> {
             draws: sizes.groups.iter().map(|_| make(draws)).collect(),
             bound: sizes.options.stencil.bound_counts.then(|| BoundBuffers {
                 pencils: make(Wanted::new("stencil pencils", pencils)),
-                bin_rows: make(Wanted::new("stencil bin_rows", bin_rows)),
+                bin_rows: make(Wanted::new("rows of stencil bins", bin_rows)),
             }),
             lists: sizes
                 .rooms
@@ -144,7 +144,7 @@ impl<B> VolumeBuffers<B> {
             piece_draws: (0..sizes.groups.len())
                 .map(|group| sizes.pieces_of(group).then(|| make(piece_draws)))
                 .collect(),
-            twisted_lights: make(Wanted::new("twisted_lights lights", 4 * sizes.rooms.len() as u64).free()),
+            twisted_lights: make(Wanted::new("twisted lights", 4 * sizes.rooms.len() as u64).free()),
             statistics: make(Wanted::new("shadow statistics", size_of::<ShadowStatistics>() as u64).free()),
         }
     }

@@ -82,7 +82,7 @@ pub enum ShadowError {
          `ShadowFormat::attachment` does"
     )]
     DepthCleared,
-    /// No bit of the stencil holds counts, or more bits than it has.
+    /// Counts have too few bits of the stencil, or more than it has.
     #[error("`count_bits` is {given}; give {least} to 8")]
     CountBits {
         /// Bits given.

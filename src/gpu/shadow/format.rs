@@ -40,16 +40,17 @@ pub struct ShadowFormat {
     /// How many low bits of the stencil hold counts: 1 to 8, by default 8. Volumes of meshes do not write the other bits.
     ///
     /// Take fewer than 8 if the stencil holds something else, too, such as the parities of depth maps
-    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes)). A surface is then dark where
-    /// any bit is set. **With 8 bits, a parity in the same stencil would change counts.** Counts wrap at 2 to the power of this:
-    /// with 7 bits, a point behind 128 casting faces looks lit, see
+    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes)). A surface is then
+    /// dark where any bit is set. **With 8 bits, a parity in the same stencil would change counts.** Counts wrap at 2 to the
+    /// power of this: with 7 bits, a point behind 128 casting faces looks lit, see
     /// [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
-    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more, and take the highest for darkness.
+    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more, and take the highest for
+    /// darkness.
     pub count_bits: u32,
     /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
-    /// that clips slivers wrongly, such as `SwiftShader`: its shadows have lone wrong pixels where volumes leave the picture.
-    /// `rimline devices` names such drivers. Volumes then take several times as long, since each polygon takes four to seven
-    /// draws. Light caps of z-fail and ZP+ as published are not cut, so z-fail may still show such pixels.
+    /// that clips slivers wrongly, such as `SwiftShader`: its shadows have lone wrong pixels where volumes leave the
+    /// picture. `rimline devices` names such drivers. Volumes then take several times as long, since each polygon takes four
+    /// to seven draws. Light caps of z-fail and ZP+ as published are not cut, so z-fail may still show such pixels.
     pub trim: bool,
 }
 

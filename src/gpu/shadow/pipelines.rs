@@ -39,8 +39,8 @@ pub(crate) struct PartDraw {
     pub(crate) pipelines: Vec<wgpu::RenderPipeline>,
 }
 
-// Indices of the fields of `ShadowDraws`. The first four are those of `PieceDraws`, too. Caps have two: those that count up on
-// their front, and those that count up on their back.
+// Indices of the fields of `ShadowDraws`. The first four are those of `PieceDraws`, too. Caps have two: those that count up
+// on their front, and those that count up on their back.
 const PLAIN: u64 = 0;
 const CLIPPED: u64 = 1;
 const NEAR_CAPS: u64 = 2;

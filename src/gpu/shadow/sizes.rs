@@ -20,8 +20,8 @@ const CROSSINGS: u64 = 4 * 1028;
 const LIST_VERSIONS: u64 = 8 * 32;
 /// Bytes of the box of a caster.
 const BOX: u64 = 28;
-/// Whether `choose` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind which
-/// volumes end.
+/// Whether `choose` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind
+/// which volumes end.
 fn has_measures(options: &SceneOptions, has_receivers: bool) -> bool {
     options.end_at_range || has_receivers || options.counting.is_zp_plus_2005()
 }
@@ -73,9 +73,9 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// Sides have room for all silhouettes that fit one binding. Capacities of caps are those of the options. By default near
-    /// caps have room for `few` and sixteen times the square root of the faces, other caps for all faces that may have one;
-    /// both shrink in proportion if they do not fit one binding.
+    /// Sides have room for all silhouettes that fit one binding. Capacities of caps are those of the options. By default
+    /// near caps have room for `few` and sixteen times the square root of the faces, other caps for all faces that may have
+    /// one; both shrink in proportion if they do not fit one binding.
     pub(crate) fn new(
         options: &SceneOptions,
         group: &GroupSize,
@@ -197,8 +197,8 @@ impl VolumeSizes {
         BOX * self.casters as u64
     }
 
-    /// Shrinks lists of caps to fit the memory limit, unless the caller gives their capacity. `all` is the size of everything
-    /// in bytes.
+    /// Shrinks lists of caps to fit the memory limit, unless the caller gives their capacity. `all` is the size of
+    /// everything in bytes.
     pub(crate) fn fit_memory(&mut self, all: u64) {
         let (Some(limit), None) = (self.options.memory_limit, self.options.capacities.caps) else { return };
         let entries: u64 = self.rooms.iter().map(|room| room.cap_entries()).sum();

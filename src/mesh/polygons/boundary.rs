@@ -9,8 +9,8 @@ pub(super) struct Walker {
 }
 
 impl Walker {
-    /// Appends the boundary of a polygon with these loops, in the order of its corners. Edges from a vertex to itself are left
-    /// out. Edges of opposite directions between two vertices cancel, the earliest first.
+    /// Appends the boundary of a polygon with these loops, in the order of its corners. Edges from a vertex to itself are
+    /// left out. Edges of opposite directions between two vertices cancel, the earliest first.
     pub(super) fn append_boundary<'a>(&mut self, boundary: &mut Vec<[u32; 2]>, loops: impl Iterator<Item = &'a [u32]>) {
         let first = boundary.len();
         for corners in loops {

@@ -32,10 +32,10 @@ impl PolygonLoops<'_> {
     /// [`Mesh::from_polygons`](crate::Mesh::from_polygons), for other makers of geometry, and what welding did. Each welded
     /// group goes by its lowest index, or by the vertex at its smallest position where vertices are welded by distance.
     ///
-    /// A polygon of three corners is its own triangle. The triangles of a larger one have the polygon's boundary, edge by edge.
-    /// Polygons with the same corners around, in either direction, have the same triangles, so both sides of one surface
-    /// coincide. A polygon without a boundary walks all its edges both ways and has no surface. It becomes one triangle
-    /// that names a vertex twice, which is drawn nowhere.
+    /// A polygon of three corners is its own triangle. The triangles of a larger one have the polygon's boundary, edge by
+    /// edge. Polygons with the same corners around, in either direction, have the same triangles, so both sides of one
+    /// surface coincide. A polygon without a boundary walks all its edges both ways and has no surface. It becomes one
+    /// triangle that names a vertex twice, which is drawn nowhere.
     ///
     /// # Errors
     /// The errors of [`Mesh::from_polygons`](crate::Mesh::from_polygons).

@@ -36,8 +36,8 @@ impl Polygons {
     /// For each polygon the first one with the same boundary, in the same direction or the opposite. A diagonal of the one
     /// need not be one of the other otherwise, and what is one surface to the user would be two.
     fn first_alike(&self) -> Vec<u32> {
-        // The sum does not depend on where a boundary begins. Vertices are mixed with a random key, so that no input can choose
-        // polygons that collide.
+        // The sum does not depend on where a boundary begins. Vertices are mixed with a random key, so that no input can
+        // choose polygons that collide.
         let key = RandomState::new().hash_one(0);
         let mixed = |vertex: u32| {
             let mixed = (u64::from(vertex) ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -84,8 +84,8 @@ impl Triangulator {
     }
 }
 
-/// The most corners with equal positions, and the most in all, for which ears are cut. Without ears, `earcut` may take time with
-/// the cube of the number of corners. Fans fill the remaining loops.
+/// The most corners with equal positions, and the most in all, for which ears are cut. Without ears, `earcut` may take time
+/// with the cube of the number of corners. Fans fill the remaining loops.
 const MOST_COINCIDENT: usize = 16;
 const MOST_CORNERS: usize = 1 << 15;
 

@@ -12,7 +12,8 @@ pub struct WeldDistance {
 }
 
 impl WeldDistance {
-    /// A distance in the space of the positions. 0 joins vertices with equal positions, like [`Weld::Data`](super::Weld::Data) does.
+    /// A distance in the space of the positions. 0 joins vertices with equal positions, like
+    /// [`Weld::Data`](super::Weld::Data) does.
     ///
     /// # Errors
     /// [`MeshError`] for a distance that is negative, infinite or NaN.
