@@ -143,7 +143,7 @@ Examples:
   rimline lines house.obj --out house.svg
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
   rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
-  rimline lines part.obj --unit mm --dxf-units model --view top --out part.dxf   # 1:1 for CAD
+  rimline lines part.obj --unit mm --dxf-units model --view top --out part.dxf
   rimline lines fox.glb --animation Run --frames 24 --turn 90 --out frames --format png
 
 A style, with the defaults of some lines; widths and dashes in millimetres:
