@@ -171,6 +171,7 @@ pub(super) fn is_integer(element: ElementType) -> bool {
 pub(super) type Decode<T> = fn(ElementType, &[u8]) -> Result<T, i128>;
 
 /// Up to 32 bits, as they are. A float keeps them, a NaN its payload.
+#[cfg(feature = "depth-map")]
 pub(super) const BITS: Decode<u32> = |element, bytes| Ok(raw(element, bytes) as u32);
 pub(super) const FLOAT: Decode<f32> = |element, bytes| Ok(f32::from_bits(raw(element, bytes) as u32));
 /// A float of either size, exactly.
@@ -228,7 +229,9 @@ struct Head {
 
 /// An array of any shape, its values in C order.
 pub(super) struct Values<T> {
+    #[cfg(feature = "depth-map")]
     pub(super) shape: Vec<u64>,
+    #[cfg(feature = "depth-map")]
     pub(super) element: ElementType,
     pub(super) elements: Vec<T>,
 }
@@ -336,12 +339,18 @@ impl<R: Read + Seek> Archive<R> {
             let row = shape.last().copied().unwrap_or(1).max(1);
             (shape.len() <= 3 && fits(shape)).then(|| Extent { tuples: shape.iter().product(), row })
         };
-        let (Head { header, element, .. }, tuples) = self.tuples::<T, 1>(entry, decode, extent)?;
+        let (head, tuples) = self.tuples::<T, 1>(entry, decode, extent)?;
         let mut elements: Vec<T> = tuples.into_iter().map(|[value]| value).collect();
-        if header.fortran_order {
-            elements = in_c_order(&elements, &header.shape);
+        if head.header.fortran_order {
+            elements = in_c_order(&elements, &head.header.shape);
         }
-        Ok(Values { shape: header.shape, element, elements })
+        Ok(Values {
+            #[cfg(feature = "depth-map")]
+            element: head.element,
+            #[cfg(feature = "depth-map")]
+            shape: head.header.shape,
+            elements,
+        })
     }
 
     /// The rows that the header of a table of C columns states. No data is read.
