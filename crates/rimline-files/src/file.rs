@@ -35,10 +35,10 @@ pub struct GivenPolygons {
     pub positions: Vec<[f32; 3]>,
 }
 
-/// One instance where it is.
+/// The pose of a model of one instance whose positions are in world space.
 ///
 /// # Errors
-/// None so far.
+/// [`ModelError`] as for [`InstancePose::new`], which takes the identity.
 pub fn resting() -> Result<Pose, ModelError> {
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     Ok(Pose::new(vec![InstancePose::new(vec![identity], Vec::new())?]))
