@@ -6,11 +6,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::task::{Context, Poll, Wake, Waker};
 
 use rimline::gpu::{
-    DeviceError, Extractor, ExtractorOptions, ShadowFormat, StageTimer, read_back, read_back_async, read_back_vec,
+    DeviceError, Extractor, ExtractorOptions, StageTimer, read_back, read_back_async, read_back_vec,
     read_back_vec_async,
 };
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::{CLEARED, depth_pass};
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same};
 
@@ -222,15 +223,9 @@ fn late() -> Result<(), String> {
     let view = depth_stencil(&watched);
     let cleared = |timer: Option<&mut StageTimer>| {
         gpu.submit(|encoder| {
-            let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store });
-            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    depth_ops,
-                    ..ShadowFormat::attachment(&view)
-                }),
-                timestamp_writes: timer.and_then(|timer| timer.render_pass("clear")),
-                ..Default::default()
-            }));
+            let timestamp_writes = timer.and_then(|timer| timer.render_pass("clear"));
+            let pass = wgpu::RenderPassDescriptor { timestamp_writes, ..depth_pass(&view, CLEARED) };
+            drop(encoder.begin_render_pass(&pass));
             Ok(())
         })
     };

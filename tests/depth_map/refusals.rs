@@ -8,13 +8,14 @@ use rimline::{CameraError, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::{self, depth_pass};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::same;
 use wgpu::TextureFormat;
 
 use crate::picture::{REVERSED, STANDARD, by, contours};
 use crate::stages::camera;
-use crate::textures::{begin, depth_view};
+use crate::textures::depth_view;
 
 pub(crate) const TESTS: &[Test] = &[
     ("pipelines_and_volumes_that_cannot_be_made", making),
@@ -135,16 +136,8 @@ fn texture(
     [sample_count, mip_level_count]: [u32; 2],
     usage: wgpu::TextureUsages,
 ) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("map"),
-        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-        mip_level_count,
-        sample_count,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
+    let plain = passes::texture([side; 2], format);
+    gpu.device.create_texture(&wgpu::TextureDescriptor { sample_count, mip_level_count, usage, ..plain })
 }
 
 fn view(texture: &wgpu::Texture, base_mip_level: u32) -> wgpu::TextureView {
@@ -218,7 +211,7 @@ fn drawing() -> Result<(), String> {
         let first = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
         let second = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
         let walls = walled.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
-        let mut pass = begin(encoder, &view, (None, Some(wgpu::LoadOp::Load)));
+        let mut pass = encoder.begin_render_pass(&depth_pass(&view, (None, Some(wgpu::LoadOp::Load))));
         let mismatch = DepthMapError::Depth { what: "the pipelines", given: STANDARD, made: REVERSED };
         refused([
             refusal("an earlier frame", first.draw(&mut pass, &pipelines), is(DepthMapError::StaleFrame)),

@@ -11,7 +11,7 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{is_long, must_fail, same};
+use rimline_testkit::{IDENTITY, is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::mesh_depth::{SIDE, map, wrong};
@@ -29,7 +29,6 @@ pub(crate) const TESTS: &[Test] = &[
 
 pub(crate) const FORMATS: [TextureFormat; 3] =
     [TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
-pub(crate) const UNIT: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// A caster of a test: its shape, where it is, and its handle. With `buffer`, its positions lie there, in world space.
 pub(crate) struct Placed {
@@ -84,7 +83,7 @@ impl Casters {
         let meshes = self.meshes()?;
         for number in 0..count {
             let shape = random.below(3);
-            let rows = if number % 4 == 1 { UNIT } else { rows(random, spread, number) };
+            let rows = if number % 4 == 1 { IDENTITY } else { rows(random, spread, number) };
             let handle = self.scene.insert(Caster::rigid(meshes[shape], rows)).map_err(text)?;
             self.placed.push(Placed { shape, rows, buffer: None, handle });
         }
@@ -102,7 +101,12 @@ impl Casters {
             for (shape, offset, stride) in of_buffer {
                 let positions = PositionBuffer { buffer: &buffer, offset, stride };
                 let handle = self.scene.insert(Caster::in_buffer(meshes[shape], positions)).map_err(text)?;
-                self.placed.push(Placed { shape, rows: UNIT, buffer: Some((buffer.clone(), offset, stride)), handle });
+                self.placed.push(Placed {
+                    shape,
+                    rows: IDENTITY,
+                    buffer: Some((buffer.clone(), offset, stride)),
+                    handle,
+                });
             }
         }
         Ok(())
@@ -143,7 +147,7 @@ impl Casters {
                     draw.draw(pass, PositionBuffer { buffer, offset: *offset, stride: *stride }, light)
                 } else {
                     let positions = PositionBuffer { buffer: &buffers[caster.shape], offset: 0, stride: 12 };
-                    if caster.rows == UNIT {
+                    if caster.rows == IDENTITY {
                         draw.draw(pass, positions, light)
                     } else {
                         draw.draw_rigid(pass, positions, caster.rows, light)
@@ -319,7 +323,7 @@ fn chosen() -> Result<(), String> {
     let each = empty.one_by_one(&gpu, FORMATS[0], &light, |_| true)?;
     same("singular, one by one", &bits(&each), &none)?;
     // Negative control: with the unit matrix it is drawn.
-    empty.scene.set_transform(empty.placed[0].handle, UNIT).map_err(text)?;
+    empty.scene.set_transform(empty.placed[0].handle, IDENTITY).map_err(text)?;
     let (found, _) = empty.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
     must_fail("the unit matrix", &same("singular", &bits(&found), &none))
 }

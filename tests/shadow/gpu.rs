@@ -27,7 +27,6 @@ mod rays;
 mod receivers;
 mod refusals;
 mod render;
-mod rounds;
 mod samples;
 mod scene;
 mod scene_refusals;

@@ -1,17 +1,20 @@
 //! Volumes that no receiver can be in: without them every receiver has the same count.
 
 use glam::DVec3;
-use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, ShadowError, View};
+use rimline::gpu::{FrameInputs, Receivers, ShadowError, View};
 use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes;
 use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
 use crate::rays::Truth;
+use crate::receivers::cube_below_light;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
@@ -20,7 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("hidden_volumes_change_no_receiver", classes),
     ("walls_hide_casters_and_their_shadows", walls),
     ("depth_that_comes_nearer_afterwards_is_right", nearer),
-    ("receivers_that_cannot_be_read_are_refused", refused),
+    ("receivers_that_cannot_be_read_are_refused", unreadable),
 ];
 
 fn direction(random: &mut Random) -> DVec3 {
@@ -30,9 +33,9 @@ fn direction(random: &mut Random) -> DVec3 {
 /// Fails where a pixel with a surface, or any pixel if the sky receives, has another count than without knowing receivers.
 /// Returns the pairs of caster and light that were hidden.
 fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool) -> Result<u32, String> {
-    let without = Renderer { receivers: None, pipelines: renderer.pipelines.clone(), ..*renderer };
+    let without = Renderer { receivers: None, ..*renderer };
     let expected = without.count(&traced.frame, counting)?;
-    let renderer = Renderer { receivers: Some(sky), pipelines: renderer.pipelines.clone(), ..*renderer };
+    let renderer = Renderer { receivers: Some(sky), ..*renderer };
     let found = renderer.count(&traced.frame, counting)?;
     let seen = |counted: &Counted| -> Vec<u8> {
         let pixels = counted.stencils[0].iter().zip(&traced.truths);
@@ -163,53 +166,31 @@ fn nearer() -> Result<(), String> {
 }
 
 /// A texture that cannot be read gives a typed error. The next encode is as if nothing had been asked.
-fn refused() -> Result<(), String> {
+fn unreadable() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
-    let shape = shapes::cube();
-    let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
-    let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
-    scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
-    let mut random = Random::new(1);
-    let camera: ShadowCamera = behind_walls(&mut random).eye.camera();
-    let texture = |format, usage, layers| {
-        gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: 20, height: 30, depth_or_array_layers: layers },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        })
-    };
-    let (bound, depth) = (wgpu::TextureUsages::TEXTURE_BINDING, wgpu::TextureFormat::Depth24PlusStencil8);
-    let colour = wgpu::TextureFormat::Rgba8Unorm;
-    let only = wgpu::TextureViewDescriptor { aspect: wgpu::TextureAspect::DepthOnly, ..Default::default() };
-    let views = [
-        (texture(colour, bound, 1), wgpu::TextureViewDescriptor::default()),
-        (texture(depth, wgpu::TextureUsages::empty(), 1), only.clone()),
-        // Both aspects, and several layers.
-        (texture(depth, bound, 1), wgpu::TextureViewDescriptor::default()),
-        (texture(depth, bound, 2), only.clone()),
-        (texture(depth, bound, 1), only),
-    ];
-    let mut errors = Vec::new();
-    for (texture, descriptor) in &views {
-        let view = texture.create_view(descriptor);
+    let mut scene = cube_below_light(gpu)?;
+    let camera: ShadowCamera = behind_walls(&mut Random::new(1)).eye.camera();
+    let (depth, color) = (wgpu::TextureFormat::Depth24PlusStencil8, wgpu::TextureFormat::Rgba8Unorm);
+    let plain = |format| passes::texture([20, 30], format);
+    let size = wgpu::Extent3d { depth_or_array_layers: 2, ..plain(depth).size };
+    let of_depth = wgpu::TextureViewDescriptor { aspect: wgpu::TextureAspect::DepthOnly, ..Default::default() };
+    let both = wgpu::TextureViewDescriptor::default();
+    let unbound = wgpu::TextureDescriptor { usage: wgpu::TextureUsages::RENDER_ATTACHMENT, ..plain(depth) };
+    let layers = wgpu::TextureDescriptor { size, ..plain(depth) };
+    for (what, texture, view, expected) in [
+        ("format", plain(color), &both, is(ShadowError::ReceiversFormat { view: 0, format: color })),
+        ("usage", unbound, &of_depth, is(ShadowError::ReceiversUsage { view: 0 })),
+        ("both aspects", plain(depth), &both, shows(&["ReceiversRefused { view: 0,"])),
+        ("several layers", layers, &of_depth, shows(&["ReceiversRefused { view: 0,"])),
+        ("none", plain(depth), &of_depth, Expected::Taken),
+    ] {
+        let view = gpu.device.create_texture(&texture).create_view(view);
         let depth = Some(Receivers { depth: &view, sky_receives: false, version: None });
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        errors.push(match scene.encode(&mut encoder, FrameInputs::new(&[View { camera, depth }])) {
-            Ok(_) => "none",
-            Err(ShadowError::ReceiversFormat { view: 0, format }) if format == colour => "format",
-            Err(ShadowError::ReceiversUsage { view: 0 }) => "usage",
-            Err(ShadowError::ReceiversRefused { view: 0, .. }) => "refused",
-            Err(error) => return Err(error.to_string()),
-        });
-        scene.encode(&mut encoder, FrameInputs::new(&[camera.into()])).map_err(text)?;
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit(|encoder| {
+            let encoded = scene.encode(encoder, FrameInputs::new(&[View { camera, depth }]));
+            refused([refusal(what, encoded, expected)])?;
+            scene.encode(encoder, FrameInputs::new(&[camera.into()])).map(drop).map_err(text)
+        })?;
     }
-    same("errors", &errors, &["format", "usage", "refused", "refused", "none"])
+    Ok(())
 }

@@ -19,7 +19,6 @@ use rimline_testkit::{is_long, must_fail, same};
 pub(crate) const TESTS: &[Test] = &[
     ("counts_that_are_multiples_of_256_are_warned_of", multiples),
     ("stencil_bound_holds", bound),
-    ("ordinary_models_do_not_warn", ordinary),
     ("lists_that_overflow_count_alike", short_lists),
     ("lists_of_cap_faces_that_a_small_device_shortens", shortened),
 ];
@@ -124,34 +123,6 @@ fn bound() -> Result<(), String> {
         }
     }
     if tight > 0 { Ok(()) } else { Err("no frame had a shadow".to_owned()) }
-}
-
-/// Shapes of some thousands of faces, from lights around them.
-fn ordinary() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let models = [
-        ("torus", shapes::torus(48, 24, 1.0, 0.35)),
-        ("blob", shapes::blob(48, 0.4, 3)),
-        ("plane", shapes::plane_grid(64, 64)),
-        ("moebius", shapes::moebius(96, 8)),
-        ("sheets", shapes::three_sheets(24)),
-    ];
-    let mut random = Random::new(11);
-    for (name, shape) in models {
-        let mut frame = (CLASSES[0].frame)(&mut Random::new(1));
-        frame.bodies = vec![Body::caster(shape), Body::room([0.0; 3], 8.0)];
-        frame.lights = (0..8).map(|_| Light::point(random.direction().map(|c| c * 5.0))).collect();
-        frame.lights.push(Light::directional(random.direction()));
-        frame.size = 16;
-        let options = OneCasterOptions { cull_by_view: false, bound_counts: true, ..OneCasterOptions::default() };
-        let counted = Renderer { options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
-        let statistics = counted.statistics[0];
-        println!("{name}: bound {}", statistics.count_bound);
-        if statistics.may_wrap != 0 || statistics.count_bound == 0 {
-            return Err(format!("{name}: {statistics:?}"));
-        }
-    }
-    Ok(())
 }
 
 /// Lists of sides and of cap faces that overflow give the same counts, by each method, of casters alone and in one scene.

@@ -6,13 +6,13 @@ use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{one_caster, text};
+use rimline_testkit::passes;
 use rimline_testkit::pipelines::Drawing;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("formats_of_passes_serve_for_them", served),
-    ("other_passes_are_typed_errors", other_passes),
+    ("formats_serve_for_their_passes_and_no_others", other_passes),
     ("light_is_added_where_the_stencil_is_0_at_any_depth", full_screen),
     ("light_is_compared_with_0_after_volumes", reference),
 ];
@@ -25,17 +25,9 @@ fn camera() -> ShadowCamera {
 }
 
 fn target(gpu: &Gpu, samples: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: samples,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+    let descriptor = wgpu::TextureDescriptor { sample_count: samples, usage, ..passes::texture([64; 2], format) };
+    gpu.device.create_texture(&descriptor).create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 fn color(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
@@ -96,29 +88,7 @@ fn drawn(
     })
 }
 
-fn served() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    for samples in [1, 4] {
-        for formats in colors() {
-            let views = Views::new(gpu, samples, &formats);
-            let attachments = views.attachments();
-            let pass = wgpu::RenderPassDescriptor {
-                color_attachments: &attachments,
-                depth_stencil_attachment: Some(ShadowFormat::attachment(&views.depth_stencil)),
-                ..Default::default()
-            };
-            let format = ShadowFormat::of_pass(&pass, &camera()).map_err(text)?;
-            let expected = ShadowFormat { samples, colors: formats.clone(), ..ShadowFormat::default() };
-            same("the format", &[&format], &[&expected])?;
-            match drawn(gpu, &format, &pass, false)? {
-                Ok(None) => {}
-                other => return Err(format!("{samples} samples, {formats:?}: {other:?}")),
-            }
-        }
-    }
-    Ok(())
-}
-
+/// A format that is made of a pass is that of its attachments.
 fn other_passes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut refusals = 0;
@@ -135,6 +105,8 @@ fn other_passes() -> Result<(), String> {
             };
             let what = format!("{samples} samples, {formats:?} into {others}, {other_formats:?}");
             let is_same = samples == others && formats == other_formats;
+            let of_pass = ShadowFormat::of_pass(&pass, &camera()).map_err(text)?;
+            same(&what, &[of_pass == format], &[is_same])?;
             let expected = if is_same { Expected::Taken } else { shows(&["OtherAttachments"]) };
             refused([refusal(&what, drawn(gpu, &format, &pass, false)?, expected)])?;
             // Each refusal spares an error of wgpu, by default a panic.

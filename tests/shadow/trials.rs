@@ -1,7 +1,6 @@
 //! Each class of frames, by every method that claims to be right there; and what must be wrong.
 
 use rimline::Counting;
-use rimline::gpu::Pipelines;
 use rimline::internals::layout::ShadowLight;
 use rimline_testkit::OneCasterOptions;
 
@@ -24,7 +23,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("volumes_that_are_trimmed_are_right", trimmed),
     ("another_depth_pass_does_no_harm", reordered),
     ("float_depth", float_depth),
-    ("shared_pipelines_count_alike", shared),
 ];
 
 pub(crate) fn seed(class: &Class, number: u64) -> u64 {
@@ -251,21 +249,4 @@ fn float_depth() -> Result<(), String> {
     let gpu = Gpu::shared_with_depth_features()?;
     let renderer = Renderer { format: wgpu::TextureFormat::Depth32FloatStencil8, ..Renderer::new(&gpu) };
     each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))
-}
-
-/// The same counts with pipelines that nobody shares, by each method.
-fn shared() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZPass, Counting::ZFail, Counting::ZpPlus2005];
-    let few = if is_long() { 1 } else { 5 };
-    for (class, counting) in CLASSES.iter().step_by(few).zip(methods.into_iter().cycle()) {
-        let frame = (class.frame)(&mut Random::new(seed(class, 8)));
-        let sharing = Renderer::new(&gpu).count(&frame, counting)?;
-        let alone =
-            Renderer { pipelines: Pipelines::new(&gpu.device), ..Renderer::new(&gpu) }.count(&frame, counting)?;
-        if sharing.stencils != alone.stencils || sharing.chosen != alone.chosen {
-            return Err(format!("{}, {counting:?}: another picture", class.name));
-        }
-    }
-    Ok(())
 }

@@ -15,8 +15,7 @@ use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 
-pub(crate) const TESTS: &[Test] =
-    &[("published_zp_plus", published), ("case_d_goes_over_to_z_fail", switches), ("auto_never_takes_published", auto)];
+pub(crate) const TESTS: &[Test] = &[("published_zp_plus", published), ("case_d_goes_over_to_z_fail", switches)];
 
 /// The codes of [`ShadowLight::counting`].
 const Z_FAIL: u32 = 2;
@@ -120,17 +119,4 @@ fn switches() -> Result<(), String> {
     } else {
         Err(format!("one of both never happened: {found:?}"))
     }
-}
-
-/// Auto is z-pass or the library's ZP+.
-fn auto() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    for class in CLASSES {
-        let seed = seed(class, 0);
-        let counted = Renderer::new(&gpu).count(&(class.frame)(&mut Random::new(seed)), Counting::Auto)?;
-        if let Some(light) = counted.chosen.iter().flatten().find(|light| light.counting > 1) {
-            return Err(format!("{}, seed {seed}: {light:?}", class.name));
-        }
-    }
-    Ok(())
 }

@@ -9,13 +9,13 @@ use rimline::internals::cpu::{self, Threads};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY};
 use rimline::mesh::EdgeKind;
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Light, Predicate};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{is_long, must_fail};
+use rimline_testkit::{IDENTITY, is_long, must_fail};
 
 use crate::scene::Eye;
 use crate::sides::box_of;
@@ -69,7 +69,7 @@ struct Case {
 
 impl Case {
     fn new(shape: Shape, light: Light) -> Self {
-        let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a good mesh");
+        let mesh = shape.mesh().expect("a good mesh");
         let lights = [light];
         let found = cpu::extract(&shape.positions, &mesh, &lights, Predicate::Exact, Threads::ONE).expect("good");
         let silhouettes = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
@@ -193,10 +193,9 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
     let options = SceneOptions { max_lights: 1, stencil, capacities, measuring, ..SceneOptions::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let insert = |case: &Case| {
-        let mesh = Mesh::from_faces(case.shape.positions.len(), case.shape.faces.clone()).map_err(text)?;
+        let mesh = case.shape.mesh().map_err(text)?;
         let mesh = scene.add_mesh(&mesh, &case.shape.positions).map_err(text)?;
-        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        scene.insert(Caster::rigid(mesh, rows)).map_err(text)
+        scene.insert(Caster::rigid(mesh, IDENTITY)).map_err(text)
     };
     let casters = cases.iter().map(insert).collect::<Result<Vec<_>, String>>()?;
     scene.add_light(cases[0].light).map_err(text)?;
