@@ -148,10 +148,7 @@ fn off_surface() -> Result<(), String> {
 /// bodies in each other and through each other, on edges of cubes of any size, and on vertices of open sheets.
 fn on_surface() -> Result<(), String> {
     ON_A_CUBE.into_iter().try_for_each(|light| at_a_cube(light, &RIGHT))?;
-    let gpu = Gpu::shared()?;
-    let seed = 71;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(71)?;
     for number in 0..if is_long() { 300 } else { 18 } {
         let mut frame = nested(&mut random);
         match number % 3 {

@@ -119,10 +119,7 @@ const HEAD: usize = 16;
 
 /// Keys of tiles and levels are those of the depths, and the box has all points that are seen.
 fn pyramid() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 6001;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(6001)?;
     let (mut limited, mut endless) = (0, 0);
     for number in 0..48 {
         let eye = eye(&mut random, number);
@@ -134,9 +131,9 @@ fn pyramid() -> Result<(), String> {
         let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
         let nearest = [1.0, 0.01][random.below(2)];
         let ends = [1.0 - near_z, nearest];
-        let (depths, texture) = written(gpu, pixels, samples, [number as u32, share], ends)?;
+        let (depths, texture) = written(&gpu, pixels, samples, [number as u32, share], ends)?;
         let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut scene = cube_below_light(gpu)?;
+        let mut scene = cube_below_light(&gpu)?;
         // The second of three views has them.
         let mut views = [View::new(camera); 3];
         views[1].depth = Some(Receivers { depth: &depth, sky_receives, version: None });

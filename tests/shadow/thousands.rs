@@ -58,10 +58,7 @@ fn placement(random: &mut Random) -> Matrix3x4 {
 }
 
 fn thousands() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 301;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(301)?;
     let models = [shapes::cube(), shapes::plane_grid(2, 2)];
     // Room for every side and cap.
     let capacities = Capacities { lists: Some(1 << 20), caps: Some(1 << 18), ..Capacities::default() };

@@ -216,10 +216,7 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
 }
 
 fn stacks() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 231;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(231)?;
     let (mut deepest, mut back_facing) = (0, 0);
     let rounds = if is_long() { 6000 } else { 300 };
     for number in 0..rounds {
@@ -233,7 +230,7 @@ fn stacks() -> Result<(), String> {
         };
         let every_face = random.below(3) < 2;
         let mut case = [Case::new(shape, light)];
-        let bound = bound(gpu, &mut case, every_face)?;
+        let bound = bound(&gpu, &mut case, every_face)?;
         let [case] = case;
         back_facing += usize::from(case.casting == CAST_BACK_FACING);
         let what = |error: String| format!("number {number}, w {w}, casting {}: {error}", case.casting);
@@ -271,10 +268,7 @@ fn near_the_end() -> Result<(), String> {
 /// Rays from a light among many casters: piles of blocks in directions at random or along coordinate axes, blocks around it,
 /// one that it is in, and blocks that its axes pass.
 fn among_casters() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 232;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(232)?;
     let (mut deepest, mut sharp) = (0, 0);
     let rounds = if is_long() { 3000 } else { 150 };
     for number in 0..rounds {
@@ -305,7 +299,7 @@ fn among_casters() -> Result<(), String> {
         if random.below(4) == 0 {
             add(light_position, DVec3::splat(6.0), &mut random);
         }
-        let bound = bound(gpu, &mut cases, every_face)?;
+        let bound = bound(&gpu, &mut cases, every_face)?;
         let mut count = 0;
         for case in &cases {
             for face in &case.shape.faces {
