@@ -12,8 +12,7 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::passes::{CLEARED, depth_pass, texture};
 use rimline_testkit::{IDENTITY, must_fail, same, shapes};
 
-pub(crate) const TESTS: &[Test] =
-    &[("frames_make_what_they_need_and_no_more", frames), ("a_warm_up_leaves_nothing_to_be_made", warm_up)];
+pub(crate) const TESTS: &[Test] = &[("frames_and_warm_ups_make_what_they_need_and_no_more", warm_up)];
 
 /// The parts of a frame of a scene.
 #[derive(Clone, Copy)]
@@ -109,36 +108,25 @@ impl Frame {
     }
 }
 
-/// A first frame makes so many pipelines, a second one of the same kind none.
-fn frames() -> Result<(), String> {
-    let gpu = Gpu::with_limits(wgpu::Limits::default())?;
-    for (what, frame, expected) in Frame::kinds() {
-        let pipelines = Pipelines::new(&gpu.device);
-        let drawing = frame.pipelines(&pipelines)?;
-        let before = pipelines.len();
-        frame.run(&gpu, &pipelines, &drawing)?;
-        same(&format!("{what}, pipelines of a frame"), &[pipelines.len() - before], &[expected])?;
-        let before = pipelines.len();
-        frame.run(&gpu, &pipelines, &drawing)?;
-        same(&format!("{what}, pipelines of a second frame"), &[pipelines.len()], &[before])?;
-    }
-    Ok(())
-}
-
-/// A warm-up makes what the frame does, and leaves nothing for it.
+/// A first frame makes so many pipelines, a second one of the same kind none. A warm-up makes what the frame does, and leaves nothing for
+/// it.
 fn warm_up() -> Result<(), String> {
     let gpu = Gpu::with_limits(wgpu::Limits::default())?;
     for (what, frame, expected) in Frame::kinds() {
-        let pipelines = Pipelines::new(&gpu.device);
-        let drawing = frame.pipelines(&pipelines)?;
-        let before = pipelines.len();
-        for made in [expected, 0] {
+        for warm_ups in [0, 2] {
+            let pipelines = Pipelines::new(&gpu.device);
+            let drawing = frame.pipelines(&pipelines)?;
             let before = pipelines.len();
-            pipelines.warm_up(&frame.uses(&drawing)).map_err(text)?;
-            same(&format!("{what}, pipelines of a warm-up"), &[pipelines.len() - before], &[made])?;
+            for number in 1..=warm_ups {
+                pipelines.warm_up(&frame.uses(&drawing)).map_err(text)?;
+                same(&format!("{what}, pipelines of warm-up {number}"), &[pipelines.len() - before], &[expected])?;
+            }
+            for number in 1..=2 {
+                frame.run(&gpu, &pipelines, &drawing)?;
+                let what = format!("{what}, pipelines of frame {number} after {warm_ups} warm-ups");
+                same(&what, &[pipelines.len() - before], &[expected])?;
+            }
         }
-        frame.run(&gpu, &pipelines, &drawing)?;
-        same(&format!("{what}, pipelines after it"), &[pipelines.len() - before], &[expected])?;
     }
     let pipelines = Pipelines::new(&gpu.device);
     let shape = shapes::cube();

@@ -1,7 +1,7 @@
 //! Counts that 8 bits do not hold, and the bound that tells of them; lists that overflow.
 
 use glam::DVec3;
-use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING};
+use rimline::internals::shadow::CAST_EVERY;
 use rimline::{Counting, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::shapes::{self, Shape};
@@ -9,7 +9,7 @@ use rimline_testkit::shapes::{self, Shape};
 use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::rays::{self, Truth};
-use crate::render::{Counted, Placing, Renderer};
+use crate::render::{Placing, Renderer};
 use crate::scene::{Body, CENTRE, Eye, Frame};
 use crate::trials::{Test, Traced, rotated, seed};
 use rimline_testkit::device::Gpu;
@@ -18,15 +18,9 @@ use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("counts_that_are_multiples_of_256_are_warned_of", multiples),
-    ("stencil_bound_holds", bound),
     ("lists_that_overflow_count_alike", short_lists),
     ("lists_of_cap_faces_that_a_small_device_shortens", shortened),
 ];
-
-fn renderer(gpu: &Gpu) -> Renderer<'_> {
-    let options = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
-    Renderer { options, ..Renderer::new(gpu) }
-}
 
 /// `count` sheets above each other, in one mesh, with the eye and a receiver below them all and the light above.
 fn stack(count: u32) -> Frame {
@@ -43,6 +37,8 @@ fn stack(count: u32) -> Frame {
 /// are in the way. The bound warns of both.
 fn multiples() -> Result<(), String> {
     let gpu = Gpu::shared()?;
+    let options = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
+    let renderer = Renderer { options, ..Renderer::new(&gpu) };
     for (sheets, aliases, warns) in [(100, false, false), (256, true, true), (300, false, true)] {
         let frame = stack(sheets);
         let truths = rays::trace(&frame, CENTRE);
@@ -55,7 +51,7 @@ fn multiples() -> Result<(), String> {
         }
         let compared = Compared { frame: &frame, truths: &truths, within_pixel: CENTRE, light: 0, explains: true };
         for counting in [Counting::Auto, Counting::ZFail] {
-            let counted = renderer(&gpu).count(&frame, counting)?;
+            let counted = renderer.count(&frame, counting)?;
             let stencil = &counted.stencils[0];
             let wrap = compared.counts(stencil, &[true]);
             if !wrap.pixels.is_empty() || wrap.compared == 0 {
@@ -82,47 +78,6 @@ fn multiples() -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// Fails if a bound is below a count that a ray finds.
-fn holds(bounds: &[u32], truths: &[Vec<Truth>], counted: &Counted) -> Result<(), String> {
-    for truth in truths {
-        let Truth::Surface(between) = truth[0] else { continue };
-        for (caster, (&bound, lights)) in bounds.iter().zip(&counted.chosen).enumerate() {
-            let [back_facing, facing] = between.0[caster];
-            let count = match lights[0].casting {
-                CAST_NOTHING => 0,
-                CAST_BACK_FACING => back_facing,
-                _ => back_facing + facing,
-            };
-            if u32::from(count) > bound {
-                return Err(format!("caster {caster}: a count of {count}, the bound is {bound}"));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Casters of all classes, each alone in its scene, against rays.
-fn bound() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let mut tight = 0;
-    for class in CLASSES {
-        for number in 80..if is_long() { 100 } else { 81 } {
-            let seed = seed(class, number);
-            let frame = (class.frame)(&mut Random::new(seed));
-            let counted = renderer(&gpu).count(&frame, Counting::ZFail)?;
-            let bounds: Vec<u32> = counted.statistics.iter().map(|statistics| statistics.count_bound).collect();
-            let truths = rays::trace(&frame, CENTRE);
-            holds(&bounds, &truths, &counted).map_err(|error| format!("{}, seed {seed}: {error}", class.name))?;
-            let lower = vec![0; bounds.len()];
-            if truths.iter().any(|truth| truth[0].is_shadowed()) {
-                must_fail("a bound of nothing", &holds(&lower, &truths, &counted))?;
-                tight += 1;
-            }
-        }
-    }
-    if tight > 0 { Ok(()) } else { Err("no frame had a shadow".to_owned()) }
 }
 
 /// Lists of sides and of cap faces that overflow give the same counts, by each method, of casters alone and in one scene.

@@ -2,13 +2,13 @@
 
 use rimline::gpu::{PositionBuffer, ShadowError, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
-use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{one_caster, text};
 use rimline_testkit::passes;
 use rimline_testkit::pipelines::Drawing;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::{OneCasterOptions, OneFrame};
 use rimline_testkit::{same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -58,6 +58,20 @@ impl Views {
     }
 }
 
+/// Pipelines of a format, and volumes of a torus.
+fn volumes(gpu: &Gpu, format: &ShadowFormat) -> Result<(ShadowPipelines, OneFrame), String> {
+    let shape = shapes::torus(16, 8, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, format, Counting::Auto).map_err(text)?;
+    let mut caster = one_caster(gpu, &pipelines, &mesh, OneCasterOptions::default()).map_err(text)?;
+    let buffer = gpu.storage(&shape.positions);
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let lights = [Light::point([0.0, 5.0, 2.0])];
+    let encoded =
+        gpu.submit(|encoder| caster.encode(encoder, positions, &lights, Some(&camera()), None).map_err(text))?;
+    Ok((pipelines, encoded))
+}
+
 /// Draws volumes of a format into a pass that the format begins, or the encoder. Returns what the device says.
 fn drawn(
     gpu: &Gpu,
@@ -65,15 +79,8 @@ fn drawn(
     pass: &wgpu::RenderPassDescriptor<'_>,
     by_encoder: bool,
 ) -> Result<Result<Option<wgpu::Error>, ShadowError>, String> {
-    let shape = shapes::torus(16, 8, 1.0, 0.4);
-    let mesh = shape.mesh().map_err(text)?;
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, format, Counting::Auto).map_err(text)?;
-    let mut caster = one_caster(gpu, &pipelines, &mesh, OneCasterOptions::default()).map_err(text)?;
-    let buffer = gpu.storage(&shape.positions);
-    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let (pipelines, shadows) = volumes(gpu, format)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let lights = [Light::point([0.0, 5.0, 2.0])];
-    let shadows = caster.encode(&mut encoder, positions, &lights, Some(&camera()), None).map_err(text)?;
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let begun = if by_encoder { Ok(encoder.begin_render_pass(pass)) } else { format.begin_pass(&mut encoder, pass) };
     let begun = begun.map(|mut pass| shadows.draw(&mut pass, &pipelines, 0));
@@ -226,15 +233,7 @@ fn full_screen() -> Result<(), String> {
 fn reference() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let format = ShadowFormat { colors: vec![Some(wgpu::TextureFormat::Rgba8Unorm)], ..ShadowFormat::default() };
-    let shape = shapes::torus(16, 8, 1.0, 0.4);
-    let mesh = shape.mesh().map_err(text)?;
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
-    let mut caster = one_caster(gpu, &pipelines, &mesh, OneCasterOptions::default()).map_err(text)?;
-    let buffer = gpu.storage(&shape.positions);
-    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    let lights = [Light::point([0.0, 5.0, 2.0])];
-    let shadows =
-        gpu.submit(|encoder| caster.encode(encoder, positions, &lights, Some(&camera()), None).map_err(text))?;
+    let (pipelines, shadows) = volumes(gpu, &format)?;
     let found = |reference| {
         // A surface that volumes pass behind and before.
         lit(gpu, &format.full_screen_depth_stencil(), 0.025, 0, |pass| {

@@ -70,24 +70,15 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         counting: COUNT_AUTO,
         cull_by_view: 1,
         cull_by_range: 1,
-        end_at_range: 0,
         choices_offset,
         measures_offset: choices_offset + 2 * batches,
-        lights_offset: 0,
         face_chunks_offset: CHUNKS_AT,
         edge_chunks_offset: CHUNKS_AT,
         views: 1,
         count_batches: 1,
-        proxies: 0,
-        group_and_batch: 0,
-        first_caster: 0,
-        lists_offset: 0,
-        uses_cache: 0,
-        needs_boxes: 0,
         used_lights: lights as u32,
-        has_receivers: 0,
         largest_count: 255,
-        piece_capacity: 0,
+        ..bytemuck::Zeroable::zeroed()
     }
 }
 
