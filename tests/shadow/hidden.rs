@@ -1,6 +1,10 @@
-//! Volumes that no receiver can be in: without them every receiver has the same count.
+//! Volumes that no receiver can be in: without them every receiver has the same count. Faces that other faces hide from a light: without
+//! them every shadow is the same.
+
+use std::ops::ControlFlow;
 
 use glam::DVec3;
+use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
 use rimline::gpu::{FrameInputs, Receivers, ShadowError, View};
 use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
@@ -24,6 +28,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("walls_hide_casters_and_their_shadows", walls),
     ("depth_that_comes_nearer_afterwards_is_right", nearer),
     ("receivers_that_cannot_be_read_are_refused", unreadable),
+    ("shadows_without_faces_that_others_hide", without_hidden_faces),
 ];
 
 fn direction(random: &mut Random) -> DVec3 {
@@ -193,4 +198,77 @@ fn unreadable() -> Result<(), String> {
         })?;
     }
     Ok(())
+}
+
+/// The frame without the faces that others hide from its first light, and how many these are.
+fn without_hidden(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), String> {
+    let mut less = frame.clone();
+    let casters: Vec<&mut Body> = less.bodies.iter_mut().filter(|body| body.casts).collect();
+    let meshes = casters.iter().map(|body| body.shape.mesh().map_err(text)).collect::<Result<Vec<_>, _>>()?;
+    let all: Vec<HiddenCaster<'_>> = casters
+        .iter()
+        .zip(&meshes)
+        .map(|(body, mesh)| HiddenCaster { mesh, positions: &body.shape.positions, version: None })
+        .collect();
+    let options = HiddenOptions { leave_out_all, ..HiddenOptions::default() };
+    let found = HiddenFaces::find(frame.lights[0], &all, options, |_, _| ControlFlow::Continue(()));
+    let found = found.map_err(text)?;
+    drop(all);
+    for (number, body) in casters.into_iter().enumerate() {
+        body.left_out = found.faces(number).to_vec();
+    }
+    Ok((less, found.statistics().left_out))
+}
+
+/// Each caster twice, farther away or at the same position.
+fn without_hidden_faces() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut changed, mut hidden, mut different, mut failures) = (0, 0, 0, Vec::new());
+    for (index, class) in CLASSES.iter().enumerate() {
+        for number in rotated(&[240, 241, 242], index / 3) {
+            let seed = seed(class, number);
+            let mut random = Random::new(seed);
+            let mut frame = (class.frame)(&mut random);
+            frame.size = 64;
+            frame.lights.truncate(1);
+            for body in &mut frame.bodies {
+                body.mirror = None;
+            }
+            let again: Vec<Body> = frame.bodies.iter().filter(|body| body.casts).take(2).cloned().collect();
+            let by = [0.0, 0.25, 0.5][random.below(3)];
+            frame.bodies.extend(again.into_iter().map(|body| body.moved([by, -by, 0.5 * by])));
+            let (less, count) = without_hidden(&frame, number > 240)?;
+            hidden += count;
+            for counting in rotated(&RIGHT, index) {
+                for every_face in [false, true] {
+                    let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
+                    let draw = |frame: &Frame| {
+                        Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)
+                    };
+                    let (with, without) = (draw(&frame)?, draw(&less)?);
+                    let dark = |counted: &Counted| counted.stencils[0].iter().map(|n| *n != 0).collect::<Vec<_>>();
+                    let (with_dark, without_dark) = (dark(&with), dark(&without));
+                    changed += usize::from(with.stencils[0] != without.stencils[0]);
+                    let off: Vec<usize> =
+                        (0..with_dark.len()).filter(|&at| with_dark[at] != without_dark[at]).collect();
+                    different += off.len();
+                    if !off.is_empty() {
+                        let what = format!("{}, seed {seed}, {counting:?}, every face {every_face}", class.name);
+                        failures.push(format!("{what}: pixels {off:?}"));
+                    }
+                    let mut wrong = with_dark.clone();
+                    wrong[0] = !wrong[0];
+                    must_fail("a pixel of the other kind", &same("dark", &wrong, &with_dark))?;
+                }
+            }
+        }
+    }
+    println!("{hidden} hidden faces, {changed} pictures with other counts, {different} pixels differ");
+    for failure in &failures {
+        println!("{failure}");
+    }
+    if hidden < 100 || changed < 20 {
+        return Err("too few of a kind".to_owned());
+    }
+    if failures.is_empty() { Ok(()) } else { Err(format!("{} pictures differ", failures.len())) }
 }
