@@ -369,12 +369,11 @@ fn xy(clip: DVec4) -> DVec2 {
 /// Roundings that a vertex goes through at most, one unit in the last place each.
 const ROUNDINGS: f64 = 12.0 / 8_388_608.0;
 
-/// The worst error of a kind of vertex, in parts of its bound and in normalised device coordinates within the view.
+/// The worst error of a kind of vertex, in parts of its bound.
 #[derive(Debug, Default)]
 struct Worst {
     count: usize,
     of_bound: f64,
-    ndc: f64,
 }
 
 impl Worst {
@@ -389,9 +388,6 @@ impl Worst {
         }
         self.count += 1;
         self.of_bound = self.of_bound.max((error / bound.max(DVec2::splat(1e-300))).max_element());
-        if exact.abs().max_element() <= near_w {
-            self.ndc = self.ndc.max(error.max_element() / near_w);
-        }
         Ok(())
     }
 }
