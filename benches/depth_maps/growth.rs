@@ -26,9 +26,9 @@ const WAYS: [(&str, DepthMapMethod); 4] = [
 /// Tori above a thin ground, and the same below it.
 fn scene([rings, segments]: [u32; 2], count: usize) -> Shape {
     let (mut scene, mut random) = (Shape::default(), Random::new(SEED));
-    let mut push = |shape: &Shape, place: &dyn Fn(Vec3) -> Vec3| {
+    let mut push = |shape: &Shape, transform: &dyn Fn(Vec3) -> Vec3| {
         let first = scene.positions.len() as u32;
-        scene.positions.extend(shape.positions.iter().map(|&position| place(Vec3::from(position)).to_array()));
+        scene.positions.extend(shape.positions.iter().map(|&position| transform(Vec3::from(position)).to_array()));
         scene.faces.extend(shape.faces.iter().map(|face| face.map(|vertex| first + vertex)));
     };
     let torus =

@@ -59,8 +59,8 @@ fn casting(setting: &Setting, light: Light) -> Vec<[[f32; 3]; 3]> {
     let mut faces = Vec::new();
     for Body { positions, mesh } in &setting.bodies {
         let facing = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::ONE).expect("a light").facing;
-        let own = mesh.faces().iter().zip(facing).filter(|(_, mask)| !mesh.is_closed() || mask & 1 == 0);
-        faces.extend(own.map(|(face, _)| face.map(|vertex| positions[vertex as usize])));
+        let casting = mesh.faces().iter().zip(facing).filter(|(_, mask)| !mesh.is_closed() || mask & 1 == 0);
+        faces.extend(casting.map(|(face, _)| face.map(|vertex| positions[vertex as usize])));
     }
     faces
 }

@@ -104,10 +104,10 @@ fn within_boxes(model: &Model, pose: &Pose, positions: &[[f32; 3]]) -> Result<f3
     let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(text)?;
     let (mut rest, mut most) = (positions, 0.0_f32);
     for (instance, (geometry, bounds)) in model.placed_geometries().zip(boxes).enumerate() {
-        let (own_positions, others) = rest.split_at(geometry.positions().len());
+        let (instance_positions, others) = rest.split_at(geometry.positions().len());
         let [low, high] = bounds.ok_or_else(|| format!("instance {instance} has no box"))?;
         let ends = [f32::MAX, f32::MIN].map(|end| [end; 3]);
-        let [least, greatest] = own_positions.iter().fold(ends, |[least, greatest], p| {
+        let [least, greatest] = instance_positions.iter().fold(ends, |[least, greatest], p| {
             [[0, 1, 2].map(|axis| least[axis].min(p[axis])), [0, 1, 2].map(|axis| greatest[axis].max(p[axis]))]
         });
         if let Some(axis) = (0..3).find(|&axis| least[axis] < low[axis] || greatest[axis] > high[axis]) {

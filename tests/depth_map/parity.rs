@@ -369,8 +369,8 @@ fn beyond() -> Result<(), String> {
         let camera = Eye { position, forward: -away, near, is_relative, depth, far: Some(far), half_width }.camera();
         let at = if half_width.is_some() { away.extend(0.0) } else { position.extend(1.0) };
         let map = map(&mut random, &camera);
-        let eye_place = f64::from(random.between(1.0, 9.0)) * vector(&mut random);
-        let eye = any_eye(&mut random, eye_place, [0.1, 1.0]);
+        let eye_position = f64::from(random.between(1.0, 9.0)) * vector(&mut random);
+        let eye = any_eye(&mut random, eye_position, [0.1, 1.0]);
         let rays = Rays::new(&eye, SIDE);
         let seen = seen(&mut random, &rays);
         let depths = seen_depths(&eye, SIDE, &seen);

@@ -135,8 +135,8 @@ impl Tally {
     /// Every wrong pixel is traced, and no right one is: that is the negative control.
     fn check(&self, what: &str, [wrong, right]: [usize; 2]) -> Result<(), String> {
         println!("{what}: {self:?}");
-        let is_told = self.traced == self.wrong && self.right_traced == 0;
-        if is_told && self.wrong >= wrong && self.right > right { Ok(()) } else { Err(format!("{what}: {self:?}")) }
+        let is_traced = self.traced == self.wrong && self.right_traced == 0;
+        if is_traced && self.wrong >= wrong && self.right > right { Ok(()) } else { Err(format!("{what}: {self:?}")) }
     }
 }
 

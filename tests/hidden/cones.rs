@@ -8,7 +8,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 
 use crate::hidden_faces::{check_some, find, lists};
-use crate::static_scenes::{Own, StaticScene};
+use crate::static_scenes::{Caster, StaticScene};
 
 /// Towers around the light or under it.
 fn towers(random: &mut Random, light: Light) -> StaticScene {
@@ -18,7 +18,7 @@ fn towers(random: &mut Random, light: Light) -> StaticScene {
         let at = [random.between(-30.0, 30.0), random.between(-30.0, 30.0), high];
         let position = |p: &[f32; 3]| [p[0] + at[0], p[1] + at[1], high * p[2] + at[2]];
         let positions: Vec<[f32; 3]> = shape.positions.iter().map(position).collect();
-        Own { mesh: Mesh::new(&positions, &shape.faces, Weld::Position).expect("a mesh"), positions }
+        Caster { mesh: Mesh::new(&positions, &shape.faces, Weld::Position).expect("a mesh"), positions }
     };
     StaticScene { casters: (0..500).map(tower).collect(), light }
 }
@@ -44,8 +44,8 @@ fn hidden_faces_are_hidden_in_scenes_of_many_cones() {
         // So many threads find the same.
         assert_eq!(find(&scene, HiddenOptions { threads: Threads::ONE, ..options }), found, "seed {seed}");
         // With faces that stay, the check must fail, as a rule.
-        for (own, faces) in scene.casters.iter().zip(&mut faces).take(50) {
-            *faces = (0..own.mesh.faces().len() as u32).collect();
+        for (caster, faces) in scene.casters.iter().zip(&mut faces).take(50) {
+            *faces = (0..caster.mesh.faces().len() as u32).collect();
         }
         refuted += usize::from(check_some(&scene, &faces, &mut random, 40).is_err());
     }

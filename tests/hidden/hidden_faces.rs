@@ -9,7 +9,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 
 use crate::oracle::{Point, between, corner, hides, light, sign};
-use crate::static_scenes::{Own, StaticScene};
+use crate::static_scenes::{Caster, StaticScene};
 
 pub(crate) fn find(scene: &StaticScene, options: HiddenOptions) -> HiddenFaces {
     HiddenFaces::find(scene.light, &casters(scene), options, |_, _| ControlFlow::Continue(())).expect("found")
@@ -17,7 +17,7 @@ pub(crate) fn find(scene: &StaticScene, options: HiddenOptions) -> HiddenFaces {
 
 pub(crate) fn casters(scene: &StaticScene) -> Vec<HiddenCaster<'_>> {
     let casters = scene.casters.iter();
-    casters.map(|own| HiddenCaster { mesh: &own.mesh, positions: &own.positions, version: None }).collect()
+    casters.map(|caster| HiddenCaster { mesh: &caster.mesh, positions: &caster.positions, version: None }).collect()
 }
 
 /// Asks for each hidden face whether points in it are hidden by faces that stay and that cast in any case.
@@ -34,14 +34,14 @@ pub(crate) fn check_some(
 ) -> Result<usize, String> {
     let from = light(scene.light);
     let (mut hiders, mut hidden_faces): (Vec<[Point; 3]>, Vec<_>) = Default::default();
-    for (number, own) in scene.casters.iter().enumerate() {
-        for (face, &[a, b, c]) in (0_u32..).zip(own.mesh.faces()) {
-            let corners = [a, b, c].map(|vertex| corner(own.positions[vertex as usize]));
+    for (number, caster) in scene.casters.iter().enumerate() {
+        for (face, &[a, b, c]) in (0_u32..).zip(caster.mesh.faces()) {
+            let corners = [a, b, c].map(|vertex| corner(caster.positions[vertex as usize]));
             let [a, b, c] = &corners;
             let side = sign([a, b, c, &from]);
             if hidden[number].contains(&face) {
                 hidden_faces.push((number, face, corners));
-            } else if side != 0 && !(own.mesh.is_closed() && faces_light(own, face as usize, scene.light)) {
+            } else if side != 0 && !(caster.mesh.is_closed() && faces_light(caster, face as usize, scene.light)) {
                 hiders.push(corners);
             }
         }
@@ -64,8 +64,8 @@ pub(crate) fn check_some(
 }
 
 /// By the measure's oracle, whose sign convention is that of facing.
-pub(crate) fn faces_light(own: &Own, face: usize, light: Light) -> bool {
-    rimline_testkit::oracle::ExactFace::new(&own.positions, own.mesh.faces()[face])
+pub(crate) fn faces_light(caster: &Caster, face: usize, light: Light) -> bool {
+    rimline_testkit::oracle::ExactFace::new(&caster.positions, caster.mesh.faces()[face])
         .is_some_and(|face| face.sign(light) > 0)
 }
 
@@ -109,7 +109,7 @@ fn hidden_faces_are_hidden_in_random_scenes() {
 
 fn wall_before(bodies: &[shapes::Shape], at: f32) -> StaticScene {
     let wall = vec![[-40.0, -40.0, at], [40.0, -40.0, at], [0.0, 60.0, at]];
-    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Own {
+    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Caster {
         mesh: Mesh::new(&positions, faces, Weld::Position).expect("a mesh"),
         positions,
     };
@@ -142,8 +142,8 @@ fn two_faces_that_share_an_edge_hide_what_straddles_it() {
         |positions: &[[f32; 3]], faces: &[[u32; 3]]| Mesh::new(positions, faces, Weld::Position).expect("a mesh");
     let small = vec![[-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0]];
     let casters = vec![
-        Own { mesh: mesh(&quad, &[[0, 1, 2], [0, 2, 3]]), positions: quad },
-        Own { mesh: mesh(&small, &[[0, 1, 2]]), positions: small },
+        Caster { mesh: mesh(&quad, &[[0, 1, 2], [0, 2, 3]]), positions: quad },
+        Caster { mesh: mesh(&small, &[[0, 1, 2]]), positions: small },
     ];
     let scene = StaticScene { casters, light: Light::point([0.25, 0.0, 10.0]) };
     let found = find(&scene, HiddenOptions::default());
@@ -151,9 +151,9 @@ fn two_faces_that_share_an_edge_hide_what_straddles_it() {
 }
 
 #[test]
-fn one_of_two_casters_in_one_place_stays() {
+fn one_of_two_casters_at_one_position_stays() {
     let mut scene = wall_before(&[], 5.0);
-    let again = Own { mesh: scene.casters[0].mesh.clone(), positions: scene.casters[0].positions.clone() };
+    let again = Caster { mesh: scene.casters[0].mesh.clone(), positions: scene.casters[0].positions.clone() };
     scene.casters.push(again);
     let found = find(&scene, HiddenOptions::default());
     assert_eq!(found.statistics().hidden, 1);
@@ -173,24 +173,24 @@ fn searches_can_be_cancelled_and_say_what_is_wrong() {
     let ended = HiddenFaces::find(scene.light, &casters(&scene), several, |_, _| ControlFlow::Break(()));
     assert_eq!(ended, Err(CpuError::Cancelled));
     let go_on = |_, _| ControlFlow::Continue(());
-    let own = &scene.casters[1];
-    let short = [HiddenCaster { mesh: &own.mesh, positions: &own.positions[1..], version: None }];
-    let (given, needed) = (own.positions.len() - 1, own.mesh.vertex_count());
+    let caster = &scene.casters[1];
+    let short = [HiddenCaster { mesh: &caster.mesh, positions: &caster.positions[1..], version: None }];
+    let (given, needed) = (caster.positions.len() - 1, caster.mesh.vertex_count());
     let error = HiddenFaces::find(scene.light, &short, options, go_on);
     assert_eq!(error, Err(CpuError::TooFewCasterPositions { caster: 0, given, needed }));
     let error = HiddenFaces::find(Light::homogeneous([1.0, 0.0, 0.0, -1.0]), &[], options, go_on);
     assert_eq!(error, Err(CpuError::Light(LightError::NegativeWeight { index: 0, w: -1.0 })));
     // Points that are none take no part.
-    let mut holed = own.positions.clone();
+    let mut holed = caster.positions.clone();
     holed[0] = [f32::NAN; 3];
-    let holed = [HiddenCaster { mesh: &own.mesh, positions: &holed, version: None }];
+    let holed = [HiddenCaster { mesh: &caster.mesh, positions: &holed, version: None }];
     let found = HiddenFaces::find(scene.light, &holed, options, go_on).expect("found");
-    assert!(found.statistics().tried < own.mesh.faces().len());
+    assert!(found.statistics().tried < caster.mesh.faces().len());
 }
 
 #[test]
 fn faces_edge_on_to_the_light_are_hidden_only_where_others_hide_them() {
-    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Own {
+    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Caster {
         mesh: Mesh::new(&positions, faces, Weld::Position).expect("a mesh"),
         positions,
     };

@@ -8,11 +8,11 @@ use rimline_testkit::shapes;
 
 use crate::hidden_faces::{faces_light, find};
 use crate::least_cut::least;
-use crate::static_scenes::{Own, StaticScene};
+use crate::static_scenes::{Caster, StaticScene};
 
 /// The sides of a caster of which some faces cast, by the definition: a face adds its direction to each of its records, and
 /// the opposite direction if it faces the light.
-fn sides(own: &Own, facing: &[bool], casts: impl Fn(u32) -> bool) -> u32 {
+fn sides(caster: &Caster, facing: &[bool], casts: impl Fn(u32) -> bool) -> u32 {
     let add = |face: u32, direction: i32| match (casts(face), facing[face as usize]) {
         (false, _) => 0,
         (true, true) => -direction,
@@ -22,26 +22,26 @@ fn sides(own: &Own, facing: &[bool], casts: impl Fn(u32) -> bool) -> u32 {
         let along = if edge.kind == EdgeKind::Inconsistent { 1 } else { -1 };
         (add(edge.face_0, 1) + edge.face_1.map_or(0, |face| add(face, along))).unsigned_abs()
     };
-    own.mesh.edges().iter().map(of_record).sum()
+    caster.mesh.edges().iter().map(of_record).sum()
 }
 
 /// Sides where back-facing faces of closed casters cast, and where every face does.
-fn both_ways(own: &Own, facing: &[bool], left_out: &[u32]) -> [u32; 2] {
-    let is_closed = own.mesh.is_closed();
+fn both_ways(caster: &Caster, facing: &[bool], left_out: &[u32]) -> [u32; 2] {
+    let is_closed = caster.mesh.is_closed();
     [true, false].map(|back_facing| {
-        sides(own, facing, |face| !(left_out.contains(&face) || back_facing && is_closed && facing[face as usize]))
+        sides(caster, facing, |face| !(left_out.contains(&face) || back_facing && is_closed && facing[face as usize]))
     })
 }
 
 /// Asks whether what is left out has no more sides than any other choice among the hidden faces. Says how many choices it tried.
-fn check(own: &Own, facing: &[bool], hidden: &[u32], left_out: &[u32]) -> Result<usize, String> {
+fn check(caster: &Caster, facing: &[bool], hidden: &[u32], left_out: &[u32]) -> Result<usize, String> {
     if let Some(face) = left_out.iter().find(|face| !hidden.contains(face)) {
         return Err(format!("face {face} is left out and not hidden"));
     }
-    let found = both_ways(own, facing, left_out);
+    let found = both_ways(caster, facing, left_out);
     let no_more = |of: [u32; 2]| found.iter().zip(of).all(|(found, of)| *found <= of);
-    let all = both_ways(own, facing, &[]);
-    if !no_more(all) || !no_more(both_ways(own, facing, hidden)) {
+    let all = both_ways(caster, facing, &[]);
+    if !no_more(all) || !no_more(both_ways(caster, facing, hidden)) {
         return Err(format!("{found:?} sides, and {all:?} with all faces"));
     }
     if hidden.len() > 8 {
@@ -50,7 +50,7 @@ fn check(own: &Own, facing: &[bool], hidden: &[u32], left_out: &[u32]) -> Result
     for choice in 0..1_u32 << hidden.len() {
         let other: Vec<u32> =
             (0..).zip(hidden).filter(|(bit, _)| choice >> bit & 1 != 0).map(|(_, &face)| face).collect();
-        let of = both_ways(own, facing, &other);
+        let of = both_ways(caster, facing, &other);
         if !no_more(of) || (of == found && other.len() > left_out.len()) {
             return Err(format!("{found:?} sides without {left_out:?}, and {of:?} without {other:?}"));
         }
@@ -68,14 +68,14 @@ fn no_other_choice_has_fewer_sides() {
         let found = find(&scene, HiddenOptions::default());
         let statistics = found.statistics();
         let [mut before, mut left] = [0, 0];
-        for (number, own) in scene.casters.iter().enumerate() {
+        for (number, caster) in scene.casters.iter().enumerate() {
             let facing: Vec<bool> =
-                (0..own.mesh.faces().len()).map(|face| faces_light(own, face, scene.light)).collect();
+                (0..caster.mesh.faces().len()).map(|face| faces_light(caster, face, scene.light)).collect();
             let of = |found: &HiddenFaces| found.faces(number).to_vec();
             let (hidden, left_out) = (of(&all), of(&found));
-            tried += check(own, &facing, &hidden, &left_out).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
-            before += both_ways(own, &facing, &[])[0] as usize;
-            left += both_ways(own, &facing, &left_out)[0] as usize;
+            tried += check(caster, &facing, &hidden, &left_out).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+            before += both_ways(caster, &facing, &[])[0] as usize;
+            left += both_ways(caster, &facing, &left_out)[0] as usize;
             // One face more or less must be worse, as a rule.
             if !hidden.is_empty() {
                 let face = hidden[random.below(hidden.len())];
@@ -84,7 +84,7 @@ fn no_other_choice_has_fewer_sides() {
                     Some(at) => drop(wrong.remove(at)),
                     None => wrong.push(face),
                 }
-                refuted += usize::from(check(own, &facing, &hidden, &wrong).is_err());
+                refuted += usize::from(check(caster, &facing, &hidden, &wrong).is_err());
             }
         }
         assert_eq!([statistics.sides, statistics.sides_left], [before, left], "seed {seed}");
@@ -103,7 +103,7 @@ fn no_other_choice_has_fewer_sides() {
 
 /// A sphere under some blades, which hide parts of it. `count` is that of the blades.
 fn under_blades(random: &mut Random, count: usize) -> StaticScene {
-    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Own {
+    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Caster {
         mesh: Mesh::new(&positions, faces, Weld::Position).expect("a mesh"),
         positions,
     };
@@ -125,15 +125,16 @@ fn a_flow_on_a_table_finds_no_fewer_sides() {
         let scene = under_blades(&mut random, count);
         let all = find(&scene, HiddenOptions { leave_out_all: true, ..HiddenOptions::default() });
         let found = find(&scene, HiddenOptions::default());
-        let own = &scene.casters[0];
-        let facing: Vec<bool> = (0..own.mesh.faces().len()).map(|face| faces_light(own, face, scene.light)).collect();
+        let caster = &scene.casters[0];
+        let facing: Vec<bool> =
+            (0..caster.mesh.faces().len()).map(|face| faces_light(caster, face, scene.light)).collect();
         let hidden = all.faces(0);
         let cost = |numbers: &[usize]| {
             let left_out: Vec<u32> = numbers.iter().map(|&number| hidden[number]).collect();
-            i64::from(both_ways(own, &facing, &left_out)[1])
+            i64::from(both_ways(caster, &facing, &left_out)[1])
         };
         let least = least(hidden.len(), cost);
-        let sides = |left_out: &[u32]| i64::from(both_ways(own, &facing, left_out)[1]);
+        let sides = |left_out: &[u32]| i64::from(both_ways(caster, &facing, left_out)[1]);
         assert_eq!(sides(found.faces(0)), least, "seed {seed}: {} hidden faces", hidden.len());
         refuted += usize::from(sides(hidden) != least);
         faces += hidden.len();

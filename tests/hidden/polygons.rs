@@ -11,19 +11,19 @@ use rimline_testkit::random::Random;
 
 use crate::oracle::{Point, between, corner, hides, light, sign};
 
-struct Own {
+struct Caster {
     mesh: Mesh,
     positions: Vec<[f32; 3]>,
 }
 
-fn placed(mut set: PolygonSet, size: f32, at: [f32; 3]) -> Own {
+fn placed(mut set: PolygonSet, size: f32, at: [f32; 3]) -> Caster {
     for point in &mut set.positions {
         *point = std::array::from_fn(|axis| size * point[axis] + at[axis]);
     }
-    Own { mesh: set.mesh(Weld::Position).expect("a mesh"), positions: set.positions }
+    Caster { mesh: set.mesh(Weld::Position).expect("a mesh"), positions: set.positions }
 }
 
-fn wall(sides: usize, size: f32, height: f32) -> Own {
+fn wall(sides: usize, size: f32, height: f32) -> Caster {
     let corner = |turn: usize| {
         // Whole numbers, so that all are in one plane.
         let (sine, cosine) = (turn as f32 * std::f32::consts::TAU / sides as f32).sin_cos();
@@ -34,44 +34,45 @@ fn wall(sides: usize, size: f32, height: f32) -> Own {
     placed(set, size / 64.0, [0.0, 0.0, height])
 }
 
-fn find(own: &[Own], light: Light) -> HiddenFaces {
-    let casters = own.iter();
-    let casters: Vec<HiddenCaster<'_>> =
-        casters.map(|own| HiddenCaster { mesh: &own.mesh, positions: &own.positions, version: None }).collect();
+fn find(casters: &[Caster], light: Light) -> HiddenFaces {
+    let searched: Vec<HiddenCaster<'_>> = casters
+        .iter()
+        .map(|caster| HiddenCaster { mesh: &caster.mesh, positions: &caster.positions, version: None })
+        .collect();
     let options = HiddenOptions { leave_out_all: true, ..HiddenOptions::default() };
-    HiddenFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(())).expect("found")
+    HiddenFaces::find(light, &searched, options, |_, _| ControlFlow::Continue(())).expect("found")
 }
 
 /// The triangles of a face. A mesh of nothing but triangles has no polygons.
-fn triangles(own: &Own, face: usize) -> &[[u32; 3]] {
-    let range = own.mesh.polygons().map_or(face..face + 1, |polygons| polygons.triangles(face));
-    &own.mesh.faces()[range]
+fn triangles(caster: &Caster, face: usize) -> &[[u32; 3]] {
+    let range = caster.mesh.polygons().map_or(face..face + 1, |polygons| polygons.triangles(face));
+    &caster.mesh.faces()[range]
 }
 
 /// Whether all corners lie in one plane, by the oracle's integers.
-fn is_planar(own: &Own, polygon: usize) -> bool {
+fn is_planar(caster: &Caster, polygon: usize) -> bool {
     let all: Vec<[Point; 3]> =
-        triangles(own, polygon).iter().map(|face| face.map(|v| corner(own.positions[v as usize]))).collect();
+        triangles(caster, polygon).iter().map(|face| face.map(|v| corner(caster.positions[v as usize]))).collect();
     let Some([a, b, c]) = all.first() else { return true };
     all.iter().flatten().all(|point| sign([a, b, c, point]) == 0)
 }
 
 /// Asks for each hidden polygon whether points in its triangles are hidden by planar polygons that stay.
-fn check(own: &[Own], from: Light, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
+fn check(casters: &[Caster], from: Light, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
     let at = light(from);
     let (mut hiders, mut hidden_ones) = (Vec::new(), Vec::new());
-    for (number, own) in own.iter().enumerate() {
-        for polygon in 0..own.mesh.face_count() {
+    for (number, caster) in casters.iter().enumerate() {
+        for polygon in 0..caster.mesh.face_count() {
             let is_hidden = hidden[number].contains(&(polygon as u32));
-            if is_hidden && !is_planar(own, polygon) {
+            if is_hidden && !is_planar(caster, polygon) {
                 return Err(format!("caster {number}, polygon {polygon} is hidden and not planar"));
             }
-            for &face in triangles(own, polygon) {
-                let corners = face.map(|vertex| corner(own.positions[vertex as usize]));
-                let faces_light = ExactFace::new(&own.positions, face).is_some_and(|face| face.sign(from) > 0);
+            for &face in triangles(caster, polygon) {
+                let corners = face.map(|vertex| corner(caster.positions[vertex as usize]));
+                let faces_light = ExactFace::new(&caster.positions, face).is_some_and(|face| face.sign(from) > 0);
                 if is_hidden {
                     hidden_ones.push((number, polygon, corners));
-                } else if is_planar(own, polygon) && !(own.mesh.is_closed() && faces_light) {
+                } else if is_planar(caster, polygon) && !(caster.mesh.is_closed() && faces_light) {
                     hiders.push(corners);
                 }
             }
@@ -96,10 +97,10 @@ fn polygons_under_a_wall_are_hidden_as_a_whole() {
     for seed in 7000..7100 {
         let mut random = Random::new(seed);
         let (sides, size) = (3 + random.below(9), random.between(1.0, 4.0));
-        let mut own = vec![wall(sides, size, 3.0)];
+        let mut casters = vec![wall(sides, size, 3.0)];
         for _ in 0..4 {
             let at = [random.between(-3.0, 3.0), random.between(-3.0, 3.0), random.between(-3.0, 2.0)].map(f32::round);
-            own.push(match random.below(4) {
+            casters.push(match random.below(4) {
                 0 => placed(quad_box(1 + random.below(2) as u32), 1.0, at),
                 1 => wall(3 + random.below(5), 1.0, at[2]),
                 2 => placed(quad_torus(&mut random, 4, 4, 0.1), 1.0, at),
@@ -107,20 +108,20 @@ fn polygons_under_a_wall_are_hidden_as_a_whole() {
             });
         }
         let light = Light::point([random.between(-1.0, 1.0), 0.5, 9.0]);
-        let found = find(&own, light);
-        let mut hidden: Vec<Vec<u32>> = (0..own.len()).map(|number| found.faces(number).to_vec()).collect();
-        let count = check(&own, light, &hidden, &mut random).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let found = find(&casters, light);
+        let mut hidden: Vec<Vec<u32>> = (0..casters.len()).map(|number| found.faces(number).to_vec()).collect();
+        let count = check(&casters, light, &hidden, &mut random).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         assert_eq!(count, found.statistics().hidden, "seed {seed}");
         all += count;
-        bumped += own
+        bumped += casters
             .iter()
-            .map(|own| (0..own.mesh.face_count()).filter(|&face| !is_planar(own, face)).count())
+            .map(|casters| (0..casters.mesh.face_count()).filter(|&face| !is_planar(casters, face)).count())
             .sum::<usize>();
-        let number = random.below(own.len());
-        let face = random.below(own[number].mesh.face_count()) as u32;
+        let number = random.below(casters.len());
+        let face = random.below(casters[number].mesh.face_count()) as u32;
         if !hidden[number].contains(&face) {
             hidden[number].push(face);
-            refuted += usize::from(check(&own, light, &hidden, &mut random).is_err());
+            refuted += usize::from(check(&casters, light, &hidden, &mut random).is_err());
         }
     }
     println!("{all} hidden polygons, {bumped} that are not planar; {refuted} wrong ones refuted");

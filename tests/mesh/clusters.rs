@@ -24,7 +24,7 @@ type Decide = fn(&ClusterBound, Light) -> Option<bool>;
 #[derive(Clone, Copy, Debug, Default)]
 struct Decided {
     facing: usize,
-    averted: usize,
+    back_facing: usize,
     all: usize,
 }
 
@@ -41,7 +41,7 @@ fn check(shape: &Shape, lights: &[Light], decide: Decide, counts: &mut Decided) 
                 Some(true) => 1,
                 Some(false) => -1,
             };
-            *if wanted > 0 { &mut counts.facing } else { &mut counts.averted } += slots.len();
+            *if wanted > 0 { &mut counts.facing } else { &mut counts.back_facing } += slots.len();
             for &face in slots {
                 let corners = shape.faces[face as usize].map(|vertex| shape.positions[vertex as usize]);
                 let sign = match &exact[face as usize] {
@@ -79,7 +79,7 @@ fn decided_clusters_have_the_exact_signs() -> Outcome {
     for (name, counts) in trials(seed, if is_long() { 20_000 } else { 400 }, whole)? {
         println!("{name}: {counts:?}");
         // Faces thrown at random have no side in common.
-        if name != "random faces" && counts.facing.min(counts.averted) * 50 < counts.all {
+        if name != "random faces" && counts.facing.min(counts.back_facing) * 50 < counts.all {
             return Err(format!("{name}: {counts:?}: too few are decided to show anything"));
         }
     }

@@ -67,10 +67,10 @@ fn sphere() -> Result<(), String> {
     let case =
         ShadowCase { name: "sphere".to_owned(), points, lights: vec![Light::directional([0.0, 0.0, 1.0])], shape };
     let lit = |found: &[i32]| found.iter().filter(|&&depth| depth == 0).count();
-    let own_faces: Vec<u32> = (0..2208).collect();
-    let named = found(gpu, &case, &own_faces, [0, 16, 12])?;
+    let named_faces: Vec<u32> = (0..2208).collect();
+    let named = found(gpu, &case, &named_faces, [0, 16, 12])?;
     same("lit", &[lit(&named)], &[1104])?;
-    same("sphere", &named, &expected(&case, Some(&own_faces))?)?;
+    same("sphere", &named, &expected(&case, Some(&named_faces))?)?;
     // A number that the mesh lacks is none.
     let none: Vec<u32> = (0..2208).map(|at| if at % 2 == 0 { NO_FACE } else { 2208 + at }).collect();
     let plain = found(gpu, &case, &none, [0, 16, 12])?;

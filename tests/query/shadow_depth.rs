@@ -173,7 +173,7 @@ fn extent(shape: &Shape, axis: usize) -> f32 {
 }
 
 #[test]
-fn the_order_of_faces_vertices_and_corners_does_not_matter() -> Outcome {
+fn the_order_of_faces_vertices_and_corners_changes_nothing() -> Outcome {
     let mut random = Random::new(91);
     let mut cases = vec![lattice(&mut random, [6, 100, 12]).0];
     cases.extend(shadow_cases(&mut random, 30, 6).into_iter().filter(|case| case.name != "not finite"));

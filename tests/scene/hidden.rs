@@ -29,7 +29,7 @@ fn shapes() -> [Shape; 3] {
     let wall = vec![[-40.0, -40.0, 5.0], [40.0, -40.0, 5.0], [0.0, 60.0, 5.0]];
     // Half of the last is beside the wall's shadow.
     let mut torus = shapes::torus(9, 7, 30.0, 4.0);
-    torus.positions.iter_mut().for_each(|place| *place = [place[0] + 60.0, place[1], place[2] - 20.0]);
+    torus.positions.iter_mut().for_each(|position| *position = [position[0] + 60.0, position[1], position[2] - 20.0]);
     [Shape { positions: wall, faces: vec![[0, 1, 2]] }, shapes::sphere(8), torus]
 }
 

@@ -139,7 +139,7 @@ fn dark_caps(gpu: &Gpu, frame: &Frame, counted: &Counted) -> Result<u16, String>
         &CAP_FACES,
         [4, 1],
         "let face = CapFace(input_position(0u), input_position(1u), input_position(2u), probe_inputs[probe_first + 3u].xyz);
-    out[0] = dark_cap_vertex(own.view, own.light, face, 0u);",
+    out[0] = dark_cap_vertex(pair.view, pair.light, face, 0u);",
     )?;
     let casters = frame.bodies.iter().filter(|body| body.casts);
     for (caster, body) in casters.enumerate() {

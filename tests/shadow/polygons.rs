@@ -56,8 +56,8 @@ impl Rig {
         let corners =
             |body: &Body, face: [u32; 3]| face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));
         let [caster, room] = &frame.bodies[..] else { panic!("two bodies") };
-        let own = caster.shape.faces.iter().zip(of_triangle);
-        let own = own.map(|(&face, polygon)| (corners(caster, face), (polygon as usize, true)));
+        let polygons = caster.shape.faces.iter().zip(of_triangle);
+        let polygons = polygons.map(|(&face, polygon)| (corners(caster, face), (polygon as usize, true)));
         let walls = room.shape.faces.iter().map(|&face| (corners(room, face), (0, false)));
         let edges = mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
         let Eye { position, forward, near, .. } = frame.eye;
@@ -78,7 +78,7 @@ impl Rig {
         };
         Self {
             edges: edges.filter_map(seen).collect(),
-            tracer: Tracer::build(own.chain(walls)),
+            tracer: Tracer::build(polygons.chain(walls)),
             rays: Rays::new(&frame.eye.camera(), frame.size),
             frame: frame.clone(),
             light: frame.lights[0],
@@ -326,19 +326,19 @@ fn mixed(random: &mut Random, lights: usize) -> Result<(String, Frame), String> 
             continue;
         }
         names = format!("{names}{} ", name.replace(' ', "_"));
-        let own = self::frame(random, set, &mesh);
+        let of_set = self::frame(random, set, &mesh);
         match &mut frame {
-            Some(frame) => frame.bodies.insert(0, own.bodies[0].clone()),
-            None => frame = Some(own),
+            Some(frame) => frame.bodies.insert(0, of_set.bodies[0].clone()),
+            None => frame = Some(of_set),
         }
     }
     let mut frame = frame.ok_or("no frame")?;
     frame.bodies.insert(random.below(3), Body::caster(shapes::sphere(2)));
-    let own = frame.lights[0];
+    let first = frame.lights[0];
     while frame.lights.len() < lights {
         let off = random.direction();
-        let xyz = std::array::from_fn(|axis| own.xyz[axis] + 0.5 * off[axis]);
-        frame.lights.push(Light { xyz, ..own });
+        let xyz = std::array::from_fn(|axis| first.xyz[axis] + 0.5 * off[axis]);
+        frame.lights.push(Light { xyz, ..first });
     }
     frame.size = 48;
     Ok((names, frame))

@@ -126,8 +126,8 @@ fn farthest(cells: &[u32], [width, height]: [u32; 2], by: u32) -> (Vec<u32>, [u3
     let size = [width.div_ceil(by), height.div_ceil(by)];
     let mut keys = vec![0; (size[0] * size[1]) as usize];
     for (at, &key) in (0..).zip(cells) {
-        let own = &mut keys[(at / width / by * size[0] + at % width / by) as usize];
-        *own = key.max(*own);
+        let farthest_key = &mut keys[(at / width / by * size[0] + at % width / by) as usize];
+        *farthest_key = key.max(*farthest_key);
     }
     (keys, size)
 }

@@ -86,8 +86,8 @@ fn turn([a, b, c]: [u32; 3], edge: [u32; 2]) -> i32 {
 fn sides(mesh: &Mesh, shares: &[i32]) -> Vec<u32> {
     let records = (0..).zip(mesh.edges().vertices()).zip(mesh.edges().packed_faces());
     let entries = records.flat_map(|((edge, &ends), faces)| {
-        let own = faces.iter().filter(|face| **face != NO_FACE).map(|face| (face & !INCONSISTENT_BIT) as usize);
-        let sum: i32 = own.map(|face| shares[face] * turn(mesh.faces()[face], ends)).sum();
+        let present = faces.iter().filter(|face| **face != NO_FACE).map(|face| (face & !INCONSISTENT_BIT) as usize);
+        let sum: i32 = present.map(|face| shares[face] * turn(mesh.faces()[face], ends)).sum();
         std::iter::repeat_n(edge | if sum > 0 { cpu::WINDING } else { 0 }, sum.unsigned_abs() as usize)
     });
     entries.collect()

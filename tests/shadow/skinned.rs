@@ -15,8 +15,7 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same};
 
-pub(crate) const TESTS: &[Test] =
-    &[("skinned_figure_in_motion", skinned), ("figures_that_are_not_needed_show_nowhere", unneeded)];
+pub(crate) const TESTS: &[Test] = &[("skinned_figure_in_motion", skinned), ("culled_casters_show_nowhere", culled)];
 
 /// One deformer, pose after pose. Rays through the pose before must not match the counts of the next.
 fn skinned() -> Result<(), String> {
@@ -53,14 +52,14 @@ fn skinned() -> Result<(), String> {
 
 /// Figures in a room, of which a frame deforms those that it needs: the same depths and stencil counts as with all of them. The
 /// others are points then. Figures walk out of sight and back.
-fn unneeded() -> Result<(), String> {
-    const FIGURES: usize = 12;
+fn culled() -> Result<(), String> {
+    const INSTANCES: usize = 12;
     let gpu = Gpu::shared()?;
     let (tube, bend) = bending_tube();
     let geometry = &tube.geometries()[0];
-    let model = Model::new(vec![geometry.clone()], vec![Instance::new(0, None); FIGURES]).map_err(text)?;
+    let model = Model::new(vec![geometry.clone()], vec![Instance::new(0, None); INSTANCES]).map_err(text)?;
     let other = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
-    let rest = Pose::new(vec![bend(0.0).instances()[0].clone(); FIGURES]);
+    let rest = Pose::new(vec![bend(0.0).instances()[0].clone(); INSTANCES]);
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
     let inserted = scene.insert_model(&model, &rest, DeformerOptions::default()).map_err(text)?;
     let lights: Vec<Light> =
@@ -69,7 +68,7 @@ fn unneeded() -> Result<(), String> {
         scene.add_light(*light).map_err(text)?;
     }
     let (mut count, mut noticed, mut shadowed, mut turned) = (0, 0, 0, 0);
-    let mut before = vec![0; FIGURES];
+    let mut before = vec![0; INSTANCES];
     for number in 0..2 * frames() {
         let mut random = Random::new(9100 + number);
         println!("seed {}", 9100 + number);
@@ -79,7 +78,7 @@ fn unneeded() -> Result<(), String> {
             let placed = bent.placed(Affine3A::from_translation(at.into())).map_err(text)?;
             Ok::<_, String>(placed.instances()[0].clone())
         };
-        let pose = Pose::new((0..FIGURES).map(pose).collect::<Result<_, _>>()?);
+        let pose = Pose::new((0..INSTANCES).map(pose).collect::<Result<_, _>>()?);
         scene.set_pose(inserted, &pose).map_err(text)?;
         let eye = Vec3::from(random.direction()) * Vec3::new(6.0, 1.0, 6.0);
         let forward = DVec3::new(f64::from(random.between(-1.0, 1.0)), -0.1, f64::from(random.between(-1.0, 1.0)));
@@ -89,29 +88,29 @@ fn unneeded() -> Result<(), String> {
             scene.encode(encoder, FrameInputs::new(&inputs)).map_err(text)?;
             other.encode(encoder, &pose).map_err(text)
         })?;
-        let own = scene.positions(inserted).map_err(text)?.buffer;
-        let points: Vec<[f32; 3]> = gpu.read(own, model.vertex_count())?;
-        let is_point = |figure: &[[f32; 3]]| u32::from(figure.iter().all(|position| *position == [0.0; 3]));
+        let culled_positions = scene.positions(inserted).map_err(text)?.buffer;
+        let points: Vec<[f32; 3]> = gpu.read(culled_positions, model.vertex_count())?;
+        let is_point = |positions: &[[f32; 3]]| u32::from(positions.iter().all(|position| *position == [0.0; 3]));
         let words: Vec<u32> = points.chunks(geometry.positions().len()).map(is_point).collect();
         count += words.iter().sum::<u32>();
         turned += words.iter().zip(&before).filter(|(now, before)| now != before).count();
         before = words;
         let frame = |positions: &wgpu::Buffer| -> Result<Frame, String> {
             let all: Vec<[f32; 3]> = gpu.read(positions, model.vertex_count())?;
-            let figures = all.chunks(geometry.positions().len()).map(|positions| {
+            let casters = all.chunks(geometry.positions().len()).map(|positions| {
                 Body::caster(Shape { positions: positions.to_vec(), faces: geometry.faces().to_vec() })
             });
-            let bodies = figures.chain([Body::room([0.0, 3.0, 0.0], 13.0)]).collect();
+            let bodies = casters.chain([Body::room([0.0, 3.0, 0.0], 13.0)]).collect();
             Ok(Frame { bodies, eye, lights: lights.clone(), size: 64 })
         };
-        let (own, all) = (frame(own)?, frame(other.positions().buffer)?);
+        let (culled, all) = (frame(culled_positions)?, frame(other.positions().buffer)?);
         let renderer = Renderer { placing: Placing::Scene, range: 9.0, ..Renderer::new(&gpu) };
-        let [found, expected] = [&own, &all].map(|frame| renderer.count(frame, Counting::Auto));
+        let [found, expected] = [&culled, &all].map(|frame| renderer.count(frame, Counting::Auto));
         let (found, expected) = (found?, expected?);
         same("stencil counts", &found.stencils, &expected.stencils)?;
         shadowed += expected.stencils.iter().flatten().filter(|count| **count > 0).count();
         // Negative control: points instead of what is needed.
-        let mut hidden = own.clone();
+        let mut hidden = culled.clone();
         for (body, word) in hidden.bodies.iter_mut().zip(&before) {
             if *word == 0 {
                 body.shape.positions.fill([0.0; 3]);

@@ -125,13 +125,13 @@ pub(crate) fn with_depth(mut words: Vec<u32>, in_depth: bool) -> Vec<u32> {
 }
 
 /// Words of choices for so many lights that are made anew.
-fn fresh_choices(lights: usize) -> Vec<u32> {
+fn dirty_choices(lights: usize) -> Vec<u32> {
     [0, 0, 0, 0, 0, 0, 0, u32::MAX].repeat(lights.div_ceil(32))
 }
 
 /// Choices and measures of one caster, as the stages leave them.
 pub(crate) fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
-    let mut words = fresh_choices(lights.len());
+    let mut words = dirty_choices(lights.len());
     for (number, (light, &capped)) in lights.iter().zip(capped).enumerate() {
         let has_near_cap = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005);
         let every = light.casting == CAST_EVERY;
@@ -182,7 +182,7 @@ fn bounds() -> Result<(), String> {
             let found = gpu.storage(&EMPTY);
             let shape = uniform(gpu, &shape(&mesh, 1));
             let table = gpu.storage(&table(&mesh, layout, &[], &[]));
-            let choices = gpu.storage(&fresh_choices(1));
+            let choices = gpu.storage(&dirty_choices(1));
             let lit = gpu.storage(&[1_u32]);
             let buffers = [&shape, &table, &position_buffer(gpu, &positions, layout), &faces, &found, &choices, &lit];
             stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
@@ -246,7 +246,7 @@ impl<'a> Staged<'a> {
     pub(crate) fn choose(&self, gpu: &Gpu, twisted: u32) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
         let stage = stage(gpu, &CHOOSE)?;
         let seen = seen(self.view, &self.given);
-        let mut words = fresh_choices(seen.len());
+        let mut words = dirty_choices(seen.len());
         words.resize(words.len() + 2 * seen.len(), 0);
         let (choices, statistics) = (gpu.storage(&words), gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]));
         let table = gpu.storage(&self.table());

@@ -83,7 +83,7 @@ pub(crate) fn chosen(gpu: &Gpu, shape: ShadowShape, cases: &[Case]) -> Result<Ve
         gpu,
         &CHOOSE,
         [2, 1],
-        "let light = choose_by_box(own.view, own.light, 1.0, CLOSED, input_position(0u), input_position(1u), false, false);
+        "let light = choose_by_box(pair.view, pair.light, 1.0, CLOSED, input_position(0u), input_position(1u), false, false);
     out[0] = vec4<f32>(f32(light.casting), f32(light.counting), light.end, light.frustum_near);",
     )?;
     let given = |(camera, light, _): &Case| {

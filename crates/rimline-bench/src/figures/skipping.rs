@@ -5,7 +5,7 @@ use crate::engine::Metric;
 use crate::page::{Figure, Section as Part, Table};
 use crate::row::{Entry, Mark, Row};
 use crate::skipping::{COUNTERS, PARTS};
-use crate::text::{figures, grouped, or_dash};
+use crate::text::{grouped, or_dash, three_digits};
 
 /// A colour of the chart: what is done in some stages, in the order of the frame.
 const WORKS: [(&str, usize, &[&str]); 6] = [
@@ -129,7 +129,7 @@ fn counters(rows: &[&Row]) -> Figure {
         let ratio = row.ratio(Metric::Count("fragments"), &entry.variant.id, "all-on").map(|ratio| ratio.median);
         let mut cells = vec![
             fragments.map_or_else(|| "–".to_owned(), |fragments| grouped(*fragments as usize)),
-            ratio.map_or_else(|| "–".to_owned(), figures),
+            ratio.map_or_else(|| "–".to_owned(), three_digits),
         ];
         cells.extend(COUNTERS.iter().map(|(name, _)| grouped(entry.count(name) as usize)));
         cells

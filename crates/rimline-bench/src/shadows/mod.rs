@@ -68,7 +68,8 @@ pub(crate) fn measure(
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = METHODS.map(|(_, _, counting, ..)| ShadowPipelines::new(&gpu.pipelines, &format, counting));
     let pipelines = pipelines.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let mut drawn = pipelines.iter().map(|own| Drawn::new(gpu, &stage, own, light)).collect::<Result<Vec<_>, _>>()?;
+    let mut drawn =
+        pipelines.iter().map(|pipelines| Drawn::new(gpu, &stage, pipelines, light)).collect::<Result<Vec<_>, _>>()?;
     let mut wrong = vec![Vec::new(); METHODS.len()];
     let truth = Truth::new(&stage, light);
     // About four of each path are held against rays.

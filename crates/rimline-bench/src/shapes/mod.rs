@@ -60,8 +60,8 @@ impl Shape {
 
     /// The same shape with other positions, in the same order.
     #[must_use]
-    pub fn placed(mut self, place: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
-        self.positions.iter_mut().for_each(|position| *position = place(*position));
+    pub fn placed(mut self, transform: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
+        self.positions.iter_mut().for_each(|position| *position = transform(*position));
         self
     }
 

@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn counters_have_names_of_their_own() {
+    fn counters_have_distinct_names() {
         let mut ids: Vec<&str> = COUNTERS.iter().map(|counter| counter.0).collect();
         ids.sort_unstable();
         ids.dedup();
