@@ -234,14 +234,14 @@ pub fn everything() -> Maker {
         "values": { "bufferView": to },
     });
     let fan = maker.mesh(&json!({ "attributes": { "POSITION": quantized }, "mode": 6 }));
-    let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
+    let translations = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
     let node = maker.push(
         "nodes",
         json!({
             "mesh": fan,
             "name": "fans",
             "extensions": {
-                "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } },
+                "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translations } },
                 "KHR_lights_punctual": { "light": 0 },
             },
         }),

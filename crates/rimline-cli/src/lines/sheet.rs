@@ -251,11 +251,12 @@ impl Extent {
                 .all(|&corner| object.positions.get(corner as usize).is_some_and(|p| p.iter().all(|c| c.is_finite())))
         };
         let is_face = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
-        let place =
+        let corners_of =
             |object: &Object<'_>, face: &[u32; 3]| face.map(|vertex| object.positions[vertex as usize].map(f64::from));
         let faces = || {
             let objects = objects.iter().filter(is_finite);
-            objects.flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| place(object, face)))
+            objects
+                .flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| corners_of(object, face)))
         };
         let near = if view.is_perspective() {
             // Lines begin this way by default.
