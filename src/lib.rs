@@ -85,7 +85,7 @@
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! query.encode_at(&mut encoder, vertices, points, 1000, &[Light::point([0.0, 5.0, 2.0])])?;
 //! queue.submit([encoder.finish()]);
-//! Ok(query.read_depths(queue)?)
+//! Ok(query.read_occluder_counts(queue)?)
 //! # }
 //! ```
 //!

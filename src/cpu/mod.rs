@@ -8,7 +8,7 @@ pub(crate) mod common;
 pub(crate) mod deform;
 pub(crate) mod error;
 pub(crate) mod extract;
-pub(crate) mod hidden;
+pub(crate) mod occlusion;
 pub(crate) mod polygon;
 pub(crate) mod query;
 
@@ -18,6 +18,6 @@ pub use deform::deform::{Displace, deform};
 pub use error::CpuError;
 pub use extract::extraction::{Extraction, extract};
 pub use extract::facing::FacingStatistics;
-pub use hidden::hidden_faces::{HiddenCaster, HiddenFaces, HiddenStatistics};
-pub use hidden::options::HiddenOptions;
+pub use occlusion::occluded_faces::{OccludedFaces, OcclusionCaster, OcclusionStatistics};
+pub use occlusion::options::OcclusionOptions;
 pub use query::shadow_depth::{shadow_depth, shadow_depth_on_faces};

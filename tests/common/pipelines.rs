@@ -247,7 +247,7 @@ fn windows() -> Result<(), String> {
                     extractor.encode(encoder, bound, &light).map_err(text)?;
                     query.encode_at(encoder, bound, bound, 270, &light).map_err(text)
                 })?;
-                results.push((read(&gpu, extractor, &mesh, 1)?, gpu.read::<i32>(query.depths(), 270)?));
+                results.push((read(&gpu, extractor, &mesh, 1)?, gpu.read::<i32>(query.occluder_counts(), 270)?));
             }
             let what = format!("{rings}·{segments} at {stride} bytes");
             let [(sharing, depths), (alone, unshared_depths)] = &results[..] else { return Err(what) };

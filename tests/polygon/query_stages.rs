@@ -66,7 +66,7 @@ fn found_on(gpu: &Gpu, case: &DepthCase, on_face: &[u32], work_per_dispatch: u64
     let asked =
         QueryPoints { points: PositionBuffer { buffer: &buffers[1], offset: 0, stride: 16 }, on_face: Some(12) };
     gpu.submit(|encoder| query.encode_at(encoder, positions, asked, points.len() as u32, lights).map_err(text))?;
-    gpu.read(query.depths(), points.len() * lights.len())
+    gpu.read(query.occluder_counts(), points.len() * lights.len())
 }
 
 fn expected_on(case: &DepthCase, on_face: &[u32]) -> Result<Vec<i32>, String> {

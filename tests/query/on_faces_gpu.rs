@@ -50,7 +50,7 @@ fn found(gpu: &Gpu, case: &ShadowCase, on_face: &[u32], packing: [u64; 3]) -> Re
     gpu.submit(|encoder| {
         query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights).map_err(text)
     })?;
-    gpu.read(query.depths(), case.points.len() * case.lights.len())
+    gpu.read(query.occluder_counts(), case.points.len() * case.lights.len())
 }
 
 fn expected(case: &ShadowCase, on_face: Option<&[u32]>) -> Result<Vec<i32>, String> {

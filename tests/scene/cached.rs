@@ -1,4 +1,4 @@
-//! Cached bits and lists: they are right, and only what changed is computed. `reach` finds the active lights, `relist` the dirty lists
+//! Cached bits and lists: they are right, and only what changed is computed. `cull_lights` finds the active lights, `relist` the dirty lists
 //! of views.
 
 use std::collections::HashMap;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{DVec3, DVec4};
-use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline::gpu::{
     Capacities, CasterPositions, DeformError, DeformerOptions, FrameInputs, LightMask, Measuring, PoseInputs, Scene,
     SceneFrame, SceneOptions, SceneStatistics, ShadowError, View,
@@ -30,7 +30,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("needs_are_switched_off", off),
     ("instances_that_become_mirrored", mirrored),
     ("models_that_are_displaced", displaced),
-    ("hidden_faces_do_not_hold_for_models", hidden),
+    ("occluded_faces_do_not_hold_for_models", occluded),
     ("models_come_and_go", come_and_go),
     ("models_that_are_refused_change_nothing", refusals),
 ];
@@ -495,8 +495,8 @@ fn displaced() -> Result<(), String> {
     same("all cached", &cached, &[false, false, true, false])
 }
 
-/// Hidden faces are of static casters. A version that was searched says nothing about the poses of a scene's own model.
-fn hidden() -> Result<(), String> {
+/// Occluded faces are of static casters. A version that was searched says nothing about the poses of a scene's own model.
+fn occluded() -> Result<(), String> {
     let mut play = Play::new(4851, 3)?;
     let light = play.next.lights[2];
     let mut other = play.apart(DeformerOptions::default())?;
@@ -507,18 +507,19 @@ fn hidden() -> Result<(), String> {
     let mesh = geometry.mesh().map_err(text)?;
     // The first versions that a scene counts, and those of the caller.
     let walkers = positions.chunks(geometry.positions().len());
-    let searched: Vec<_> = walkers.map(|positions| HiddenCaster { mesh: &mesh, positions, version: Some(1) }).collect();
+    let searched: Vec<_> =
+        walkers.map(|positions| OcclusionCaster { mesh: &mesh, positions, version: Some(1) }).collect();
     let go_on = |_, _| ControlFlow::Continue(());
-    let found = HiddenFaces::find(light, &searched, HiddenOptions::default(), go_on).map_err(text)?;
+    let found = OccludedFaces::find(light, &searched, OcclusionOptions::default(), go_on).map_err(text)?;
     let casters = play.stage.scene.casters(play.stage.model).map_err(text)?.to_vec();
-    play.stage.scene.set_hidden_faces(play.stage.lights[2], &casters, Some(&found)).map_err(text)?;
+    play.stage.scene.set_occluded_faces(play.stage.lights[2], &casters, Some(&found)).map_err(text)?;
     let frame = play.frame()?;
     for &caster in &other.casters {
         other.scene.set_position_version(caster, Some(1)).map_err(text)?;
     }
-    other.scene.set_hidden_faces(other.lights[2], &other.casters, Some(&found)).map_err(text)?;
+    other.scene.set_occluded_faces(other.lights[2], &other.casters, Some(&found)).map_err(text)?;
     let held = play.gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &[]))?;
-    same("ignored", &[frame.hidden().ignored, held.hidden().ignored], &[1, 0])
+    same("ignored", &[frame.occluded_faces().ignored, held.occluded_faces().ignored], &[1, 0])
 }
 
 /// Two models. One is removed before a frame of both is submitted.

@@ -312,12 +312,12 @@ fn edges() -> Result<(), String> {
     Ok(())
 }
 
-/// The most occluders that are tested, as in `reach.wgsl`.
+/// The most occluders that are tested, as in `cull_lights.wgsl`.
 const MOST_OCCLUDERS: usize = 128;
 
-/// `reach` tests the maximum number of occluders, each with the maximum of corners, for all lights of a batch. For all but the last
+/// `cull_lights` tests the maximum number of occluders, each with the maximum of corners, for all lights of a batch. For all but the last
 /// occluder the box is outside the last edge alone. llvmpipe ends an invocation's loops after 65,535 turns without an error, and
-/// `reach` would then miss the last occluder. A further occluder is not tested.
+/// `cull_lights` would then miss the last occluder. A further occluder is not tested.
 fn most_tried() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     // In the plane of a sheet, with an edge on the right, from its last corner to its first.

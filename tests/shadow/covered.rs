@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use rimline::Mesh;
-use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
@@ -18,18 +18,18 @@ use crate::trials::{RIGHT, Test, rotated, seed};
 pub(crate) const TESTS: &[Test] = &[("shadows_without_faces_that_others_hide", alike)];
 
 /// The frame without the faces that others hide from its first light, and how many these are.
-fn without_hidden(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), String> {
+fn without_occluded(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), String> {
     let mut less = frame.clone();
     let casters: Vec<&mut Body> = less.bodies.iter_mut().filter(|body| body.casts).collect();
     let mesh = |body: &Body| Mesh::from_faces(body.shape.positions.len(), body.shape.faces.clone()).map_err(text);
     let meshes = casters.iter().map(|body| mesh(body)).collect::<Result<Vec<_>, _>>()?;
-    let all: Vec<HiddenCaster<'_>> = casters
+    let all: Vec<OcclusionCaster<'_>> = casters
         .iter()
         .zip(&meshes)
-        .map(|(body, mesh)| HiddenCaster { mesh, positions: &body.shape.positions, version: None })
+        .map(|(body, mesh)| OcclusionCaster { mesh, positions: &body.shape.positions, version: None })
         .collect();
-    let options = HiddenOptions { leave_out_all, ..HiddenOptions::default() };
-    let found = HiddenFaces::find(frame.lights[0], &all, options, |_, _| ControlFlow::Continue(()));
+    let options = OcclusionOptions { leave_out_all, ..OcclusionOptions::default() };
+    let found = OccludedFaces::find(frame.lights[0], &all, options, |_, _| ControlFlow::Continue(()));
     let found = found.map_err(text)?;
     drop(all);
     for (number, body) in casters.into_iter().enumerate() {
@@ -40,7 +40,7 @@ fn without_hidden(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), 
 
 fn alike() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut changed, mut hidden, mut different, mut failures) = (0, 0, 0, Vec::new());
+    let (mut changed, mut occluded, mut different, mut failures) = (0, 0, 0, Vec::new());
     for (index, class) in CLASSES.iter().enumerate() {
         for number in rotated(&[240, 241, 242], index / 3) {
             let seed = seed(class, number);
@@ -55,8 +55,8 @@ fn alike() -> Result<(), String> {
             let again: Vec<Body> = frame.bodies.iter().filter(|body| body.casts).take(2).cloned().collect();
             let by = [0.0, 0.25, 0.5][random.below(3)];
             frame.bodies.extend(again.into_iter().map(|body| body.moved([by, -by, 0.5 * by])));
-            let (less, count) = without_hidden(&frame, number > 240)?;
-            hidden += count;
+            let (less, count) = without_occluded(&frame, number > 240)?;
+            occluded += count;
             for counting in rotated(&RIGHT, index) {
                 for every_face in [false, true] {
                     let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
@@ -81,11 +81,11 @@ fn alike() -> Result<(), String> {
             }
         }
     }
-    println!("{hidden} hidden faces, {changed} pictures with other counts, {different} pixels differ");
+    println!("{occluded} occluded faces, {changed} pictures with other counts, {different} pixels differ");
     for failure in &failures {
         println!("{failure}");
     }
-    if hidden < 100 || changed < 20 {
+    if occluded < 100 || changed < 20 {
         return Err("too few of a kind".to_owned());
     }
     if failures.is_empty() { Ok(()) } else { Err(format!("{} pictures differ", failures.len())) }

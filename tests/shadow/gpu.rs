@@ -8,9 +8,9 @@ mod classes;
 mod clipped;
 mod compare;
 mod covered;
+mod culled_by_receivers;
 mod dark_caps;
 mod hairlines;
-mod hidden;
 mod in_scene;
 mod levels;
 mod margins;
@@ -68,7 +68,7 @@ fn main() {
         proxies::TESTS,
         polygons::TESTS,
         twisted::TESTS,
-        hidden::TESTS,
+        culled_by_receivers::TESTS,
         receivers::TESTS,
         levels::TESTS,
         mixed::TESTS,

@@ -12,7 +12,7 @@ use rimline::internals::shadow::{
     self, CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
     COUNT_ZP_PLUS_2005,
 };
-use rimline::internals::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
+use rimline::internals::stages::{BOUNDS, CAPS, COUNTING_METHODS, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
 use rimline::{Light, Mesh, Predicate};
 
 use crate::sides::{self, box_words};
@@ -244,7 +244,7 @@ impl<'a> Staged<'a> {
 
     /// The lights with what is chosen for them, where polygons are twisted for the lights of `twisted` in each batch.
     pub(crate) fn choose(&self, gpu: &Gpu, twisted: u32) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
-        let stage = stage(gpu, &CHOOSE)?;
+        let stage = stage(gpu, &COUNTING_METHODS)?;
         let seen = seen(self.view, &self.given);
         let mut words = dirty_choices(seen.len());
         words.resize(words.len() + 2 * seen.len(), 0);
@@ -354,7 +354,7 @@ fn choose_and_caps() -> Result<(), String> {
         if number < GOLDENS {
             let chosen = lights.iter().flat_map(|light| [light.casting, light.counting, light.excludes]);
             let words: Vec<u32> = chosen.chain(bytemuck::cast_slice(&[statistics]).iter().copied()).collect();
-            golden("shadow", &format!("choose {number}"), &words)?;
+            golden("shadow", &format!("counting_methods {number}"), &words)?;
             golden("shadow", &format!("caps {number}"), &[all.counts.clone(), all.lists.concat()].concat())?;
         }
         let in_depth = shape.proxies == 0;

@@ -2,7 +2,7 @@
 // shadow volumes. A page is a buffer with the topology of several meshes. A group is the casters of a page whose masks lie
 // together. A slot is the index of a face or edge in these masks. src/layout.rs has the same structs, and a test compares
 // them, CHUNK and LANES. src/gpu/scene/table.rs writes the casters in each encode (the recording of a frame).
-// `may_be_in_cone` returns false only for a box without a point in the cone: `reach` and `needs` cull by it. Claim:
+// `may_be_in_cone` returns false only for a box without a point in the cone: `cull_lights` and `needs` cull by it. Claim:
 // docs/numerics/scene.md, "Cones of lights".
 
 // Slots of a chunk, which all belong to one caster. Invocations that share a chunk.

@@ -1,4 +1,4 @@
-// The scene table and the cached results, for `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. Each
+// The scene table and the cached results, for `cull_lights`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. Each
 // encode uploads the table (src/gpu/scene/table.rs). Stages of shadow volumes read it by shadow/caster.wgsl. It has, in this
 // order: casters; for each batch (up to 32 lights) and caster its lights; the ranges of the lights; their versions; four
 // words; the cones of the lights; the lights, for each rigid caster in its mesh space; occluders, with scaled lights in

@@ -4,7 +4,7 @@
 // Dispatched once for each view with a depth buffer, before the stages of shadow volumes. `receiver_depth` has an
 // invocation a tile of 8 x 8 pixels. `receiver_pyramid` follows it with one workgroup.
 // Reads: the depth texture. Writes: the words of the view in `receivers`.
-// `choose` culls volumes without a receiver. So no depth may be too near, and the box must not be too small.
+// `counting_methods` culls volumes without a receiver. So no depth may be too near, and the box must not be too small.
 // docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters

@@ -187,15 +187,13 @@ impl Input {
         };
         let origin = self.origin();
         let of_file = |(_, file_light): &(Option<String>, Result<SceneLight, GltfError>)| match file_light {
-            Ok(file_light) => Ok(ChosenLight { light: file_light.light, file_light: Some(file_light.clone()) }),
+            Ok(file_light) => Ok(ChosenLight { light: file_light.light, own: Some(file_light.clone()) }),
             Err(error) => Err(self.not_posed(error.clone())),
         };
         let mut chosen = Vec::with_capacity(specs.len());
         for spec in specs {
             match spec {
-                LightSpec::Given(given) => {
-                    chosen.push(ChosenLight { light: given.relative_to(origin), file_lights: None })
-                }
+                LightSpec::Given(given) => chosen.push(ChosenLight { light: given.relative_to(origin), own: None }),
                 LightSpec::All if file_lights.is_empty() => return Err(UsageError::NoFileLights.into()),
                 LightSpec::All => {
                     for file_lights in &file_lights {

@@ -329,21 +329,21 @@ impl ShadowQuery {
     /// The depths, once the encoder was submitted: one `i32` for each pair. Points follow each other, and each point
     /// has one number for each light of that encode. A point that is infinite or NaN has −1. The buffer is as long as the options
     /// ask for; numbers behind those of the last encode have no meaning. Usages `STORAGE`, `COPY_SRC` and `COPY_DST`.
-    pub fn depths(&self) -> &wgpu::Buffer {
+    pub fn occluder_counts(&self) -> &wgpu::Buffer {
         &self.buffers.depths
     }
 
-    /// Reads [`Self::depths`] of the last encode, and no more, once its encoder was submitted. It waits for the device.
+    /// Reads [`Self::occluder_counts`] of the last encode, and no more, once its encoder was submitted. It waits for the device.
     /// `queue` must be the queue of the query's device.
     ///
     /// # Errors
     /// [`QueryError::Device`] if the device does not hand them back.
-    pub fn read_depths(&self, queue: &wgpu::Queue) -> Result<Vec<i32>, QueryError> {
-        Ok(read_back_first(self.pipelines.device(), queue, self.depths(), 4 * self.pairs)?)
+    pub fn read_occluder_counts(&self, queue: &wgpu::Queue) -> Result<Vec<i32>, QueryError> {
+        Ok(read_back_first(self.pipelines.device(), queue, self.occluder_counts(), 4 * self.pairs)?)
     }
 
     /// The faces of the mesh in clusters, with the boxes of the last encode: one `FaceCluster` for each cluster. The
-    /// usages are those of [`Self::depths`].
+    /// usages are those of [`Self::occluder_counts`].
     #[doc(hidden)]
     pub fn clusters(&self) -> &wgpu::Buffer {
         &self.buffers.clusters

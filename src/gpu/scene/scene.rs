@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{Caster, CasterEntry, CasterPositions, HiddenFacesOfLight, MeshEntry, Placement, Rigid};
+use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, OccludedFacesOfLight, Placement, Rigid};
 use super::content::Content;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
@@ -71,8 +71,8 @@ pub struct Scene {
     pub(super) deforming: Vec<DefaultKey>,
     /// Set if the models were deformed for the next encode.
     pub(super) deformed: Option<Deformed>,
-    /// The hidden faces of each light.
-    pub(super) hidden: Vec<HiddenFacesOfLight>,
+    /// The occluded faces of each light.
+    pub(super) occluded: Vec<OccludedFacesOfLight>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -126,7 +126,7 @@ impl Scene {
             deformed_bytes: 0,
             deforming: Vec::new(),
             deformed: None,
-            hidden: Vec::new(),
+            occluded: Vec::new(),
             structures: 0,
             encodes: Arc::default(),
         })
@@ -269,7 +269,7 @@ impl Scene {
             in_depth,
             excluded: Vec::new(),
             occluders: Vec::new(),
-            hidden: Vec::new(),
+            occluded: Vec::new(),
             placement,
             is_moved: false,
             version: 0,

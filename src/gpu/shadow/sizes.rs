@@ -20,7 +20,7 @@ const CROSSINGS: u64 = 4 * 1028;
 const LIST_VERSIONS: u64 = 8 * 32;
 /// Bytes of the box of a caster.
 const BOX: u64 = 28;
-/// Whether `choose` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind
+/// Whether `counting_methods` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind
 /// which volumes end.
 fn has_measures(options: &SceneOptions, has_receivers: bool) -> bool {
     options.end_at_range || has_receivers || options.counting.is_zp_plus_2005()

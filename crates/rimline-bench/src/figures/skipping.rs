@@ -10,10 +10,10 @@ use crate::text::{grouped, or_dash, three_digits};
 /// A colour of the chart: what is done in some stages, in the order of the frame.
 const WORKS: [(&str, usize, &[&str]); 6] = [
     ("deforming", 0, &["deform"]),
-    ("what is needed", 6, &["reach", "chunks"]),
+    ("what is needed", 6, &["cull_lights", "chunks"]),
     ("facing", 3, &["facing", "exact_facing"]),
     ("edges", 1, &["edges", "arguments"]),
-    ("choices", 5, &["receiver_depth", "receiver_pyramid", "relist", "bounds", "choose"]),
+    ("choices", 5, &["receiver_depth", "receiver_pyramid", "relist", "bounds", "counting_methods"]),
     ("caps and sides", 4, &["caps", "list_sides", "shadow_arguments"]),
 ];
 

@@ -62,12 +62,12 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// * `compact_count`, `compact_scatter`: 356 at most, 1/184 of the limit: an invocation has one edge, and a block has 256.
 /// * `compact_scan`: by a binding. Edges of 8 bytes in the largest buffer of WebGPU's default limits, 256 MiB, are 512 blocks
 ///   an invocation and 1,044 turns, 1/62 of the limit. The bound is for 2³¹ edges. A test has as many blocks.
-/// * `reach`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32 lights. A test
+/// * `cull_lights`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32 lights. A test
 ///   has a caster that the last of them hides.
 /// * `clusters`, `chunks`: by shares of 96 chunks, 1/5 of the limit.
 /// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `ViewLight`. Tests have
 ///   both, and twice as many views.
-/// * `choose`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an axis: these would
+/// * `counting_methods`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an axis: these would
 ///   take 537 million, and a table in one binding has no more than 84 million.
 /// * `caps`: by shares of 128 faces, or of 128 runs of 8, with 32 lights. A test has a workgroup of such shares.
 /// * `list_sides`, `stencil_crossings`: by shares of 4,096 edges or sides. Tests have a workgroup of such shares. No list of
@@ -106,7 +106,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("compact", "compact_scan", 64_016),
     ("compact", "compact_scatter", 355),
     ("arguments", "arguments", 17),
-    ("reach", "reach", 41_715),
+    ("cull_lights", "cull_lights", 41_715),
     ("clusters", "clusters", 13_157),
     ("chunks", "chunks", 12_482),
     ("scene_facing", "facing", 58_085),
@@ -117,7 +117,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("receiver_pyramid", "receiver_pyramid", 5_661),
     ("relist", "relist", 5),
     ("bounds", "bounds", 37_770),
-    ("choose", "choose", 14_734),
+    ("counting_methods", "counting_methods", 14_734),
     ("zp_plus_2005_cases", "zp_plus_2005_cases", 4_097),
     ("caps", "caps", 40_074),
     ("list_sides", "list_sides", 16_386),
@@ -130,11 +130,11 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("cap_faces", "seen_light_cap", 86),
     ("cap_faces", "dark_cap", 84),
     ("cap_faces", "near_cap", 86),
-    ("pieces", "piece_side", 85),
-    ("pieces", "piece_side_clipped", 86),
-    ("pieces", "piece_near_cap", 86),
-    ("pieces", "piece_light_cap", 86),
-    ("pieces", "piece_dark_cap", 84),
+    ("piece_volumes", "piece_side", 85),
+    ("piece_volumes", "piece_side_clipped", 86),
+    ("piece_volumes", "piece_near_cap", 86),
+    ("piece_volumes", "piece_light_cap", 86),
+    ("piece_volumes", "piece_dark_cap", 84),
     ("outline_edges", "outline_silhouette", 6),
     ("outline_edges", "outline_feature", 12),
     ("outline_edges", "outline_ink", 3),

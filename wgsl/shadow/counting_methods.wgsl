@@ -1,4 +1,4 @@
-// Stage `choose`: chooses for each caster, light and view which faces cast, how the stencil counts, and where the volume
+// Stage `counting_methods`: chooses for each caster, light and view which faces cast, how the stencil counts, and where the volume
 // ends. It looks at the caster's box, never at its faces. Culled volumes cast nothing. z-pass counts unless a face may
 // lie between light and near rectangle (what the camera sees of the near plane). Back-facing faces cast where they
 // suffice, else every face.
@@ -243,7 +243,7 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
 }
 
 @compute @workgroup_size(64)
-fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+fn counting_methods(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // Turns: ITEMS.
   for (var pair = id.x; pair < shape.casters * shape.used_lights; pair += 64u * groups.x) {
     // Neighbouring invocations have the same light, so that they take the same branches.

@@ -1,8 +1,8 @@
-//! Polygons hide and are hidden as a whole, if they are exactly planar and convex.
+//! Polygons hide and are occluded as a whole, if they are exactly planar and convex.
 
 use std::ops::ControlFlow;
 
-use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
 use rimline_testkit::oracle::ExactFace;
@@ -34,13 +34,13 @@ fn wall(sides: usize, size: f32, height: f32) -> Caster {
     placed(set, size / 64.0, [0.0, 0.0, height])
 }
 
-fn find(casters: &[Caster], light: Light) -> HiddenFaces {
-    let searched: Vec<HiddenCaster<'_>> = casters
+fn find(casters: &[Caster], light: Light) -> OccludedFaces {
+    let searched: Vec<OcclusionCaster<'_>> = casters
         .iter()
-        .map(|caster| HiddenCaster { mesh: &caster.mesh, positions: &caster.positions, version: None })
+        .map(|caster| OcclusionCaster { mesh: &caster.mesh, positions: &caster.positions, version: None })
         .collect();
-    let options = HiddenOptions { leave_out_all: true, ..HiddenOptions::default() };
-    HiddenFaces::find(light, &searched, options, |_, _| ControlFlow::Continue(())).expect("found")
+    let options = OcclusionOptions { leave_out_all: true, ..OcclusionOptions::default() };
+    OccludedFaces::find(light, &searched, options, |_, _| ControlFlow::Continue(())).expect("found")
 }
 
 /// The triangles of a face. A mesh of nothing but triangles has no polygons.
@@ -57,42 +57,42 @@ fn is_planar(caster: &Caster, polygon: usize) -> bool {
     all.iter().flatten().all(|point| sign([a, b, c, point]) == 0)
 }
 
-/// Asks for each hidden polygon whether points in its triangles are hidden by planar polygons that stay.
-fn check(casters: &[Caster], from: Light, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
+/// Asks for each occluded polygon whether points in its triangles are occluded by planar polygons that stay.
+fn check(casters: &[Caster], from: Light, occluded: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
     let at = light(from);
-    let (mut hiders, mut hidden_ones) = (Vec::new(), Vec::new());
+    let (mut hiders, mut occluded_ones) = (Vec::new(), Vec::new());
     for (number, caster) in casters.iter().enumerate() {
         for polygon in 0..caster.mesh.face_count() {
-            let is_hidden = hidden[number].contains(&(polygon as u32));
-            if is_hidden && !is_planar(caster, polygon) {
-                return Err(format!("caster {number}, polygon {polygon} is hidden and not planar"));
+            let is_occluded = occluded[number].contains(&(polygon as u32));
+            if is_occluded && !is_planar(caster, polygon) {
+                return Err(format!("caster {number}, polygon {polygon} is occluded and not planar"));
             }
             for &face in triangles(caster, polygon) {
                 let corners = face.map(|vertex| corner(caster.positions[vertex as usize]));
                 let faces_light = ExactFace::new(&caster.positions, face).is_some_and(|face| face.sign(from) > 0);
-                if is_hidden {
-                    hidden_ones.push((number, polygon, corners));
+                if is_occluded {
+                    occluded_ones.push((number, polygon, corners));
                 } else if is_planar(caster, polygon) && !(caster.mesh.is_closed() && faces_light) {
                     hiders.push(corners);
                 }
             }
         }
     }
-    for (number, polygon, corners) in &hidden_ones {
+    for (number, polygon, corners) in &occluded_ones {
         let mut weights = vec![[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1]];
         weights.extend((0..3).map(|_| [(); 3].map(|()| 1 + random.below(1 << 20) as u32)));
         for weights in weights {
             let point = between(corners, weights);
             if !hiders.iter().any(|hider| hides(hider, &at, &point)) {
-                return Err(format!("caster {number}, polygon {polygon}: the point {weights:?} is not hidden"));
+                return Err(format!("caster {number}, polygon {polygon}: the point {weights:?} is not occluded"));
             }
         }
     }
-    Ok(hidden.iter().map(Vec::len).sum())
+    Ok(occluded.iter().map(Vec::len).sum())
 }
 
 #[test]
-fn polygons_under_a_wall_are_hidden_as_a_whole() {
+fn polygons_under_a_wall_are_occluded_as_a_whole() {
     let (mut all, mut refuted, mut bumped) = (0, 0, 0);
     for seed in 7000..7100 {
         let mut random = Random::new(seed);
@@ -109,9 +109,10 @@ fn polygons_under_a_wall_are_hidden_as_a_whole() {
         }
         let light = Light::point([random.between(-1.0, 1.0), 0.5, 9.0]);
         let found = find(&casters, light);
-        let mut hidden: Vec<Vec<u32>> = (0..casters.len()).map(|number| found.faces(number).to_vec()).collect();
-        let count = check(&casters, light, &hidden, &mut random).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
-        assert_eq!(count, found.statistics().hidden, "seed {seed}");
+        let mut occluded: Vec<Vec<u32>> = (0..casters.len()).map(|number| found.faces(number).to_vec()).collect();
+        let count =
+            check(&casters, light, &occluded, &mut random).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(count, found.statistics().occluded, "seed {seed}");
         all += count;
         bumped += casters
             .iter()
@@ -119,25 +120,25 @@ fn polygons_under_a_wall_are_hidden_as_a_whole() {
             .sum::<usize>();
         let number = random.below(casters.len());
         let face = random.below(casters[number].mesh.face_count()) as u32;
-        if !hidden[number].contains(&face) {
-            hidden[number].push(face);
-            refuted += usize::from(check(&casters, light, &hidden, &mut random).is_err());
+        if !occluded[number].contains(&face) {
+            occluded[number].push(face);
+            refuted += usize::from(check(&casters, light, &occluded, &mut random).is_err());
         }
     }
-    println!("{all} hidden polygons, {bumped} that are not planar; {refuted} wrong ones refuted");
+    println!("{all} occluded polygons, {bumped} that are not planar; {refuted} wrong ones refuted");
     assert!(all > 200 && bumped > 100 && refuted > 30);
 }
 
 #[test]
-fn a_polygon_that_is_hidden_in_part_stays() {
+fn a_polygon_that_is_occluded_in_part_stays() {
     let small = |sides| wall(sides, 1.0, 0.0);
     let light = Light::point([0.0, 0.0, 10.0]);
     for sides in [3, 4, 6, 11] {
         let found = find(&[wall(4, 4.0, 5.0), small(sides)], light);
         assert_eq!([found.faces(0), found.faces(1)], [&[][..], &[0]], "{sides}");
         let statistics = found.statistics();
-        assert_eq!([statistics.tried, statistics.hidden, statistics.left_out], [2, 1, 1], "{sides}");
-        // A hider that covers one half leaves triangles of the fan hidden, and the polygon whole.
+        assert_eq!([statistics.tried, statistics.occluded, statistics.left_out], [2, 1, 1], "{sides}");
+        // A hider that covers one half leaves triangles of the fan occluded, and the polygon whole.
         let mut half = PolygonSet::default();
         half.push_points(&[vec![[0.0, -4.0, 5.0], [4.0, -4.0, 5.0], [4.0, 4.0, 5.0], [0.0, 4.0, 5.0]]]);
         let found = find(&[placed(half, 1.0, [0.0; 3]), small(sides)], light);

@@ -17,7 +17,7 @@ use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("hidden_volumes_change_no_receiver", classes),
+    ("culled_volumes_change_no_receiver", classes),
     ("walls_hide_casters_and_their_shadows", walls),
     ("depth_that_comes_nearer_afterwards_is_right", nearer),
     ("receivers_that_cannot_be_read_are_refused", refused),
@@ -28,7 +28,7 @@ fn direction(random: &mut Random) -> DVec3 {
 }
 
 /// Fails where a pixel with a surface, or any pixel if the sky receives, has another count than without knowing receivers.
-/// Returns the pairs of caster and light that were hidden.
+/// Returns the pairs of caster and light that were culled.
 fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool) -> Result<u32, String> {
     let without = Renderer { receivers: None, pipelines: renderer.pipelines.clone(), ..*renderer };
     let expected = without.count(&traced.frame, counting)?;
@@ -45,7 +45,7 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     let at = other.len() / 2;
     other[at] ^= 1;
     must_fail("one count", &same(&what, &other, &expected_seen))?;
-    same("hidden without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
+    same("culled without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
     // Each pair of caster and light is as without receivers, or casts nothing, and then it is counted.
     let casting = |counted: &Counted| counted.chosen.concat().iter().map(|light| light.casting).collect::<Vec<_>>();
     let (found_casting, expected_casting) = (casting(&found), casting(&expected));
@@ -53,14 +53,14 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     if let Some((found, expected)) = pairs().find(|(found, expected)| found != expected && **found != CAST_NOTHING) {
         return Err(format!("{what}: a caster casts by {found}, without receivers by {expected}"));
     }
-    let hidden = pairs().filter(|(found, expected)| found != expected).count();
-    same(&format!("{what}: hidden"), &[found.statistics[0].culled_by_receivers as usize], &[hidden])?;
+    let culled = pairs().filter(|(found, expected)| found != expected).count();
+    same(&format!("{what}: culled"), &[found.statistics[0].culled_by_receivers as usize], &[culled])?;
     Ok(found.statistics[0].culled_by_receivers)
 }
 
 fn classes() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
-    let (mut hidden, mut with_sky) = (0, 0);
+    let (mut culled, mut with_sky) = (0, 0);
     for (index, class) in (0..).zip(CLASSES) {
         for number in if is_long() { 260..300 } else { 260 + index..261 + index } {
             let mut frame = (class.frame)(&mut Random::new(seed(class, number)));
@@ -76,7 +76,7 @@ fn classes() -> Result<(), String> {
                 let samples = if number % 2 == 0 { 1 } else { 4 };
                 let placing = if number % 4 < 2 { Placing::Scene } else { Placing::Busy(number) };
                 let renderer = Renderer { placing, options, samples, range: 12.0, ..Renderer::new(gpu) };
-                hidden +=
+                culled +=
                     check(&traced, &renderer, counting, false).map_err(|error| format!("{}: {error}", class.name))?;
                 if rotated(&RIGHT, index as usize).contains(&counting) {
                     with_sky += check(&traced, &renderer, counting, true)?;
@@ -84,8 +84,8 @@ fn classes() -> Result<(), String> {
             }
         }
     }
-    println!("{hidden} pairs hidden, {with_sky} where the sky receives");
-    if hidden < 20 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} pairs culled, {with_sky} where the sky receives");
+    if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// A wall before the eye, with a gap; casters on both sides of it, and a floor.
@@ -119,16 +119,16 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
-/// A hidden face changes no receiver's count, and counts are what rays tell.
+/// A culled volume changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut hidden = 0;
+    let mut culled = 0;
     let frames = if is_long() { 300 } else { 40 };
     for seed in 5001..5001 + frames {
         let traced = Traced::of(behind_walls(&mut Random::new(seed)), seed);
         let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][seed as usize % 3];
         let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
-        hidden += check(&traced, &renderer, counting, false)?;
+        culled += check(&traced, &renderer, counting, false)?;
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
         if seed == 5001 {
@@ -137,14 +137,14 @@ fn walls() -> Result<(), String> {
             must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;
         }
     }
-    println!("{hidden} of some {} pairs hidden", 9 * frames);
-    if 4 * hidden < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} of some {} pairs culled", 9 * frames);
+    if 4 * culled < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// The receivers are those of a frame that lacks a body in front of the others.
 fn nearer() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut hidden = 0;
+    let mut culled = 0;
     for seed in 5501..5501 + if is_long() { 200 } else { 20 } {
         let mut random = Random::new(seed);
         let mut frame = behind_walls(&mut random);
@@ -156,10 +156,10 @@ fn nearer() -> Result<(), String> {
         frame.bodies.push(near.scaled(0.1).moved(at.as_vec3().to_array()));
         let traced = Traced::of(frame, seed);
         let renderer = Renderer { placing: Placing::Scene, late_bodies: 1, ..Renderer::new(gpu) };
-        hidden += check(&traced, &renderer, Counting::Auto, false)?;
+        culled += check(&traced, &renderer, Counting::Auto, false)?;
     }
-    println!("{hidden} pairs hidden");
-    if hidden < 20 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} pairs culled");
+    if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// A texture that cannot be read gives a typed error. The next encode is as if nothing had been asked.
