@@ -1,5 +1,5 @@
-//! The one list of stages and of WGSL files. Pipelines, labels, CPU references and tests use it. The top of each file in `wgsl` says
-//! what its stage computes, for whom, and what it promises.
+//! The one list of stages and of WGSL files. Pipelines, labels, CPU references and tests use it. The top of each file
+//! in `wgsl` says what its stage computes, for whom, and what it promises.
 
 use crate::compose::{Composed, compose};
 
@@ -28,8 +28,8 @@ macro_rules! first {
     };
 }
 
-/// Lists stages: `STAGE = SUBJECT / NAME`, with `in FILE` if the file has another name, for a variant `as MODULE if FLAG`, and
-/// entry points that have other names than the stage.
+/// Lists stages: `STAGE = SUBJECT / NAME`, with `in FILE` if the file has another name, for a variant `as MODULE if
+/// FLAG`, and entry points that have other names than the stage.
 macro_rules! stages {
     ($(#[$doc:meta])* $list:ident: $($stage:ident = $subject:ident / $name:ident $(in $file:ident)? $(as $module:ident if $flag:ident)?
         $(: $($entry:ident),+)?;)*) => {

@@ -1,4 +1,5 @@
-//! Table 2 of the paper on shadow volumes from depth maps (2000): how many triangles volumes have, and how many times more where the map's side is doubled.
+//! Table 2 of the paper on shadow volumes from depth maps (2000): how many triangles volumes have, and how many times
+//! more where the map's side is doubled.
 
 use glam::{DQuat, DVec3, Vec3};
 use rimline::gpu::depth_map::DepthMapMethod;
@@ -55,8 +56,8 @@ fn turned(random: &mut Random) -> [DVec3; 3] {
     [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| turn * axis)
 }
 
-/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A list of
-/// walls has two for each.
+/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A
+/// list of walls has two for each.
 fn triangles(way: DepthMapMethod, list: &[u32]) -> u64 {
     let Some((&count, entries)) = list.split_first() else { return 0 };
     if let DepthMapMethod::Contours { .. } = way {

@@ -1,7 +1,7 @@
-//! `cargo bench --bench masks`: shadow masks from depth without a stencil, against the stencil of a caller who has one. Milliseconds of
-//! the GPU for what comes after the depth pass: there a pass a light, with its volumes and a draw that adds light where the stencil
-//! is 0; here the masks and one draw that adds all lights. Both must give the same picture. Then the same without the light.
-//! `--quick` takes fewer rounds.
+//! `cargo bench --bench masks`: shadow masks from depth without a stencil, against the stencil of a caller who has one.
+//! Milliseconds of the GPU for what comes after the depth pass: there a pass a light, with its volumes and a draw that
+//! adds light where the stencil is 0; here the masks and one draw that adds all lights. Both must give the same
+//! picture. Then the same without the light. `--quick` takes fewer rounds.
 
 use std::cell::RefCell;
 use std::time::Duration;

@@ -1,6 +1,7 @@
-//! `cargo bench --bench occluded_faces`: faces occluded by faces. How many sides they spare, what they do for a frame, and how long the
-//! search takes. The first scenes are like those of Batagelo and Costa Júnior (1999), each with ten lights. `--counts` uses no
-//! GPU. `--obj DIRECTORY` writes the paper's second scene of tetrahedra for `rimline shadow`.
+//! `cargo bench --bench occluded_faces`: faces occluded by faces. How many sides they spare, what they do for a frame,
+//! and how long the search takes. The first scenes are like those of Batagelo and Costa Júnior (1999), each with ten
+//! lights. `--counts` uses no GPU. `--obj DIRECTORY` writes the paper's second scene of tetrahedra for `rimline
+//! shadow`.
 
 mod scenes;
 

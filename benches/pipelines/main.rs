@@ -1,6 +1,6 @@
 //! `cargo bench --bench pipelines`: milliseconds to make a further scene of one caster, and to use it first, where each has
-//! pipelines of its own, where drawing ones are shared, and where all are. A driver's own cache on disk helps the former; Mesa's
-//! is off with `MESA_SHADER_CACHE_DISABLE=true`.
+//! pipelines of its own, where drawing ones are shared, and where all are. A driver's own cache on disk helps the
+//! former; Mesa's is off with `MESA_SHADER_CACHE_DISABLE=true`.
 
 use std::time::Instant;
 

@@ -1,5 +1,5 @@
-//! A small deferred renderer, whose depth has no stencil: eight lamps, and an area light of 32 samples, whose masks are one word a
-//! pixel. Writes `deferred.png`. Run it with `cargo run --release --example deferred`.
+//! A small deferred renderer, whose depth has no stencil: eight lamps, and an area light of 32 samples, whose masks are
+//! one word a pixel. Writes `deferred.png`. Run it with `cargo run --release --example deferred`.
 
 #[path = "../support/stage.rs"]
 pub(crate) mod stage;

@@ -241,8 +241,8 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Also draws what a vertex shader of `wgsl` makes of so many vertices, which goes behind `stage.wgsl`. The fragment shaders are
-    /// for ambient light and for a light.
+    /// Also draws what a vertex shader of `wgsl` makes of so many vertices, which goes behind `stage.wgsl`. The
+    /// fragment shaders are for ambient light and for a light.
     pub(crate) fn add_extra(&mut self, wgsl: &str, vertex: &str, fragments: [&str; 2], vertices: u32) {
         let wgsl = format!("{}{wgsl}", include_str!("stage.wgsl"));
         let pipeline = |at: usize| {
@@ -259,8 +259,8 @@ impl<'a> Stage<'a> {
         self.extras.push(Extra { pipelines: [0, 1].map(pipeline), vertices });
     }
 
-    /// Draws these once more, as another camera sees them, into a depth map with reversed depth. It has the depth format of the
-    /// picture.
+    /// Draws these once more, as another camera sees them, into a depth map with reversed depth. It has the depth
+    /// format of the picture.
     pub(crate) fn draw_extras_into(&self, encoder: &mut wgpu::CommandEncoder, camera: &Camera, map: &wgpu::Texture) {
         let mut frame = [0.0_f32; 128];
         frame[..16].copy_from_slice(camera.view_projection.as_flattened());

@@ -99,7 +99,8 @@ fn size_and_error(found: &[[f32; 3]], expected: &[Posed]) -> (f64, f64) {
     (size, error)
 }
 
-/// Fails where a vertex is outside of the box of its instance; returns the largest length of a box over that of its vertices.
+/// Fails where a vertex is outside of the box of its instance; returns the largest length of a box over that of its
+/// vertices.
 fn within_boxes(model: &Model, pose: &Pose, positions: &[[f32; 3]]) -> Result<f32, String> {
     let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(text)?;
     let (mut rest, mut most) = (positions, 0.0_f32);

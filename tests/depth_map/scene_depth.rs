@@ -1,5 +1,5 @@
-//! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light. Which casters
-//! are drawn.
+//! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light.
+//! Which casters are drawn.
 
 use glam::{DAffine3, DVec3, Mat3};
 use rimline::gpu::depth_map::{MeshDepth, SceneDepth, SceneDepthCasters, SceneDepthCounts};
@@ -362,7 +362,8 @@ fn outside() -> Result<(), String> {
         all += counts.outside + counts.drawn;
     }
     println!("{culled} of {all} culled");
-    // A caster without a box, or with a box that is not finite, is drawn. A box elsewhere culls a caster, whatever its buffer holds.
+    // A caster without a box, or with a box that is not finite, is drawn. A box elsewhere culls a caster, whatever its
+    // buffer holds.
     let mut casters = Casters::new(&gpu)?;
     casters.fill(&gpu, &mut random, (8, 0.1))?;
     let light = light(&mut random, 0);

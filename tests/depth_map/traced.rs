@@ -1,6 +1,6 @@
-//! Wrong pixels of a detector, each traced to what it omitted: the way from the near rectangle to what is seen crosses an odd
-//! number of triangles that every cell has and the detector has not. Equal stairs, and open sheets of folds over a
-//! ground that is not in the map (docs/numerics/depth-maps.md, "Open sheets").
+//! Wrong pixels of a detector, each traced to what it omitted: the way from the near rectangle to what is seen crosses
+//! an odd number of triangles that every cell has and the detector has not. Equal stairs, and open sheets of folds over
+//! a ground that is not in the map (docs/numerics/depth-maps.md, "Open sheets").
 
 use std::collections::HashSet;
 
@@ -80,7 +80,8 @@ struct Tally {
 }
 
 impl Tally {
-    /// Adds what the eye sees through the middle of each pixel, and whether light reaches it. Of right pixels every `share`th is traced.
+    /// Adds what the eye sees through the middle of each pixel, and whether light reaches it. Of right pixels every
+    /// `share`th is traced.
     fn add(
         &mut self,
         gpu: &Gpu,
@@ -140,8 +141,9 @@ impl Tally {
     }
 }
 
-/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps that are
-/// as large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in under them.
+/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps
+/// that are as large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in
+/// under them.
 fn of_stairs() -> Result<(), String> {
     const STEPS: i64 = 12;
     const SIDE: u32 = 96;

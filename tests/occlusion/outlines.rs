@@ -33,7 +33,8 @@ fn both_ways(caster: &Caster, facing: &[bool], left_out: &[u32]) -> [u32; 2] {
     })
 }
 
-/// Asks whether what is left out has no more sides than any other choice among the occluded faces. Says how many choices it tried.
+/// Asks whether what is left out has no more sides than any other choice among the occluded faces. Says how many
+/// choices it tried.
 fn check(caster: &Caster, facing: &[bool], occluded: &[u32], left_out: &[u32]) -> Result<usize, String> {
     if let Some(face) = left_out.iter().find(|face| !occluded.contains(face)) {
         return Err(format!("face {face} is left out and not occluded"));

@@ -1,4 +1,5 @@
-//! Points that name their face, on the GPU: the CPU's integers, however points lie and the query is cut, and what is refused.
+//! Points that name their face, on the GPU: the CPU's integers, however points lie and the query is cut, and what is
+//! refused.
 
 use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};
 use rimline::internals::cpu::{self, Threads};

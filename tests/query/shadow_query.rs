@@ -301,8 +301,8 @@ fn extractions() -> Result<(), String> {
     })
 }
 
-/// A pair that is counted anew, in a dispatch that goes over some of the faces: those of clusters past the range, in the same
-/// group or another, are another dispatch's.
+/// A pair that is counted anew, in a dispatch that goes over some of the faces: those of clusters past the range, in
+/// the same group or another, are another dispatch's.
 fn recount() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let stage = Dispatch::new(gpu, &EXACT_SHADOW_DEPTH.wgsl(), "exact_shadow_depth_recount");
@@ -336,8 +336,8 @@ fn recount() -> Result<(), String> {
     Ok(())
 }
 
-/// Faces that fill the dispatches of a query of few pairs: all of them between, in all lanes, and a soup through which each pair
-/// goes elsewhere. llvmpipe ends an invocation's loops after 65,535 turns without a word.
+/// Faces that fill the dispatches of a query of few pairs: all of them between, in all lanes, and a soup through which
+/// each pair goes elsewhere. llvmpipe ends an invocation's loops after 65,535 turns without a word.
 fn many_faces() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(161);

@@ -1,4 +1,5 @@
-//! Stage `needs`: deforming casters that a frame does not need are not deformed, nothing is computed of them, and no image shows it.
+//! Stage `needs`: deforming casters that a frame does not need are not deformed, nothing is computed of them, and no
+//! image shows it.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -250,8 +251,8 @@ fn nothing_visible() -> Result<(), String> {
     if is_meant { Ok(()) } else { Err("too few of a kind".to_owned()) }
 }
 
-/// A view many times over. Only its last copy decides that a figure is culled, so loops have all their turns. llvmpipe ends an
-/// invocation's loops after 65,535 turns without a word.
+/// A view many times over. Only its last copy decides that a figure is culled, so loops have all their turns. llvmpipe
+/// ends an invocation's loops after 65,535 turns without a word.
 fn most_views() -> Result<(), String> {
     let mut play = Play::new(4601, 60)?;
     let most = MOST_BOXES / (play.next.lights.len() + 1);
@@ -354,8 +355,8 @@ fn dropped() -> Result<(), String> {
     Ok(())
 }
 
-/// Between `deform` and the encode a light moves or is added, casters get lights, or camera or pose change: other figures are
-/// needed then.
+/// Between `deform` and the encode a light moves or is added, casters get lights, or camera or pose change: other
+/// figures are needed then.
 fn changed() -> Result<(), String> {
     for number in 0..25 {
         let mut play = Play::new(4511 + number, 24)?;

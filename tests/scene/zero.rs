@@ -1,5 +1,5 @@
-//! Zero of anything in a scene: no lights of a caster, no casters, no views, no edges, no polygons, lists without room. Nothing
-//! fails, and other casters throw the same shadows as alone.
+//! Zero of anything in a scene: no lights of a caster, no casters, no views, no edges, no polygons, lists without room.
+//! Nothing fails, and other casters throw the same shadows as alone.
 
 use std::ops::ControlFlow;
 

@@ -452,8 +452,8 @@ fn batches() -> Result<(), String> {
     if resolved < 1000 || bounded < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where back-facing
-/// faces cast, as the back-facing faces without these, each of which casts.
+/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where
+/// back-facing faces cast, as the back-facing faces without these, each of which casts.
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut changed, mut back_facing_casters) = (0, 0);

@@ -275,8 +275,8 @@ fn stencil_pencil() -> Result<(), String> {
     must_fail("without the last casters", &same("row", &row, &row_of(0..casters - 512)))
 }
 
-/// Sides in the middle of bins, around an axis that their caster does not meet: each crosses from a half plane to another, some
-/// across the half plane with the key 0.
+/// Sides in the middle of bins, around an axis that their caster does not meet: each crosses from a half plane to
+/// another, some across the half plane with the key 0.
 fn stencil_crossings() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let most = 64 * stated("LISTED_ITEMS");

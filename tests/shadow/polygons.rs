@@ -42,8 +42,8 @@ pub(crate) struct Rig {
     frame: Frame,
     light: Light,
     size: u32,
-    /// Edges of triangles in the picture, and how far off the GPU's may be along either axis. Sides begin at some of them, and
-    /// the polygons that are seen end at some.
+    /// Edges of triangles in the picture, and how far off the GPU's may be along either axis. Sides begin at some of
+    /// them, and the polygons that are seen end at some.
     edges: Vec<([DVec2; 2], f64)>,
 }
 
@@ -124,8 +124,8 @@ impl Rig {
         steps().any(|dx| steps().any(|dy| fits(self.at(pixel + DVec2::new(dx, dy)))))
     }
 
-    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: docs/numerics/rasterisers.md,
-    /// "Hairlines".
+    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side:
+    /// docs/numerics/rasterisers.md, "Hairlines".
     fn is_hairline(&self, at: DVec2) -> bool {
         self.edges.iter().any(|&([a, b], off)| {
             let along = b - a;
@@ -134,8 +134,8 @@ impl Rig {
         })
     }
 
-    /// Pixels where the stencil differs from the pixel's own ray, and neither a ray next to it nor a hairline explains the value:
-    /// the first ones. A hairline may explain any value, since a polygon that is seen may end there.
+    /// Pixels where the stencil differs from the pixel's own ray, and neither a ray next to it nor a hairline explains
+    /// the value: the first ones. A hairline may explain any value, since a polygon that is seen may end there.
     pub(crate) fn wrong(&self, truths: &[Truth], stencil: &[u8], compared: Compared) -> Vec<(u32, u32)> {
         let fits = |truth: Truth, value: u8| match (truth, compared) {
             (Truth::Odd(count), Compared::Counts) => count as u8 == value,
@@ -344,8 +344,8 @@ fn mixed(random: &mut Random, lights: usize) -> Result<(String, Frame), String> 
     Ok((names, frame))
 }
 
-/// Casters of polygons and of triangles in one scene, in callers' buffers, also with a past, several batches of lights and lists
-/// of any room.
+/// Casters of polygons and of triangles in one scene, in callers' buffers, also with a past, several batches of lights
+/// and lists of any room.
 fn alike() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
     let (mut shadowed, mut lost, mut runs, mut controls) = (0, 0, 0, 0);

@@ -1,6 +1,7 @@
-//! Parity rounds: the shadow of each polygon by itself, as Bergeron (1986) draws it. A round inverts a bit wherever a side or cap of
-//! one polygon lies beyond what is seen; then the bit is added to a count. This takes a number of rounds that is known beforehand, and
-//! knows nothing of facing, twists or pieces. It is what the volumes of polygons are compared with.
+//! Parity rounds: the shadow of each polygon by itself, as Bergeron (1986) draws it. A round inverts a bit wherever a
+//! side or cap of one polygon lies beyond what is seen; then the bit is added to a count. This takes a number of rounds
+//! that is known beforehand, and knows nothing of facing, twists or pieces. It is what the volumes of polygons are
+//! compared with.
 
 use glam::Vec4;
 use rimline::gpu::read_back_vec;

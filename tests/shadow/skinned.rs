@@ -50,8 +50,8 @@ fn skinned() -> Result<(), String> {
     tally.result("skinned figure in motion")
 }
 
-/// Figures in a room, of which a frame deforms those that it needs: the same depths and stencil counts as with all of them. The
-/// others are points then. Figures walk out of sight and back.
+/// Figures in a room, of which a frame deforms those that it needs: the same depths and stencil counts as with all of
+/// them. The others are points then. Figures walk out of sight and back.
 fn culled() -> Result<(), String> {
     const INSTANCES: usize = 12;
     let gpu = Gpu::shared()?;

@@ -327,8 +327,8 @@ fn random_stage(random: &mut Random, number: usize, lights: usize) -> (Scene, (u
     (scene, layout, shape, excluded)
 }
 
-/// Choices are goldens; `tests/shadow/choice.rs` and `tests/shadow/margins` say whether they are right. Lists of caps have the
-/// faces that cast; which of the near caps there are is a golden, too.
+/// Choices are goldens; `tests/shadow/choice.rs` and `tests/shadow/margins` say whether they are right. Lists of caps
+/// have the faces that cast; which of the near caps there are is a golden, too.
 fn choose_and_caps() -> Result<(), String> {
     const GOLDENS: usize = 24;
     let gpu = &*Gpu::shared()?;
@@ -442,8 +442,8 @@ fn by_edge(list: &[u32]) -> Vec<u32> {
     list
 }
 
-/// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the sides of each edge
-/// record are those that its faces sum to, and together they bound what casts.
+/// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the sides of
+/// each edge record are those that its faces sum to, and together they bound what casts.
 fn list_sides() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 108;

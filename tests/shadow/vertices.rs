@@ -144,8 +144,8 @@ impl Shaders {
     }
 }
 
-/// Polygons of a light by labels, with how often each counts; sides first, then near caps and, if the depth buffer does not have
-/// the caster, light caps.
+/// Polygons of a light by labels, with how often each counts; sides first, then near caps and, if the depth buffer does
+/// not have the caster, light caps.
 fn polygons(
     gpu: &Gpu,
     shaders: &Shaders,

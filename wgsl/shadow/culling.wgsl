@@ -2,11 +2,10 @@
 // further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera
 // sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole
 // box.
-// `counting_methods` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the tests by range and
-// view.
-// Every test has slack above its rounding errors. It says that a box or volume is outside only if this is certain, so
-// nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and docs/numerics/receivers.md,
-// "Volumes without a receiver".
+// `counting_methods` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the tests
+// by range and view. Every test has slack above its rounding errors. It says that a box or volume is outside only if
+// this is certain, so nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and
+// docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers

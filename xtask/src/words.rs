@@ -100,7 +100,8 @@ fn code_of(text: &str) -> String {
     code + rest
 }
 
-/// The bytes of the string that `rest` begins with, its quotes included. `before` ends in `r`, `r#` and so on at a raw string.
+/// The bytes of the string that `rest` begins with, its quotes included. `before` ends in `r`, `r#` and so on at a raw
+/// string.
 fn string_length(before: &str, rest: &str) -> usize {
     let without_hashes = before.trim_end_matches('#');
     if without_hashes.ends_with('r') {

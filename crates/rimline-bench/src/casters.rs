@@ -2,8 +2,8 @@
 //! and silhouettes that are not those of the merged mesh.
 //!
 //! Casters of one mesh stand at integer positions in a cube, with lights and a camera outside it. Positions of vertices and
-//! casters have so few digits that their sums are exact. So a caster in the scene has exactly the silhouettes that its part of
-//! the merged mesh has.
+//! casters have so few digits that their sums are exact. So a caster in the scene has exactly the silhouettes that its
+//! part of the merged mesh has.
 
 use std::cell::RefCell;
 

@@ -1,5 +1,5 @@
-//! Charts by plotters: curves and points in a plane, and rows of bars or dots. The caller supplies the data; this module knows
-//! nothing of silhouettes.
+//! Charts by plotters: curves and points in a plane, and rows of bars or dots. The caller supplies the data; this
+//! module knows nothing of silhouettes.
 //!
 //! A chart is SVG for the report's page, whose style sheet replaces the colours on a dark ground, and PNG by the same SVG.
 
@@ -501,7 +501,8 @@ fn bars(
     Ok(())
 }
 
-/// A drawing for a file as PNG. Its lengths are pixels already, two of them to a CSS pixel: sharp on screens that have so many.
+/// A drawing for a file as PNG. Its lengths are pixels already, two of them to a CSS pixel: sharp on screens that have
+/// so many.
 pub(crate) fn png(svg: &str) -> io::Result<Vec<u8>> {
     let mut options = usvg::Options { font_family: "Ubuntu".to_owned(), ..usvg::Options::default() };
     Arc::make_mut(&mut options.fontdb).load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());

@@ -1,7 +1,7 @@
 //! Pipelines of a single WGSL module, without what most of them have alike.
 
-/// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of a camera's
-/// matrix, and the origin that it takes positions from.
+/// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of
+/// a camera's matrix, and the origin that it takes positions from.
 pub const SURFACE: &str = "
 struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
 @group(0) @binding(0) var<storage, read> camera: Camera;
@@ -84,8 +84,8 @@ pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_wri
     }
 }
 
-/// A compute pipeline over the texels of a texture of floats, which may be depths, with one sample or several: binding 0 of group 0.
-/// Binding 1 is a storage buffer that is written.
+/// A compute pipeline over the texels of a texture of floats, which may be depths, with one sample or several: binding
+/// 0 of group 0. Binding 1 is a storage buffer that is written.
 #[derive(Debug)]
 pub struct TexelKernel {
     pipeline: wgpu::ComputePipeline,

@@ -190,7 +190,8 @@ pub fn record_silhouettes(mesh: &Mesh, edges: &EdgeFaces, masks: &[EdgeMasks], l
         .collect()
 }
 
-/// The list of the light with this bit over one plane of masks: the silhouette edges in edge order, with the winding bit as bit 31.
+/// The list of the light with this bit over one plane of masks: the silhouette edges in edge order, with the winding
+/// bit as bit 31.
 pub fn listed(plane: &[EdgeMasks], bit: u32) -> Vec<u32> {
     let edges = (0..).zip(plane).filter(|(_, masks)| masks.silhouette >> bit & 1 != 0);
     edges.map(|(edge, masks): (u32, _)| edge | (masks.winding >> bit & 1) << 31).collect()

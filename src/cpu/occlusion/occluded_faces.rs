@@ -23,8 +23,8 @@ pub struct OcclusionCaster<'a> {
     /// The positions of the mesh's source vertices, in world space. Their bits are those that the scene has. A rigid caster
     /// has the positions of its mesh, and its transform in the scene is the identity.
     pub positions: &'a [[f32; 3]],
-    /// The version of the positions, as in [`Scene::set_position_version`](crate::gpu::Scene::set_position_version). `None` for
-    /// a rigid caster.
+    /// The version of the positions, as in [`Scene::set_position_version`](crate::gpu::Scene::set_position_version).
+    /// `None` for a rigid caster.
     pub version: Option<u64>,
 }
 
@@ -43,8 +43,8 @@ pub struct OcclusionStatistics {
     pub sides: usize,
     /// The same without the faces left out. It is at most [`Self::sides`], but for [`OcclusionOptions::leave_out_all`].
     pub sides_left: usize,
-    /// Faces that still cast because they exceeded [`OcclusionOptions::max_steps`]. Here and in `without_room`, a face counts
-    /// in each cone of directions that it is in, and a polygon by its triangles.
+    /// Faces that still cast because they exceeded [`OcclusionOptions::max_steps`]. Here and in `without_room`, a face
+    /// counts in each cone of directions that it is in, and a polygon by its triangles.
     pub undecided: usize,
     /// Faces that still cast and occlude nothing more, because the tree was full.
     pub without_room: usize,
@@ -56,9 +56,9 @@ pub struct OcclusionStatistics {
 /// [`Scene::set_occluded_faces`](crate::gpu::Scene::set_occluded_faces). All decisions are exact.
 ///
 /// The faces that occlude others are back-facing ones of closed meshes, and all faces of other meshes. They are never
-/// occluded themselves. Polygons take part if they are exactly planar and strictly convex, as a whole. The method is Batagelo
-/// and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both sides. The choice
-/// among the occluded faces gives silhouettes the fewest edges, so they never gain any, unless
+/// occluded themselves. Polygons take part if they are exactly planar and strictly convex, as a whole. The method is
+/// Batagelo and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both
+/// sides. The choice among the occluded faces gives silhouettes the fewest edges, so they never gain any, unless
 /// [`OcclusionOptions::leave_out_all`] is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OccludedFaces {
@@ -77,8 +77,8 @@ pub(crate) struct OccludedOfCaster {
 }
 
 impl OccludedFaces {
-    /// Finds the occluded faces. It takes no device and may run on a thread of its own. `progress` is called now and then with the
-    /// number of faces tried and of all to try; [`ControlFlow::Break`] ends the search.
+    /// Finds the occluded faces. It takes no device and may run on a thread of its own. `progress` is called now and
+    /// then with the number of faces tried and of all to try; [`ControlFlow::Break`] ends the search.
     ///
     /// # Errors
     /// [`CpuError`] for a light that shadows refuse, missing positions, or if `progress` ends it.
@@ -155,8 +155,8 @@ impl OccludedFaces {
         self.light
     }
 
-    /// The occluded faces of a caster that are left out, by its number in the list that was given. They are ascending numbers of
-    /// faces in its mesh.
+    /// The occluded faces of a caster that are left out, by its number in the list that was given. They are ascending
+    /// numbers of faces in its mesh.
     pub fn faces(&self, caster: usize) -> &[u32] {
         self.casters.get(caster).map_or(&[], |of_caster| &of_caster.faces)
     }

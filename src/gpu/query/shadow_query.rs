@@ -200,8 +200,8 @@ impl ShadowQuery {
 
     /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
     /// Several encodes in one encoder are allowed; each overwrites the depths of the one before. No lights or no points
-    /// are allowed; there are no depths then. `points` is a [`PositionBuffer`], or [`QueryPoints`] that name the faces that they are
-    /// on.
+    /// are allowed; there are no depths then. `points` is a [`PositionBuffer`], or [`QueryPoints`] that name the faces
+    /// that they are on.
     ///
     /// # Errors
     /// [`QueryError`] if lights, positions or points are refused, or the device is lost. Nothing is recorded then.
@@ -327,14 +327,15 @@ impl ShadowQuery {
     }
 
     /// The depths, once the encoder was submitted: one `i32` for each pair. Points follow each other, and each point
-    /// has one number for each light of that encode. A point that is infinite or NaN has −1. The buffer is as long as the options
-    /// ask for; numbers behind those of the last encode have no meaning. Usages `STORAGE`, `COPY_SRC` and `COPY_DST`.
+    /// has one number for each light of that encode. A point that is infinite or NaN has −1. The buffer is as long as
+    /// the options ask for; numbers behind those of the last encode have no meaning. Usages `STORAGE`, `COPY_SRC` and
+    /// `COPY_DST`.
     pub fn occluder_counts(&self) -> &wgpu::Buffer {
         &self.buffers.depths
     }
 
-    /// Reads [`Self::occluder_counts`] of the last encode, and no more, once its encoder was submitted. It waits for the device.
-    /// `queue` must be the queue of the query's device.
+    /// Reads [`Self::occluder_counts`] of the last encode, and no more, once its encoder was submitted. It waits for
+    /// the device. `queue` must be the queue of the query's device.
     ///
     /// # Errors
     /// [`QueryError::Device`] if the device does not hand them back.

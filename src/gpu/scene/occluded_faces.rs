@@ -26,8 +26,8 @@ const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0
 
 impl Scene {
     /// Culls occluded faces of static casters for a light. `casters` are the casters of [`OccludedFaces::find`], in that
-    /// order. `occluded` replaces the faces that were set for the light before; `None` ends it. Other casters of the scene do
-    /// not matter.
+    /// order. `occluded` replaces the faces that were set for the light before; `None` ends it. Other casters of the
+    /// scene do not matter.
     ///
     /// Each encode checks these conditions:
     ///
@@ -37,8 +37,8 @@ impl Scene {
     /// * [`Self::set_excluded`] excludes no face of a caster for the light.
     ///
     /// If a condition fails, the encode ignores the light's occluded faces, and
-    /// [`SceneFrame::occluded_faces`](crate::gpu::SceneFrame::occluded_faces) counts them. A later encode uses them again once all
-    /// conditions hold. Each such change makes a new layout.
+    /// [`SceneFrame::occluded_faces`](crate::gpu::SceneFrame::occluded_faces) counts them. A later encode uses them
+    /// again once all conditions hold. Each such change makes a new layout.
     ///
     /// The caller must make sure that the positions are those that were searched: for a rigid caster those of its mesh.
     ///

@@ -1,5 +1,5 @@
-//! The compute passes before the draws: `bounds`, `counting_methods`, `caps`, `list_sides`, `shadow_arguments`, and four optional
-//! ones. And the bind groups of the draws.
+//! The compute passes before the draws: `bounds`, `counting_methods`, `caps`, `list_sides`, `shadow_arguments`, and
+//! four optional ones. And the bind groups of the draws.
 
 use wgpu::BindingResource;
 
@@ -283,7 +283,8 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// For each group and batch with polygons, a copy of the lights for which they are twisted to where `counting_methods` reads them.
+    /// For each group and batch with polygons, a copy of the lights for which they are twisted to where
+    /// `counting_methods` reads them.
     fn twisted(&self) -> Vec<Step> {
         let parts = self.source.groups.iter().flat_map(|group| &group.batches).enumerate();
         let copy = |(part, batch): (usize, &Named<'_>)| {

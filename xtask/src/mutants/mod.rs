@@ -1,5 +1,6 @@
-//! `cargo xtask mutants`: which tests notice changes that make the code wrong. Nothing here is touched. A shader is changed in a
-//! copy of `wgsl`, which tests that are built already read. Other code is changed, and built, in a copy of the repository.
+//! `cargo xtask mutants`: which tests notice changes that make the code wrong. Nothing here is touched. A shader is
+//! changed in a copy of `wgsl`, which tests that are built already read. Other code is changed, and built, in a copy of
+//! the repository.
 
 mod matrix;
 mod mutation;

@@ -143,7 +143,8 @@ impl<'a> Drawn<'a> {
         surfaces.set(self.stopwatch.gpu, &camera.shadow(), Some(*light));
     }
 
-    /// Draws a frame and waits for it. Returns milliseconds of the stencil pass, and of the whole: stages, depth, stencil, light.
+    /// Draws a frame and waits for it. Returns milliseconds of the stencil pass, and of the whole: stages, depth,
+    /// stencil, light.
     fn frame(&mut self, camera: &Camera) -> Result<[f64; 2], Error> {
         self.look(camera);
         let Self { stopwatch, parts } = self;

@@ -112,8 +112,8 @@ impl Sheet {
         Ok(sheet)
     }
 
-    /// A drawing in the unit of the files, with their coordinates: `offset` is what the page's lack. On a page it would have this
-    /// scale.
+    /// A drawing in the unit of the files, with their coordinates: `offset` is what the page's lack. On a page it would
+    /// have this scale.
     fn in_units(
         args: &LinesArgs,
         style: &Style,
@@ -214,7 +214,8 @@ impl Sheet {
     }
 }
 
-/// The part of the view's page from which lines are taken. An eye within a model sees lines at any angle, so there is a limit.
+/// The part of the view's page from which lines are taken. An eye within a model sees lines at any angle, so there is a
+/// limit.
 pub(crate) fn taken(args: &LinesArgs) -> Option<PageBox> {
     const MOST: f64 = 1.19; // The tangent of 50 degrees.
     let most = PageBox { low: [-MOST; 2], high: [MOST; 2] };

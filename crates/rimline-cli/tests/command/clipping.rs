@@ -68,8 +68,8 @@ fn named() -> Outcome {
     Ok(())
 }
 
-/// A point light, and volumes that leave the picture on all sides: pixels that differ from lavapipe's lie at borders of shadow,
-/// where the rasterisers' grids tell, and a few beside them.
+/// A point light, and volumes that leave the picture on all sides: pixels that differ from lavapipe's lie at borders of
+/// shadow, where the rasterisers' grids tell, and a few beside them.
 fn specks(model: &Path) -> Outcome {
     let driver = manifest().ok_or("no SwiftShader")?;
     let most = if is_long() { 10 } else { 6 };

@@ -306,8 +306,9 @@ fn distances() -> Outcome {
             let differing = apart([&rendered, &given], 1, 0)?;
             ensure!(differing < 30, "{light}, metric {metric}: {differing} pixels differ");
         }
-        // Negative controls: distances are taken for depths, and those along the axis for the longer ones along rays. (The other
-        // way round surfaces move away from the light, and most of the mask stays.) At infinity both are the same.
+        // Negative controls: distances are taken for depths, and those along the axis for the longer ones along rays.
+        // (The other way round surfaces move away from the light, and most of the mask stays.) At infinity both are the
+        // same.
         let wrongs = [(1, 2), (2, 0)];
         for (metric, wrong) in wrongs.into_iter().skip(usize::from(light_position.is_none())) {
             let mut other = archives[metric - 1].clone();

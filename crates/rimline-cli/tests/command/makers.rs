@@ -106,10 +106,11 @@ pub(crate) fn escaped(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// Arrays, one a line: `NAME TYPE SHAPE NUMBERS`, where `V*N` is N times V. Before the name may stand `deflate`, `fortran`, or
-/// another word for the order, `cut=N` and `more=N` for other lengths than the shape's. `NAME raw TEXT` is an entry of these
-/// bytes, whose name may be `escaped` and have another ending. From another archive, arrays of its names are replaced, `- NAME`
-/// takes one out, `NAME flip N MASK` flips bits of the N-th byte of the data, and `NAME put N TYPE NUMBERS` writes numbers there.
+/// Arrays, one a line: `NAME TYPE SHAPE NUMBERS`, where `V*N` is N times V. Before the name may stand `deflate`,
+/// `fortran`, or another word for the order, `cut=N` and `more=N` for other lengths than the shape's. `NAME raw TEXT`
+/// is an entry of these bytes, whose name may be `escaped` and have another ending. From another archive, arrays of its
+/// names are replaced, `- NAME` takes one out, `NAME flip N MASK` flips bits of the N-th byte of the data, and `NAME
+/// put N TYPE NUMBERS` writes numbers there.
 fn archive(folder: &Folder, file: &str, source: Option<&str>, lines: &[&str]) -> Outcome {
     let mut entries = source.map_or(Ok(Vec::new()), |source| read_zip(&folder.read(source)?))?;
     for line in lines {

@@ -84,7 +84,8 @@ pub(super) fn sheets() -> Maker {
     maker
 }
 
-/// Closed and open meshes: one of two primitives that share vertices and one across a seam, a folded cloth, a ball of facets.
+/// Closed and open meshes: one of two primitives that share vertices and one across a seam, a folded cloth, a ball of
+/// facets.
 pub(super) fn parts() -> Maker {
     let mut maker = Maker::new();
     let ring = shapes::torus(16, 10, 1.0, 0.4);
@@ -116,8 +117,8 @@ pub(super) fn sparse() -> Maker {
     maker
 }
 
-/// Two scenes, of which the second is shown: meshes at several nodes, mirrored below mirrored ones, with degenerate faces and
-/// normals that are NaN.
+/// Two scenes, of which the second is shown: meshes at several nodes, mirrored below mirrored ones, with degenerate
+/// faces and normals that are NaN.
 pub(super) fn scenes() -> Maker {
     let mut maker = Maker::new();
     let mut shape = shapes::cube();
