@@ -1,5 +1,5 @@
-//! Extraction, deformation and shadow depth on the CPU. They need no device. Extraction and shadow depth give the same
-//! bits as the GPU at the same positions.
+//! Extraction, deformation and occluder counts on the CPU. They need no device. Extraction and occluder counts have the same
+//! bits as on the GPU at the same positions.
 //!
 //! Masks are in batches of 32 lights, one after the other, and in a batch one item after the other. The GPU has the same layout
 //! for triangles and edge records; [`Extraction`] says what differs for polygons.

@@ -1,4 +1,4 @@
-//! The shadow depth query's CPU reference: against brute force, and what must hold of any such count.
+//! The CPU reference of occluder counts: against brute force, and what must hold of any such count.
 
 use rimline::internals::cpu::{self, CpuError, Threads};
 use rimline::{Light, LightError, Mesh};

@@ -1,4 +1,4 @@
-//! The shadow depth query on the GPU: the CPU reference's integers, however it is cut, and what is refused.
+//! Queries of occluder counts on the GPU: the CPU reference's integers, however it is cut, and what is refused.
 //!
 //! It tests the stage `depth_arguments`, too.
 

@@ -60,8 +60,8 @@ fn overlap_in_line(f: Edge, f_index: u32, e: Edge, e_index: u32) -> Overlap {
 
 // Whether edges (p, q) and (a, b), which must be on one line in space, have the same direction.
 fn has_same_direction(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
-  let is_ascending = ordered(p) < ordered(q);
-  return any((p != q) & (a != b) & (is_ascending == (ordered(a) < ordered(b))));
+  let is_ascending = order_keys(p) < order_keys(q);
+  return any((p != q) & (a != b) & (is_ascending == (order_keys(a) < order_keys(b))));
 }
 
 // The edges that an invocation finds to cut its edge, a bit each. For a large boundary it tests every 64th edge: bit n is

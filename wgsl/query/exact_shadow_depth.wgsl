@@ -1,4 +1,4 @@
-// Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to the occluder counts (`depths`)
+// Stage `exact_shadow_depth`: decides the faces that `shadow_depth` left undecided, and adds them to the occluder counts (`depths`)
 // that the caller reads. Three stages after `shadow_depth`, in this order, for each range of faces. `exact_shadow_depth`: an
 // invocation a pair of point and light, for its up to three stored faces. `depth_arguments`: writes the dispatch of the next
 // stage. `exact_shadow_depth_recount`: a workgroup a listed pair (one with more) and a group of 1,024 faces. It decides all

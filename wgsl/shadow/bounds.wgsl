@@ -54,8 +54,8 @@ fn bound_faces(caster: u32, first: u32, end: u32) {
     let b = vertex_bits(caster, corners.y);
     let c = vertex_bits(caster, corners.z);
     if (is_finite(bitcast<vec3<f32>>(a)) && is_finite(bitcast<vec3<f32>>(b)) && is_finite(bitcast<vec3<f32>>(c))) {
-      low = min(low, min(ordered(a), min(ordered(b), ordered(c))));
-      high = max(high, max(ordered(a), max(ordered(b), ordered(c))));
+      low = min(low, min(order_keys(a), min(order_keys(b), order_keys(c))));
+      high = max(high, max(order_keys(a), max(order_keys(b), order_keys(c))));
     } else if (corners.x != corners.y && corners.y != corners.z && corners.z != corners.x) {
       has_holes = true;
     }

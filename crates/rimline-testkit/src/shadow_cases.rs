@@ -1,4 +1,4 @@
-//! Meshes, points and lights for the shadow depth query: ordinary ones, and ones that tie.
+//! Meshes, points and lights for queries of occluder counts: ordinary ones, and ones that tie.
 
 use crate::shapes::{self, Shape};
 use rimline::Light;

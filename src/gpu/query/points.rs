@@ -1,4 +1,4 @@
-//! The points of a shadow depth query, and the faces that they are on.
+//! The points of a query of occluder counts, and the faces that they are on.
 
 use super::errors::QueryError;
 use crate::gpu::common::positions::PositionBuffer;

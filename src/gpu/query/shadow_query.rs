@@ -1,4 +1,4 @@
-//! The shadow depth query: the number of faces strictly between each point and each light.
+//! Queries of occluder counts: the number of faces strictly between each point and each light.
 
 use std::ops::Range;
 

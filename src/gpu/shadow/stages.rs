@@ -249,7 +249,7 @@ impl<'a> Binder<'a> {
             _ => {
                 let is_of_pieces = matches!(over, Over::Pieces | Over::OneOfPieces);
                 let parts = numbered().zip(rooms.chunks(batches.max(1)));
-                let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.pieces_of(*group));
+                let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.group_has_pieces(*group));
                 let parts = parts.flat_map(|(group, rooms)| rooms.iter().enumerate().map(move |room| (group, room)));
                 let scopes = parts.flat_map(|((group, size), (batch, room))| {
                     let workgroups = self.workgroups_of(over, size, room);
