@@ -15,7 +15,7 @@
 // sum of. It is far above their rounding errors. Functions and variables named `…_terms` give upper bounds on terms.
 const SLACK: f32 = 4e-6;
 
-// Whether a value is certainly negative.
+// Whether a value is certainly negative: beyond the slack.
 fn is_negative(value: f32, terms: f32) -> bool { return value < -SLACK * terms; }
 
 // A position relative to the pyramid with the light as its apex and the near rectangle as its base.
@@ -40,7 +40,8 @@ fn height_terms(view: ShadowView, q: vec3<f32>) -> f32 {
   return dot_3(abs(view.near_plane.xyz), q) + abs(view.near_plane.w);
 }
 
-// A face may lie between light and near rectangle unless all its corners are outside the same plane.
+// A position's distances from the planes of the pyramid of light and near rectangle. A face may lie between the two unless
+// all its corners are outside of one plane.
 fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> PyramidPlanes {
   let s = light_side(light);
   let v = corner(view, light, position);
