@@ -55,7 +55,7 @@ fn find(light: Light, casters: &[OcclusionCaster<'_>], options: OcclusionOptions
     OccludedFaces::find(light, casters, options, |_, _| ControlFlow::Continue(())).expect("found")
 }
 
-/// The faces that cast: averted ones of closed casters, and all of others.
+/// The faces that cast: back-facing ones of closed casters, and all of others.
 fn casting(setting: &Setting, light: Light) -> Vec<[[f32; 3]; 3]> {
     let mut faces = Vec::new();
     for Body { positions, mesh } in &setting.bodies {

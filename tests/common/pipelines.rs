@@ -116,7 +116,7 @@ fn once() -> Result<(), String> {
         made.push(Box::new(ShadowQuery::new(&pipelines, &mesh, options).map_err(text)?));
         count.added(&format!("query, skipping {skip}"), adds)?;
     }
-    // Nothing that is alive has a pipeline besides.
+    // There are no other live pipelines.
     println!("{} pipelines for {} things: {pipelines:?}", pipelines.len(), made.len());
     same("live pipelines", &[gpu.live_pipelines()?], &[pipelines.len()])?;
     made.push(Box::new(Extractor::new(&gpu.device, &mesh, ExtractorOptions::default()).map_err(text)?));

@@ -362,8 +362,8 @@ fn outside() -> Result<(), String> {
         all += counts.outside + counts.drawn;
     }
     println!("{culled} of {all} culled");
-    // A caster without a box, or with a box that is not finite, is drawn. A box elsewhere culls a caster, whatever its
-    // buffer holds.
+    // A caster without a box, or with a box that is not finite, is drawn. A box out of the map culls a caster, even if its
+    // vertices are in the map.
     let mut casters = Casters::new(&gpu)?;
     casters.fill(&gpu, &mut random, (8, 0.1))?;
     let light = light(&mut random, 0);

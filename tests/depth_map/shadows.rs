@@ -157,7 +157,7 @@ fn of_bits() -> Result<(), String> {
     }
     let errors = tallies.map(|tally| tally.squares);
     println!("mean squares are {:.2} and {:.2} of those of one bit", errors[1] / errors[0], errors[2] / errors[0]);
-    // Bits that are all alike would have the error of one.
+    // Equal bits would have the error of one bit.
     let is_right = tallies.iter().all(|tally| tally.wrong == 0);
     if is_right && errors[1] < 0.8 * errors[0] && errors[2] < errors[1] { Ok(()) } else { Err(format!("{tallies:?}")) }
 }
@@ -189,7 +189,7 @@ fn of_distances() -> Result<(), String> {
     println!("{tallies:?}");
     let [of_device, right @ .., exchanged] = &tallies;
     for (tally, way) in right.iter().zip(&ways[1..]) {
-        // Walls miss some rims, whatever the metric, and so much the more as the threshold is larger in the world.
+        // Walls miss some rims with each metric, and more of them if the threshold is larger in the world.
         let allowed = if way.options.method == contours(CONTOURS) { of_device.wrong } else { 0 };
         let pixels = tally.pixels();
         let is_wrong = tally.wrong > allowed || tally.at_borders * 20 > pixels || tally.at_folds * 10_000 > pixels;

@@ -120,8 +120,8 @@ fn zeros(count: u64) -> Maker {
 }
 
 /// The node has this number of instances of the mesh. A reproduction of 371 bytes, with 2,400,000 vertices and 880
-/// instances, took more than 8 GB and ended the process, since an instance was charged a few hundred bytes, whatever
-/// its faces.
+/// instances, took more than 8 GB and ended the process, since an instance was charged a few hundred bytes
+/// for any number of faces.
 fn instances(mut maker: Maker, count: u64) -> Maker {
     let attributes = json!({ "TRANSLATION": maker.zeros(count) });
     maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });

@@ -391,7 +391,7 @@ fn in_planes() -> Result<(), String> {
             pairs += 1;
         }
         println!("{planes} planes, {others} others: {pairs} twisted, {open:?} open");
-        // Boundaries that touch themselves in space, and have many edges through one point besides, need not close.
+        // Boundaries that touch themselves in space, or have many edges through one point, need not close.
         if 4 * pairs < 3 * seeds || open[0] > 0 || planes == 1 && open[1] > 0 || 100 * open[1] > pairs {
             return Err(format!("{open:?} of {pairs} are open, of {planes} planes and {others} others"));
         }

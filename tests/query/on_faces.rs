@@ -13,8 +13,8 @@ fn depths(shape: &Shape, points: &[[f32; 3]], on_face: Option<&[u32]>, lights: &
     cpu::shadow_depth_on_faces(&shape.positions, &mesh, points, on_face, lights, Threads::all()).expect("good lights")
 }
 
-/// A light in the zenith lights the faces of the upper half, whatever rounding made of their centres. Points that are
-/// lifted off their faces are lit likewise.
+/// A light in the zenith lights the faces of the upper half, although rounding moves their centres. Points that are lifted
+/// off their faces have the same results.
 #[test]
 fn half_of_a_sphere_is_lit() {
     let shape = shapes::globe(48, 24);

@@ -386,8 +386,8 @@ fn busy() -> Result<(), String> {
     if shadowed < 1000 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. And in frames of all
-/// classes a pixel is dark in either way alike.
+/// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. In frames of all
+/// classes the same pixels are dark both ways.
 fn batches() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let dark =

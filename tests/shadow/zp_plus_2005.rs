@@ -22,8 +22,8 @@ pub(crate) const TESTS: &[Test] =
 const Z_FAIL: u32 = 2;
 const ZP_PLUS_PAPER: u32 = 4;
 
-/// From cameras outside the shadow no pixel is wrong that is right by auto (sides that begin at a concave crease may fight
-/// with the surfaces there, by every method alike); of the other classes the wrong pixels are printed.
+/// From cameras outside the shadow no pixel is wrong that is right by `Counting::Auto`. Sides that begin at a concave crease
+/// may fight with the surfaces there, by every method. Of the other classes the wrong pixels are printed.
 fn published() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer::new(&gpu);

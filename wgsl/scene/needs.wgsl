@@ -1,10 +1,10 @@
-// Stage `needs`: finds which deforming casters of a scene a frame needs, from boxes that the caller states. A caster is a mesh that
-// throws shadows; it is deforming if `deform` or the caller may compute its positions again. Dispatched before `deform` if
-// the caller asks for it, an invocation a deforming caster. A frame needs the caster if a camera may see it, or may see its
-// shadow from a light that affects it. Tests have slack, so that no visible caster is culled. It writes a word for each
-// caster: 2 if the frame needs it, else 1. The words are copied for `deform` and `cull_lights`. `deform` moves the
-// other casters into a point, and `cull_lights` culls them. Claim: docs/numerics/scene.md, "Deforming casters that a
-// frame needs".
+// Stage `needs`: finds which deforming casters of a scene a frame needs, from boxes that the caller states. A caster is
+// a mesh that throws shadows; it is deforming if `deform` or the caller may compute its positions again. Dispatched
+// before `deform` if the caller asks for it, an invocation a deforming caster. A frame needs the caster if a camera may
+// see it, or may see its shadow from a light that affects it. Tests have slack, so that no visible caster is culled. It
+// writes a word for each caster: 2 if the frame needs it, else 1. The words are copied for `deform` and `cull_lights`.
+// `deform` moves the other casters into a point, and `cull_lights` culls them. Claim: docs/numerics/scene.md,
+// "Deforming casters that a frame needs".
 
 #import common/casters
 #import shadow/culling

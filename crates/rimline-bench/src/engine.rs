@@ -1,5 +1,5 @@
-//! The one way to measure: all contenders run in turn, round by round, so that a drift of the machine's speed hits all
-//! alike.
+//! The one way to measure: all contenders run in turn, round by round, so that a drift of the machine's speed hits each
+//! of them as much.
 
 use std::time::{Duration, Instant};
 

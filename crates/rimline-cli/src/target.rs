@@ -74,7 +74,7 @@ fn is_stdout(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
-/// The files that a command reads, whatever names they are given by: results must not replace them.
+/// The files that a command reads, by identity and not by name. Results must not replace them.
 #[derive(Debug)]
 pub(crate) struct Inputs(HashMap<Identity, PathBuf>);
 

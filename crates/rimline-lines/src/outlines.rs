@@ -80,7 +80,7 @@ fn is_too_near(placed: &Placed<'_>, view: &View, near: f64) -> bool {
 
 /// Closed loops whose winding number about a point of the page is the number of faces there; half of it if the mesh is closed.
 ///
-/// A face whose back the eye sees is walked the other way round. Edges between two faces that are seen alike cancel.
+/// A face whose back the eye sees is walked the other way round. Edges between two faces with the same facing cancel.
 fn loops(placed: &Placed<'_>, view: &View, threads: Threads) -> Result<Vec<Vec<[f64; 2]>>, LinesError> {
     let object = placed.object;
     // A polygon that is not planar may have a twisted outline. Its triangles have not.

@@ -132,7 +132,7 @@ impl Maker {
         maker
     }
 
-    /// A square whose vertices follow two joints, the nodes 1 and 2, with the given weights for all vertices alike.
+    /// A square whose vertices follow two joints, the nodes 1 and 2, with the given weights, the same for all vertices.
     pub fn skinned(joints: [u8; 4], weights: [f32; 4]) -> Self {
         let mut maker = Self::square();
         let joints = maker.accessor(U8, "VEC4", 4, &joints.repeat(4));

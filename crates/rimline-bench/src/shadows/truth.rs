@@ -115,7 +115,7 @@ mod tests {
             let seen = Truth::new(&stage, path.light()).seen(&path.camera(0.3));
             let right: Vec<u8> = seen.pixels.iter().map(|pixel| u8::from(*pixel == Some(false))).collect();
             assert_eq!(seen.wrong(&right), 0);
-            // Looking at the occluder from its shadow, only its averted side is dark.
+            // Looking at the occluder from its shadow, only its back-facing side is dark.
             let dark = seen.pixels.iter().filter(|pixel| **pixel != Some(true)).count();
             assert!(dark > 10, "{path:?}: {dark}");
             let inverse: Vec<u8> = right.iter().map(|count| 1 - count).collect();

@@ -51,7 +51,7 @@ pub(crate) const COUNTERS: [Counter; 14] = [
 ];
 
 /// Measures a scene with each choice of levels. Stages and whole frames take turns, so that a drift of the machine's speed
-/// hits both alike.
+/// hits both.
 pub(crate) fn measure(
     rounds: Rounds,
     devices: &mut Devices<'_>,

@@ -11,7 +11,7 @@ use super::Limits;
 /// The turns after which llvmpipe ends the loops of an invocation.
 pub const MOST_TURNS: u32 = 65_535;
 
-/// The names that the comments above loops use, besides constants of the WGSL. The names of sizes follow from the most that
+/// The names that the comments above loops use, except constants of the WGSL. The names of sizes follow from the most that
 /// one binding of llvmpipe holds, 128 MiB, and from its largest texture, 16,384 texels a side.
 pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
     BTreeMap::from([
@@ -56,7 +56,7 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// For each entry point with loops, by its module, the turns that these have at most.
 ///
 /// Why no input has more. "By shares": the CPU makes as many workgroups as it takes that no invocation has more items than
-/// the constant says, whatever the input is; all other loops have their bounds in their heads. "By a binding": the items lie
+/// the constant says, for any input; all other loops have their bounds in their heads. "By a binding": the items lie
 /// in one binding, of 128 MiB with llvmpipe.
 ///
 /// * `compact_count`, `compact_scatter`: 356 at most, 1/184 of the limit: an invocation has one edge, and a block has 256.

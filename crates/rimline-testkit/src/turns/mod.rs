@@ -18,7 +18,7 @@ use naga::{Block, Function, Handle, Module, Span, Statement};
 pub use bounds::{MOST_TURNS, TURNS, limits};
 use expression::{head_turns, value};
 
-/// The names that comments may use besides the constants of the module.
+/// The names that comments may use in addition to the constants of the module.
 pub type Limits<'a> = BTreeMap<&'a str, u64>;
 
 /// The turns of each entry point of a module, in order.
