@@ -35,7 +35,8 @@ impl FacingStatistics {
 
 /// Facing masks of `faces` for `lights`: ⌈N/32⌉ planes with one `u32` for each face. A vertex that `positions` lacks
 /// counts as non-finite. The lights must be finite; [`crate::light::check_lights`] checks this. The arithmetic is that
-/// of `wgsl/extract/facing.wgsl` and `wgsl/extract/exact_facing.wgsl`. See docs/numerics/facing.md, "Error band" and "Filter".
+/// of `wgsl/extract/facing.wgsl` and `wgsl/extract/exact_facing.wgsl`. See docs/numerics/facing.md, "Error band" and
+/// "Filter".
 pub fn facing(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
