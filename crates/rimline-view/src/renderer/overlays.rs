@@ -9,7 +9,6 @@ use super::models::Models;
 use super::pipelines::{Pipelines, Shared};
 use super::targets::Targets;
 use crate::state::body::non_manifold_bits;
-use crate::state::lamp::Lamp;
 use crate::state::viewer::{MAX_LAMPS, Viewer};
 
 /// Extractors of all models, for the lights and the eye.
@@ -53,8 +52,10 @@ impl Overlays {
         viewer: &Viewer,
         camera: &ShadowCamera,
     ) -> Result<(), RenderError> {
-        let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(Lamp::light);
-        let lights: Vec<Light> = lamps.chain([Light::point(camera.origin)]).collect();
+        let mut sources = viewer.sources();
+        sources.dedup_by_key(|(number, _)| *number);
+        let lights = sources.iter().map(|(_, source)| source.light());
+        let lights: Vec<Light> = lights.chain([Light::point(camera.origin)]).collect();
         self.extractions.clear();
         for (index, (extractor, _)) in self.bodies.iter_mut().enumerate() {
             self.extractions.push(extractor.encode(encoder, models.positions(index)?, &lights)?);
