@@ -273,7 +273,7 @@ impl Renderer {
             timer.resolve(encoder);
         }
         if let Some(overlays) = overlays.as_mut() {
-            overlays.encode(encoder, models, viewer, &shadow_camera)?;
+            overlays.encode(gpu, encoder, models, viewer, &shadow_camera)?;
         }
         let scene = Drawing {
             shared,

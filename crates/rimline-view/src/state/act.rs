@@ -55,6 +55,7 @@ impl Viewer {
             Action::Boundary => flip(&mut overlays.boundary),
             Action::NonManifold => flip(&mut overlays.non_manifold),
             Action::Creases => flip(&mut overlays.creases),
+            Action::Exact => flip(&mut overlays.exact),
             Action::Boxes => flip(&mut overlays.boxes),
             Action::Ground => flip(&mut self.options.ground),
             Action::Shadows => flip(&mut self.options.shadows),

@@ -254,6 +254,16 @@ fn overlays_change_the_picture() -> Outcome {
             hold(picture(&viewer, &mut renderer)? == before, format!("{action:?} did not go back"))?;
         }
     }
+    viewer.options.mode = Mode::default();
+    // All is certain from here, but not in the plane of faces.
+    viewer.handle(Event::Acted(Action::Exact));
+    hold(picture(&viewer, &mut renderer)? == before, "faces are marked that f32 decides")?;
+    let corner = Vec3::from(viewer.bodies[0].positions(0.0).map_err(say)?[40]);
+    let was = std::mem::replace(&mut viewer.lamps[0].kind, LampKind::Point(corner));
+    let marked = picture(&viewer, &mut renderer)?;
+    viewer.handle(Event::Acted(Action::Exact));
+    hold(picture(&viewer, &mut renderer)? != marked, "faces that meet at the light are not marked")?;
+    viewer.lamps[0].kind = was;
     for (mode, name) in Mode::ALL {
         viewer.options.mode = mode;
         let now = picture(&viewer, &mut renderer)?;
