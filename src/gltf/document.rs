@@ -25,6 +25,8 @@ pub(super) struct Document {
     pub(super) scene: Option<usize>,
     pub(super) animations: Vec<Named<Animation>>,
     pub(super) lights: Vec<Named<PunctualLight>>,
+    /// The base colour factor of each material, without alpha.
+    pub(super) materials: Vec<Named<[f32; 3]>>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
     /// The center of `CESIUM_RTC`, or zero: the scene's zero in the world.
@@ -111,6 +113,9 @@ pub(super) struct Primitive {
     pub(super) influences: Part<Vec<InfluenceSet>>,
     /// The accessor of each target's POSITION. `None`: the target moves nothing here.
     pub(super) targets: Vec<Option<usize>>,
+    pub(super) material: Part<Option<usize>>,
+    /// The accessor of `COLOR_0`.
+    pub(super) color: Part<Option<usize>>,
     /// Whether it has Draco-compressed data, too.
     pub(super) draco: bool,
 }

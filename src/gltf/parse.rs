@@ -24,6 +24,7 @@ pub(super) struct Parser<'w> {
     pub(super) skins: List,
     pub(super) nodes: List,
     pub(super) lights: List,
+    materials: List,
     pub(super) warnings: &'w Warnings<'w>,
 }
 
@@ -46,6 +47,7 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         skins: lenient(&root, "skins")?,
         nodes: root.length("nodes")?,
         lights: punctual.as_ref().map_or(Ok(List { name: "lights", length: 0 }), |all| lenient(all, "lights"))?,
+        materials: lenient(&root, "materials")?,
         warnings,
     };
     let (scenes, animations) = (root.length("scenes")?, lenient(&root, "animations")?);
@@ -62,6 +64,7 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         animations: parser.named(&root, animations, |animation| parser.animation(animation))?,
         lights: punctual
             .map_or(Ok(Vec::new()), |json| parser.named(&json, parser.lights, super::parse_scene::light))?,
+        materials: parser.named(&root, parser.materials, base_color)?,
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
         center: center(&root)?,
         buffers,
@@ -111,6 +114,14 @@ fn walk(value: &Value, path: &mut String, in_texture: bool) -> Result<(), GltfEr
 
 fn buffer(json: &Json<'_>) -> Result<Buffer, GltfError> {
     Ok(Buffer { uri: json.get("uri")?.map(str::to_owned), bytes: json.need("byteLength")? })
+}
+
+/// The base colour factor of a material, without alpha.
+fn base_color(json: &Json<'_>) -> Result<[f32; 3], GltfError> {
+    let metallic: Option<Json<'_>> = json.get("pbrMetallicRoughness")?;
+    let factor = metallic.map_or(Ok(None), |metallic| metallic.get("baseColorFactor"))?;
+    let [red, green, blue, _]: [f64; 4] = factor.unwrap_or([1.0; 4]);
+    Ok([red, green, blue].map(|component| component as f32))
 }
 
 fn component(json: &Json<'_>) -> Result<Component, GltfError> {
@@ -262,6 +273,8 @@ impl Parser<'_> {
             influences: self.warnings.keep(self.influences(&attributes))?,
             indices: json.index("indices", self.accessors)?,
             position: position(&attributes)?,
+            material: self.warnings.keep(json.index("material", self.materials))?,
+            color: self.warnings.keep(attributes.index("COLOR_0", self.accessors))?,
             draco: json.extension(extensions::DRACO)?.is_some(),
         })
     }

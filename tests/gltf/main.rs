@@ -6,6 +6,7 @@ mod animate;
 mod bad;
 mod cases;
 mod check;
+mod colors;
 mod details;
 mod good;
 mod instances;
@@ -42,6 +43,7 @@ fn main() {
         details::tests,
         mutate::tests,
         origin::tests,
+        colors::tests,
     ] {
         trials.extend(tests());
     }

@@ -40,16 +40,28 @@ impl PolygonLoops<'_> {
     /// # Errors
     /// The errors of [`Mesh::from_polygons`](crate::Mesh::from_polygons).
     pub fn triangulate(self, positions: &[[f32; 3]], weld: Weld) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
+        self.triangulate_with_polygons(positions, weld).map(|(triangles, _, counts)| (triangles, counts))
+    }
+
+    /// The same as [`Self::triangulate`]; the polygon of each triangle comes second.
+    ///
+    /// # Errors
+    /// The errors of [`Self::triangulate`].
+    pub fn triangulate_with_polygons(
+        self,
+        positions: &[[f32; 3]],
+        weld: Weld,
+    ) -> Result<(Vec<[u32; 3]>, Vec<u32>, WeldCounts), MeshError> {
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
         if counts.after < counts.before {
             counts.collapsed = polygons.collapsed(self);
         }
-        let triangles = polygons.surface(triangles);
+        let (triangles, polygons) = polygons.surface(triangles);
         if triangles.len() > MAX_FACES {
             return Err(MeshError::TooManyFaces { faces: triangles.len() });
         }
-        Ok((triangles, counts))
+        Ok((triangles, polygons, counts))
     }
 }
 

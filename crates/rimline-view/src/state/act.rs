@@ -1,10 +1,11 @@
 //! What keys and buttons do.
 
 use glam::Vec3;
+use rimline_picture::Mode;
 
 use super::keys::Action;
 use super::lamp::Lamp;
-use super::options::{COUNTINGS, Mode};
+use super::options::COUNTINGS;
 use super::viewer::{MAX_LAMPS, Request, Tone, Viewer};
 
 /// Degrees for each press of a key.

@@ -2,7 +2,6 @@
 
 mod act;
 pub(crate) mod body;
-pub(crate) mod bounds;
 pub(crate) mod camera;
 pub(crate) mod clock;
 pub(crate) mod command;
