@@ -342,30 +342,6 @@ impl Gpu {
         self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
     }
 
-    /// A buffer with these contents, which copies may overwrite.
-    pub(crate) fn filled(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        let buffer = self.buffer(label, contents.len() as u64, usage);
-        self.queue.write_buffer(&buffer, 0, contents);
-        buffer
-    }
-
-    /// A layout whose bindings these stages see.
-    pub(crate) fn layout(&self, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-        let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-    }
-
-    pub(crate) fn group(
-        &self,
-        layout: &wgpu::BindGroupLayout,
-        resources: &[wgpu::BindingResource<'_>],
-    ) -> wgpu::BindGroup {
-        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-        let entries: Vec<_> = (0..).zip(resources.iter().cloned()).map(entry).collect();
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
-    }
-
     /// Contents of a buffer. Waits for the device.
     pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceError> {
         read_back_vec(&self.device, &self.queue, buffer)

@@ -8,12 +8,12 @@ mod survey;
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
 
-use crate::render::bounds::Bounds;
 use frame::Frame;
 use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::internals::cpu::is_finite;
 use rimline::{Light, Mesh, MeshError, wgpu};
+use rimline_picture::{Bounds, Camera, corner_normals};
 use serde_json::json;
 
 use crate::args::DrawArgs;
@@ -26,9 +26,9 @@ use crate::input::{Scene, Shape};
 use crate::output::{Output, print, say};
 use crate::posed_input::{PosedInput, Positions};
 use crate::progress::Progress;
-use crate::render::camera::{Camera, elevation};
+use crate::render::camera::{camera, elevation};
 use crate::render::coincident::{Coincident, corners};
-use crate::render::{centre, check_bounds, check_model, check_size, extent, normals, too_large};
+use crate::render::{check_bounds, check_model, check_size, too_large};
 use crate::target::{Inputs, check_ending};
 
 /// Degrees that the eye is above the model by default.
@@ -112,8 +112,7 @@ fn draw(
         let bounds = Bounds::of(corners()).ok_or_else(|| failed(none))?;
         check_bounds(&bounds).map_err(&failed)?;
         let view = args.view.relative_to(posed.input.origin());
-        let camera =
-            Camera::new(&view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
+        let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
 
         let sheet = coincident_faces(&world, &mut faces, &camera).map_err(|error| failed(error.into()))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
@@ -124,7 +123,7 @@ fn draw(
         let record = || {
             let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);
             let mut encoder = gpu.encoder("model");
-            let (normals, buffer) = (normals::corner_normals(&world, &faces), positions.buffer().buffer);
+            let (normals, buffer) = (corner_normals(&world, &faces), positions.buffer().buffer);
             let model = &joined(model_pipelines);
             let drawn = canvas.model(&mut encoder, model, buffer, (&faces, &normals));
             gpu.submit(encoder);

@@ -73,8 +73,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let (still, axis) = (set.camera, set.orbit_axis());
-    let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
+    let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
+    let pictures = Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));

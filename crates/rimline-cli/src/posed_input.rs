@@ -171,7 +171,12 @@ impl Positions {
                     let label = "positions";
                     return Err(DeviceError::BufferTooLarge { label, bytes: size, limit }.into());
                 }
-                Ok(Self::Uploaded(gpu.filled("positions", bytes, wgpu::BufferUsages::STORAGE)))
+                Ok(Self::Uploaded(rimline_picture::filled(
+                    (&gpu.device, &gpu.queue),
+                    "positions",
+                    bytes,
+                    wgpu::BufferUsages::STORAGE,
+                )))
             }
             Shape::Posed { model, .. } => {
                 let options = DeformerOptions { displacement, ..DeformerOptions::default() };

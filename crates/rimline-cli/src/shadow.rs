@@ -5,7 +5,6 @@ pub(crate) mod casters;
 pub(crate) mod casting;
 pub(crate) mod depth;
 mod depth_shadows;
-pub(crate) mod frame;
 pub(crate) mod from_depth;
 pub(crate) mod given_map_error;
 mod layers;
@@ -25,12 +24,12 @@ use std::time::Instant;
 use args::ShadowArgs;
 use casters::{Casters, DrawInputs};
 use casting::CoveredFaces;
-use frame::PARTS;
 use from_depth::FromDepth;
 use pictures::{Masks, Pictures};
 use render_resources::RenderResources;
 use report::{Report, ResultFiles};
 use rimline::gpu::StageTimer;
+use rimline_picture::PARTS;
 use shadow_scene::{ShadowInputs, ShadowScene};
 use shadows::ShadowMethod;
 
@@ -80,10 +79,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 
     progress.step("drawing");
     let begin = Instant::now();
-    let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
+    let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
     let pictures = args.out.as_ref();
     let pictures = pictures
-        .map(|_| Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
+        .map(|_| Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()))
         .transpose()
         .on(&gpu)?;
     let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;
@@ -104,7 +103,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     // Times are for those who ask for them; all others would wait for the work twice.
     if args.json {
         times.measure("compile", || {
-            warm_up::shadow_stages(&gpu, pipelines, &frame::shadow_camera(&set.camera), (&set.bodies, &set.ranged()))
+            warm_up::shadow_stages(&gpu, pipelines, &set.camera.shadow_camera(), (&set.bodies, &set.ranged()))
         })?;
     }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
@@ -179,7 +178,7 @@ pub(crate) fn picture(
     } else {
         pictures.record(&mut encoder, &set.subject(casters), 0)?;
     }
-    let texture = pictures.develop(&mut encoder, casters);
+    let texture = pictures.develop(&mut encoder, casters.resources);
     gpu.submit(encoder);
     Picture::read(gpu, texture)
 }

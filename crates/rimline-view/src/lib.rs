@@ -27,12 +27,12 @@ mod state;
 
 pub use panel::{Panel, PanelOutput};
 pub use renderer::{Counters, Gpu, Picture, RenderError, Renderer};
+pub use rimline_picture::{Bounds, Mode};
 pub use state::body::{Body, BodyError, Report, Source};
-pub use state::bounds::Bounds;
 pub use state::camera::{Camera, Orbit};
 pub use state::clock::Clock;
 pub use state::event::{Button, Event, Modifiers};
 pub use state::keys::{Action, KEYS, KeyBinding};
 pub use state::lamp::{Lamp, LampKind};
-pub use state::options::{Counting, Mode, Options, Overlays, Skipping};
+pub use state::options::{Counting, Options, Overlays, Skipping};
 pub use state::viewer::{Request, Tone, Viewer};

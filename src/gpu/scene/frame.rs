@@ -1,5 +1,6 @@
 //! The result of one encode of a scene.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -263,6 +264,19 @@ impl SceneFrame {
             groups: groups.collect(),
             bytes: self.structure.bytes() + volumes.map_or(0, |volumes| volumes.bytes),
         })
+    }
+
+    /// Whether it has the slots and buffers of another frame: casters and lights are the same, though they may have moved.
+    #[doc(hidden)]
+    pub fn has_layout_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.structure, &other.structure)
+    }
+
+    /// The group of a caster, and the slots of its faces in the facing masks of that group.
+    #[doc(hidden)]
+    pub fn face_slots(&self, caster: CasterHandle) -> Option<(usize, Range<u32>)> {
+        let (index, group) = self.locate(caster)?;
+        Some((group, self.structure.layout.face_slots.get(index as usize)?.clone()))
     }
 
     /// The face of each face slot of a caster. `None`: the order of the mesh.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::render::bounds::Bounds;
 use rimline::Origin;
 use rimline_lines::{LinesError, Object, View};
+use rimline_picture::Bounds;
 
 use super::args::{LinesArgs, Side};
 use crate::coordinates::relative;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
+use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
 use crate::input_args::{LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
@@ -54,6 +55,17 @@ pub(crate) enum ModeArg {
     Black,
     /// Full light; each shadow on a place halves its light, highlights included
     Composited,
+}
+
+impl ModeArg {
+    pub(crate) fn mode(self) -> Mode {
+        match self {
+            Self::Additive => Mode::Additive,
+            Self::Ambient => Mode::Ambient,
+            Self::Black => Mode::Black,
+            Self::Composited => Mode::Composited,
+        }
+    }
 }
 
 /// Options that pictures with shadows share.

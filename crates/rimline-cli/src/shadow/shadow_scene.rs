@@ -2,25 +2,24 @@
 
 use std::path::Path;
 
-use crate::render::bounds::Bounds;
 use glam::Vec3;
 use rimline::gpu::StageTimer;
 use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
+use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
 use super::casters::{Casters, DrawInputs};
 use super::casting::CastInputs;
-use super::depth::{depth_format, too_coarse};
-use super::frame::{Frame, PARTS, Part, part_camera, unit};
+use super::depth::too_coarse;
 use super::posed_model::PosedModel;
-use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
+use super::shaded_lights::shaded_lights;
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::Input;
 use crate::output::note;
 use crate::posed_input::{self, animations};
-use crate::render::camera::{Camera, elevation, outermost};
-use crate::render::{centre, check_bounds, check_size, extent, too_large};
+use crate::render::camera::{camera, elevation, outermost};
+use crate::render::{check_bounds, check_size, too_large};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 use crate::shown::{animation_name, listed_animations};
 
@@ -115,20 +114,15 @@ impl<'a> ShadowScene<'a> {
         let origin = first.input.origin();
         let view = args.view.relative_to(origin);
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
-        let stage = SceneBounds {
-            centre: centre(&bounds),
-            extent: extent(&bounds),
-            ground: given_ground.unwrap_or_else(|| ground(&bounds)),
-            bounds,
-        };
-        let shaded_lights = ShadedLight::all(args, first, &stage, own_light)?;
+        let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
+        let shaded_lights = shaded_lights(args, first, &stage, own_light)?;
         let samples = args.samples();
         if shaded_lights.len() * samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
             return Err(UsageError::Samples { lights, samples, limit }.into());
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
-        let outermost = outermost(points, stage.centre);
+        let outermost = outermost(points, bounds.centre());
         let reach = reach(&shaded_lights, &outermost, &stage);
         if view.eye.is_none() {
             shadows.extend(
@@ -136,7 +130,7 @@ impl<'a> ShadowScene<'a> {
             );
         }
         let seen = points.iter().chain(&shadows).copied();
-        let mut camera = Camera::new(&view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
+        let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
         check_near(camera.near, farthest(&camera, &stage))?;
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
@@ -148,9 +142,9 @@ impl<'a> ShadowScene<'a> {
     }
 
     /// A point of the vertical line that a camera on an orbit goes around: what it looks at.
-    pub(crate) fn orbit_axis(&self) -> [f32; 3] {
+    pub(crate) fn orbit_axis(&self) -> Vec3 {
         let view = self.args.view.relative_to(self.bodies[0].input.origin());
-        view.target.unwrap_or(self.stage.centre)
+        view.target.map_or(self.stage.models.centre(), Vec3::from)
     }
 
     /// Tells the user where depth is too coarse for the shadows that are seen.
@@ -176,25 +170,15 @@ impl<'a> ShadowScene<'a> {
         self.shaded_lights.iter().map(|shaded| shaded.samples.len()).sum()
     }
 
-    pub(crate) fn frame(&self) -> Frame {
-        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.shaded_lights, self.reach)
-    }
-
-    pub(crate) fn shaded_light_data(&self) -> Vec<ShadedLightData> {
-        let mut data = Vec::new();
-        for shaded in &self.shaded_lights {
-            data.extend(shaded.data(
-                &self.camera,
-                unit(&self.camera, &self.stage),
-                data.len(),
-                self.shaded_lights.len(),
-            ));
-        }
-        data
+    /// What a picture shows.
+    fn view(&self) -> SceneView<'_> {
+        let Self { camera, part, stage: bounds, shaded_lights: lights, reach, .. } = self;
+        SceneView { camera, size: self.args.view.size, part, bounds, lights, reach: *reach }
     }
 
     pub(crate) fn subject<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
-        DrawInputs { casters, samples: self.samples(), has_ground: self.frame().sees_ground(), is_trial: false }
+        let (samples, has_ground) = (self.samples(), self.view().sees_ground());
+        DrawInputs { casters, drawn: None, samples, has_ground, is_trial: false }
     }
 
     /// The same with one pixel of one light.
@@ -246,31 +230,14 @@ impl<'a> ShadowScene<'a> {
         casters: &mut Casters<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        casters.resources.set(&self.frame(), &self.shaded_light_data());
+        casters.resources.shared.set(&self.view());
         self.with_inputs(|inputs| casters.encode(encoder, inputs, timer))
     }
 
     fn with_inputs<T>(&self, run: impl FnOnce(CastInputs<'_>) -> T) -> T {
-        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
+        let (camera, lights) = (self.view().shadow_camera(), self.ranged());
         run(CastInputs { bodies: &self.bodies, seen: &self.bodies, camera: &camera, lights: &lights })
     }
-}
-
-/// How far from below the models' middle their shadows on the ground lie, those of lights at the horizon left out.
-fn reach(shaded_lights: &[ShadedLight], points: &[[f32; 3]], stage: &SceneBounds) -> f32 {
-    const MOST: f64 = 60.0;
-    let [x, _, z] = stage.centre;
-    let from_centre = |[a, _, b]: [f32; 3]| (a - x).hypot(b - z);
-    let shadows =
-        shaded_lights.iter().flat_map(|shaded| points.iter().map(|&point| shaded.shadow_within(point, stage, MOST)));
-    shadows.map(from_centre).fold(0.0, f32::max).min(MOST as f32 * stage.extent)
-}
-
-/// The height of the ground: the models' lowest point. Flat models hover, or the ground would be in the same plane.
-fn ground(bounds: &Bounds) -> f32 {
-    let extent = extent(bounds);
-    let is_flat = bounds.max[1] - bounds.min[1] < 0.01 * extent;
-    if is_flat { bounds.min[1] - 0.1 * extent } else { bounds.min[1] }
 }
 
 /// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.
@@ -278,20 +245,19 @@ fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     let ahead = |&point: &[f32; 3]| (Vec3::from(point) - camera.eye).dot(camera.forward);
     let nearest = points.iter().map(ahead).fold(f32::INFINITY, f32::min);
     let height = camera.eye.y - stage.ground;
-    let least = 1e-3 * stage.extent;
+    let extent = stage.models.extent();
+    let least = 1e-3 * extent;
     let most = if height > 0.0 { 0.2 * height } else { f32::INFINITY };
-    let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + stage.extent)) } else { least };
+    let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + extent)) } else { least };
     // So far away that the extent is lost beside the distance, the distance alone counts.
     wanted.min(most).max(1e-6 * nearest.max(least))
 }
 
 /// How far away the farthest shadows are that matter.
 fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
-    let Bounds { min, max } = stage.bounds;
-    let corner = |number: usize| Vec3::from([0, 1, 2].map(|axis| [min, max][number >> axis & 1][axis]));
-    let ahead = |number| (corner(number) - camera.eye).dot(camera.forward);
+    let ahead = |corner: Vec3| (corner - camera.eye).dot(camera.forward);
     // Shadows on the ground are about as far beyond the models as those are large.
-    (0..8).map(ahead).fold(0.0, f32::max) + stage.extent
+    stage.models.corners().map(ahead).into_iter().fold(0.0, f32::max) + stage.models.extent()
 }
 
 /// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers.

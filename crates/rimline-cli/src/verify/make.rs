@@ -3,11 +3,11 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::render::bounds::Bounds;
 use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
 use rimline_bench::random::Random;
 use rimline_bench::stress;
+use rimline_picture::Bounds;
 
 use crate::args::VerifyArgs;
 use crate::device::{self, Device, Wanted};

@@ -2,8 +2,9 @@
 
 use super::style;
 use crate::state::keys::{Action, key_of};
-use crate::state::options::{COUNTINGS, Mode, Overlays, counting_name};
+use crate::state::options::{COUNTINGS, Overlays, counting_name};
 use crate::state::viewer::Viewer;
+use rimline_picture::Mode;
 
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     let options = &mut viewer.options;

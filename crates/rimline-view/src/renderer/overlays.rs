@@ -2,12 +2,13 @@
 
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, Outline, OutlineInputs, OutlineSource, OutlineStyle};
 use rimline::{Light, ShadowCamera};
+use rimline_picture::{Resources, VolumeOverlay, filled};
 
+use super::canvas::Canvas;
 use super::error::RenderError;
 use super::gpu::Gpu;
 use super::models::Models;
-use super::pipelines::{Pipelines, Shared};
-use super::targets::Targets;
+use super::pipelines::Pipelines;
 use crate::state::body::non_manifold_bits;
 use crate::state::lamp::Lamp;
 use crate::state::viewer::{MAX_LAMPS, Viewer};
@@ -35,7 +36,7 @@ impl Overlays {
             let mesh = body.model().mesh(&pose).map_err(|error| failed(&error))?;
             let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| failed(&error))?;
             let bits = non_manifold_bits(&mesh);
-            let marked = gpu.filled("non-manifold", bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE);
+            let marked = filled(gpu.on(), "non-manifold", bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE);
             bodies.push((extractor, marked));
         }
         Ok(Self { generation: viewer.generation(), bodies, extractions: Vec::new() })
@@ -62,20 +63,16 @@ impl Overlays {
         Ok(())
     }
 
-    /// Draws the volumes of a light into a pass that has its uniform.
+    /// Draws the volumes of a light.
     pub(super) fn draw_volumes(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        (shared, pipelines): (&Shared, &Pipelines),
-        lamp: usize,
+        volumes: &VolumeOverlay,
+        resources: &Resources,
+        light: usize,
     ) -> Result<(), RenderError> {
         for extraction in &self.extractions {
-            let group = extraction.bind_group(&shared.results, 0)?;
-            pass.set_bind_group(2, &group, &[]);
-            for pipeline in &pipelines.volumes {
-                pass.set_pipeline(pipeline);
-                extraction.draw(pass, lamp)?;
-            }
+            volumes.draw(pass, resources, extraction, light)?;
         }
         Ok(())
     }
@@ -84,14 +81,14 @@ impl Overlays {
     pub(super) fn outlines(
         &self,
         pipelines: &Pipelines,
-        targets: &Targets,
+        canvas: &Canvas,
         viewer: &Viewer,
         camera: &ShadowCamera,
     ) -> Result<Vec<Outline>, RenderError> {
         let shown = viewer.options.overlays;
         let lamps: Vec<_> = viewer.lamps.iter().filter(|lamp| lamp.is_on).collect();
         // Two pixels at 800 rows.
-        let width = (targets.size[1] as f32 / 400.0).clamp(1.5, 12.0);
+        let width = (canvas.size[1] as f32 / 400.0).clamp(1.5, 12.0);
         let silhouette = shown.silhouettes.then_some(SILHOUETTE);
         let boundary = if shown.boundary { Some(BOUNDARY) } else { silhouette };
         let eye = OutlineStyle {
@@ -106,7 +103,7 @@ impl Overlays {
         for (extraction, (_, marked)) in self.extractions.iter().zip(&self.bodies) {
             let prepare = |number, style, marked| {
                 let of = OutlineSource::Extraction(extraction, number);
-                let depth = &targets.depth_only;
+                let depth = &canvas.depth;
                 pipelines.outlines.prepare(&OutlineInputs { of, camera, depth, style, marked })
             };
             for (number, lamp) in lamps.iter().enumerate().filter(|_| shown.light_silhouettes) {

@@ -1,7 +1,6 @@
 //! The state of the viewer: plain data, and the events that change it.
 
 pub(crate) mod body;
-pub(crate) mod bounds;
 pub(crate) mod camera;
 pub(crate) mod clock;
 pub(crate) mod command;

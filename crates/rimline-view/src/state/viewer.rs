@@ -2,15 +2,15 @@
 
 use glam::{Vec2, Vec3};
 use rimline::Origin;
+use rimline_picture::{Bounds, Mode};
 
 use super::body::Body;
-use super::bounds::Bounds;
 use super::camera::{Camera, Orbit};
 use super::clock::Clock;
 use super::event::{Button, Event, Modifiers};
 use super::keys::Action;
 use super::lamp::{Lamp, LampKind, sun_distance};
-use super::options::{COUNTINGS, Mode, Options};
+use super::options::{COUNTINGS, Options};
 
 /// Lights that there may be at a time.
 pub(crate) const MAX_LAMPS: usize = 8;

@@ -1,35 +1,23 @@
 //! Parts that the passes of a picture share: the frame's uniform, and a short way to pipelines.
 
-use rimline::wgpu;
-use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, BufferBindingType};
+use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 
-use crate::device::Gpu;
+use crate::bindings::{UNIFORM, filled, group, layout};
 
-pub(crate) const UNIFORM: wgpu::BindingType = buffer_type(BufferBindingType::Uniform, false);
-pub(crate) const UNIFORM_AT_OFFSET: wgpu::BindingType = buffer_type(BufferBindingType::Uniform, true);
-pub(crate) const READ_ONLY: wgpu::BindingType = buffer_type(BufferBindingType::Storage { read_only: true }, false);
-
-const fn buffer_type(ty: BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
-    wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
-}
-
-pub(crate) const ADD: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Add);
+/// Adds the drawn colour to that of the target.
+pub const ADD: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Add);
 /// Multiplies the colour of the target by the drawn colour.
-pub(crate) const MULTIPLY: BlendState = blend(BlendFactor::Dst, BlendFactor::Zero, BlendOperation::Add);
-pub(crate) const LARGEST: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Max);
+pub const MULTIPLY: BlendState = blend(BlendFactor::Dst, BlendFactor::Zero, BlendOperation::Add);
+/// The larger of both.
+pub const LARGEST: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Max);
 
 const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor, operation: BlendOperation) -> BlendState {
     let color = BlendComponent { src_factor, dst_factor, operation };
     BlendState { color, alpha: color }
 }
 
-pub(crate) fn read_texture(view_dimension: wgpu::TextureViewDimension, filterable: bool) -> wgpu::BindingType {
-    let sample_type = wgpu::TextureSampleType::Float { filterable };
-    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
-}
-
 /// A texture of one layer, level and sample.
-pub(crate) fn plain_texture(
+pub fn plain_texture(
     label: &str,
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
@@ -48,43 +36,55 @@ pub(crate) fn plain_texture(
 }
 
 /// All of a texture.
-pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+pub fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// WGSL that every pass knows.
-pub(crate) const COMMON: &str = include_str!("common.wgsl");
+pub const COMMON: &str = include_str!("common.wgsl");
 
 /// Makes pipelines and bind groups; group 0 is always the frame.
-pub(crate) struct PipelineFactory<'a> {
-    pub(crate) gpu: &'a Gpu,
+#[derive(Debug)]
+pub struct PipelineFactory {
+    /// The device.
+    pub device: wgpu::Device,
+    queue: wgpu::Queue,
     /// WGSL that declares the frame and what every pass knows.
     prelude: String,
     frame_layout: wgpu::BindGroupLayout,
-    pub(crate) frame_group: wgpu::BindGroup,
+    /// Group 0.
+    pub frame_group: wgpu::BindGroup,
     frame: wgpu::Buffer,
 }
 
 /// A pipeline without what they all have alike.
-pub(crate) struct Pass<'a> {
-    pub(crate) name: &'static str,
+#[derive(Clone)]
+pub struct Pass<'a> {
+    /// Its fragment entry point is this name with `_fragment`.
+    pub name: &'static str,
     /// Prefix of the vertex entry point's name; often the pass's own name.
-    pub(crate) vertex: &'a str,
+    pub vertex: &'a str,
     /// After the prelude; entry points are the names with `_vertex` and `_fragment`.
-    pub(crate) source: &'a str,
+    pub source: &'a str,
     /// Groups 1 and on.
-    pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
-    pub(crate) topology: wgpu::PrimitiveTopology,
-    pub(crate) format: wgpu::TextureFormat,
-    pub(crate) blend: Option<wgpu::BlendState>,
-    pub(crate) samples: u32,
-    pub(crate) write: wgpu::ColorWrites,
-    pub(crate) depth: Option<wgpu::DepthStencilState>,
+    pub groups: &'a [&'a wgpu::BindGroupLayout],
+    /// What vertices make.
+    pub topology: wgpu::PrimitiveTopology,
+    /// The format of the colour target.
+    pub format: wgpu::TextureFormat,
+    /// How colours are blended, if they are.
+    pub blend: Option<wgpu::BlendState>,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// The channels that are written.
+    pub write: wgpu::ColorWrites,
+    /// Depth and stencil, if there are any.
+    pub depth: Option<wgpu::DepthStencilState>,
 }
 
 impl<'a> Pass<'a> {
     /// Draws triangles of one sample, over what is there.
-    pub(crate) fn new(
+    pub fn new(
         name: &'static str,
         source: &'a str,
         groups: &'a [&'a wgpu::BindGroupLayout],
@@ -95,7 +95,7 @@ impl<'a> Pass<'a> {
     }
 
     /// The same over the whole target.
-    pub(crate) fn over(
+    pub fn over(
         name: &'static str,
         source: &'a str,
         groups: &'a [&'a wgpu::BindGroupLayout],
@@ -105,7 +105,7 @@ impl<'a> Pass<'a> {
     }
 
     /// Behind a prelude, which declares group 0.
-    pub(crate) fn pipeline(
+    pub fn pipeline(
         &self,
         device: &wgpu::Device,
         prelude: &str,
@@ -149,50 +149,48 @@ impl<'a> Pass<'a> {
     }
 }
 
-impl<'a> PipelineFactory<'a> {
+impl PipelineFactory {
     /// `frame` is the uniform that `prelude` declares as group 0, binding 0.
-    pub(crate) fn new(gpu: &'a Gpu, prelude: &str, frame: &[u8]) -> Self {
-        let frame = gpu.filled("frame", frame, wgpu::BufferUsages::UNIFORM);
-        let frame_layout = gpu.layout(wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
-        let frame_group = gpu.group(&frame_layout, &[frame.as_entire_binding()]);
+    pub fn new((device, queue): (&wgpu::Device, &wgpu::Queue), prelude: &str, frame: &[u8]) -> Self {
+        let frame = filled((device, queue), "frame", frame, wgpu::BufferUsages::UNIFORM);
+        let frame_layout = layout(device, wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
+        let frame_group = group(device, &frame_layout, &[frame.as_entire_binding()]);
         let prelude = format!("{COMMON}\n{prelude}");
-        Self { gpu, prelude, frame_layout, frame_group, frame }
+        Self { device: device.clone(), queue: queue.clone(), prelude, frame_layout, frame_group, frame }
     }
 
     /// Another frame, for what is submitted from now on.
-    pub(crate) fn set_frame(&self, frame: &[u8]) {
-        self.gpu.queue.write_buffer(&self.frame, 0, frame);
+    pub fn set_frame(&self, frame: &[u8]) {
+        self.write(&self.frame, 0, frame);
     }
 
-    pub(crate) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-        self.gpu.layout(wgpu::ShaderStages::VERTEX_FRAGMENT, types)
+    /// Overwrites a part of a buffer, for what is submitted from now on.
+    pub fn write(&self, buffer: &wgpu::Buffer, offset: u64, contents: &[u8]) {
+        self.queue.write_buffer(buffer, offset, contents);
     }
 
-    pub(crate) fn group(
-        &self,
-        layout: &wgpu::BindGroupLayout,
-        resources: &[wgpu::BindingResource<'_>],
-    ) -> wgpu::BindGroup {
-        self.gpu.group(layout, resources)
+    /// A layout for vertex and fragment shaders.
+    pub fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+        layout(&self.device, wgpu::ShaderStages::VERTEX_FRAGMENT, types)
+    }
+
+    /// Binds resources in the order of a layout.
+    pub fn group(&self, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
+        group(&self.device, layout, resources)
     }
 
     /// A storage buffer with these contents.
-    pub(crate) fn buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        self.gpu.filled(label, contents, wgpu::BufferUsages::STORAGE)
+    pub fn buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        filled((&self.device, &self.queue), label, contents, wgpu::BufferUsages::STORAGE)
     }
 
     /// A uniform buffer with these contents.
-    pub(crate) fn uniform(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        self.gpu.filled(label, contents, wgpu::BufferUsages::UNIFORM)
+    pub fn uniform(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        filled((&self.device, &self.queue), label, contents, wgpu::BufferUsages::UNIFORM)
     }
 
     /// Takes a pipeline, the frame and the groups that follow it.
-    pub(crate) fn bind(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipeline: &wgpu::RenderPipeline,
-        groups: &[&wgpu::BindGroup],
-    ) {
+    pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, groups: &[&wgpu::BindGroup]) {
         pass.set_pipeline(pipeline);
         for (number, group) in (0..).zip([&self.frame_group].iter().chain(groups)) {
             pass.set_bind_group(number, *group, &[]);
@@ -200,7 +198,7 @@ impl<'a> PipelineFactory<'a> {
     }
 
     /// Draws vertices with them.
-    pub(crate) fn draw(
+    pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         pipeline: &wgpu::RenderPipeline,
@@ -211,7 +209,8 @@ impl<'a> PipelineFactory<'a> {
         pass.draw(0..vertices, 0..1);
     }
 
-    pub(crate) fn target(
+    /// A texture that is drawn into.
+    pub fn target(
         &self,
         label: &str,
         size: [u32; 2],
@@ -221,16 +220,17 @@ impl<'a> PipelineFactory<'a> {
     ) -> wgpu::Texture {
         let usage = usage | wgpu::TextureUsages::RENDER_ATTACHMENT;
         let plain = plain_texture(label, size, format, usage);
-        self.gpu.device.create_texture(&wgpu::TextureDescriptor { sample_count: samples, ..plain })
+        self.device.create_texture(&wgpu::TextureDescriptor { sample_count: samples, ..plain })
     }
 
-    pub(crate) fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
-        pass.pipeline(&self.gpu.device, &self.prelude, Some(&self.frame_layout))
+    /// A pipeline behind the prelude.
+    pub fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
+        pass.pipeline(&self.device, &self.prelude, Some(&self.frame_layout))
     }
 }
 
 /// Depth is reversed: what is greater is nearer.
-pub(crate) fn depth_state(
+pub fn depth_state(
     format: wgpu::TextureFormat,
     write: bool,
     compare: wgpu::CompareFunction,
@@ -247,7 +247,7 @@ pub(crate) fn depth_state(
 
 /// A pass onto one colour target and a depth buffer. Clears both, depth to the infinitely far, or goes on with what is there; a
 /// stencil is cleared in any case.
-pub(crate) fn color_pass<'e>(
+pub fn color_pass<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
     (view, resolve_target): (&wgpu::TextureView, Option<&wgpu::TextureView>),

@@ -26,6 +26,13 @@ fn toned(light: vec3<f32>, at: vec2<f32>) -> vec4<f32> {
   return toned(textureLoad(whole, vec2<i32>(at.xy), 0).rgb, at.xy);
 }
 
+// The same for a target that is not decoded by those who show it: with sRGB's curve.
+@fragment fn tone_encoded_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  let x = pressed(textureLoad(whole, vec2<i32>(at.xy), 0).rgb);
+  let curved = select(1.055 * pow(x, vec3<f32>(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3<f32>(0.0031308));
+  return vec4<f32>(curved + (dither(at.xy) - 0.5) / 255.0, 1.0);
+}
+
 @fragment fn tone_parts_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   let pixel = vec2<i32>(at.xy);
   let first = 4 * ((pixel.x & 1) + 2 * (pixel.y & 1));

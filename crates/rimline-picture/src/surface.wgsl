@@ -123,3 +123,12 @@ fn is_lit(in: Surface, front: bool) -> bool {
   }
   return vec4<f32>(1.0);
 }
+
+// Faces that cast: those that are back-facing to the light.
+@fragment fn caps_fragment(in: Surface) -> @location(0) vec4<f32> {
+  if (in.faces_light != 0u) {
+    discard;
+  }
+  let brightest = max(max(shaded.color.r, shaded.color.g), max(shaded.color.b, 1e-6));
+  return vec4<f32>(shaded.color / brightest * 0.55 / frame.exposure, 0.35);
+}

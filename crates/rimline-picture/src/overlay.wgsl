@@ -1,4 +1,4 @@
-// The sides of the shadow volumes, as tinted glass, and the lines that they are made of.
+// The sides of shadow volumes, drawn as tinted glass, and the lines that they are made of.
 
 struct Edge {
   @builtin(position) clip: vec4<f32>,
@@ -6,16 +6,17 @@ struct Edge {
 }
 
 fn tint() -> vec3<f32> {
-  let brightest = max(max(lamp.color.r, lamp.color.g), max(lamp.color.b, 1e-6));
-  return lamp.color / brightest;
+  let brightest = max(max(shaded.color.r, shaded.color.g), max(shaded.color.b, 1e-6));
+  return shaded.color / brightest;
 }
 
 @fragment fn volumes_fragment() -> @location(0) vec4<f32> {
-  return vec4<f32>(mix(vec3<f32>(0.9, 0.62, 0.18), tint(), 0.75) * vec3<f32>(0.8, 0.7, 0.6) / frame.exposure, 0.10);
+  let volume_overlay = mix(vec3<f32>(0.9, 0.62, 0.18), tint(), 0.75) * vec3<f32>(0.8, 0.62, 0.36);
+  return vec4<f32>(volume_overlay / frame.exposure, 0.14 * shaded.density);
 }
 
 @fragment fn edges_fragment(in: Edge) -> @location(0) vec4<f32> {
-  return vec4<f32>(vec3<f32>(0.3, 0.2, 0.12) * tint() / frame.exposure, in.opacity);
+  return vec4<f32>(vec3<f32>(0.35, 0.14, 0.02) * tint() / frame.exposure, in.opacity * shaded.density);
 }
 
 @vertex fn volumes_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
@@ -26,13 +27,13 @@ fn tint() -> vec3<f32> {
 
 @vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
   // Many lines would hide everything.
-  let opacity = 0.35 * min(1.0, 100.0 / f32(max(rimline_silhouettes(rimline_info.first_light + lamp.number), 1u)));
+  let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(rimline_info.first_light + shaded.bit)));
   // Corners of a line strip: from infinity along one ray, along the edge, and out along the other.
   return Edge(corner(instance, vertex >= 2u, vertex == 0u || vertex == 3u), opacity);
 }
 
 fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
-  let edge = rimline_silhouette(rimline_info.first_light + lamp.number, instance);
+  let edge = rimline_silhouette(rimline_info.first_light + shaded.bit, instance);
   let a = rimline_position(edge.a);
   let b = rimline_position(edge.b);
   if (!edge.valid || !is_finite(a) || !is_finite(b)) {
@@ -40,7 +41,7 @@ fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
   }
   let p = select(a, b, second);
   if (far) {
-    return direction_to_clip(lamp.light.w * from_eye(p) - lamp.light.xyz);
+    return direction_to_clip(shaded.light.w * from_eye(p) - shaded.light.xyz);
   }
   return to_clip(p);
 }

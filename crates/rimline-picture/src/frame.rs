@@ -1,10 +1,11 @@
-//! The frame's uniform and the shadow volumes' camera.
+//! The frame's uniform, and the parts of a picture whose pixels take turns.
 
-use glam::{Mat4, Vec3, Vec4};
-use rimline::{DepthDirection, ShadowCamera};
+use glam::{Mat4, Vec3};
+use rimline::ShadowCamera;
 
-use super::shaded_lights::{SceneBounds, ShadedLight};
-use crate::render::camera::Camera;
+use crate::bounds::SceneBounds;
+use crate::camera::Camera;
+use crate::lights::{ShadedLight, ShadedLightData};
 
 /// Layout of `Frame` in `scene.wgsl`.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -34,25 +35,34 @@ pub(crate) struct Frame {
 const AMBIENT: f32 = 0.27;
 const GROUND: Vec3 = Vec3::new(0.80, 0.79, 0.77);
 
-impl Frame {
-    /// `reach` is how far from below the models their shadows lie.
-    pub(crate) fn new(
-        camera: &Camera,
-        size: [u32; 2],
-        part: &Part,
-        stage: &SceneBounds,
-        shaded_lights: &[ShadedLight],
-        reach: f32,
-    ) -> Self {
-        let total: Vec3 = shaded_lights.iter().map(|shaded| Vec3::from(shaded.color)).sum();
+/// A scene as a picture shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneView<'a> {
+    /// The camera of the whole picture.
+    pub camera: &'a Camera,
+    /// Width and height of the picture in pixels.
+    pub size: [u32; 2],
+    /// Pixels that are drawn.
+    pub part: &'a Part,
+    /// Where the models are.
+    pub bounds: &'a SceneBounds,
+    /// The lights.
+    pub lights: &'a [ShadedLight],
+    /// How far from below the models their shadows lie.
+    pub reach: f32,
+}
+
+impl SceneView<'_> {
+    pub(crate) fn frame(&self) -> Frame {
+        let Self { camera, size, bounds: &SceneBounds { models, ground }, lights, reach, .. } = *self;
+        let total: Vec3 = lights.iter().map(|shaded| Vec3::from(shaded.color)).sum();
         let brightest = if total.max_element() > 0.0 { total.max_element() } else { 1.0 };
         let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
-        let ([x, _, z], ground) = (stage.centre, stage.ground);
-        let under = Vec3::new(x, ground, z);
+        let under = models.centre().with_y(ground);
         // No shadow fades with the ground.
-        let begin = (1.8 * stage.extent).max(1.1 * reach);
+        let begin = (1.8 * models.extent()).max(1.1 * reach);
         let far = 2.6 * begin;
-        let unit = unit(camera, stage);
+        let unit = self.unit();
         let in_units = |length: f32| (f64::from(length) / f64::from(unit)) as f32;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
         // The backdrop is as bright as the lit ground, so that the ground fades into it unseen.
@@ -60,10 +70,10 @@ impl Frame {
             let share = around.iter().map(|&place| shaded.on_ground(place)).sum::<f32>() / 4.0;
             share * Vec3::from(shaded.color)
         };
-        let backdrop = GROUND * (ambient + shaded_lights.iter().map(lit).sum::<Vec3>());
-        let mut view_projection = Mat4::from_cols_array_2d(&part_camera(camera, part).view_projection);
+        let backdrop = GROUND * (ambient + lights.iter().map(lit).sum::<Vec3>());
+        let mut view_projection = Mat4::from_cols_array_2d(&self.shadow_camera().view_projection);
         view_projection.w_axis *= unit.recip();
-        Self {
+        Frame {
             view_projection: view_projection.to_cols_array_2d(),
             eye: camera.eye.into(),
             ground: in_units(ground - camera.eye.y),
@@ -78,56 +88,51 @@ impl Frame {
             backdrop: backdrop.into(),
             fade_end: 3.3 * in_units(begin),
             size: size.map(|pixels| pixels as f32),
-            centre: [x - camera.eye.x, z - camera.eye.z].map(in_units),
+            centre: [under.x - camera.eye.x, under.z - camera.eye.z].map(in_units),
             per_unit: unit.recip(),
-            pitch: part.pitch,
-            first: part.first,
+            pitch: self.part.pitch,
+            first: self.part.first,
         }
     }
 
-    /// The eye is above the ground, so the ground is seen.
-    pub(crate) fn sees_ground(&self) -> bool {
-        self.ground < 0.0
+    /// The uniforms of all lights' samples.
+    pub(crate) fn light_data(&self) -> Vec<ShadedLightData> {
+        let (unit, count) = (self.unit(), self.lights.len());
+        let mut data = Vec::new();
+        for shaded in self.lights {
+            data.extend(shaded.data(self.camera, unit, data.len(), count));
+        }
+        data
     }
-}
 
-/// The unit of distances where light is computed: a power of two of about the scene's size. It keeps squares of
-/// distances within the range of floats, for models of any size.
-pub(crate) fn unit(camera: &Camera, stage: &SceneBounds) -> f32 {
-    let from_centre = (camera.eye - Vec3::from(stage.centre)).abs().max_element();
-    let size = stage.extent.max(from_centre).max((camera.eye.y - stage.ground).abs());
-    // Its reciprocal is a normal number, too.
-    let most = 2.0_f32.powi(126);
-    f32::from_bits(size.to_bits() & 0x7f80_0000).clamp(most.recip(), most)
-}
-
-/// The camera with positions relative to the eye, so that models far from the origin keep their precision.
-pub(crate) fn shadow_camera(camera: &Camera) -> ShadowCamera {
-    let rows = [
-        (camera.scale[0] * camera.right).extend(0.0),
-        (camera.scale[1] * camera.up).extend(0.0),
-        Vec4::new(0.0, 0.0, 0.0, camera.near),
-        camera.forward.extend(0.0),
-    ];
-    let [x, y, z, w] = rows;
-    ShadowCamera {
-        view_projection: Mat4::from_cols(x, y, z, w).transpose().to_cols_array_2d(),
-        origin: camera.eye.into(),
-        depth: DepthDirection::Reversed,
+    /// Whether the eye is above the ground, so that the ground is seen.
+    pub fn sees_ground(&self) -> bool {
+        self.frame().ground < 0.0
     }
-}
 
-/// The same for a part of the picture.
-pub(super) fn part_camera(camera: &Camera, part: &Part) -> ShadowCamera {
-    let whole = shadow_camera(camera);
-    ShadowCamera {
-        view_projection: (part.clip * Mat4::from_cols_array_2d(&whole.view_projection)).to_cols_array_2d(),
-        ..whole
+    /// The camera of the part that is drawn, for shadow volumes.
+    pub fn shadow_camera(&self) -> ShadowCamera {
+        let whole = self.camera.shadow_camera();
+        ShadowCamera {
+            view_projection: (self.part.clip * Mat4::from_cols_array_2d(&whole.view_projection)).to_cols_array_2d(),
+            ..whole
+        }
+    }
+
+    /// The unit of distances where light is computed: a power of two of about the scene's size. It keeps squares of
+    /// distances within the range of floats, for models of any size.
+    fn unit(&self) -> f32 {
+        let SceneBounds { models, ground } = self.bounds;
+        let from_centre = (self.camera.eye - models.centre()).abs().max_element();
+        let size = models.extent().max(from_centre).max((self.camera.eye.y - ground).abs());
+        // Its reciprocal is a normal number, too.
+        let most = 2.0_f32.powi(126);
+        f32::from_bits(size.to_bits() & 0x7f80_0000).clamp(most.recip(), most)
     }
 }
 
 /// How many there are.
-pub(crate) const PARTS: usize = 16;
+pub const PARTS: usize = 16;
 /// Pixels of the picture from one of a part's to the next.
 const PITCH: u32 = 2;
 /// Where in a pixel, as multisampling has it.
@@ -135,20 +140,21 @@ const PLACES: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [
 
 /// Which pixels of the picture are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Part {
+pub struct Part {
     /// Pixels of the picture from one to the next.
-    pub(super) pitch: f32,
+    pub(crate) pitch: f32,
     /// Where the first one's centre is.
-    pub(super) first: [f32; 2],
+    pub(crate) first: [f32; 2],
     /// From the picture's clip space to the part's.
-    pub(super) clip: Mat4,
+    pub(crate) clip: Mat4,
 }
 
 impl Part {
-    pub(crate) const WHOLE: Self = Self { pitch: 1.0, first: [0.5; 2], clip: Mat4::IDENTITY };
+    /// All pixels.
+    pub const WHOLE: Self = Self { pitch: 1.0, first: [0.5; 2], clip: Mat4::IDENTITY };
 
-    /// Parts that follow each other share a pixel: their patterns are most unlike.
-    pub(crate) fn of(size: [u32; 2], part: usize) -> Self {
+    /// The part with this number. Parts that follow each other share a pixel: their patterns are most unlike.
+    pub fn of(size: [u32; 2], part: usize) -> Self {
         let (pixel, place) = (part / 4, PLACES[part % 4]);
         let first = [(pixel & 1) as f32 + place[0], (pixel >> 1) as f32 + place[1]];
         let pitch = PITCH as f32;
@@ -163,27 +169,19 @@ impl Part {
         Self { pitch, first, clip }
     }
 
-    pub(crate) fn size(size: [u32; 2]) -> [u32; 2] {
+    /// Width and height of a part of a picture.
+    pub fn size(size: [u32; 2]) -> [u32; 2] {
         size.map(|pixels| pixels.div_ceil(PITCH))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::render::bounds::Bounds;
-
     use super::*;
+    use crate::bounds::Bounds;
 
     #[test]
     fn units_are_powers_of_two_of_about_the_scenes_size() {
-        let camera =
-            |eye: Vec3| Camera { eye, right: Vec3::X, up: Vec3::Y, forward: Vec3::NEG_Z, scale: [1.0; 2], near: 1.0 };
-        let stage = |extent| SceneBounds {
-            centre: [0.0; 3],
-            extent,
-            ground: 0.0,
-            bounds: Bounds { min: [0.0; 3], max: [extent; 3] },
-        };
         for (extent, eye, expected) in [
             (3.0, 0.0, 2.0),
             (3.0, 9.0, 8.0),
@@ -191,7 +189,12 @@ mod tests {
             (3e38, 0.0, 2.0_f32.powi(126)),
             (1e-42, 0.0, 2.0_f32.powi(-126)),
         ] {
-            let found = unit(&camera(Vec3::new(eye, 0.0, 0.0)), &stage(extent));
+            let models = Bounds { min: Vec3::splat(-0.5 * extent), max: Vec3::splat(0.5 * extent) };
+            let eye = Vec3::new(eye, 0.0, 0.0);
+            let camera = Camera { eye, right: Vec3::X, up: Vec3::Y, forward: Vec3::NEG_Z, scale: [1.0; 2], near: 1.0 };
+            let bounds = SceneBounds { models, ground: 0.0 };
+            let (camera, bounds, part) = (&camera, &bounds, &Part::WHOLE);
+            let found = SceneView { camera, size: [9; 2], part, bounds, lights: &[], reach: 0.0 }.unit();
             assert_eq!(found, expected, "{extent:e}, {eye}");
         }
     }
