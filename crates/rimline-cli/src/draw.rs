@@ -111,8 +111,11 @@ fn draw(
         let none = if scene.mesh.faces().is_empty() { InputError::NoArea } else { InputError::NoFiniteFace };
         let bounds = Bounds::of(corners()).ok_or_else(|| failed(none))?;
         check_bounds(&bounds).map_err(&failed)?;
-        let view = args.view.relative_to(posed.input.origin());
+        let view = posed.view(&args.view)?;
         let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
+        if camera.far.is_some() {
+            return Err(UsageError::OrthographicOutline.into());
+        }
 
         let sheet = coincident_faces(&world, &mut faces, &camera).map_err(|error| failed(error.into()))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
