@@ -151,10 +151,6 @@ pub(crate) enum UsageError {
         "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out --ortho or the --camera"
     )]
     Orthographic { what: &'static str },
-    #[error(
-        "`draw` has no orthographic views, and the camera is one; `rimline lines` and `rimline shadow` show orthographic views"
-    )]
-    OrthographicOutline,
     #[error(transparent)]
     Lights(LightError),
     #[error(transparent)]

@@ -159,6 +159,11 @@ pub(crate) struct ViewArgs {
     )]
     pub(crate) camera: Option<String>,
 
+    /// Show the view without perspective, as large as fits. --eye and --target then say in which direction it looks. Shadows take
+    /// --method auto, zp+ or z-pass, and no depth maps
+    #[arg(long, conflicts_with_all = ["fov", "camera"])]
+    ortho: bool,
+
     /// The vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]
     fov: f32,
@@ -185,8 +190,8 @@ pub(crate) struct PlacedView {
 impl ViewArgs {
     pub(crate) fn relative_to(&self, origin: Origin) -> PlacedView {
         let [eye, target] = [self.eye, self.target].map(|point| point.map(|point| relative(point, origin)));
-        let Self { fov, size, view: side, .. } = *self;
-        PlacedView { eye, target, fov, size, side, is_parallel: false, camera: None }
+        let Self { fov, size, view: side, ortho: is_parallel, .. } = *self;
+        PlacedView { eye, target, fov, size, side, is_parallel, camera: None }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The camera of a picture.
 
 use glam::{DQuat, Mat4, Vec3, Vec4};
-use rimline::{DepthDirection, ShadowCamera};
+use rimline::{DepthDirection, Light, ShadowCamera};
 
 /// A right-handed camera with reversed depth. A perspective one has an infinite far plane and depth `near / distance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,9 +37,14 @@ impl Camera {
         }
     }
 
-    /// A point from where, or a direction from where it sees: homogeneous coordinates of its eye.
-    pub fn eye_light(&self) -> rimline::Light {
-        self.far.map_or(rimline::Light::point(self.eye.into()), |_| rimline::Light::directional((-self.forward).into()))
+    /// The eye as a light, at infinity for an orthographic camera.
+    pub fn eye_light(&self) -> Light {
+        self.far.map_or(Light::point(self.eye.into()), |_| Light::directional((-self.forward).into()))
+    }
+
+    /// The eye, which is far behind everything that an orthographic camera shows.
+    pub fn distant_eye(&self) -> Vec3 {
+        self.eye - self.far.map_or(Vec3::ZERO, |far| 1e4 * far * self.forward)
     }
 
     /// The same camera, turned by degrees about a vertical axis, seen from above against the clock.

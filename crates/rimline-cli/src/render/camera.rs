@@ -143,7 +143,7 @@ impl View {
             up: self.up.as_vec3(),
             forward: self.forward.as_vec3(),
             scale: [scale * aspect, scale].map(|scale| scale as f32),
-            near: 0.0,
+            near: (0.5 * room) as f32,
             far: Some((depth + 2.0 * room) as f32),
         }
     }

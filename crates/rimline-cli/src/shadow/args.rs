@@ -94,13 +94,8 @@ pub(crate) struct ShadowSceneArgs {
     #[command(flatten)]
     pub(crate) view: ViewArgs,
 
-    /// Show the view without perspective, as large as fits. --eye and --target then say in which direction it looks. It takes --method
-    /// auto, zp+ or z-pass
-    #[arg(long, conflicts_with_all = ["fov", "camera", "near"])]
-    pub(crate) ortho: bool,
-
     /// The distance of the near plane from the eye. By default it is as large as the models allow
-    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = spec::near)]
+    #[arg(long, value_name = "D", conflicts_with = "ortho", allow_hyphen_values = true, value_parser = spec::near)]
     pub(crate) near: Option<f32>,
 
     /// The height of the ground, an infinite plane that receives shadows and casts none. It is visible from above only. By

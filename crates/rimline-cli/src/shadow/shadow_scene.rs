@@ -125,7 +125,9 @@ impl<'a> ShadowScene<'a> {
         let mut shadows: Vec<[f32; 3]> = Vec::new();
         let outermost = outermost(points, bounds.centre());
         let reach = reach(&shaded_lights, &outermost, &stage);
-        if view.eye.is_none() && view.camera.is_none() {
+        // A level view without perspective shows no ground.
+        let is_level = view.is_parallel && view.side.is_some_and(|side| side.directions().0[1] < 1e-6);
+        if view.eye.is_none() && view.camera.is_none() && !is_level {
             shadows.extend(
                 shaded_lights.iter().flat_map(|shaded| outermost.iter().map(|&point| shaded.shadow_of(point, &stage))),
             );
@@ -235,9 +237,7 @@ impl<'a> ShadowScene<'a> {
             timer.resolve(&mut encoder);
         }
         gpu.submit(encoder);
-        // An eye at infinity is far behind all.
-        let Camera { eye, forward, far, .. } = self.camera;
-        casters.bind(&self.bodies, eye - far.map_or(Vec3::ZERO, |far| 1e4 * far * forward))
+        casters.bind(&self.bodies, self.camera.distant_eye())
     }
 
     /// Sees to it that what lies over each other is counted, after [`Self::cast`]. Waits for the device.
@@ -272,7 +272,7 @@ impl<'a> ShadowScene<'a> {
 
 /// The view that the command line asks for, at a time.
 fn placed(args: &ShadowSceneArgs, first: &PosedModel<'_>, time_s: f32) -> Result<PlacedView, Failure> {
-    Ok(PlacedView { is_parallel: args.ortho, ..first.input.view(&args.view, first.animations, time_s)? })
+    first.input.view(&args.view, first.animations, time_s)
 }
 
 /// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.
