@@ -111,7 +111,7 @@ impl Asset {
         let reader = Reader { document: &document, buffers: &buffers, budget, warnings: &warnings };
         let skins = skin::load(&reader)?;
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
-        instances::charge_lights(&reader, &graph)?;
+        instances::charge_lights_and_cameras(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
         let skipped = skipped_primitives(&document);
         if skipped != SkippedPrimitives::default() {

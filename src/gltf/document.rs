@@ -5,6 +5,7 @@
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
+use super::camera::CameraProjection;
 use super::error::GltfError;
 use super::info::SceneLightKind;
 
@@ -25,6 +26,7 @@ pub(super) struct Document {
     pub(super) scene: Option<usize>,
     pub(super) animations: Vec<Named<Animation>>,
     pub(super) lights: Vec<Named<PunctualLight>>,
+    pub(super) cameras: Vec<Named<CameraProjection>>,
     /// The base colour factor of each material, without alpha.
     pub(super) materials: Vec<Named<[f32; 3]>>,
     /// Whether positions may be of an integer type.
@@ -144,7 +146,7 @@ pub(super) struct Skin {
     pub(super) inverse_binds: Option<usize>,
 }
 
-/// A node. One with a fault has no content beside its name and its light.
+/// A node. One with a fault has no content beside its name, its light and its camera.
 #[derive(Debug, Default)]
 pub(super) struct Node {
     pub(super) name: Option<String>,
@@ -156,6 +158,7 @@ pub(super) struct Node {
     pub(super) skin: Option<usize>,
     pub(super) weights: Option<Vec<f64>>,
     pub(super) light: Option<Part<usize>>,
+    pub(super) camera: Option<Part<usize>>,
     /// The accessors of [`INSTANCED`].
     pub(super) instancing: Option<[Option<usize>; 3]>,
     /// Whether the node and what is below it are hidden (`KHR_node_visibility`).

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::budget;
+use super::camera::SceneCamera;
 use super::colors::{self, Colors};
 use super::document::{Document, Frame, INSTANCED, Node, Part, Placement, Trs, checked, unit};
 use super::error::GltfError;
@@ -91,16 +92,21 @@ pub(super) fn build(
     Ok(Built { model, colors, placements, meshes, weld_counts })
 }
 
-/// Charges the lights of the chosen scene, as callers get them, with their names.
-pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
+/// Charges the lights and cameras of the chosen scene, as callers get them, with their names.
+pub(super) fn charge_lights_and_cameras(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
     for &n in &graph.scene {
         let node = &document.nodes[n];
+        // In a list that doubles.
+        let charge = |size: usize, name: Option<&String>, what: &str| {
+            let bytes = 3 * size + name.or(node.name.as_ref()).map_or(0, String::len);
+            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its {what})"))
+        };
         if let Some(Ok(light)) = node.light {
-            let name = document.lights[light].name.as_ref().or(node.name.as_ref()).map_or(0, String::len);
-            // A list that doubles.
-            let bytes = 3 * size_of::<SceneLight>() + name;
-            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its light)"))?;
+            charge(size_of::<SceneLight>(), document.lights[light].name.as_ref(), "light")?;
+        }
+        if let Some(Ok(camera)) = node.camera {
+            charge(size_of::<SceneCamera>(), document.cameras[camera].name.as_ref(), "camera")?;
         }
     }
     Ok(())

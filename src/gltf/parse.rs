@@ -25,6 +25,7 @@ pub(super) struct Parser<'w> {
     pub(super) nodes: List,
     pub(super) lights: List,
     materials: List,
+    cameras: List,
     pub(super) warnings: &'w Warnings<'w>,
 }
 
@@ -48,6 +49,7 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         nodes: root.length("nodes")?,
         lights: punctual.as_ref().map_or(Ok(List { name: "lights", length: 0 }), |all| lenient(all, "lights"))?,
         materials: lenient(&root, "materials")?,
+        cameras: root.length("cameras").unwrap_or(List { name: "cameras", length: 0 }),
         warnings,
     };
     let (scenes, animations) = (root.length("scenes")?, lenient(&root, "animations")?);
@@ -64,6 +66,7 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         animations: parser.named(&root, animations, |animation| parser.animation(animation))?,
         lights: punctual
             .map_or(Ok(Vec::new()), |json| parser.named(&json, parser.lights, super::parse_scene::light))?,
+        cameras: parser.named(&root, parser.cameras, super::camera::projection)?,
         materials: parser.named(&root, parser.materials, base_color)?,
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
         center: center(&root)?,
@@ -166,10 +169,12 @@ impl Parser<'_> {
     fn nodes(&self, root: &Json<'_>, meshes: &[Named<Mesh>]) -> Result<Vec<Node>, GltfError> {
         let nodes = self.named(root, self.nodes, |json| self.node(json, meshes))?;
         let node = |(Named { name, part }, json): (_, Result<Json<'_>, _>)| {
-            // The light of a node is there even if the rest has a fault.
-            let light = json.map_or(Ok(None), |json| self.light_index(&json))?;
+            // Light and camera of a node are there even if the rest has a fault.
+            let camera = |json: &Json<'_>| Ok(self.warnings.keep(json.index("camera", self.cameras))?.transpose());
+            let (light, camera) =
+                json.map_or(Ok((None, None)), |json| Ok::<_, GltfError>((self.light_index(&json)?, camera(&json)?)))?;
             let content = part.unwrap_or_else(|fault| Node { fault: Some(fault), ..Node::default() });
-            Ok(Node { name, light, ..content })
+            Ok(Node { name, light, camera, ..content })
         };
         nodes.into_iter().zip(root.elements("nodes")?).map(node).collect()
     }

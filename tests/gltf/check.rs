@@ -98,6 +98,10 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
         Err(GltfError::DamagedAnimation { .. }) if is_damaged(animation) => Ok(()),
         Ok(found) => {
             pose(asset.model(), &found)?;
+            for camera in asset.each_camera(animation, time).iter().flatten().flatten() {
+                let numbers = [camera.eye, camera.forward, camera.up].concat();
+                ensure(numbers.iter().all(|c| c.is_finite()), || format!("{camera:?}"))?;
+            }
             let lights = asset.lights(animation, time);
             let is_good = matches!(lights, Ok(_) | Err(GltfError::DamagedLight { .. }));
             ensure(lenient || is_good, || format!("lights at {time}: {lights:?}"))

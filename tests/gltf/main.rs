@@ -4,6 +4,7 @@
 
 mod animate;
 mod bad;
+mod cameras;
 mod cases;
 mod check;
 mod colors;
@@ -44,6 +45,7 @@ fn main() {
         mutate::tests,
         origin::tests,
         colors::tests,
+        cameras::tests,
     ] {
         trials.extend(tests());
     }

@@ -111,7 +111,7 @@ fn draw(
         let none = if scene.mesh.faces().is_empty() { InputError::NoArea } else { InputError::NoFiniteFace };
         let bounds = Bounds::of(corners()).ok_or_else(|| failed(none))?;
         check_bounds(&bounds).map_err(&failed)?;
-        let view = args.view.relative_to(posed.input.origin());
+        let view = posed.view(&args.view)?;
         let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
 
         let sheet = coincident_faces(&world, &mut faces, &camera).map_err(|error| failed(error.into()))?;
@@ -130,8 +130,7 @@ fn draw(
 
             let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
             let mut encoder = gpu.encoder("silhouette");
-            let eye = Light::point(camera.eye.into());
-            let extraction = extractor.encode(&mut encoder, positions.buffer(), &[eye])?;
+            let extraction = extractor.encode(&mut encoder, positions.buffer(), &[camera.eye_light()])?;
             gpu.submit(encoder);
 
             let mut encoder = gpu.encoder("lines");
@@ -167,7 +166,7 @@ fn coincident_faces(world: &[[f32; 3]], faces: &mut Vec<[u32; 3]>, camera: &Came
     let numbered = || faces.iter().copied().enumerate();
     let one_sided = numbered().filter(|&(number, _)| found.is_first(number)).map(|(_, face)| face).collect();
     let sheet = Mesh::from_faces(world.len(), one_sided)?;
-    let is_seen = |(number, corners)| found.seen_instead(number, corners, camera.eye).is_none();
+    let is_seen = |(number, corners)| found.seen_instead(number, corners, camera.distant_eye()).is_none();
     let mut are_seen = corners(world, faces).enumerate().map(is_seen).collect::<Vec<_>>().into_iter();
     faces.retain(|_| are_seen.next() != Some(false));
     Ok(Some(sheet))

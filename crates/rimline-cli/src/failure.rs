@@ -143,6 +143,14 @@ pub(crate) enum UsageError {
     Together { file: PathBuf, error: rimline::gltf::GltfError },
     #[error("the scene of the file has no light `{wanted}`; it has {there}")]
     FileLight { wanted: String, there: String },
+    #[error("{}: its scene has no cameras; leave --camera out, or say with --eye and --target where to look from", .file.display())]
+    NoFileCameras { file: PathBuf },
+    #[error("{}: its scene has no camera `{wanted}`; it has {there}", .file.display())]
+    FileCamera { file: PathBuf, wanted: String, there: String },
+    #[error(
+        "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out --ortho or the --camera"
+    )]
+    Orthographic { what: &'static str },
     #[error(transparent)]
     Lights(LightError),
     #[error(transparent)]

@@ -30,6 +30,7 @@ mod report;
 mod shadow;
 mod shell;
 mod shown;
+mod side;
 mod signals;
 mod source;
 mod spec;

@@ -249,7 +249,12 @@ pub fn everything() -> Maker {
                 "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translations } },
                 "KHR_lights_punctual": { "light": 0 },
             },
+            "camera": 0,
         }),
+    );
+    maker.push(
+        "cameras",
+        json!({ "name": "eye", "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1, "zfar": 9 } }),
     );
     maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "lamp" }] } });
     maker.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_mesh_quantization"]);

@@ -29,6 +29,8 @@ pub(crate) struct Frame {
     per_unit: f32,
     pitch: f32,
     first: [f32; 2],
+    is_parallel: u32,
+    reserved: [u32; 3],
 }
 
 /// Ambient light: of all lights' together, and what the ground throws back.
@@ -72,7 +74,14 @@ impl SceneView<'_> {
         };
         let backdrop = GROUND * (ambient + lights.iter().map(lit).sum::<Vec3>());
         let mut view_projection = Mat4::from_cols_array_2d(&self.shadow_camera().view_projection);
-        view_projection.w_axis *= unit.recip();
+        if camera.far.is_none() {
+            view_projection.w_axis *= unit.recip();
+        } else {
+            // Clip space is the same, of positions that are in units.
+            for axis in [&mut view_projection.x_axis, &mut view_projection.y_axis, &mut view_projection.z_axis] {
+                *axis *= unit;
+            }
+        }
         Frame {
             view_projection: view_projection.to_cols_array_2d(),
             eye: camera.eye.into(),
@@ -92,6 +101,8 @@ impl SceneView<'_> {
             per_unit: unit.recip(),
             pitch: self.part.pitch,
             first: self.part.first,
+            is_parallel: u32::from(camera.far.is_some()),
+            reserved: [0; 3],
         }
     }
 
@@ -105,9 +116,10 @@ impl SceneView<'_> {
         data
     }
 
-    /// Whether the eye is above the ground, so that the ground is seen.
+    /// Whether the eye is above the ground and sees it.
     pub fn sees_ground(&self) -> bool {
-        self.frame().ground < 0.0
+        let is_above = self.camera.far.is_none() || self.camera.forward.y < -1e-6;
+        is_above && self.frame().ground < 0.0
     }
 
     /// The camera of the part that is drawn, for shadow volumes.
@@ -191,7 +203,15 @@ mod tests {
         ] {
             let models = Bounds { min: Vec3::splat(-0.5 * extent), max: Vec3::splat(0.5 * extent) };
             let eye = Vec3::new(eye, 0.0, 0.0);
-            let camera = Camera { eye, right: Vec3::X, up: Vec3::Y, forward: Vec3::NEG_Z, scale: [1.0; 2], near: 1.0 };
+            let camera = Camera {
+                eye,
+                right: Vec3::X,
+                up: Vec3::Y,
+                forward: Vec3::NEG_Z,
+                scale: [1.0; 2],
+                near: 1.0,
+                far: None,
+            };
             let bounds = SceneBounds { models, ground: 0.0 };
             let (camera, bounds, part) = (&camera, &bounds, &Part::WHOLE);
             let found = SceneView { camera, size: [9; 2], part, bounds, lights: &[], reach: 0.0 }.unit();

@@ -1,15 +1,15 @@
 // Uniforms of all passes of a picture with shadows. World space is right-handed with +Y up; positions are relative to
-// the eye. Depth is reversed, near / distance. Light is linear.
+// the eye. Depth is reversed; of a perspective camera it is near / distance. Light is linear.
 
 struct Frame {
   // From positions less the eye, in units, to clip space. The shadow volumes' camera, whose clip space is a unit times as
-  // large: a power of two, so that depths are the same to the bit.
+  // large where it is perspective: a power of two, so that depths are the same to the bit.
   view_projection: mat4x4<f32>,
   eye: vec3<f32>,
   // The ground's height over the eye, in units; negative, since it is seen from above.
   ground: f32,
   right: vec3<f32>,
-  // Clip units per unit of view space at distance 1.
+  // Clip units per unit of view space, of a perspective camera at distance 1.
   scale_x: f32,
   up: vec3<f32>,
   scale_y: f32,
@@ -30,6 +30,8 @@ struct Frame {
   // Pixels of the picture from one pixel drawn to the next, and where in the picture the first one's centre is.
   pitch: f32,
   first: vec2<f32>,
+  // 1 for an orthographic camera.
+  is_parallel: u32,
 }
 
 // A light, or a sample of one with an area.
@@ -64,6 +66,11 @@ fn to_clip(position: vec3<f32>) -> vec4<f32> {
   let q = from_eye(position);
   return frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +
     frame.view_projection[3];
+}
+
+// From a position towards the eye.
+fn towards_eye(q: vec3<f32>) -> vec3<f32> {
+  return select(direction_of(-q), -frame.forward, frame.is_parallel != 0u);
 }
 
 fn direction_to_clip(d: vec3<f32>) -> vec4<f32> {

@@ -65,7 +65,7 @@ fn albedo(front: bool) -> vec3<f32> {
 
 @fragment fn ambient_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
   let front = shows_front(in, is_front);
-  let to_eye = direction_of(-in.q);
+  let to_eye = towards_eye(in.q);
   let n = shading_normal(in, front, to_eye);
   // More from above; and a little from the eye and its right, so that what is in shadow keeps its shape.
   let around = mix(0.5, 1.0, 0.5 + 0.5 * n.y) * mix(0.55, 1.05, saturate(dot(n, to_eye))) *
@@ -83,7 +83,7 @@ fn is_lit(in: Surface, front: bool) -> bool {
   if (!is_lit(in, front)) {
     discard;
   }
-  let to_eye = direction_of(-in.q);
+  let to_eye = towards_eye(in.q);
   let n = shading_normal(in, front, to_eye);
   let light = arriving(in.q);
   // Flat faces turn from the light one at a time, smooth normals do not: the light fades before the first face turns.

@@ -24,7 +24,8 @@ pub(super) struct Frame {
     shadow_height: f32,
     places: u32,
     show_boundary: u32,
-    reserved: [u32; 2],
+    far: f32,
+    reserved: u32,
 }
 
 impl Frame {
@@ -34,7 +35,8 @@ impl Frame {
         let [min, max] = [bounds.min, bounds.max];
         Self {
             eye: camera.eye.into(),
-            near: camera.near,
+            // The survey has shares of it.
+            near: camera.far.map_or(camera.near, |far| camera.near.max(1e-4 * far)),
             right: camera.right.into(),
             scale_x: camera.scale[0],
             up: camera.up.into(),
@@ -50,7 +52,8 @@ impl Frame {
             shadow_height: 0.3 * extent,
             places,
             show_boundary: u32::from(show_boundary),
-            reserved: [0; 2],
+            far: camera.far.unwrap_or(0.0),
+            reserved: 0,
         }
     }
 
@@ -68,8 +71,9 @@ impl Frame {
                 // The model may be anywhere.
                 return [f64::NAN; 2];
             }
-            let x = from_eye.dot(vector(self.right)) * f64::from(self.scale_x) / ahead;
-            let y = from_eye.dot(vector(self.up)) * f64::from(self.scale_y) / ahead;
+            let shrinking = if self.far > 0.0 { 1.0 } else { ahead };
+            let x = from_eye.dot(vector(self.right)) * f64::from(self.scale_x) / shrinking;
+            let y = from_eye.dot(vector(self.up)) * f64::from(self.scale_y) / shrinking;
             let [width, height] = self.size.map(f64::from);
             [(0.5 + 0.5 * x) * width, (0.5 - 0.5 * y) * height]
         };

@@ -100,7 +100,7 @@ fn resources(right: f32, up: f32, back: f32) -> vec3<f32> {
 }
 
 @fragment fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-  let to_eye = normalize(frame.eye - in.position);
+  let to_eye = -normalize(ray(in.position - frame.eye));
   var n = normalize(in.normal);
   if (!front) {
     n = -n;

@@ -1,10 +1,12 @@
 //! Where a picture is taken from, and the outermost points that its frame hangs on.
 
 use glam::{DQuat, DVec3, Vec3};
+use rimline::gltf::{CameraProjection, SceneCamera};
 use rimline_picture::{Bounds, Camera};
 
 use crate::failure::UsageError;
 use crate::input_args::PlacedView;
+use crate::side::Side;
 
 /// Degrees to the right of the model's front, which is +Z.
 pub(crate) const AZIMUTH: f64 = 33.0;
@@ -19,18 +21,31 @@ pub(crate) fn camera(
     bounds: &Bounds,
     points: impl Iterator<Item = [f32; 3]> + Clone,
 ) -> Result<Camera, UsageError> {
+    if let Some(own) = &args.camera {
+        return Ok(of_file(own, args.size));
+    }
     let vector = |p: [f32; 3]| Vec3::from(p).as_dvec3();
     let mut target = args.target.map_or(bounds.centre().as_dvec3(), vector);
     let scale_y = 1.0 / (f64::from(args.fov).to_radians() / 2.0).tan();
     let extent = f64::from(bounds.extent());
     let [width, height] = args.size.map(f64::from);
     let (azimuth, elevation) = (AZIMUTH.to_radians(), elevation.to_radians());
-    let backward = match args.eye {
-        Some(eye) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
-        None => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
+    let side = args.side.map(Side::directions);
+    let backward = match (args.eye, side) {
+        (Some(eye), _) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
+        (None, Some((towards_eye, _))) => DVec3::from(towards_eye).normalize(),
+        (None, None) => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
     };
-    let view = View::new(-backward, [scale_y * height / width, scale_y]);
+    let view = View::new(-backward, side.map(|(_, up)| vector(up)), [scale_y * height / width, scale_y]);
     let nearest = extent * 1e-3;
+    if args.is_parallel {
+        return Ok(view.parallel(
+            target,
+            args.target.is_some() || args.eye.is_some(),
+            points.map(vector),
+            height / width,
+        ));
+    }
     let distance = if let Some(eye) = args.eye {
         (vector(eye) - target).length()
     } else if args.target.is_some() {
@@ -47,7 +62,19 @@ pub(crate) fn camera(
         forward: view.forward.as_vec3(),
         scale: view.scale.map(|scale| scale as f32),
         near: (distance.min(extent) * 1e-3) as f32,
+        far: None,
     })
+}
+
+/// A camera of a file, for a picture of this size.
+fn of_file(own: &SceneCamera, size: [u32; 2]) -> Camera {
+    let [eye, forward, up] = [own.eye, own.forward, own.up].map(Vec3::from);
+    let [width, height] = size.map(|pixels| pixels as f32);
+    let (scale_y, near, far) = match own.projection {
+        CameraProjection::Perspective { yfov, znear, .. } => ((0.5 * yfov).tan().recip(), znear, None),
+        CameraProjection::Orthographic { ymag, znear, zfar, .. } => (ymag.abs().recip(), znear, Some(zfar)),
+    };
+    Camera { eye, right: forward.cross(up), up, forward, scale: [scale_y * height / width, scale_y], near, far }
 }
 
 /// Points that a camera on an orbit sees from one of its places: those of a scene, turned about the middle of their bounds.
@@ -72,10 +99,10 @@ struct View {
 }
 
 impl View {
-    fn new(forward: DVec3, scale: [f64; 2]) -> Self {
-        // Looking straight up or down, the right of the picture is +X.
-        let right = forward.cross(DVec3::Y).try_normalize();
-        let right = right.filter(|_| forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
+    fn new(forward: DVec3, up: Option<DVec3>, scale: [f64; 2]) -> Self {
+        // Looking straight up or down, the right of the picture is +X, unless something is said to be up.
+        let right = forward.cross(up.unwrap_or(DVec3::Y)).try_normalize();
+        let right = right.filter(|_| up.is_some() || forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
         let up = right.cross(forward);
         Self { right, up, forward, scale }
     }
@@ -93,6 +120,32 @@ impl View {
             let sideways = (x.abs() * self.scale[0]).max(y.abs() * self.scale[1]);
             distance.max(sideways / FILLED - z)
         })
+    }
+
+    /// An orthographic camera whose picture holds all points, in its middle unless the target `is_given`. They lie between near and
+    /// far plane.
+    fn parallel(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, aspect: f64) -> Camera {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        points.map(|point| DVec3::from(self.seen(target, point))).for_each(|seen| {
+            (low, high) = (low.min(seen), high.max(seen));
+        });
+        let middle = if is_given { DVec3::ZERO } else { 0.5 * (low + high) };
+        let half = (high - middle).max(middle - low);
+        let (size, depth) = ((half.x * aspect).max(half.y), high.z - low.z);
+        // A point, or a line that is seen along it.
+        let size = if size > 0.0 { size } else { depth.max(f64::from(f32::MIN_POSITIVE)) };
+        let room = depth.max(size);
+        let eye = target + self.right * middle.x + self.up * middle.y + self.forward * (low.z - room);
+        let scale = FILLED / size;
+        Camera {
+            eye: eye.as_vec3(),
+            right: self.right.as_vec3(),
+            up: self.up.as_vec3(),
+            forward: self.forward.as_vec3(),
+            scale: [scale * aspect, scale].map(|scale| scale as f32),
+            near: (0.5 * room) as f32,
+            far: Some((depth + 2.0 * room) as f32),
+        }
     }
 
     /// The nearest place of the eye from which the picture holds all points, in its middle: how far aside of the target it

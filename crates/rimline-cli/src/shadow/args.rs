@@ -95,7 +95,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) view: ViewArgs,
 
     /// The distance of the near plane from the eye. By default it is as large as the models allow
-    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = spec::near)]
+    #[arg(long, value_name = "D", conflicts_with = "ortho", allow_hyphen_values = true, value_parser = spec::near)]
     pub(crate) near: Option<f32>,
 
     /// The height of the ground, an infinite plane that receives shadows and casts none. It is visible from above only. By

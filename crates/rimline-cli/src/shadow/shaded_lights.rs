@@ -21,7 +21,7 @@ const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
 /// The lights of the command line, or else `own`, or the one that is there by default.
 pub(crate) fn shaded_lights(
     args: &ShadowSceneArgs,
-    first: &PosedModel<'_>,
+    (first, view): (&PosedModel<'_>, &PlacedView),
     stage: &SceneBounds,
     own: Option<Light>,
 ) -> Result<Vec<ShadedLight>, Failure> {
@@ -37,7 +37,7 @@ pub(crate) fn shaded_lights(
     let mut shaded_lights: Vec<ShadedLight> =
         chosen.iter().map(|(spec, chosen)| shaded(spec, chosen, brightest, stage)).collect();
     if shaded_lights.is_empty() {
-        let light = own.unwrap_or_else(|| default_light(&args.view.relative_to(first.input.origin()), stage));
+        let light = own.unwrap_or_else(|| default_light(view, stage));
         let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
         shaded_lights.push(shaded(&spec, &ChosenLight { light, own: None }, 0.0, stage));
     }
@@ -136,8 +136,14 @@ fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), U
 fn default_light(view: &PlacedView, stage: &SceneBounds) -> Light {
     let azimuth = AZIMUTH.to_radians();
     let target = view.target.map_or(stage.models.centre().as_dvec3(), vector);
-    let level = view.eye.map(|eye| (vector(eye) - target) * DVec3::new(1.0, 0.0, 1.0));
-    let backward = level.and_then(DVec3::try_normalize).unwrap_or(DVec3::new(azimuth.sin(), 0.0, azimuth.cos()));
+    let towards_eye = match (view.eye, view.side, &view.camera) {
+        (Some(eye), ..) => vector(eye) - target,
+        (_, Some(side), _) => DVec3::from(side.directions().0),
+        (.., Some(camera)) => -vector(camera.forward),
+        _ => DVec3::ZERO,
+    };
+    let level = (towards_eye * DVec3::new(1.0, 0.0, 1.0)).try_normalize();
+    let backward = level.unwrap_or(DVec3::new(azimuth.sin(), 0.0, azimuth.cos()));
     let right = DVec3::Y.cross(backward);
     let towards = (-0.8 * right + 1.15 * DVec3::Y + 0.42 * backward).normalize();
     let place = stage.models.centre().as_dvec3() + 3.5 * f64::from(stage.models.extent()) * towards;

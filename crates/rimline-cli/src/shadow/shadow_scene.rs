@@ -16,11 +16,12 @@ use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::Input;
+use crate::input_args::PlacedView;
 use crate::output::note;
 use crate::posed_input::{self, animations};
 use crate::render::camera::{camera, elevation, outermost};
 use crate::render::{check_bounds, check_size, too_large};
-use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
+use crate::shadow::args::{CountingArg, ModeArg, ShadowSceneArgs, value_name};
 use crate::shown::{animation_name, listed_animations};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
@@ -112,10 +113,10 @@ impl<'a> ShadowScene<'a> {
         let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFiniteFace))?;
         check_bounds(&bounds).map_err(failed)?;
         let origin = first.input.origin();
-        let view = args.view.relative_to(origin);
+        let view = placed(args, first, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
-        let shaded_lights = shaded_lights(args, first, &stage, own_light)?;
+        let shaded_lights = shaded_lights(args, (first, &view), &stage, own_light)?;
         let samples = args.samples();
         if shaded_lights.len() * samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
@@ -124,21 +125,48 @@ impl<'a> ShadowScene<'a> {
         let mut shadows: Vec<[f32; 3]> = Vec::new();
         let outermost = outermost(points, bounds.centre());
         let reach = reach(&shaded_lights, &outermost, &stage);
-        if view.eye.is_none() {
+        // A level view without perspective shows no ground.
+        let is_level = view.is_parallel && view.side.is_some_and(|side| side.directions().0[1] < 1e-6);
+        if view.eye.is_none() && view.camera.is_none() && !is_level {
             shadows.extend(
                 shaded_lights.iter().flat_map(|shaded| outermost.iter().map(|&point| shaded.shadow_of(point, &stage))),
             );
         }
         let seen = points.iter().chain(&shadows).copied();
         let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
-        camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
-        check_near(camera.near, farthest(&camera, &stage))?;
+        match camera.far {
+            Some(_) if matches!(args.method, CountingArg::ZFail | CountingArg::ZpPlus2005) => {
+                let what = if args.method == CountingArg::ZFail { "--method z-fail" } else { "--method zp+paper" };
+                return Err(UsageError::Orthographic { what }.into());
+            }
+            // The ground that is seen lies between its planes, too.
+            Some(far) if view.is_parallel => {
+                let room = 4.0 * (1.8 * stage.models.extent()).max(1.1 * reach);
+                camera.eye -= room * camera.forward;
+                camera.far = Some(far + 2.0 * room);
+            }
+            _ if view.camera.is_some() => camera.near = args.near.unwrap_or(camera.near),
+            _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points)),
+        }
+        if camera.far.is_none() {
+            check_near(camera.near, farthest(&camera, &stage))?;
+        }
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
     /// Moves everything to another posed; the camera stays.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
+    }
+
+    /// The camera of the file at another time, if one is asked for.
+    pub(crate) fn camera_at(&self, time_s: f32) -> Result<Option<Camera>, Failure> {
+        if self.args.view.camera.is_none() {
+            return Ok(None);
+        }
+        let view = placed(self.args, &self.bodies[0], time_s)?;
+        let camera = camera(&view, ELEVATION, &self.stage.models, std::iter::empty())?;
+        Ok(Some(Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
     }
 
     /// A point of the vertical line that a camera on an orbit goes around: what it looks at.
@@ -151,7 +179,9 @@ impl<'a> ShadowScene<'a> {
     pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
         let farthest = farthest(&self.camera, &self.stage);
         let pixel = 2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32);
-        if let Some(warning) = too_coarse(depth_format(&gpu.device), self.camera.near, farthest, pixel) {
+        if self.camera.far.is_none()
+            && let Some(warning) = too_coarse(depth_format(&gpu.device), self.camera.near, farthest, pixel)
+        {
             note(&format!("warning: {warning}"));
         }
     }
@@ -207,7 +237,7 @@ impl<'a> ShadowScene<'a> {
             timer.resolve(&mut encoder);
         }
         gpu.submit(encoder);
-        casters.bind(&self.bodies, self.camera.eye)
+        casters.bind(&self.bodies, self.camera.distant_eye())
     }
 
     /// Sees to it that what lies over each other is counted, after [`Self::cast`]. Waits for the device.
@@ -238,6 +268,11 @@ impl<'a> ShadowScene<'a> {
         let (camera, lights) = (self.view().shadow_camera(), self.ranged());
         run(CastInputs { bodies: &self.bodies, seen: &self.bodies, camera: &camera, lights: &lights })
     }
+}
+
+/// The view that the command line asks for, at a time.
+fn placed(args: &ShadowSceneArgs, first: &PosedModel<'_>, time_s: f32) -> Result<PlacedView, Failure> {
+    first.input.view(&args.view, first.animations, time_s)
 }
 
 /// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.

@@ -21,7 +21,7 @@ impl SeenScene {
         let bounds = SceneBounds { models: viewer.bounds(), ground: viewer.ground() };
         let of = viewer.orbit.camera(size, &bounds.models, bounds.ground);
         let (eye, right, up, forward) = (of.eye, of.right, of.up, of.forward);
-        let camera = Camera { eye, right, up, forward, scale: of.scale.into(), near: of.near };
+        let camera = Camera { eye, right, up, forward, scale: of.scale.into(), near: of.near, far: None };
         let lights: Vec<_> = viewer.sources().iter().map(|(_, source)| shaded(source)).collect();
         let reach = reach(&lights, &bounds.models.corners().map(Into::into), &bounds);
         Self { camera, size, bounds, lights, reach }
