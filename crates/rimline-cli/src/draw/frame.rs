@@ -24,7 +24,8 @@ pub(super) struct Frame {
     shadow_height: f32,
     places: u32,
     show_boundary: u32,
-    reserved: [u32; 2],
+    is_colored: u32,
+    reserved: u32,
 }
 
 impl Frame {
@@ -50,8 +51,14 @@ impl Frame {
             shadow_height: 0.3 * extent,
             places,
             show_boundary: u32::from(show_boundary),
-            reserved: [0; 2],
+            is_colored: 0,
+            reserved: 0,
         }
+    }
+
+    /// The same for a model with base colours.
+    pub(super) fn colored(self, is_colored: bool) -> Self {
+        Self { is_colored: u32::from(is_colored), ..self }
     }
 
     pub(super) fn places(&self) -> u32 {

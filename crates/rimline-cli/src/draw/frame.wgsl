@@ -26,6 +26,8 @@ struct Frame {
   places: i32,
   // 1 if boundary edges have a colour of their own.
   show_boundary: u32,
+  // 1 if the model has base colours.
+  is_colored: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
