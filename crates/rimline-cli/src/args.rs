@@ -203,6 +203,10 @@ pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) posed: MomentArgs,
 
+    /// Show the model as clay, not in its base colours
+    #[arg(long)]
+    pub(crate) plain: bool,
+
     /// Draw open boundaries in orange
     #[arg(long)]
     pub(crate) show_boundary: bool,

@@ -8,9 +8,10 @@ use rimline::gltf::{GltfError, SceneCamera, SceneLight};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::light::check_lights;
 use rimline::mesh::Weld;
-use rimline::{Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model, ModelError, Pose};
+use rimline::{InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model, ModelError, Pose};
 pub(crate) use rimline_files::resting;
 use rimline_files::{File, FileError, Polygons, ReadOptions, read_bytes};
+use rimline_picture::corner_colors;
 
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::{ModelArgs, PlacedView, ViewArgs};
@@ -139,6 +140,27 @@ impl Input {
                 Ok(Shape::Posed { model: self.model(), pose })
             }
         }
+    }
+
+    /// Whether the faces of each instance are turned.
+    pub(crate) fn turned(&self, shape: &Shape<'_>) -> impl Iterator<Item = bool> {
+        let pose = match shape {
+            Shape::World(_) => None,
+            Shape::Posed { pose, .. } => Some(pose.instances()),
+        };
+        let is_turned =
+            move |instance: usize| pose.and_then(|pose| pose.get(instance)).is_some_and(InstancePose::faces_turned);
+        (0..self.model().instances().len()).map(is_turned)
+    }
+
+    /// The base colours of the corners of all instances, if the file has some.
+    pub(crate) fn corner_colors(&self, shape: &Shape<'_>) -> Option<Vec<[u32; 3]>> {
+        corner_colors(self.model(), self.turned(shape), |geometry| self.colors(geometry))
+    }
+
+    /// Tells the user why base colours are missing.
+    pub(crate) fn note_colors(&self) {
+        self.color_notes().iter().for_each(|note| self.warn(Some(note.clone())));
     }
 
     /// The mesh that all instances make.

@@ -26,6 +26,12 @@ fn unfold(word: u32) -> vec3<f32> {
   return normalize(n);
 }
 
+// A colour whose channels are roots in ten bits each.
+fn unpack_color(word: u32) -> vec3<f32> {
+  let root = vec3<f32>((vec3<u32>(word) >> vec3<u32>(0u, 10u, 20u)) & vec3<u32>(1023u)) / 1023.0;
+  return root * root;
+}
+
 fn largest(v: vec3<f32>) -> f32 {
   return max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-37));
 }

@@ -8,6 +8,7 @@
 mod bindings;
 mod bounds;
 mod camera;
+mod colors;
 mod factory;
 mod frame;
 mod lights;
@@ -21,6 +22,7 @@ mod targets;
 pub use bindings::{READ_ONLY, UNIFORM, UNIFORM_AT_OFFSET, WRITTEN, depth_format, filled, group, layout, read_texture};
 pub use bounds::{Bounds, SceneBounds};
 pub use camera::Camera;
+pub use colors::corner_colors;
 pub use factory::{
     ADD, COMMON, LARGEST, MULTIPLY, Pass, PipelineFactory, color_pass, depth_state, plain_texture, view,
 };

@@ -26,7 +26,7 @@ impl Resources {
     pub fn new(on: (&wgpu::Device, &wgpu::Queue), lights: usize) -> Self {
         let factory = PipelineFactory::new(on, include_str!("scene.wgsl"), &[0; size_of::<Frame>()]);
         let light = factory.layout(&[UNIFORM_AT_OFFSET]);
-        let surface = factory.layout(&[UNIFORM, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY]);
+        let surface = factory.layout(&[UNIFORM, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY]);
         let lights = factory.uniform("lights", &vec![0; STRIDE as usize * lights.max(1)]);
         let size = wgpu::BufferSize::new(size_of::<ShadedLightData>() as u64);
         let one = wgpu::BufferBinding { buffer: &lights, offset: 0, size };

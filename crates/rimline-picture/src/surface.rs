@@ -14,6 +14,16 @@ const CLAYS: [[[f32; 3]; 2]; 4] = [
     [[0.46, 0.54, 0.38], [0.58, 0.40, 0.29]],
 ];
 
+/// Layout of `Clay` in `surface.wgsl`.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Clay {
+    front: [f32; 3],
+    is_colored: u32,
+    back: [f32; 3],
+    reserved: u32,
+}
+
 /// Flag of a slot, as in `surface.wgsl`: the face is shown as the one that it coincides with, which runs the other way around.
 pub const TURNED: u32 = 1 << 31;
 /// With [`TURNED`]: the mask at the slot is the face's own, whose opposite is the other's.
@@ -72,6 +82,8 @@ pub struct SurfaceBuffers<'a> {
     pub normals: &'a wgpu::Buffer,
     /// The slot of each face, perhaps with [`TURNED`] and [`OPPOSITE`].
     pub slots: &'a wgpu::Buffer,
+    /// A base colour a corner, as [`crate::corner_colors`] has them. `None`: the model is of clay.
+    pub colors: Option<&'a wgpu::Buffer>,
 }
 
 /// The draws of a model: corners of faces that one buffer has the facing masks of, for each batch of 32 lights.
@@ -81,11 +93,14 @@ pub struct Surface(Vec<(Range<u32>, Vec<wgpu::BindGroup>)>);
 impl Surface {
     /// The model with this number.
     pub fn new(resources: &Resources, number: usize, buffers: SurfaceBuffers<'_>, masks: &FacingMasks) -> Self {
-        let SurfaceBuffers { positions, faces, normals, slots } = buffers;
-        let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
-        let clay = resources.factory.uniform("clay", bytemuck::cast_slice(&clay));
+        let SurfaceBuffers { positions, faces, normals, slots, colors } = buffers;
+        let [front, back] = CLAYS[number % CLAYS.len()];
+        let clay = Clay { front, is_colored: u32::from(colors.is_some()), back, reserved: 0 };
+        let clay = resources.factory.uniform("clay", bytemuck::bytes_of(&clay));
+        // Nothing reads colours that are not there.
+        let colors = colors.unwrap_or(slots);
         let group = |facing: &wgpu::Buffer| {
-            let buffers = [&clay, positions, faces, normals, slots, facing];
+            let buffers = [&clay, positions, faces, normals, slots, facing, colors];
             resources.factory.group(&resources.surface, &buffers.map(wgpu::Buffer::as_entire_binding))
         };
         let run = |(faces, facing): &(Range<u32>, Vec<wgpu::Buffer>)| {

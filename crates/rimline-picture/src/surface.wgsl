@@ -1,8 +1,10 @@
-// The models, as matte clay. A face's side towards a light is the bit that the extraction found for it; smooth normals
+// The models, as matte clay, or in their base colours. A face's side towards a light is the bit that the extraction found for it; smooth normals
 // only shade.
 
 struct Clay {
   front: vec3<f32>,
+  // Whether corners have colours, which take the place of the clay's on both sides.
+  is_colored: u32,
   back: vec3<f32>,
 }
 
@@ -15,9 +17,14 @@ struct Clay {
 // with, which is not; and the masks are its own, whose opposites are that one's.
 @group(2) @binding(4) var<storage, read> slots: array<u32>;
 @group(2) @binding(5) var<storage, read> facing: array<u32>;
+// A base colour a corner, packed, if the model has colours.
+@group(2) @binding(6) var<storage, read> colors: array<u32>;
 
 const TURNED = 0x80000000u;
 const OPPOSITE = 0x40000000u;
+
+// White is as bright as the ground.
+const BRIGHTNESS = 0.8;
 
 struct Surface {
   @invariant @builtin(position) clip: vec4<f32>,
@@ -27,6 +34,7 @@ struct Surface {
   // Whether the face that is shown faces the light.
   @location(2) @interpolate(flat) faces_light: u32,
   @location(3) @interpolate(flat) is_turned: u32,
+  @location(4) color: vec3<f32>,
 }
 
 fn position(vertex: u32) -> vec3<f32> {
@@ -39,13 +47,18 @@ fn position(vertex: u32) -> vec3<f32> {
   let b = position(faces[3u * face + 1u]);
   let c = position(faces[3u * face + 2u]);
   if (!is_finite(a) || !is_finite(b) || !is_finite(c)) {
-    return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u, 0u);
+    return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u, 0u, vec3<f32>(0.0));
   }
   let p = position(faces[corner]);
   let slot = slots[face];
   let mask = facing[slot & ~(TURNED | OPPOSITE)] >> shaded.bit;
   let faces_light = (mask & 1u) ^ u32((slot & OPPOSITE) != 0u);
-  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), faces_light, u32((slot & TURNED) != 0u));
+  var color = vec3<f32>(0.0);
+  if (clay.is_colored != 0u) {
+    color = BRIGHTNESS * unpack_color(colors[corner]);
+  }
+  let is_turned = u32((slot & TURNED) != 0u);
+  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), faces_light, is_turned, color);
 }
 
 // Whether the front is seen of the face that is shown.
@@ -59,7 +72,10 @@ fn shading_normal(in: Surface, front: bool, to_eye: vec3<f32>) -> vec3<f32> {
   return normalize(n + max(0.0, 0.02 - dot(n, to_eye)) * to_eye);
 }
 
-fn albedo(front: bool) -> vec3<f32> {
+fn albedo(in: Surface, front: bool) -> vec3<f32> {
+  if (clay.is_colored != 0u) {
+    return in.color;
+  }
   return select(clay.back, clay.front, front);
 }
 
@@ -70,7 +86,7 @@ fn albedo(front: bool) -> vec3<f32> {
   // More from above; and a little from the eye and its right, so that what is in shadow keeps its shape.
   let around = mix(0.5, 1.0, 0.5 + 0.5 * n.y) * mix(0.55, 1.05, saturate(dot(n, to_eye))) *
     (1.0 + 0.18 * dot(n, frame.right));
-  return vec4<f32>(albedo(front) * frame.ambient * around, 1.0);
+  return vec4<f32>(albedo(in, front) * frame.ambient * around, 1.0);
 }
 
 // Light and eye are on the same side of the face.
@@ -91,7 +107,7 @@ fn is_lit(in: Surface, front: bool) -> bool {
   let diffuse = cosine * smoothstep(0.0, 0.3, cosine);
   let halfway = normalize(to_eye + light.towards);
   let sheen = 0.06 * pow(saturate(dot(n, halfway)), 24.0) * smoothstep(0.0, 0.3, cosine);
-  return vec4<f32>((albedo(front) * diffuse + sheen) * light.color, 0.0);
+  return vec4<f32>((albedo(in, front) * diffuse + sheen) * light.color, 0.0);
 }
 
 // Keeps the pixels whose visible side is back-facing to the light.

@@ -25,7 +25,7 @@ pub(super) struct Frame {
     places: u32,
     show_boundary: u32,
     far: f32,
-    reserved: u32,
+    is_colored: u32,
 }
 
 impl Frame {
@@ -53,8 +53,13 @@ impl Frame {
             places,
             show_boundary: u32::from(show_boundary),
             far: camera.far.unwrap_or(0.0),
-            reserved: 0,
+            is_colored: 0,
         }
+    }
+
+    /// The same for a model with base colours.
+    pub(super) fn colored(self, is_colored: bool) -> Self {
+        Self { is_colored: u32::from(is_colored), ..self }
     }
 
     pub(super) fn places(&self) -> u32 {

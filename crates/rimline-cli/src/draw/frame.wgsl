@@ -29,6 +29,8 @@ struct Frame {
   show_boundary: u32,
   // The distance of the far plane of an orthographic camera; 0 of a perspective one.
   far: f32,
+  // 1 if the model has base colours.
+  is_colored: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -28,7 +28,7 @@ pub(super) struct ModelPipelines {
 
 impl ModelPipelines {
     pub(super) fn new(factory: &PipelineFactory) -> Self {
-        let geometry = factory.layout(&[READ_ONLY; 3]);
+        let geometry = factory.layout(&[READ_ONLY; 4]);
         let contact = ContactShadow::new(factory, &geometry);
         let source = include_str!("model.wgsl");
         // Paper and ground are behind the model, whatever is there.
@@ -98,6 +98,16 @@ pub(super) fn factory(gpu: &Gpu) -> PipelineFactory {
     PipelineFactory::new((&gpu.device, &gpu.queue), include_str!("frame.wgsl"), &[0; size_of::<Frame>()])
 }
 
+/// The corners of the faces that are drawn.
+pub(super) struct Corners<'a> {
+    /// Their positions are finite.
+    pub(super) faces: &'a [[u32; 3]],
+    /// One a corner, folded.
+    pub(super) normals: &'a [u32],
+    /// Base colours, packed.
+    pub(super) colors: Option<&'a [[u32; 3]]>,
+}
+
 /// The targets, and what reads them.
 pub(super) struct Canvas<'a> {
     factory: &'a PipelineFactory,
@@ -128,20 +138,20 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Records the survey, paper, contact shadow and the shaded model. `normals` has one a corner, see [`super::normals`].
-    /// `faces` have finite corners only; returns the buffer of them.
+    /// Records the survey, paper, contact shadow and the shaded model. Returns the buffer of faces.
     pub(super) fn model(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &ModelPipelines,
         positions: &wgpu::Buffer,
-        (faces, normals): (&[[u32; 3]], &[u32]),
+        Corners { faces, normals, colors }: Corners<'_>,
     ) -> wgpu::Buffer {
         let Self { factory, .. } = *self;
         let corners = 3 * faces.len() as u32;
         let faces = factory.buffer("drawn faces", bytemuck::cast_slice(faces));
         let normals = factory.buffer("normals", bytemuck::cast_slice(normals));
-        let resources = [positions, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
+        let colors = factory.buffer("colors", bytemuck::cast_slice(colors.unwrap_or_default()));
+        let resources = [positions, &faces, &normals, &colors].map(wgpu::Buffer::as_entire_binding);
         let geometry = factory.group(&pipelines.geometry, &resources);
         self.survey.record(factory, encoder, &pipelines.survey, &geometry, corners);
         let contact = &pipelines.contact;

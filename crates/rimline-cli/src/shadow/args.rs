@@ -127,6 +127,10 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, requires = "area")]
     pub(crate) one_pattern: bool,
 
+    /// Show models as clay, not in their base colours
+    #[arg(long)]
+    pub(crate) plain: bool,
+
     /// Also draw the shadow volumes, translucent and with their edges
     #[arg(long)]
     pub(crate) volumes: bool,

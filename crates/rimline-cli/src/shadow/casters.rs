@@ -180,39 +180,54 @@ fn surface(
 ) -> Surface {
     let stored = |label, contents: &[u8]| resources.shared.factory.buffer(label, contents);
     let faces = stored("drawn faces", bytemuck::cast_slice(&body.faces));
-    let (normals, slots) = normals_and_slots(body, masks, eye);
+    let Corners { normals, colors, slots } = Corners::of(body, masks, eye);
+    let colors = body.colors.is_some().then(|| stored("colors", bytemuck::cast_slice(&colors)));
     let normals = stored("normals", bytemuck::cast_slice(&normals));
     let slots = stored("slots", bytemuck::cast_slice(&slots));
     let positions = body.positions.buffer().buffer;
-    let buffers = SurfaceBuffers { positions, faces: &faces, normals: &normals, slots: &slots };
+    let buffers =
+        SurfaceBuffers { positions, faces: &faces, normals: &normals, slots: &slots, colors: colors.as_ref() };
     Surface::new(&resources.shared, number, buffers, masks)
 }
 
-/// The normals of corners and where faces' masks are. Faces that are turned away from the eye have those of the faces that they
-/// coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
-fn normals_and_slots<'a>(body: &PosedModel<'_>, masks: &'a FacingMasks, eye: Vec3) -> (Vec<u32>, Cow<'a, [u32]>) {
-    let all = || corners(&body.world, &body.faces).enumerate();
-    let Some(found) = Coincident::of(corners(&body.world, &body.faces)) else {
-        return (corner_normals(&body.world, &body.faces), Cow::Borrowed(&masks.slots));
-    };
-    let fronts: Vec<Option<usize>> = all().map(|(number, face)| found.seen_instead(number, face, eye)).collect();
-    // The second side of a sheet does not smooth the folds of the first.
-    let one_sided = body.faces.iter().zip(&fronts);
-    let one_sided: Vec<[u32; 3]> =
-        one_sided.map(|(&face, front)| if front.is_none() { face } else { [face[0]; 3] }).collect();
-    let mut normals = corner_normals(&body.world, &one_sided);
-    let mut slots = masks.slots.clone();
-    let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
-    for (number, front) in fronts.into_iter().enumerate() {
-        let Some(front) = front else { continue };
-        let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
-        let [own, other] = [number, front].map(|face| body.faces[face].map(place));
-        for (corner, at) in own.into_iter().enumerate() {
-            let same = other.iter().position(|&there| there == at).unwrap_or(corner);
-            normals[3 * number + corner] = normals[3 * front + same];
+/// Normals and colours of corners, and where faces' masks are. Faces that are turned away from the eye have those of the faces that
+/// they coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
+struct Corners<'a> {
+    normals: Vec<u32>,
+    colors: Cow<'a, [u32]>,
+    slots: Cow<'a, [u32]>,
+}
+
+impl<'a> Corners<'a> {
+    fn of(body: &'a PosedModel<'_>, masks: &'a FacingMasks, eye: Vec3) -> Self {
+        let all = || corners(&body.world, &body.faces).enumerate();
+        let (mut colors, mut slots) =
+            (Cow::Borrowed(body.colors.as_deref().unwrap_or_default().as_flattened()), Cow::Borrowed(&*masks.slots));
+        let Some(found) = Coincident::of(corners(&body.world, &body.faces)) else {
+            return Self { normals: corner_normals(&body.world, &body.faces), colors, slots };
+        };
+        let fronts: Vec<Option<usize>> = all().map(|(number, face)| found.seen_instead(number, face, eye)).collect();
+        // The second side of a sheet does not smooth the folds of the first.
+        let one_sided = body.faces.iter().zip(&fronts);
+        let one_sided: Vec<[u32; 3]> =
+            one_sided.map(|(&face, front)| if front.is_none() { face } else { [face[0]; 3] }).collect();
+        let mut normals = corner_normals(&body.world, &one_sided);
+        let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
+        for (number, front) in fronts.into_iter().enumerate() {
+            let Some(front) = front else { continue };
+            let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
+            let [own, other] = [number, front].map(|face| body.faces[face].map(place));
+            for (corner, at) in own.into_iter().enumerate() {
+                let same = other.iter().position(|&there| there == at).unwrap_or(corner);
+                normals[3 * number + corner] = normals[3 * front + same];
+                if !colors.is_empty() {
+                    colors.to_mut()[3 * number + corner] = colors[3 * front + same];
+                }
+            }
+            let is_near = run_of(front) == run_of(number);
+            let shown = if is_near { masks.slots[front] } else { masks.slots[number] | OPPOSITE };
+            slots.to_mut()[number] = shown | TURNED;
         }
-        let shown = if run_of(front) == run_of(number) { masks.slots[front] } else { masks.slots[number] | OPPOSITE };
-        slots[number] = shown | TURNED;
+        Self { normals, colors, slots }
     }
-    (normals, Cow::Owned(slots))
 }

@@ -31,6 +31,7 @@ pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
     pub(crate) animations: Vec<Vec<usize>>,
     pub(crate) displacement: Option<Displacement>,
+    is_plain: bool,
 }
 
 impl ShadowInputs {
@@ -46,7 +47,10 @@ impl ShadowInputs {
         let open = |file: &std::path::PathBuf| Input::read(file, options, args.polygons.taken());
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.posed.pose)?;
-        Ok(Self { inputs, animations, displacement })
+        if !args.plain {
+            inputs.iter().for_each(Input::note_colors);
+        }
+        Ok(Self { inputs, animations, displacement, is_plain: args.plain })
     }
 
     /// The files that were read, and those that models name.
@@ -71,7 +75,9 @@ impl ShadowInputs {
     pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<PosedModel<'_>>, Failure> {
         let inputs = self.inputs.iter().zip(&self.animations);
         inputs
-            .map(|(input, animations)| PosedModel::new(gpu, input, animations, time_s, self.displacement.as_ref()))
+            .map(|(input, animations)| {
+                PosedModel::new(gpu, input, animations, time_s, self.displacement.as_ref(), self.is_plain)
+            })
             .collect()
     }
 }

@@ -11,6 +11,7 @@ mod bench;
 mod bench_left_out;
 mod cases;
 mod clipping;
+mod colors;
 mod contract;
 mod data;
 mod data_wrong;
@@ -72,6 +73,7 @@ fn main() {
         bench::TESTS,
         #[cfg(not(feature = "bench"))]
         bench_left_out::TESTS,
+        colors::TESTS,
         contract::TESTS,
         data_wrong::TESTS,
         depth_shadows::TESTS,

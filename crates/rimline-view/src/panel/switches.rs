@@ -27,6 +27,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             (&mut options.ground, "ground", Action::Ground),
             (&mut options.shadows, "shadows", Action::Shadows),
             (&mut options.smooth, "smooth", Action::Smooth),
+            (&mut options.colors, "base colours", Action::Colors),
         ],
     );
     style::heading(ui, "Shadows");

@@ -4,11 +4,14 @@ use rimline::gpu::{
     DeformerOptions, FrameInputs, LightHandle, ModelHandle, Scene, SceneFrame, SceneOptions, StageTimer,
 };
 use rimline::{Geometry, InstancePose, Model, Pose, ShadowCamera};
-use rimline_picture::{FacingMasks, NormalPipeline, Normals, Resources, Smoothing, Surface, SurfaceBuffers};
+use rimline_picture::{
+    FacingMasks, NormalPipeline, Normals, Resources, Smoothing, Surface, SurfaceBuffers, corner_colors,
+};
 
 use super::error::RenderError;
 use super::gpu::Gpu;
 use super::skipping::measuring;
+use crate::state::body::Body;
 use crate::state::options::{Counting, Skipping};
 use crate::state::viewer::Viewer;
 
@@ -48,15 +51,25 @@ struct Placed {
     handle: ModelHandle,
     faces: wgpu::Buffer,
     normals: Normals,
-    /// Whether the pose turns the faces of each instance, and whether faces smooth into each other. Else it has other faces or
-    /// normals.
-    state: (Vec<bool>, bool),
+    colors: Option<wgpu::Buffer>,
+    state: State,
     bytes: u64,
 }
 
 /// The state of a model that its buffers depend on.
-fn state(pose: &Pose, viewer: &Viewer) -> (Vec<bool>, bool) {
-    (pose.instances().iter().map(InstancePose::faces_turned).collect(), viewer.options.smooth)
+#[derive(Clone, Debug, PartialEq)]
+struct State {
+    /// Whether the pose turns the faces of each instance.
+    turned: Vec<bool>,
+    is_smooth: bool,
+    is_colored: bool,
+}
+
+impl State {
+    fn of(pose: &Pose, viewer: &Viewer) -> Self {
+        let turned = pose.instances().iter().map(InstancePose::faces_turned).collect();
+        Self { turned, is_smooth: viewer.options.smooth, is_colored: viewer.options.colors }
+    }
 }
 
 impl Models {
@@ -86,7 +99,7 @@ impl Models {
             }
             let handle = models.scene.insert_model(body.model(), &pose, DeformerOptions::default());
             let handle = handle.map_err(|error| failed(&error))?;
-            models.placed.push(models.place(resources, normals, (handle, body.model()), state(&pose, viewer))?);
+            models.placed.push(models.place(resources, normals, (handle, body), State::of(&pose, viewer))?);
         }
         Ok(models)
     }
@@ -95,15 +108,19 @@ impl Models {
         &self,
         resources: &Resources,
         normals: &NormalPipeline,
-        (handle, model): (ModelHandle, &Model),
-        state: (Vec<bool>, bool),
+        (handle, body): (ModelHandle, &Body),
+        state: State,
     ) -> Result<Placed, RenderError> {
-        let (faces, smoothing) = drawn(model, &state);
+        let (faces, smoothing) = drawn(body.model(), &state);
         let faces = resources.factory.buffer("faces", bytemuck::cast_slice(&faces));
         let positions = self.scene.positions(handle)?.buffer;
         let normals = normals.normals(&resources.factory, &smoothing, [positions, &faces]);
-        let bytes = [&faces, &normals.buffer, positions].map(wgpu::Buffer::size).iter().sum();
-        Ok(Placed { handle, faces, normals, state, bytes })
+        let turned = state.turned.iter().copied();
+        let colors = state.is_colored.then(|| corner_colors(body.model(), turned, |geometry| body.colors(geometry)));
+        let colors = colors.flatten().map(|colors| resources.factory.buffer("colors", bytemuck::cast_slice(&colors)));
+        let buffers = [Some(&faces), Some(&normals.buffer), Some(positions), colors.as_ref()];
+        let bytes = buffers.into_iter().flatten().map(wgpu::Buffer::size).sum();
+        Ok(Placed { handle, faces, normals, colors, state, bytes })
     }
 
     /// Records where everything is now, its normals, and its shadow volumes as the camera sees them.
@@ -120,9 +137,9 @@ impl Models {
                 body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
             let handle = self.placed[index].handle;
             self.scene.set_pose(handle, &pose).map_err(|error| RenderError::body(index, &body.name, &error))?;
-            let state = state(&pose, viewer);
+            let state = State::of(&pose, viewer);
             if self.placed[index].state != state {
-                self.placed[index] = self.place(resources, normals, (handle, body.model()), state)?;
+                self.placed[index] = self.place(resources, normals, (handle, body), state)?;
                 self.frame = None;
             }
         }
@@ -157,9 +174,9 @@ impl Models {
     ) -> Result<Surface, RenderError> {
         let masks = FacingMasks::of_scene(frame, self.scene.casters(placed.handle)?.iter().copied())?;
         let slots = resources.factory.buffer("slots", bytemuck::cast_slice(&masks.slots));
-        let (faces, normals) = (&placed.faces, &placed.normals.buffer);
+        let (faces, normals, colors) = (&placed.faces, &placed.normals.buffer, placed.colors.as_ref());
         let positions = self.scene.positions(placed.handle)?.buffer;
-        Ok(Surface::new(resources, number, SurfaceBuffers { positions, faces, normals, slots: &slots }, &masks))
+        Ok(Surface::new(resources, number, SurfaceBuffers { positions, faces, normals, slots: &slots, colors }, &masks))
     }
 
     /// Bytes of the models' buffers.
@@ -174,7 +191,7 @@ impl Models {
 }
 
 /// Faces and smoothing of all instances, with the vertices of one after those of the other.
-fn drawn(model: &Model, (turned, is_smooth): &(Vec<bool>, bool)) -> (Vec<[u32; 3]>, Smoothing) {
+fn drawn(model: &Model, State { turned, is_smooth, .. }: &State) -> (Vec<[u32; 3]>, Smoothing) {
     let smoothing = |geometry: &Geometry| match is_smooth {
         true => Smoothing::of(geometry.positions(), geometry.faces()),
         false => Smoothing::flat(geometry.faces()),

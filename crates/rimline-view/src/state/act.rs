@@ -61,6 +61,7 @@ impl Viewer {
             Action::Ground => flip(&mut self.options.ground),
             Action::Shadows => flip(&mut self.options.shadows),
             Action::Smooth => flip(&mut self.options.smooth),
+            Action::Colors => flip(&mut self.options.colors),
             Action::NextMode => self.options.mode = Mode::ALL[(self.options.mode as usize + 1) % Mode::ALL.len()].0,
             Action::NextCounting => {
                 let at = COUNTINGS.iter().position(|(of, _)| *of == self.options.counting).unwrap_or(0);

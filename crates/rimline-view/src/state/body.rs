@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::{self, Debug, Formatter};
 
 use rimline::cpu::{Threads, deform};
-use rimline::gltf::{Asset, GltfError, SceneLight};
+use rimline::gltf::{Asset, Colors, GltfError, SceneLight};
 use rimline::mesh::{EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError, Model, ModelError, Pose};
 use rimline_files::{File, FileError};
@@ -51,6 +51,11 @@ pub trait Source: Send {
     fn lights(&self) -> Vec<SceneLight> {
         Vec::new()
     }
+
+    /// Base colours of one of the model's geometries. `None`: all is white.
+    fn colors(&self, _geometry: usize) -> Option<&Colors> {
+        None
+    }
 }
 
 impl Source for Asset {
@@ -72,6 +77,10 @@ impl Source for Asset {
     fn lights(&self) -> Vec<SceneLight> {
         self.each_light(None, 0.0).into_iter().flatten().flatten().collect()
     }
+
+    fn colors(&self, geometry: usize) -> Option<&Colors> {
+        self.colors(geometry)
+    }
 }
 
 /// A file of any format.
@@ -90,6 +99,10 @@ impl Source for File {
 
     fn lights(&self) -> Vec<SceneLight> {
         self.asset().map_or_else(Vec::new, Source::lights)
+    }
+
+    fn colors(&self, geometry: usize) -> Option<&Colors> {
+        self.colors(geometry)
     }
 }
 
@@ -215,6 +228,11 @@ impl Body {
     /// Lights of the file.
     pub fn lights(&self) -> Vec<SceneLight> {
         self.source.lights()
+    }
+
+    /// Base colours of one of the model's geometries. `None`: all is white.
+    pub fn colors(&self, geometry: usize) -> Option<&Colors> {
+        self.source.colors(geometry)
     }
 
     /// Facts about the mesh at the start of the animation.

@@ -68,6 +68,8 @@ pub struct Options {
     pub mode: Mode,
     /// Whether the sides of faces smooth into each other.
     pub smooth: bool,
+    /// Whether models have their base colours; else they are of clay.
+    pub colors: bool,
     /// Whether there is a ground that receives shadows.
     pub ground: bool,
     /// Whether models throw shadows.
@@ -88,6 +90,7 @@ impl Default for Options {
             counting: Counting::Auto,
             mode: Mode::default(),
             smooth: true,
+            colors: true,
             ground: true,
             shadows: true,
             overlays: Overlays::default(),
