@@ -29,6 +29,7 @@ use frame::PARTS;
 use from_depth::FromDepth;
 use pictures::{Masks, Pictures};
 use render_resources::RenderResources;
+pub(crate) use report::files;
 use report::{Report, ResultFiles};
 use rimline::gpu::StageTimer;
 use shadow_scene::{ShadowInputs, ShadowScene};

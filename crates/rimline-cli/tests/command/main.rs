@@ -22,6 +22,7 @@ mod given_depth;
 mod info;
 mod inputs;
 mod instances;
+mod jobs;
 mod keys;
 mod makers;
 #[cfg(target_os = "linux")]
@@ -81,6 +82,7 @@ fn main() {
         given_depth::TESTS,
         inputs::TESTS,
         instances::TESTS,
+        jobs::TESTS,
         keys::TESTS,
         #[cfg(target_os = "linux")]
         memory::TESTS,
