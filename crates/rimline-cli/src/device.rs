@@ -223,7 +223,10 @@ fn open_first(wanted: &Wanted) -> Result<Gpu, NoDevice> {
                 continue;
             }
             match request(&adapter) {
-                Ok(gpu) => return Ok(gpu),
+                Ok(gpu) => {
+                    log::debug!("opened {}", describe(&gpu.info));
+                    return Ok(gpu);
+                }
                 Err(reason) => {
                     refused.get_or_insert(reason);
                 }

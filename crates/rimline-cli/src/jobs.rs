@@ -292,24 +292,22 @@ impl Many {
         let first = files.first().map(PathBuf::as_path).unwrap_or(Path::new(""));
         let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
         let parts = [format!("{index:04}"), part(first.file_name()), part(first.file_stem())];
-        for option in RESULTS {
-            for value in options.get_mut(option).into_iter().flatten().flatten() {
-                if let Some(text) = value.to_str() {
-                    let named =
-                        PATTERNS.iter().zip(&parts).fold(text.to_owned(), |text, (p, part)| text.replace(p, part));
-                    *value = named.into();
-                }
+        let named = |value: OsString| match value.to_str() {
+            Some(text) => {
+                PATTERNS.iter().zip(&parts).fold(text.to_owned(), |text, (p, part)| text.replace(p, part)).into()
             }
-        }
+            None => value,
+        };
         let read = INPUTS.iter().filter_map(|option| options.get(*option)).flatten().flatten();
         let read = read.map(PathBuf::from).collect();
         let mut arguments: Vec<OsString> = vec!["rimline".into(), self.command.get_name().into()];
         for (option, values) in options {
+            let is_result = !files.is_empty() && RESULTS.contains(&&*option);
             for value in values {
                 let mut argument = OsString::from(format!("--{option}"));
                 if let Some(value) = value {
                     argument.push("=");
-                    argument.push(value);
+                    argument.push(if is_result { named(value) } else { value });
                 }
                 arguments.push(argument);
             }

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::makers::tetrahedron;
-use super::run::{Folder, folder};
+use super::run::{Folder, folder, rimline_with};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -55,18 +55,17 @@ fn shards() -> Outcome {
     Ok(())
 }
 
-/// Opening a device takes long, but not for the second job. One that failed is not asked again.
+/// The log says how often a device is opened.
 fn device() -> Outcome {
-    let job = |job| format!(r#"{{"out": "{{stem}}-{job}.png"}}"#);
-    let folder = jobs(2, job)?;
-    let out = folder.path().join("{index}.png").display().to_string();
-    folder.write("jobs.jsonl", "{}\n{}")?;
-    let run = folder.run(&format!("shadow @m.npz --jobs @jobs.jsonl --size 16x16 --out {out} --json"));
-    run.expect(0, &[])?;
-    let (lines, _) = lines(&run.stdout)?;
-    let device = |job: usize| lines[job]["report"]["milliseconds"]["device"].as_f64().ok_or("no device");
-    let [first, second] = [device(0)?, device(1)?];
-    ensure!(second < first / 2.0, "the device was opened twice: {first} ms, {second} ms");
+    let folder = jobs(3, |_| "{}".into())?;
+    let inner = folder.path().join("").display().to_string();
+    for line in ["draw --size 16x16 --out @{index}.png", "extract --device gpu --light dir:0,1,0 --out @{index}.npz"] {
+        let line = format!("{line} --jobs @jobs.jsonl @m.npz").replace('@', &inner);
+        let run = rimline_with(line.split(' '), &[("RUST_LOG", "off,rimline=debug")]);
+        run.expect(0, &[])?;
+        let opened = run.stderr.matches("] opened ").count();
+        ensure!(opened == 1, "{line}: opened {opened} times");
+    }
     Ok(())
 }
 
@@ -75,7 +74,7 @@ fn device() -> Outcome {
 fn stopped() -> Outcome {
     use super::run::with_signals;
     use std::process::{Command, Stdio};
-    const JOBS: usize = 2_000;
+    const JOBS: usize = 500;
     let folder = jobs(JOBS, |_| "{}".into())?;
     let out = folder.inner("out")?;
     let arguments = |resume: &str| {
