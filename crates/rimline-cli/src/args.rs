@@ -6,8 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 #[cfg(feature = "bench")]
 use crate::bench_args::BenchArgs;
-use crate::input_args::{LoadArgs, ModelArgs, MomentArgs, ViewArgs, drawing_device, verbatim};
-use crate::jobs::{JobsArgs, several};
+use crate::input_args::{JobsArgs, LoadArgs, ModelArgs, MomentArgs, ViewArgs, drawing_device, several, verbatim};
 use crate::lines::args::LinesArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};

@@ -53,7 +53,7 @@ pub(crate) enum Failure {
     /// Ctrl-C, after what there was has been written.
     #[error("stopped; what was finished is kept")]
     Interrupted,
-    /// Of many jobs.
+    /// Some of many jobs failed.
     #[error("{failed} of {jobs} jobs failed")]
     Jobs { failed: usize, jobs: usize },
     /// The result could not be written.
@@ -254,8 +254,8 @@ pub(crate) enum UsageError {
     DepthLights { count: usize },
     #[error("--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out")]
     DepthLightApart { given: String, map: String },
-    #[error("{place}{problem}")]
-    Job { place: String, problem: String },
+    #[error("{position}{problem}")]
+    Job { position: String, problem: String },
     #[error(
         "{} and {} would both write {}; give other names, or a pattern such as --out out/{{stem}}.png", .jobs[0], .jobs[1],
         .file.display()

@@ -7,14 +7,15 @@ use std::time::Instant;
 
 use clap::builder::Resettable;
 use clap::parser::ValueSource;
-use clap::{Arg, Args, CommandFactory, FromArgMatches as _};
+use clap::{Arg, CommandFactory, FromArgMatches as _};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
 use crate::args::{Cli, Command};
 use crate::failure::{Failure, UsageError};
+use crate::input_args::JobsArgs;
 use crate::output::{self, collected, complain, print, say};
-use crate::target::{Inputs, check_parent, is_stdout, place};
+use crate::target::{Inputs, check_parent, is_stdout, resolved};
 use crate::{device, lines, shadow, source};
 
 /// Subcommands that take many jobs, and whether each FILE is a job there. The others take all FILEs as one scene, unless a
@@ -41,43 +42,6 @@ const DONE: usize = 0;
 const SKIPPED: usize = 1;
 const FAILED: usize = 2;
 const NOT_RUN: usize = 3;
-
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Many files")]
-pub(crate) struct JobsArgs {
-    /// A file with a job a line, or - for standard input, for many jobs in one run
-    ///
-    /// The run opens the device once. A line is a JSON object. Its keys are `file`, a name or a list of names, and the long options
-    /// of this subcommand, such as {"file": "a.obj", "time": 0.4}. Values are texts, numbers, true, false, or lists for options
-    /// that can be repeated. Options of the command line are for all jobs; those of a line replace them.
-    ///
-    /// Without this option, `extract`, `draw` and `info` take each FILE as a job. `lines` and `shadow` take all FILEs as one drawing
-    /// or scene, and each as a job if the name of a result has a pattern. Patterns are {stem}, the file's name without its ending,
-    /// {name}, the whole name, and {index}, the number of the job from 0000: `--out out/{stem}.png`. Two jobs must not write the
-    /// same file. A job that fails does not stop the others; the exit code is then 6. With --json there is a line for each job,
-    /// and one for all: docs/formats.md has the keys
-    #[arg(long, value_name = "FILE.jsonl")]
-    jobs: Option<PathBuf>,
-
-    /// Skip jobs whose results are all there. Results are complete or not there, so a run that was stopped goes on so
-    #[arg(long)]
-    resume: bool,
-
-    /// Do only job I, counted from 0, where I modulo N is K - 1. N runs with K from 1 to N do each job once
-    #[arg(long, value_name = "K/N", value_parser = shard)]
-    shard: Option<[u32; 2]>,
-}
-
-/// An argument that takes several files, each of which is a job.
-pub(crate) fn several(file: Arg) -> Arg {
-    file.num_args(1..)
-}
-
-/// K and N of `K/N`.
-fn shard(text: &str) -> Result<[u32; 2], &'static str> {
-    let numbers = text.split_once('/').and_then(|(k, n)| Some([k.parse().ok()?, n.parse().ok()?]));
-    numbers.filter(|[k, n]| (1..=*n).contains(k)).ok_or("a shard is K/N with K from 1 to N, such as 2/8")
-}
 
 /// Values of options by their long names, and of `file`. `None` is an option without a value.
 type Options = BTreeMap<String, Vec<Option<OsString>>>;
@@ -110,8 +74,8 @@ struct Job {
 impl Many {
     /// Many jobs, if the command line asks for them. A line with an error asks for none, and its own parser tells the error.
     pub(crate) fn given(arguments: Vec<OsString>) -> Option<Self> {
-        let optional = |arg: Arg| arg.required(false).required_unless_present(UNSET).requires(UNSET);
         const UNSET: Resettable<clap::Id> = Resettable::Reset;
+        let optional = |arg: Arg| arg.required(false).required_unless_present(UNSET).requires(UNSET);
         let mut cli = COMMANDS
             .iter()
             .fold(Cli::command(), |cli, (name, _)| cli.mut_subcommand(name, |command| command.mut_args(optional)));
@@ -232,16 +196,17 @@ impl Many {
         let text = source::read_text(file).map_err(|error| Failure::input(file)(error.into()))?;
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let of_line = |(index, (line, text)): (usize, (usize, &str))| {
-            let own = self.options(text).map_err(|problem| self.wrong(Some(line), problem))?;
-            self.job(&mut cli, (index, Some(line)), self.common.clone().into_iter().chain(own).collect())
+            let given = self.options(text).map_err(|problem| self.wrong(Some(line), problem))?;
+            self.job(&mut cli, (index, Some(line)), self.common.clone().into_iter().chain(given).collect())
         };
         lines.enumerate().map(of_line).collect()
     }
 
     /// An error in a line of the file of jobs, or in the command line.
     fn wrong(&self, line: Option<usize>, problem: String) -> Failure {
-        let place = line.zip(self.args.jobs.as_ref()).map(|(line, file)| format!("{}: line {line}: ", file.display()));
-        UsageError::Job { place: place.unwrap_or_default(), problem }.into()
+        let position =
+            line.zip(self.args.jobs.as_ref()).map(|(line, file)| format!("{}: line {line}: ", file.display()));
+        UsageError::Job { position: position.unwrap_or_default(), problem }.into()
     }
 
     /// The options of a line.
@@ -289,7 +254,7 @@ impl Many {
         if files.len() > 1 && COMMANDS.contains(&(self.command.get_name(), true)) {
             return Err(self.wrong(line, format!("a job of `{}` has one file", self.command.get_name())));
         }
-        let first = files.first().map(PathBuf::as_path).unwrap_or(Path::new(""));
+        let first = files.first().map_or(Path::new(""), PathBuf::as_path);
         let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
         let parts = [format!("{index:04}"), part(first.file_name()), part(first.file_stem())];
         let named = |value: OsString| match value.to_str() {
@@ -347,7 +312,7 @@ impl Many {
                 }
                 let output = |source| Failure::Output { file: file.clone(), source };
                 check_parent(file).map_err(output)?;
-                let Some(other) = place(file).and_then(|place| writers.insert(place, job)) else { continue };
+                let Some(other) = resolved(file).and_then(|file| writers.insert(file, job)) else { continue };
                 if other.index != job.index {
                     let (file, jobs) = (file.clone(), [other, job].map(|job| self.named(job)));
                     return Err(UsageError::SameResult { file, jobs }.into());

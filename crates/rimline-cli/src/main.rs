@@ -61,16 +61,13 @@ fn main() -> ExitCode {
         .init();
     #[cfg(all(unix, not(target_vendor = "apple")))]
     keep_wayland_quiet();
-    let done = match Many::given(parse::joined(std::env::args_os().collect())) {
-        Some(many) => {
-            begin(many.is_quiet);
-            many.run()
-        }
-        None => {
-            let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
-            begin(cli.quiet);
-            run(&cli.command)
-        }
+    let done = if let Some(many) = Many::given(parse::joined(std::env::args_os().collect())) {
+        begin(many.is_quiet);
+        many.run()
+    } else {
+        let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
+        begin(cli.quiet);
+        run(&cli.command)
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -8,8 +8,7 @@ use rimline_lines::{Classes, LineClass};
 
 use crate::coordinates::Coordinate;
 use crate::failure::UsageError;
-use crate::input_args::{LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
-use crate::jobs::JobsArgs;
+use crate::input_args::{JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
 use crate::spec;

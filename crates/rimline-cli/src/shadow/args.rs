@@ -7,8 +7,7 @@ use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
 
 use crate::coordinates::Coordinate;
-use crate::input_args::{LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
-use crate::jobs::JobsArgs;
+use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
