@@ -51,9 +51,11 @@ pub(crate) enum Failure {
     #[error("{count} of the checks could not be done; the first: {first}")]
     Unchecked { count: usize, first: Box<Failure> },
     /// Ctrl-C, after what there was has been written.
-    #[cfg(feature = "bench")]
     #[error("stopped; what was finished is kept")]
     Interrupted,
+    /// Some of many jobs failed.
+    #[error("{failed} of {jobs} jobs failed")]
+    Jobs { failed: usize, jobs: usize },
     /// The result could not be written.
     #[error("{}: cannot be written: {source}", .file.display())]
     Output {
@@ -260,6 +262,15 @@ pub(crate) enum UsageError {
     DepthLights { count: usize },
     #[error("--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out")]
     DepthLightApart { given: String, map: String },
+    #[error("{position}{problem}")]
+    Job { position: String, problem: String },
+    #[error(
+        "{} and {} would both write {}; give other names, or a pattern such as --out out/{{stem}}.png", .jobs[0], .jobs[1],
+        .file.display()
+    )]
+    SameResult { file: PathBuf, jobs: [String; 2] },
+    #[error("standard output takes the result of one job, and these are {jobs}; give --out such as out/{{stem}}.png")]
+    JobsToStdout { jobs: usize },
     #[error("{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format", .out.display())]
     LinesFormat { out: PathBuf },
     #[error("{option} needs an orthographic view; leave out --fov, or give --ortho with --eye")]
@@ -326,8 +337,8 @@ impl Failure {
         move |source| Self::Input { file: file.to_owned(), source }
     }
 
-    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 and the
-    /// signal that stopped it.
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 6 jobs that failed,
+    /// 128 and the signal that stopped it.
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Input { .. } | Self::Pose(_) => 1,
@@ -339,7 +350,7 @@ impl Failure {
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),
             // 128 and the number of the signal, as shells have it.
-            #[cfg(feature = "bench")]
+            Self::Jobs { .. } => 6,
             Self::Interrupted => crate::signals::interrupted_code(),
         }
     }

@@ -261,3 +261,41 @@ impl LoadArgs {
         }
     }
 }
+
+/// Many jobs in one run.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Many files")]
+pub(crate) struct JobsArgs {
+    /// A file with a job a line, or - for standard input, for many jobs in one run
+    ///
+    /// The run opens the device once. A line is a JSON object. Its keys are `file`, a name or a list of names, and the long options
+    /// of this subcommand, such as {"file": "a.obj", "time": 0.4}. Values are texts, numbers, true, false, or lists for options
+    /// that can be repeated. Options of the command line are for all jobs; those of a line replace them.
+    ///
+    /// Without this option, `extract`, `draw` and `info` take each FILE as a job. `lines` and `shadow` take all FILEs as one drawing
+    /// or scene, and each as a job if the name of a result has a pattern. Patterns are {stem}, the file's name without its ending,
+    /// {name}, the whole name, and {index}, the number of the job from 0000: `--out out/{stem}.png`. Two jobs must not write the
+    /// same file. A job that fails does not stop the others; the exit code is then 6. With --json there is a line for each job,
+    /// and one for all: docs/formats.md has the keys
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub(crate) jobs: Option<PathBuf>,
+
+    /// Skip jobs whose results are all there. Results are complete or not there, so a run that was stopped goes on so
+    #[arg(long)]
+    pub(crate) resume: bool,
+
+    /// Do only job I, counted from 0, where I modulo N is K - 1. N runs with K from 1 to N do each job once
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub(crate) shard: Option<[u32; 2]>,
+}
+
+/// An argument that takes several files, each of which is a job.
+pub(crate) fn several(file: clap::Arg) -> clap::Arg {
+    file.num_args(1..)
+}
+
+/// K and N of `K/N`.
+fn shard(text: &str) -> Result<[u32; 2], &'static str> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some([k.parse().ok()?, n.parse().ok()?]));
+    numbers.filter(|[k, n]| (1..=*n).contains(k)).ok_or("a shard is K/N with K from 1 to N, such as 2/8")
+}

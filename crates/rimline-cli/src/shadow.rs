@@ -27,6 +27,7 @@ use casting::CoveredFaces;
 use from_depth::FromDepth;
 use pictures::{Masks, Pictures};
 use render_resources::RenderResources;
+pub(crate) use report::files;
 use report::{Report, ResultFiles};
 use rimline::gpu::StageTimer;
 use rimline_picture::PARTS;

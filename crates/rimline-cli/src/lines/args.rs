@@ -8,7 +8,7 @@ use rimline_lines::{Classes, LineClass};
 
 use crate::coordinates::Coordinate;
 use crate::failure::UsageError;
-use crate::input_args::{LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
+use crate::input_args::{JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
 use crate::side::Side;
@@ -137,6 +137,13 @@ pub(crate) struct LinesArgs {
     /// The format, where the name does not tell it. With --frames it is SVG by default
     #[arg(long, value_enum)]
     pub(crate) format: Option<Format>,
+
+    /// Print JSON: a line for each job, and one for all
+    #[arg(id = "json", long)]
+    _json: bool,
+
+    #[command(flatten)]
+    _jobs: JobsArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -145,6 +152,7 @@ Examples:
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
   rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
   rimline lines part.obj --unit mm --dxf-units model --view top --out part.dxf
+  rimline lines parts/*.stl --out drawings/{stem}.pdf
   rimline lines fox.glb --animation Run --frames 24 --turn 90 --out frames --format png
 
 A style, with the defaults of some lines; widths and dashes in millimetres:

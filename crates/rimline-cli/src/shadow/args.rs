@@ -8,7 +8,7 @@ use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
 use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
-use crate::input_args::{LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
+use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -247,6 +247,9 @@ pub(crate) struct ShadowArgs {
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    _jobs: JobsArgs,
 }
 
 const SHADOW_EXAMPLES: &str = concat!(

@@ -23,6 +23,7 @@ mod given_depth;
 mod info;
 mod inputs;
 mod instances;
+mod jobs;
 mod keys;
 mod makers;
 #[cfg(target_os = "linux")]
@@ -83,6 +84,7 @@ fn main() {
         given_depth::TESTS,
         inputs::TESTS,
         instances::TESTS,
+        jobs::TESTS,
         keys::TESTS,
         #[cfg(target_os = "linux")]
         memory::TESTS,
