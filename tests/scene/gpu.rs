@@ -15,6 +15,7 @@ mod found;
 mod frames;
 mod hidden;
 mod histories;
+mod left_out;
 mod needs;
 mod occluded;
 #[path = "../extract/rounding/pairs.rs"]
@@ -36,6 +37,7 @@ fn main() {
         frames::TESTS,
         hidden::TESTS,
         histories::TESTS,
+        left_out::TESTS,
         cached::TESTS,
         needs::TESTS,
         occluded::TESTS,

@@ -201,7 +201,7 @@ fn refused() -> Result<(), String> {
         let view = texture.create_view(descriptor);
         let depth = Some(Receivers { depth: &view, sky_receives: false, version: None });
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        errors.push(match scene.encode(&mut encoder, FrameInputs::new(&[View { camera, depth }])) {
+        errors.push(match scene.encode(&mut encoder, FrameInputs::new(&[View { depth, ..View::new(camera) }])) {
             Ok(_) => "none",
             Err(ShadowError::ReceiversFormat { view: 0, format }) if format == colour => "format",
             Err(ShadowError::ReceiversUsage { view: 0 }) => "usage",
