@@ -106,14 +106,14 @@ fn mixed() -> Result<(), String> {
     let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
     let mut query = ShadowQuery::new(&ours.gpu.pipelines, &mesh, options).map_err(text)?;
     let mut encoder = ours.encoder();
-    let [own, foreign_points] = [packed(&positions), packed(&foreign)];
+    let [points, foreign_points] = [packed(&positions), packed(&foreign)];
     let mut encode = |at, points, timer| query.encode_timed(&mut encoder, at, points, 9, &[LIGHT], timer);
     let read = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
     refused([
         refusal("layout", extraction.bind_group(&layout, 0), shows(REFUSED)),
-        refusal("query", encode(foreign_points, own, None), shows(REFUSED)),
-        refusal("points", encode(own, foreign_points, None), shows(&["Points(BufferRefused {"])),
-        refusal("query's timer", encode(own, own, Some(&mut timer)), shows(OTHER)),
+        refusal("query", encode(foreign_points, points, None), shows(REFUSED)),
+        refusal("points", encode(points, foreign_points, None), shows(&["Points(BufferRefused {"])),
+        refusal("query's timer", encode(points, points, Some(&mut timer)), shows(OTHER)),
         refusal("reading back", read, shows(&["ReadBack {"])),
     ])?;
     quiet("layout, query and reading back")

@@ -250,7 +250,7 @@ fn queries(watched: &Watched) -> Result<(), String> {
         watched.gpu.submit(|encoder| {
             query.encode_at(encoder, packed_positions, packed_positions, 30, &lights()).map_err(text)
         })?;
-        watched.gpu.read::<i32>(query.depths(), 30 * 40)?;
+        watched.gpu.read::<i32>(query.occluder_counts(), 30 * 40)?;
     }
     watched.quiet("query")
 }

@@ -45,8 +45,7 @@ impl Frame {
     fn kinds() -> Vec<(&'static str, Self, usize)> {
         let plain = Self::plain().options;
         let seen = |options| Self { options, ..Self::seen() };
-        // Reach, clusters, chunks, facing, exact facing, edges and arguments; then relist, bounds, choose, caps, sides and
-        // arguments.
+        // The stages from `cull_lights` to `arguments`, then those from `relist` to `shadow_arguments`.
         vec![
             ("no camera", Self::plain(), 7),
             ("a camera", Self::seen(), 13),

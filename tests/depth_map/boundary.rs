@@ -118,8 +118,8 @@ pub(crate) fn positions(
     }
 }
 
-/// Names of the rays of samples of a cube's maps. Along the axes of the cube, with the largest component as many as there are cells,
-/// all are near integers.
+/// Names of the rays of samples of a cube's maps. Along the axes of the cube, with the largest component as many as
+/// there are cells, all are near integers.
 pub(crate) fn names(cameras: &[ShadowCamera; 6], side: u32) -> impl Fn(usize, [i64; 2]) -> [i64; 3] + use<> {
     let way = cameras.map(|camera| {
         let position = positions(&camera, [side; 2], [0.0; 2]);
@@ -136,8 +136,8 @@ pub(crate) fn names(cameras: &[ShadowCamera; 6], side: u32) -> impl Fn(usize, [i
 }
 
 impl Boundary {
-    /// The boundary of a map, moved by parts of a texel. Edges are marked where depths differ by more than the threshold, or everywhere
-    /// if it is negative.
+    /// The boundary of a map, moved by parts of a texel. Edges are marked where depths differ by more than the
+    /// threshold, or everywhere if it is negative.
     pub(crate) fn edited(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64, by: Option<[f64; 2]>) -> Self {
         let [right, down] = by.unwrap_or([0.0; 2]);
         let position = positions(camera, map.size, [right, down]);

@@ -1,5 +1,5 @@
-//! Volumes from depth maps on the GPU: lists against exact arithmetic and goldens, pictures against rays. Without an adapter these tests fail;
-//! they are never passed over.
+//! Volumes from depth maps on the GPU: lists against exact arithmetic and goldens, pictures against rays. Without an
+//! adapter these tests fail; they are never passed over.
 
 mod boundary;
 #[path = "../shadow/classes.rs"]

@@ -1,5 +1,6 @@
 //! Maps of distances: the depths that `depth_metric` makes from them against `f64`, within the bound of
-//! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted. Two maps in one by `depth_merge`.
+//! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted. Two maps in one by
+//! `depth_merge`.
 
 use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapMerge, DepthMapOptions, DepthMetric};

@@ -1,5 +1,5 @@
-//! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light. Which casters
-//! are drawn.
+//! The depth of the casters of a scene in a map: against that of each mesh bit for bit, and against rays of the light.
+//! Which casters are drawn.
 
 use glam::{DAffine3, DVec3, Mat3};
 use rimline::gpu::depth_map::{MeshDepth, SceneDepth, SceneDepthCasters, SceneDepthCounts};

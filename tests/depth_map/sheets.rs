@@ -51,8 +51,9 @@ impl Tally {
     }
 }
 
-/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps that are
-/// as large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in under them.
+/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps
+/// that are as large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in
+/// under them.
 fn of_stairs() -> Result<(), String> {
     const STEPS: i64 = 12;
     const SIDE: u32 = 96;

@@ -76,8 +76,8 @@ pub(crate) fn eye(random: &mut Random) -> (ShadowCamera, TextureFormat) {
     (eye, [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8][random.below(2)])
 }
 
-/// The samples of the vertices that are drawn of a list: `None` where a triangle is omitted. `position`: that of a cell's first
-/// sample.
+/// The samples of the vertices that are drawn of a list: `None` where a triangle is omitted. `position`: that of a
+/// cell's first sample.
 fn drawn(list: &[u32], position: impl Fn(u32) -> [u32; 2]) -> Vec<Option<[u32; 2]>> {
     let of_cell = |&entry: &u32| {
         let [x, y] = position(entry & CELL);
@@ -232,7 +232,8 @@ fn of_cubes() -> Result<(), String> {
                 }
                 shared += 1;
             }
-            // Slopes at borders continue in the next map: the oracle has no such slopes, so only samples without a bias are compared.
+            // Slopes at borders continue in the next map: the oracle has no such slopes, so only samples without a bias
+            // are compared.
             if on_ray.len() > 1 && slope_bias > 0.0 {
                 continue;
             }

@@ -8,10 +8,10 @@ mod cases;
 mod check;
 mod details;
 mod good;
+mod instances;
 mod mutate;
 mod origin;
 mod outside;
-mod place;
 mod refuse;
 mod rows;
 mod shape;
@@ -32,7 +32,7 @@ fn main() {
         good::tests,
         bad::tests,
         shape::tests,
-        place::tests,
+        instances::tests,
         animate::tests,
         visible::tests,
         warned::tests,

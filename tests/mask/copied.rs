@@ -84,8 +84,8 @@ fn survives() -> Result<(), String> {
             let mut other = copy;
             other[1000] += 1;
             must_fail("a depth that is changed", &same("24 bits", &other, &map))?;
-            // Without the feature. llvmpipe multiplies by the reciprocal of 2²⁴ − 1 where it should divide, so that depths from 3/4 on
-            // come out as the next one.
+            // Without the feature. llvmpipe multiplies by the reciprocal of 2²⁴ − 1 where it should divide, so that
+            // depths from 3/4 on come out as the next one.
             let [map, copy] = copied(gpu, [Depth24Plus, Depth24PlusStencil8], samples, [part, 16])?;
             let next = |(map, copy): (&u32, &u32)| copy == map || (*map > 0.75_f32.to_bits() && *copy == map + 1);
             if !map.iter().zip(&copy).all(next) {

@@ -1,6 +1,6 @@
 //! Choices for shadow volumes, against truth in `f64`: no cap is missing, and no visible volume is skipped.
 //!
-//! The stage is `choose`.
+//! The stage is `counting_methods`.
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;

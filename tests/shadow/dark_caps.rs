@@ -1,4 +1,5 @@
-//! The vertices of dark caps that orthographic cameras see: docs/numerics/rasterisers.md, "Dark caps of orthographic cameras".
+//! The vertices of dark caps that orthographic cameras see: docs/numerics/rasterisers.md, "Dark caps of orthographic
+//! cameras".
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use rimline::internals::cpu;
@@ -114,8 +115,8 @@ fn fills(found: &[[f32; 4]], far_z: f32) -> bool {
     found[0] == corner(-1.0, -1.0) && (found[1..] == [second, third] || found[1..] == [third, second])
 }
 
-/// Fails where a face is drawn that the camera's direction from the light misses, or the other way round; or where the end of a
-/// volume lies elsewhere.
+/// Fails where a face is drawn that the camera's direction from the light misses, or the other way round; or where the
+/// end of a volume lies elsewhere.
 fn check(
     gpu: &Gpu,
     cap: &Shapes,

@@ -6,9 +6,9 @@ mod choice;
 mod classes;
 mod clipped;
 mod compare;
+mod culled_by_receivers;
 mod dark_caps;
 mod hairlines;
-mod hidden;
 mod in_scene;
 mod levels;
 mod margins;
@@ -61,7 +61,7 @@ fn main() {
         proxies::TESTS,
         polygons::TESTS,
         twisted::TESTS,
-        hidden::TESTS,
+        culled_by_receivers::TESTS,
         receivers::TESTS,
         levels::TESTS,
         mixed::TESTS,

@@ -132,8 +132,8 @@ fn share() -> Result<(), String> {
     if wrapped < 2000 { Err(format!("{wrapped} counts that do not fit")) } else { Ok(()) }
 }
 
-/// The number of shells is a multiple of 2^`count_bits`, so full counts wrap to 0. The bound warns of it. In batches every shadow
-/// is there.
+/// The number of shells is a multiple of 2^`count_bits`, so full counts wrap to 0. The bound warns of it. In batches
+/// every shadow is there.
 fn batches() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (texture, light) = map(gpu, 1682)?;

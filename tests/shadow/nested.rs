@@ -1,6 +1,6 @@
 //! Closed casters in one mesh of several components: wound inwards, nested, through each other. The light is anywhere,
-//! also within their box, and so is the eye. Which faces cast there is argued in docs/numerics/casting-faces.md, "Which faces
-//! cast". Lights on faces, edges and vertices, and next to them.
+//! also within their box, and so is the eye. Which faces cast there is argued in docs/numerics/casting-faces.md, "Which
+//! faces cast". Lights on faces, edges and vertices, and next to them.
 
 use glam::{DVec3, Vec3};
 use rimline::{Counting, Light};
@@ -124,10 +124,10 @@ fn at_a_cube(light: [f32; 3], methods: &[Counting]) -> Result<(), String> {
 /// Within a face, on its diagonal, at an edge and at a vertex.
 const ON_A_CUBE: [[f32; 3]; 4] = [[0.3, 1.0, 0.2], [0.25, 1.0, 0.25], [1.0, 1.0, 0.2], [1.0; 3]];
 
-/// Before or behind each of the faces there: within a face by an ulp, where only z-fail suffers, whose dark cap is nearly half of
-/// infinity then and turned either way by rounding; everywhere by a ten-thousandth, as far as rounding of a side's vertices
-/// turns it by a pixel. By an ulp, near caps reach so far out of the picture that an NVIDIA GPU draws half of one only
-/// (docs/measured.md), so that is asked of software devices.
+/// Before or behind each of the faces there: within a face by an ulp, where only z-fail suffers, whose dark cap is
+/// nearly half of infinity then and turned either way by rounding; everywhere by a ten-thousandth, as far as rounding
+/// of a side's vertices turns it by a pixel. By an ulp, near caps reach so far out of the picture that an NVIDIA GPU
+/// draws half of one only (docs/measured.md), so that is asked of software devices.
 fn off_surface() -> Result<(), String> {
     let is_software = Gpu::shared()?.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let next = [(f32::EPSILON, &ON_A_CUBE[..2], &RIGHT[..2]), (1e-4, &ON_A_CUBE[..], &RIGHT[..])];

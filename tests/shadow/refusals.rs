@@ -157,13 +157,13 @@ fn mirrors() -> Result<(), String> {
         {
             let frame = caster.encoded(Counting::Auto, &camera)?.map_err(text)?;
             let what = format!("{:?}, mirrored {is_mirrored}", camera.depth);
-            let [own, other] = if is_mirrored { [&mirroring, &plain] } else { [&plain, &mirroring] };
+            let [matching, other] = if is_mirrored { [&mirroring, &plain] } else { [&plain, &mirroring] };
             let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
             let [volumes, pipelines] = if is_mirrored { [cw, ccw] } else { [ccw, cw] };
             let front_face = ShadowError::OtherFrontFace { volumes, pipelines };
             refused([
                 refusal(format!("{what}: drawn"), drawn(gpu, &frame, other)?, is(front_face)),
-                refusal(format!("{what}: drawn by its own"), drawn(gpu, &frame, own)?, Expected::Taken),
+                refusal(format!("{what}: drawn by its own"), drawn(gpu, &frame, matching)?, Expected::Taken),
             ])?;
         }
     }

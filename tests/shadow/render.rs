@@ -94,7 +94,8 @@ pub(crate) struct Renderer<'a> {
     pub(crate) count_bits: u32,
     /// Whether volumes are cut at the frustum in the vertex shader.
     pub(crate) trim: bool,
-    /// The map of a light, drawn into the same stencil in each pass: by these pipelines, of so many bits, before the meshes or after them.
+    /// The map of a light, drawn into the same stencil in each pass: by these pipelines, of so many bits, before the
+    /// meshes or after them.
     pub(crate) beside: Option<Beside<'a>>,
 }
 

@@ -11,7 +11,7 @@ use rimline::internals::shadow::{
     self, CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
     COUNT_ZP_PLUS_2005,
 };
-use rimline::internals::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
+use rimline::internals::stages::{BOUNDS, CAPS, COUNTING_METHODS, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
 use rimline::{Light, Mesh, Predicate};
 
 use crate::sides::{self, box_words};
@@ -115,13 +115,13 @@ pub(crate) fn with_depth(mut words: Vec<u32>, in_depth: bool) -> Vec<u32> {
 }
 
 /// Words of choices for so many lights that are made anew.
-fn fresh_choices(lights: usize) -> Vec<u32> {
+fn dirty_choices(lights: usize) -> Vec<u32> {
     [0, 0, 0, 0, 0, 0, 0, u32::MAX].repeat(lights.div_ceil(32))
 }
 
 /// Choices and measures of one caster, as the stages leave them.
 pub(crate) fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
-    let mut words = fresh_choices(lights.len());
+    let mut words = dirty_choices(lights.len());
     for (number, (light, &capped)) in lights.iter().zip(capped).enumerate() {
         let has_near_cap = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005);
         let every = light.casting == CAST_EVERY;
@@ -169,7 +169,7 @@ fn bounds() -> Result<(), String> {
             let found = gpu.storage(&EMPTY);
             let shape = uniform(&gpu, &shape(&mesh, 1));
             let table = gpu.storage(&table(&mesh, layout, &[], &[]));
-            let choices = gpu.storage(&fresh_choices(1));
+            let choices = gpu.storage(&dirty_choices(1));
             let lit = gpu.storage(&[1_u32]);
             let buffers = [&shape, &table, &position_buffer(&gpu, &positions, layout), &faces, &found, &choices, &lit];
             stage.run(&gpu, &buffers, [1, 3, 50][random.below(3)])?;
@@ -231,9 +231,9 @@ impl<'a> Staged<'a> {
 
     /// The lights with what is chosen for them, where polygons are twisted for the lights of `twisted` in each batch.
     pub(crate) fn choose(&self, gpu: &Gpu, twisted: u32) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
-        let stage = stage(gpu, &CHOOSE)?;
+        let stage = stage(gpu, &COUNTING_METHODS)?;
         let seen = seen(self.view, &self.given);
-        let mut words = fresh_choices(seen.len());
+        let mut words = dirty_choices(seen.len());
         words.resize(words.len() + 2 * seen.len(), 0);
         let (choices, statistics) = (gpu.storage(&words), gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]));
         let table = gpu.storage(&self.table());
@@ -314,8 +314,8 @@ fn random_stage(random: &mut Random, number: usize, lights: usize) -> (Scene, (u
     (scene, layout, shape, excluded)
 }
 
-/// Choices are goldens; `tests/shadow/choice.rs` and `tests/shadow/margins` say whether they are right. Lists of caps have the
-/// faces that cast; which of the near caps there are is a golden, too.
+/// Choices are goldens; `tests/shadow/choice.rs` and `tests/shadow/margins` say whether they are right. Lists of caps
+/// have the faces that cast; which of the near caps there are is a golden, too.
 fn choose_and_caps() -> Result<(), String> {
     const GOLDENS: usize = 24;
     let (gpu, mut random) = Gpu::seeded(102)?;
@@ -338,7 +338,7 @@ fn choose_and_caps() -> Result<(), String> {
         if number < GOLDENS {
             let chosen = lights.iter().flat_map(|light| [light.casting, light.counting, light.excludes]);
             let words: Vec<u32> = chosen.chain(bytemuck::cast_slice(&[statistics]).iter().copied()).collect();
-            golden("shadow", &format!("choose {number}"), &words)?;
+            golden("shadow", &format!("counting_methods {number}"), &words)?;
             golden("shadow", &format!("caps {number}"), &[all.counts.clone(), all.lists.concat()].concat())?;
         }
         let in_depth = shape.proxies == 0;

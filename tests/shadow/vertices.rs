@@ -40,17 +40,17 @@ impl OfEdge {
             &SIDES,
             [2, 12],
             "
-    let a = corner(own.view, own.light, input_position(0u));
-    let b = corner(own.view, own.light, input_position(1u));
+    let a = corner(pair.view, pair.light, input_position(0u));
+    let b = corner(pair.view, pair.light, input_position(1u));
     out[0] = a.near;
     out[1] = b.near;
-    out[2] = behind_near_plane(own.view, a.near);
-    out[3] = behind_near_plane(own.view, b.near);
+    out[2] = behind_near_plane(pair.view, a.near);
+    out[3] = behind_near_plane(pair.view, b.near);
     out[4] = a.far;
     out[5] = b.far;
-    out[6] = project_to_near_plane(own.view, own.light, a);
-    out[7] = project_to_near_plane(own.view, own.light, b);
-    out[8] = on_near_plane(own.view, a, b);
+    out[6] = project_to_near_plane(pair.view, pair.light, a);
+    out[7] = project_to_near_plane(pair.view, pair.light, b);
+    out[8] = on_near_plane(pair.view, a, b);
     out[9] = parallel_to_near_plane(a, b);
     out[10] = vec4<f32>(a.height, b.height, a.far_height, b.far_height);
     let is_far = vec4<bool>(a.is_light_farther, b.is_light_farther, false, false);
@@ -145,8 +145,8 @@ impl Shaders {
     }
 }
 
-/// Polygons of a light by labels, with how often each counts; sides first, then near caps and, if the depth buffer does not have
-/// the caster, light caps.
+/// Polygons of a light by labels, with how often each counts; sides first, then near caps and, if the depth buffer does
+/// not have the caster, light caps.
 fn polygons(
     gpu: &Gpu,
     shaders: &Shaders,

@@ -1,7 +1,7 @@
-//! Pipelines of a single WGSL module, without what most of them have alike.
+//! Pipelines of a single WGSL module, with the fields that differ between them.
 
-/// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of a camera's
-/// matrix, and the origin that it takes positions from.
+/// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of
+/// a camera's matrix, and the origin that it takes positions from.
 pub const SURFACE: &str = "
 struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
 @group(0) @binding(0) var<storage, read> camera: Camera;

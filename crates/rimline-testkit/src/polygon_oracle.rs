@@ -76,8 +76,8 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
     Found { orientation, touches }
 }
 
-/// For each edge the others that cross it as the light sees them. `None` if the boundary fits no half-space, or touches itself in
-/// space.
+/// For each edge the others that cross it as the light sees them. `None` if the boundary fits no half-space, or touches
+/// itself in space.
 pub fn cuts(edges: &[[[f32; 3]; 2]], light: Light) -> Option<Vec<usize>> {
     let scaled = Scaled::new(edges, light);
     let flat = scaled.flat(&scaled.projection().filter(|_| !scaled.touches())?);

@@ -4,8 +4,8 @@ use rimline::internals::stages::Stage;
 
 use crate::device::Gpu;
 
-/// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a `vec4<f32>`,
-/// and of `index`.
+/// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a
+/// `vec4<f32>`, and of `index`.
 pub struct Probe {
     pipeline: wgpu::ComputePipeline,
     layouts: [wgpu::BindGroupLayout; 2],

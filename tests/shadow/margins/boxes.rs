@@ -141,7 +141,7 @@ fn published_frustum() -> Result<(), String> {
     }
     let lights = chosen(&gpu, options(COUNT_ZP_PLUS_2005, false), &cases)?;
     let probe =
-        Probe::of(&gpu, &CAP_FACES, [1, 1], "out[0] = frustum_to_clip(own.view, own.light, input_position(0u));")?;
+        Probe::of(&gpu, &CAP_FACES, [1, 1], "out[0] = frustum_to_clip(pair.view, pair.light, input_position(0u));")?;
     let corners = (0..).zip(&cases).flat_map(|(number, case)| case.2.iter().map(move |&corner| (number, [corner])));
     let corners: Vec<_> = corners.collect();
     for ((number, [corner]), clip) in corners.iter().zip(probe.run(&gpu, &[], &lights, &corners)?) {

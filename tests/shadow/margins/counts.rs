@@ -184,7 +184,8 @@ impl Case {
     }
 }
 
-/// The bound for casters with one light, in a scene that skips nothing, seen from far away. Which faces cast is chosen there.
+/// The bound for casters with one light, in a scene that skips nothing, seen from far away. Which faces cast is chosen
+/// there.
 fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String> {
     let mut measuring = Measuring::CULLED_BY_VIEW;
     measuring.set(Measuring::EVERY_FACE, every_face);

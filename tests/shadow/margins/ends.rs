@@ -34,7 +34,7 @@ fn volumes_end() -> Result<(), String> {
         let range = (distance + scale * f64::from(random.between(-0.5, 20.0))).max(0.1 * scale) as f32;
         cases[random.below(2)].push((camera, light.with_range(range), positions.to_vec()));
     }
-    let probe = Probe::of(&gpu, &SIDES, [1, 1], "out[0] = far_vertex(own.view, own.light, input_position(0u));")?;
+    let probe = Probe::of(&gpu, &SIDES, [1, 1], "out[0] = far_vertex(pair.view, pair.light, input_position(0u));")?;
     for (cases, counting) in cases.iter().zip([COUNT_Z_PASS, COUNT_Z_FAIL]) {
         let lights = chosen(&gpu, ShadowShape { end_at_range: 1, ..options(counting, false) }, cases)?;
         let corners = (0..).zip(cases).flat_map(|(number, case)| case.2.iter().map(move |&corner| (number, [corner])));

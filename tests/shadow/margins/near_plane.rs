@@ -49,8 +49,8 @@ fn sides_begin_behind() -> Result<(), String> {
         &SIDES,
         [2, 10],
         "for (var vertex = 0u; vertex < 5u; vertex++) {
-      out[vertex] = clipped_side_vertex(own.view, own.light, input_position(0u), input_position(1u), true, vertex);
-      out[vertex + 5u] = clipped_side_vertex(own.view, own.light, input_position(1u), input_position(0u), false, vertex);
+      out[vertex] = clipped_side_vertex(pair.view, pair.light, input_position(0u), input_position(1u), true, vertex);
+      out[vertex + 5u] = clipped_side_vertex(pair.view, pair.light, input_position(1u), input_position(0u), false, vertex);
     }",
     )?;
     for (number, (of_edge, strips)) in of_edges.iter().zip(probe.run(&gpu, &[], &seen, &edges)?).enumerate() {
@@ -163,7 +163,7 @@ fn grazing_faces() -> Result<(), String> {
         &gpu,
         &CAPS,
         [3, 1],
-        "out[0].x = select(1.0, 0.0, is_outside_pyramid(own.view, own.light, input_position(0u), input_position(1u), input_position(2u)));",
+        "out[0].x = select(1.0, 0.0, is_outside_pyramid(pair.view, pair.light, input_position(0u), input_position(1u), input_position(2u)));",
     )?;
     for (number, (found, (inside, part))) in probe.run(&gpu, &[], &seen, &faces)?.iter().zip(expected).enumerate() {
         let is_listed = found[0][0] == 1.0;

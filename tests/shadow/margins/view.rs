@@ -4,7 +4,7 @@ use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};
 use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
 use rimline::internals::shadow;
-use rimline::internals::stages::CHOOSE;
+use rimline::internals::stages::COUNTING_METHODS;
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
@@ -91,9 +91,9 @@ pub(crate) fn options(counting: u32, is_closed: bool) -> ShadowShape {
 pub(crate) fn chosen(gpu: &Gpu, shape: ShadowShape, cases: &[Case]) -> Result<Vec<(ShadowView, ShadowLight)>, String> {
     let probe = Probe::of(
         gpu,
-        &CHOOSE,
+        &COUNTING_METHODS,
         [2, 1],
-        "let light = choose_by_box(own.view, own.light, 1.0, CLOSED, input_position(0u), input_position(1u), false, false);
+        "let light = choose_by_box(pair.view, pair.light, 1.0, CLOSED, input_position(0u), input_position(1u), false, false);
     out[0] = vec4<f32>(f32(light.casting), f32(light.counting), light.end, light.frustum_near);",
     )?;
     let given = |(camera, light, _): &Case| {

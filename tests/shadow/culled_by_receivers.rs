@@ -1,10 +1,10 @@
-//! Volumes that no receiver can be in: without them every receiver has the same count. Faces that other faces hide from a light: without
+//! Volumes that no receiver can be in: without them every receiver has the same count. Faces that others occlude for a light: without
 //! them every shadow is the same.
 
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline::gpu::{FrameInputs, Receivers, ShadowError, View};
 use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
@@ -24,15 +24,15 @@ use crate::scene::{Body, Eye, Frame, vector};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("hidden_volumes_change_no_receiver", classes),
+    ("culled_volumes_change_no_receiver", classes),
     ("walls_hide_casters_and_their_shadows", walls),
     ("depth_that_comes_nearer_afterwards_is_right", nearer),
     ("receivers_that_cannot_be_read_are_refused", unreadable),
-    ("shadows_without_faces_that_others_hide", without_hidden_faces),
+    ("shadows_without_faces_that_others_hide", without_occluded_faces),
 ];
 
 /// Fails where a pixel with a surface, or any pixel if the sky receives, has another count than without knowing receivers.
-/// Returns the pairs of caster and light that were hidden.
+/// Returns the pairs of caster and light that were culled.
 fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool) -> Result<u32, String> {
     let without = Renderer { receivers: None, ..*renderer };
     let expected = without.count(&traced.frame, counting)?;
@@ -49,7 +49,7 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     let at = other.len() / 2;
     other[at] ^= 1;
     must_fail("one count", &same(&what, &other, &expected_seen))?;
-    same("hidden without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
+    same("culled without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
     // Each pair of caster and light is as without receivers, or casts nothing, and then it is counted.
     let casting = |counted: &Counted| counted.chosen.concat().iter().map(|light| light.casting).collect::<Vec<_>>();
     let (found_casting, expected_casting) = (casting(&found), casting(&expected));
@@ -57,14 +57,14 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     if let Some((found, expected)) = pairs().find(|(found, expected)| found != expected && **found != CAST_NOTHING) {
         return Err(format!("{what}: a caster casts by {found}, without receivers by {expected}"));
     }
-    let hidden = pairs().filter(|(found, expected)| found != expected).count();
-    same(&format!("{what}: hidden"), &[found.statistics[0].culled_by_receivers as usize], &[hidden])?;
+    let culled = pairs().filter(|(found, expected)| found != expected).count();
+    same(&format!("{what}: culled"), &[found.statistics[0].culled_by_receivers as usize], &[culled])?;
     Ok(found.statistics[0].culled_by_receivers)
 }
 
 fn classes() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
-    let (mut hidden, mut with_sky) = (0, 0);
+    let (mut culled, mut with_sky) = (0, 0);
     for (index, class) in (0..).zip(CLASSES) {
         for number in if is_long() { 260..300 } else { 260 + index..261 + index } {
             let mut frame = (class.frame)(&mut Random::new(seed(class, number)));
@@ -80,7 +80,7 @@ fn classes() -> Result<(), String> {
                 let samples = if number % 2 == 0 { 1 } else { 4 };
                 let placing = if number % 4 < 2 { Placing::Scene } else { Placing::Busy(number) };
                 let renderer = Renderer { placing, options, samples, range: 12.0, ..Renderer::new(gpu) };
-                hidden +=
+                culled +=
                     check(&traced, &renderer, counting, false).map_err(|error| format!("{}: {error}", class.name))?;
                 if rotated(&RIGHT, index as usize).contains(&counting) {
                     with_sky += check(&traced, &renderer, counting, true)?;
@@ -88,8 +88,8 @@ fn classes() -> Result<(), String> {
             }
         }
     }
-    println!("{hidden} pairs hidden, {with_sky} where the sky receives");
-    if hidden < 20 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} pairs culled, {with_sky} where the sky receives");
+    if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// A wall before the eye, with a gap; casters on both sides of it, and a floor.
@@ -123,16 +123,16 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
-/// A hidden face changes no receiver's count, and counts are what rays tell.
+/// A culled volume changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut hidden = 0;
+    let mut culled = 0;
     let frames = if is_long() { 300 } else { 40 };
     for seed in 5001..5001 + frames {
         let traced = Traced::of(behind_walls(&mut Random::new(seed)), seed);
         let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][seed as usize % 3];
         let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
-        hidden += check(&traced, &renderer, counting, false)?;
+        culled += check(&traced, &renderer, counting, false)?;
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
         if seed == 5001 {
@@ -141,14 +141,14 @@ fn walls() -> Result<(), String> {
             must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;
         }
     }
-    println!("{hidden} of some {} pairs hidden", 9 * frames);
-    if 4 * hidden < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} of some {} pairs culled", 9 * frames);
+    if 4 * culled < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// The receivers are those of a frame that lacks a body in front of the others.
 fn nearer() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut hidden = 0;
+    let mut culled = 0;
     for seed in 5501..5501 + if is_long() { 200 } else { 20 } {
         let mut random = Random::new(seed);
         let mut frame = behind_walls(&mut random);
@@ -160,10 +160,10 @@ fn nearer() -> Result<(), String> {
         frame.bodies.push(near.scaled(0.1).moved(at.as_vec3().to_array()));
         let traced = Traced::of(frame, seed);
         let renderer = Renderer { placing: Placing::Scene, late_bodies: 1, ..Renderer::new(gpu) };
-        hidden += check(&traced, &renderer, Counting::Auto, false)?;
+        culled += check(&traced, &renderer, Counting::Auto, false)?;
     }
-    println!("{hidden} pairs hidden");
-    if hidden < 20 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} pairs culled");
+    if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// A texture that cannot be read gives a typed error. The next encode is as if nothing had been asked.
@@ -197,17 +197,17 @@ fn unreadable() -> Result<(), String> {
 }
 
 /// The frame without the faces that others hide from its first light, and how many these are.
-fn without_hidden(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), String> {
+fn without_occluded(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), String> {
     let mut less = frame.clone();
     let casters: Vec<&mut Body> = less.bodies.iter_mut().filter(|body| body.casts).collect();
     let meshes = casters.iter().map(|body| body.shape.mesh().map_err(text)).collect::<Result<Vec<_>, _>>()?;
-    let all: Vec<HiddenCaster<'_>> = casters
+    let all: Vec<OcclusionCaster<'_>> = casters
         .iter()
         .zip(&meshes)
-        .map(|(body, mesh)| HiddenCaster { mesh, positions: &body.shape.positions, version: None })
+        .map(|(body, mesh)| OcclusionCaster { mesh, positions: &body.shape.positions, version: None })
         .collect();
-    let options = HiddenOptions { leave_out_all, ..HiddenOptions::default() };
-    let found = HiddenFaces::find(frame.lights[0], &all, options, |_, _| ControlFlow::Continue(()));
+    let options = OcclusionOptions { leave_out_all, ..OcclusionOptions::default() };
+    let found = OccludedFaces::find(frame.lights[0], &all, options, |_, _| ControlFlow::Continue(()));
     let found = found.map_err(text)?;
     drop(all);
     for (number, body) in casters.into_iter().enumerate() {
@@ -217,9 +217,9 @@ fn without_hidden(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), 
 }
 
 /// Each caster twice, farther away or at the same position.
-fn without_hidden_faces() -> Result<(), String> {
+fn without_occluded_faces() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut changed, mut hidden, mut different, mut failures) = (0, 0, 0, Vec::new());
+    let (mut changed, mut occluded, mut different, mut failures) = (0, 0, 0, Vec::new());
     for (index, class) in CLASSES.iter().enumerate() {
         for number in rotated(&[240, 241, 242], index / 3) {
             let seed = seed(class, number);
@@ -233,8 +233,8 @@ fn without_hidden_faces() -> Result<(), String> {
             let again: Vec<Body> = frame.bodies.iter().filter(|body| body.casts).take(2).cloned().collect();
             let by = [0.0, 0.25, 0.5][random.below(3)];
             frame.bodies.extend(again.into_iter().map(|body| body.moved([by, -by, 0.5 * by])));
-            let (less, count) = without_hidden(&frame, number > 240)?;
-            hidden += count;
+            let (less, count) = without_occluded(&frame, number > 240)?;
+            occluded += count;
             for counting in rotated(&RIGHT, index) {
                 for every_face in [false, true] {
                     let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
@@ -259,11 +259,11 @@ fn without_hidden_faces() -> Result<(), String> {
             }
         }
     }
-    println!("{hidden} hidden faces, {changed} pictures with other counts, {different} pixels differ");
+    println!("{occluded} occluded faces, {changed} pictures with other counts, {different} pixels differ");
     for failure in &failures {
         println!("{failure}");
     }
-    if hidden < 100 || changed < 20 {
+    if occluded < 100 || changed < 20 {
         return Err("too few of a kind".to_owned());
     }
     if failures.is_empty() { Ok(()) } else { Err(format!("{} pictures differ", failures.len())) }
