@@ -8,5 +8,6 @@ pub(crate) mod command;
 pub(crate) mod event;
 pub(crate) mod keys;
 pub(crate) mod lamp;
+pub(crate) mod opening;
 pub(crate) mod options;
 pub(crate) mod viewer;
