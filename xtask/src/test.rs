@@ -42,6 +42,7 @@ pub(crate) fn on_every_driver() -> Summary {
 pub(crate) fn of_page() -> Summary {
     let mut summary = Summary::default();
     ensure_driver(&mut summary);
+    ensure_display();
     match web::build() {
         Ok(page) => {
             let mut command = process::cargo(EVERYTHING);

@@ -12,6 +12,7 @@ use crate::panel::{Panel, PanelOutput};
 use crate::renderer::{Gpu, Renderer};
 use crate::scenes;
 use crate::state::event::Event;
+use crate::state::keys::Action;
 use crate::state::viewer::{Request, Viewer};
 
 /// How many seconds nothing must change before the picture is drawn once more with all samples, on software devices.
@@ -197,6 +198,10 @@ impl App {
         raw.viewports.entry(egui::ViewportId::ROOT).or_default().native_pixels_per_point = Some(scale);
         let pictures = self.renderer.pictures();
         let output = self.panel.run(raw, &mut self.viewer, &mut self.renderer);
+        if pictures == 0 {
+            // Only now the shape of the picture is known.
+            self.viewer.handle(Event::Acted(Action::ResetCamera));
+        }
         if self.renderer.pictures() != pictures {
             let is_to_be_refined = self.renderer.is_coarse(&self.viewer) && !self.viewer.is_animated();
             self.refine_at = is_to_be_refined.then_some(now + REFINE_AFTER);
@@ -213,7 +218,8 @@ impl App {
         let repaint =
             (output.repaint_after < std::time::Duration::from_secs(3600)).then_some(output.repaint_after.as_secs_f64());
         let refine = self.refine_at.map(|at| (at - now).max(0.001));
-        (repaint.into_iter().chain(refine).reduce(f64::min), requests)
+        let again = (pictures == 0).then_some(0.0);
+        (repaint.into_iter().chain(refine).chain(again).reduce(f64::min), requests)
     }
 
     fn present(&mut self, output: &PanelOutput) {

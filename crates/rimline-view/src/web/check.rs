@@ -25,7 +25,7 @@ pub(super) async fn run(page: &Page, is_planted: bool) -> Result<(), String> {
         });
     });
     let browser = page.window.navigator().user_agent().unwrap_or_default();
-    let mut report = Report { device: format!("{}\n{browser}", gpu.name), rows: Vec::new() };
+    let mut report = Report { device: format!("{}\n{browser}", page.gpu().await), rows: Vec::new() };
     for case in cases() {
         let found = match case.on_gpu(&gpu.queue, &gpu.pipelines) {
             Ok(found) => found.await,

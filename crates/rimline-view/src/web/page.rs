@@ -2,6 +2,7 @@
 
 use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::JsFuture;
 use web_sys::{Document, Element, EventTarget, HtmlAnchorElement, Window};
 
 /// The window with its document.
@@ -91,11 +92,27 @@ impl Page {
         Ok(())
     }
 
+    /// The maker and kind of the GPU, as far as the browser tells them.
+    pub(super) async fn gpu(&self) -> String {
+        let get = |object: &JsValue, name: &str| js_sys::Reflect::get(object, &name.into()).unwrap_or_default();
+        let gpu = get(&self.window.navigator(), "gpu");
+        let adapter = async {
+            let request: js_sys::Function = get(&gpu, "requestAdapter").dyn_into().ok()?;
+            let promise: js_sys::Promise = request.call0(&gpu).ok()?.dyn_into().ok()?;
+            JsFuture::from(promise).await.ok()
+        };
+        let info = adapter.await.map(|adapter| get(&adapter, "info")).unwrap_or_default();
+        let known =
+            ["vendor", "architecture", "description"].map(|name| get(&info, name).as_string().unwrap_or_default());
+        let known: Vec<&str> = known.iter().map(String::as_str).filter(|word| !word.is_empty()).collect();
+        if known.is_empty() { "a GPU that the browser does not name".into() } else { known.join(" ") }
+    }
+
     /// Puts text on the clipboard. Pages without https have none.
     pub(super) async fn copy(&self, text: &str) -> bool {
         let navigator = self.window.navigator();
         let is_there = js_sys::Reflect::get(&navigator, &"clipboard".into()).is_ok_and(|there| !there.is_undefined());
-        is_there && wasm_bindgen_futures::JsFuture::from(navigator.clipboard().write_text(text)).await.is_ok()
+        is_there && JsFuture::from(navigator.clipboard().write_text(text)).await.is_ok()
     }
 }
 

@@ -17,13 +17,18 @@ use crate::server;
 /// SwiftShader on a busy machine compiles for long.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(400);
 
-/// WebGPU on SwiftShader, which needs no GPU.
-const FLAGS: [&str; 9] = [
+/// WebGPU on SwiftShader, which needs no GPU, and Vulkan for what puts the page together: it must show what WebGPU drew.
+const FLAGS: [&str; 14] = [
     "--headless",
     "--no-sandbox",
     "--enable-unsafe-webgpu",
     "--enable-unsafe-swiftshader",
     "--use-webgpu-adapter=swiftshader",
+    "--use-angle=swiftshader",
+    "--ignore-gpu-blocklist",
+    "--enable-gpu",
+    "--enable-features=Vulkan",
+    "--use-vulkan=swiftshader",
     "--remote-debugging-pipe",
     "--no-first-run",
     "--disable-background-networking",
@@ -36,6 +41,7 @@ pub(crate) const SIZE: [u32; 2] = [900, 700];
 /// A browser with one page.
 pub(crate) struct Browser {
     child: Child,
+    display: Child,
     input: ChildStdin,
     messages: Receiver<Value>,
     session: Option<String>,
@@ -50,17 +56,35 @@ pub(crate) fn say(error: impl ToString) -> String {
     error.to_string()
 }
 
+/// Starts a display without a screen, without which the browser has no Vulkan.
+fn display() -> Result<(Child, String), String> {
+    let mut command = Command::new("Xvfb");
+    command.args(["-displayfd", "1", "-screen", "0", "1000x800x24", "-nolisten", "tcp"]);
+    let server = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+    let server = server.map_err(|error| format!("Xvfb cannot be started: {error}; `cargo xtask test` installs it"));
+    let mut server = server?;
+    let mut number = String::new();
+    BufReader::new(server.stdout.take().ok_or("Xvfb says nothing")?).read_line(&mut number).map_err(say)?;
+    Ok((server, format!(":{}", number.trim())))
+}
+
 impl Browser {
     /// Opens the page that `RIMLINE_PAGE` names, at an address with this query.
     pub(crate) fn open(query: &str) -> Result<Self, String> {
+        Self::open_after(query, "")
+    }
+
+    /// The same after a script of the page's own.
+    pub(crate) fn open_after(query: &str, script: &str) -> Result<Self, String> {
         let page = PathBuf::from(std::env::var_os("RIMLINE_PAGE").ok_or("RIMLINE_PAGE is not set")?);
         let program = std::env::var_os("CHROMIUM").unwrap_or_else(|| "chromium".into());
         let folder = tempfile::tempdir().map_err(say)?;
+        let (display, name) = display()?;
         let mut command = Command::new("sh");
         // The browser reads from descriptor 3 and writes to 4.
         command.args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null"]).arg(program).args(FLAGS);
         command.arg(format!("--user-data-dir={}", folder.path().join("profile").display()));
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        command.env("DISPLAY", name).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = command.spawn().map_err(say)?;
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err("no pipes to the browser".into());
@@ -73,12 +97,12 @@ impl Browser {
                 let _ = sender.send(message);
             }
         });
-        let mut browser = Self { child, input, messages, session: None, last: 0, errors: Vec::new(), folder };
-        browser.start(&format!("{}{query}", server::serve(page)?))?;
+        let mut browser = Self { child, display, input, messages, session: None, last: 0, errors: Vec::new(), folder };
+        browser.start(&format!("{}{query}", server::serve(page)?), script)?;
         Ok(browser)
     }
 
-    fn start(&mut self, address: &str) -> Result<(), String> {
+    fn start(&mut self, address: &str, script: &str) -> Result<(), String> {
         let downloads = self.folder.path().to_owned();
         self.call("Browser.setDownloadBehavior", &json!({ "behavior": "allow", "downloadPath": downloads }))?;
         let target = self.call("Target.createTarget", &json!({ "url": "about:blank" }))?;
@@ -90,6 +114,7 @@ impl Browser {
         let [width, height] = SIZE;
         let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
         self.call("Emulation.setDeviceMetricsOverride", &size)?;
+        self.call("Page.addScriptToEvaluateOnNewDocument", &json!({ "source": script }))?;
         self.call("Page.navigate", &json!({ "url": address }))?;
         Ok(())
     }
@@ -225,7 +250,9 @@ impl Browser {
 impl Drop for Browser {
     fn drop(&mut self) {
         // It may have ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        for child in [&mut self.child, &mut self.display] {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
     }
 }

@@ -6,6 +6,8 @@ mod browser;
 #[cfg(unix)]
 mod check;
 #[cfg(unix)]
+mod gone;
+#[cfg(unix)]
 mod pictures;
 #[cfg(unix)]
 mod server;
@@ -25,7 +27,7 @@ fn trials() -> Vec<Trial> {
     let trial = |(name, test): (&str, fn() -> Result<(), String>)| {
         Trial::test(name, move || test().map_err(Failed::from)).with_ignored_flag(is_absent)
     };
-    [session::TEST].into_iter().chain(check::TESTS).map(trial).collect()
+    [session::TEST].into_iter().chain(check::TESTS).chain(gone::TESTS).map(trial).collect()
 }
 
 #[cfg(not(unix))]

@@ -9,7 +9,20 @@ use crate::browser::say;
 const CHANNEL: u8 = 24;
 
 /// The part of the pixels that may differ between devices.
-pub(crate) const TOLERANCE: f64 = 0.005;
+pub(crate) const TOLERANCE: f64 = 0.001;
+
+/// The part of the pixels that differ between a picture of the page and one of this process.
+pub(crate) fn from_own(name: &str, page: &Picture, viewer: &Viewer) -> Result<f64, String> {
+    let own = draw(viewer)?;
+    // Somebody who sets this wants to look.
+    if let Some(folder) = std::env::var_os("RIMLINE_PICTURES") {
+        for (whose, picture) in [("page", page), ("own", &own)] {
+            let path = std::path::Path::new(&folder).join(format!("{name}_{whose}.png"));
+            std::fs::write(path, picture.png().map_err(say)?).map_err(say)?;
+        }
+    }
+    different(page, &own)
+}
 
 /// The part of the pixels that differ.
 pub(crate) fn different(a: &Picture, b: &Picture) -> Result<f64, String> {
@@ -31,7 +44,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Picture, String> {
 }
 
 /// The same as a page's screenshot, by this machine's own driver.
-pub(crate) fn draw(viewer: &Viewer) -> Result<Picture, String> {
+fn draw(viewer: &Viewer) -> Result<Picture, String> {
     let shared = Device::shared()?;
     let gpu = Gpu::of(shared.device.clone(), shared.queue.clone(), shared.name.clone(), true);
     let picture = Renderer::new(gpu).map_err(say)?.screenshot(viewer, 1).map_err(say)?;
