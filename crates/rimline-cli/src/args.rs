@@ -296,8 +296,13 @@ as in WebGPU), optional_features (present, missing). The exit code is 3 if there
 #[command(help_template = verbatim(VERIFY_EXAMPLES), after_help = VERIFY_REMARKS, mut_args(when_making))]
 pub(crate) struct VerifyArgs {
     /// The folder with .npz files of `rimline extract` or `rimline verify --make`
-    #[arg(value_name = "DIR")]
-    pub(crate) folder: PathBuf,
+    #[arg(value_name = "DIR", required_unless_present = "built_in", conflicts_with = "built_in")]
+    pub(crate) folder: Option<PathBuf>,
+
+    /// Instead of files, check scenes that the command makes: those of the viewer and every stress scene, on each GPU against the
+    /// CPU. The page of the viewer does the same in a browser, at `?check`
+    #[arg(long)]
+    pub(crate) built_in: bool,
 
     /// Write the files instead of checking them: an extraction of every stress scene, and of each MODEL at rest and within
     /// its first animation. The lights are hard cases for each model. Existing files are never replaced
@@ -322,7 +327,8 @@ pub(crate) struct VerifyArgs {
     pub(crate) faces: u32,
 
     /// The devices to check: `all` (every GPU, and the CPU), `gpu` (every GPU), `cpu`, or a part of their name or backend
-    /// (`rimline devices` lists them). With --make: the one device that computes the files [default: all; with --make: cpu]
+    /// (`rimline devices` lists them). With --make: the one device that computes the files [default: all; with --built-in: gpu;
+    /// with --make: cpu]
     #[arg(long, value_name = "all|gpu|cpu|NAME")]
     pub(crate) device: Option<String>,
 
@@ -342,6 +348,7 @@ Examples:
   rimline verify --make bits fox.glb    # writes bits/fox.npz and the stress scenes
   rimline verify bits                   # compares every device with the files
   rimline verify bits --device vulkan --json
+  rimline verify --built-in             # needs no files: a table of scenes and wrong bits
 ";
 
 const VERIFY_REMARKS: &str = "\
@@ -354,7 +361,8 @@ Keys of --json: devices (names), clips_wrongly (names of those whose driver clip
 concerned), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \
 lights, error (null unless the file cannot be read), results: a list of device, equal, error (null unless the device \
 failed), differences: a list of array, wrong_bits, row, column, light, file, found (bits of the first element that \
-differs), message.";
+differs), message. With --built-in: equal, unusable, devices: a list of device, scenes: a list of scene, pairs (of face \
+and light), wrong_bits (null if it failed), error.";
 
 #[cfg(test)]
 mod tests {

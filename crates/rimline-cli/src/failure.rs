@@ -47,6 +47,9 @@ pub(crate) enum Failure {
     /// `verify` found what should not be.
     #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
     Differs { folder: PathBuf, different: usize, checked: usize },
+    /// `verify --built-in` found bits that the CPU does not.
+    #[error("{wrong} bits differ from those of the CPU; please report the table and the driver")]
+    WrongBits { wrong: u64 },
     /// `verify` could not do all of its checks.
     #[error("{count} of the checks could not be done; the first: {first}")]
     Unchecked { count: usize, first: Box<Failure> },
@@ -347,7 +350,7 @@ impl Failure {
             #[cfg(feature = "view")]
             Self::Window(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
-            Self::Differs { .. } => 5,
+            Self::Differs { .. } | Self::WrongBits { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),
             // 128 and the number of the signal, as shells have it.
             Self::Jobs { .. } => 6,

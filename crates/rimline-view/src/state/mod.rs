@@ -9,5 +9,6 @@ pub(crate) mod drag;
 pub(crate) mod event;
 pub(crate) mod keys;
 pub(crate) mod lamp;
+pub(crate) mod opening;
 pub(crate) mod options;
 pub(crate) mod viewer;
