@@ -188,7 +188,7 @@ fn unreadable() -> Result<(), String> {
         let view = gpu.device.create_texture(&texture).create_view(view);
         let depth = Some(Receivers { depth: &view, sky_receives: false, version: None });
         gpu.submit(|encoder| {
-            let encoded = scene.encode(encoder, FrameInputs::new(&[View { camera, depth }]));
+            let encoded = scene.encode(encoder, FrameInputs::new(&[View { depth, ..View::new(camera) }]));
             refused([refusal(what, encoded, expected)])?;
             scene.encode(encoder, FrameInputs::new(&[camera.into()])).map(drop).map_err(text)
         })?;

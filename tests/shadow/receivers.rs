@@ -207,7 +207,7 @@ fn chosen(
     receivers: Option<Receivers<'_>>,
 ) -> Result<Chosen, String> {
     let frame = gpu.submit(|encoder| {
-        scene.encode(encoder, FrameInputs::new(&[View { camera, depth: receivers }])).map_err(text)
+        scene.encode(encoder, FrameInputs::new(&[View { depth: receivers, ..View::new(camera) }])).map_err(text)
     })?;
     let results = frame.results().map_err(text)?;
     let mut words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, 8 * 16)?;

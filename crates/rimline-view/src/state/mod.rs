@@ -2,13 +2,14 @@
 
 mod act;
 pub(crate) mod body;
-pub(crate) mod bounds;
 pub(crate) mod camera;
 pub(crate) mod clock;
 pub(crate) mod command;
-pub(crate) mod drag;
+mod drag;
 pub(crate) mod event;
+pub(crate) mod handle;
 pub(crate) mod keys;
 pub(crate) mod lamp;
+pub(crate) mod opening;
 pub(crate) mod options;
 pub(crate) mod viewer;
