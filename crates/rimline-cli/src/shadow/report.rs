@@ -4,9 +4,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use rimline::Origin;
 use rimline::cpu::{HiddenFaces, HiddenStatistics};
 use rimline::internals::layout::ShadowStatistics;
+use rimline::{MAX_LIGHTS, Origin};
 use serde_json::{Value, json};
 
 use super::args::ShadowArgs;
@@ -304,7 +304,7 @@ impl ResultFiles {
 /// All files that may be written: how many lights a model has is known when it is read.
 pub(crate) fn files(args: &ShadowArgs) -> Vec<PathBuf> {
     let has_all = args.scene.lights.iter().any(|light| light.light == LightSpec::All);
-    let lights = if has_all { rimline::MAX_LIGHTS } else { args.scene.lights.len().max(1) };
+    let lights = if has_all { MAX_LIGHTS } else { args.scene.lights.len().max(1) };
     args.out.iter().cloned().chain(of_lights(args, lights).into_iter().flatten()).collect()
 }
 
