@@ -8,6 +8,7 @@ use rimline::{Counting, Mesh};
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{one_caster, text};
+use rimline_testkit::passes::{CLEARED, depth_pass};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{OneCaster, OneCasterOptions};
@@ -91,15 +92,7 @@ fn mixed() -> Result<(), String> {
     quiet("volumes' timer")?;
     let shadows = encode(None).map_err(text)?;
     let view = depth_stencil(ours);
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("volumes"),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-            stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-        }),
-        ..Default::default()
-    });
+    let mut pass = encoder.begin_render_pass(&depth_pass(&view, CLEARED));
     refused([
         refusal("drawing", shadows.draw(&mut pass, &foreign_drawing, 0), shows(OTHER)),
         refusal("its own", shadows.draw(&mut pass, &drawing, 0), Expected::Taken),

@@ -23,9 +23,8 @@ use rimline_testkit::{OneCaster, OneCasterOptions, lights, must_fail, same};
 pub(crate) const TESTS: &[Test] = &[
     ("each_shared_pipeline_is_made_once", once),
     ("displacements_share_by_source_and_layout", displacements),
-    ("shared_pipelines_change_nothing", unchanged),
     ("shared_pipelines_keep_windows_apart", windows),
-    ("threads_share_pipelines", threads),
+    ("threads_share_pipelines_and_nothing_changes", threads),
     ("a_pipeline_with_an_error_is_not_kept", errors),
 ];
 
@@ -199,21 +198,6 @@ fn found(
 
 fn is_ordered(options: &ExtractorOptions) -> bool {
     options.lists.is_some_and(|lists| lists.ordered)
-}
-
-fn unchanged() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let shared = Pipelines::new(&gpu.device);
-    let shape = shapes::blob(20, 0.5, 3);
-    let mesh = shape.mesh().map_err(text)?;
-    // Forwards and backwards, so that each comes after all others.
-    let kinds = kinds();
-    for (what, options, _) in kinds.iter().chain(kinds.iter().rev()) {
-        let alone = found(gpu, &Pipelines::new(&gpu.device), (&shape.positions, &mesh), *options)?;
-        let sharing = found(gpu, &shared, (&shape.positions, &mesh), *options)?;
-        compare(what, &sharing, &alone, ROOM, is_ordered(options))?;
-    }
-    Ok(())
 }
 
 /// Positions in one binding and in several, by one extractor and by two.

@@ -39,7 +39,8 @@ fn read(gpu: &Gpu, map: &wgpu::Texture) -> Result<Vec<u32>, String> {
     let samples = map.sample_count();
     let ty = if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
     let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
-    let kernel = TexelKernel::new(&gpu.device, ("read", &source), samples > 1);
+    let floats = wgpu::TextureSampleType::Float { filterable: false };
+    let kernel = TexelKernel::new(&gpu.device, ("read", &source), floats, samples > 1);
     let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
     let group = kernel.group(&gpu.device, &depth_view(map), &values);
     gpu.submit(|encoder| {

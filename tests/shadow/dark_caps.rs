@@ -193,16 +193,13 @@ fn ends(scene: &Scene, (light, end): ([f32; 4], f32), face: [[f32; 3]; 3], found
 }
 
 fn dark() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 106;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
-    let cap = Shapes::caps(gpu, "dark_cap", 2, 3);
+    let (gpu, mut random) = Gpu::seeded(106)?;
+    let cap = Shapes::caps(&gpu, "dark_cap", 2, 3);
     let mut seen = Seen::default();
     for number in 0..if is_long() { 600 } else { 48 } {
         let scene = ordinary(&mut random, number)?;
         let indices = [0; 6].map(|_| random.below(LIGHTS));
-        check(gpu, &cap, &scene, u32::from(number % 3 == 0), &indices, &mut seen)?;
+        check(&gpu, &cap, &scene, u32::from(number % 3 == 0), &indices, &mut seen)?;
     }
     println!("{seen:?}");
     if seen.filled.min(seen.ended) < 100 || seen.doubtful * 8 > seen.faces {
@@ -212,7 +209,7 @@ fn dark() -> Result<(), String> {
     let mut seen = Seen::default();
     for number in 0..2 {
         let all: Vec<usize> = (0..LIGHTS).collect();
-        check(gpu, &cap, &ties(&mut random, number), 0, &all, &mut seen)?;
+        check(&gpu, &cap, &ties(&mut random, number), 0, &all, &mut seen)?;
     }
     println!("with ties {seen:?}");
     if seen.filled == 2 * LIGHTS && seen.doubtful > 4 * LIGHTS { Ok(()) } else { Err(format!("{seen:?}")) }

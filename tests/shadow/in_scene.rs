@@ -180,7 +180,7 @@ impl InScene {
     ) -> Result<Self, String> {
         let gpu = renderer.gpu;
         let options = scene_options(renderer, frame.lights.len() + 3, counting);
-        let mut scene = Scene::new(&renderer.pipelines, &gpu.queue, options).map_err(text)?;
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
         let mut camera = frame.eye.camera();
         let far = if matches!(renderer.placing, Placing::Moved(_)) { FAR } else { [0.0; 3] };
         camera.origin = std::array::from_fn(|axis| camera.origin[axis] + far[axis]);
@@ -250,7 +250,7 @@ impl InScene {
         }
         let is_in_batches = renderer.count_batches > 1;
         let make = if is_in_batches { ShadowPipelines::in_batches } else { ShadowPipelines::new };
-        let pipelines = make(&renderer.pipelines, format, counting).map_err(text)?;
+        let pipelines = make(&gpu.pipelines, format, counting).map_err(text)?;
         let mut cameras = vec![camera];
         let mut view = 0;
         if let Some(past) = past {

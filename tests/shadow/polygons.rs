@@ -18,7 +18,6 @@ use rimline_testkit::{is_long, must_fail, same, shapes};
 use crate::hairlines::{HALF_STEP, picture};
 use crate::in_scene::{METHODS, compare as compare_counts, movable};
 use crate::render::{Placing, Renderer};
-use crate::rounds::parity_rounds;
 use crate::scene::{Body, CENTRE, Eye, Frame, Rays};
 use crate::trials::{RIGHT, Test, rotated};
 
@@ -234,7 +233,7 @@ fn darken() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let first = 71_000;
     println!("seeds from {first}");
-    let (mut compared, mut dark, mut frames, mut differing, mut failures) = (0, 0, 0, 0, Vec::new());
+    let (mut compared, mut dark, mut frames, mut failures) = (0, 0, 0, Vec::new());
     for seed in first..first + if is_long() { 900 } else { 130 } {
         let mut random = Random::new(seed);
         let (name, set) = polygons(&mut random);
@@ -248,27 +247,13 @@ fn darken() -> Result<(), String> {
         frames += 1;
         compared += truths.iter().filter(|&&truth| truth != Truth::NoReceiver).count();
         dark += truths.iter().filter(|&&truth| !matches!(truth, Truth::NoReceiver | Truth::Odd(0))).count();
-        // The same by a round for each polygon.
-        if mesh.polygons().is_some_and(|polygons| polygons.len() < 128) {
-            let rounds = parity_rounds(&Renderer::new(&gpu), &frame, &mesh)?;
-            let wrong = rig.wrong(&truths, &rounds, Compared::Counts);
-            if !wrong.is_empty() {
-                failures.push(format!("seed {seed}, {name}, by rounds: {} wrong {wrong:?}", wrong.len()));
-            }
-            let mut renderer = Renderer::new(&gpu);
-            renderer.options = OneCasterOptions { every_face: true, ..renderer.options };
-            let volumes = renderer.count(&frame, Counting::ZFail)?;
-            let is_receiver = |at: &usize| truths[*at] != Truth::NoReceiver;
-            let same = (0..rounds.len()).filter(is_receiver);
-            differing += same.filter(|&at| rounds[at] != volumes.stencils[0][at]).count();
-        }
         let wrong = compare(&gpu, &frame, &rig, &truths, &rotated(&RIGHT, seed as usize))?;
         failures.extend(wrong.into_iter().map(|error| format!("seed {seed}, {name}, {error}")));
         if failures.len() > 9 {
             break;
         }
     }
-    println!("{frames} frames, {compared} receivers, {dark} of them dark; rounds differ at {differing} of them");
+    println!("{frames} frames, {compared} receivers, {dark} of them dark");
     if failures.is_empty() && dark > 10_000 { Ok(()) } else { Err(failures.join("\n")) }
 }
 

@@ -3,21 +3,19 @@
 use rimline::gpu::{Caster, FrameInputs, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines};
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
-use crate::render::{Renderer, attachment};
 use crate::scene::Eye;
 use crate::trials::Test;
 use glam::DVec3;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::{text, views};
+use rimline_testkit::passes::draw_small;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
-use rimline_testkit::shapes;
+use rimline_testkit::{IDENTITY, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("scenes_refuse_cameras_lights_and_faces", recording),
     ("frames_of_scenes_refuse_what_does_not_go_with_them", drawing),
 ];
-
-const ROWS: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 fn camera(depth: DepthDirection, far: Option<f64>) -> ShadowCamera {
     let position = DVec3::new(0.0, 1.0, 6.0);
@@ -28,7 +26,7 @@ fn scene(gpu: &Gpu, options: SceneOptions) -> Result<(Scene, Caster), String> {
     let shape = shapes::cube();
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
-    Ok((scene, Caster::rigid(mesh, ROWS)))
+    Ok((scene, Caster::rigid(mesh, IDENTITY)))
 }
 
 fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<SceneFrame, ShadowError> {
@@ -86,23 +84,16 @@ fn drawing() -> Result<(), String> {
     let first = encode(gpu, &mut scene_a, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let frame = encode(gpu, &mut scene_a, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let later = scene_a.add_light(Light::point([2.0, 5.0, 3.0])).map_err(text)?;
-    let target = Renderer::new(gpu).target(8, 1, format.depth_stencil);
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    let draw = |frame: &SceneFrame, pipelines: &ShadowPipelines, view_number: usize, light| {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Clear(0.0)));
-        let drawn = frame.draw(&mut pass, pipelines, view_number, light);
-        drop(pass);
-        gpu.queue.submit([encoder.finish()]);
-        drawn
+    let draw = |frame: &SceneFrame, pipelines: &ShadowPipelines, view: usize, light| {
+        draw_small(gpu, |pass| frame.draw(pass, pipelines, view, light))
     };
     refused([
-        refusal("all good", draw(&frame, &right, 0, light), Expected::Taken),
-        refusal("an earlier frame", draw(&first, &right, 0, light), is(ShadowError::StaleFrame)),
-        refusal("a view too many", draw(&frame, &right, 1, light), is(ShadowError::NoSuchView { view: 1, views: 1 })),
-        refusal("a later light", draw(&frame, &right, 0, later), is(ShadowError::NotEncoded)),
-        refusal("a foreign light", draw(&frame, &right, 0, foreign), is(ShadowError::OtherScene { what: "light" })),
-        refusal("in batches", draw(&frame, &in_batches, 0, light), is(ShadowError::CountBatches { count_batches: 1 })),
-        refusal("another device", draw(&frame, &elsewhere, 0, light), shows(&["Device(OtherDevice {"])),
+        refusal("all good", draw(&frame, &right, 0, light)?, Expected::Taken),
+        refusal("an earlier frame", draw(&first, &right, 0, light)?, is(ShadowError::StaleFrame)),
+        refusal("a view too many", draw(&frame, &right, 1, light)?, is(ShadowError::NoSuchView { view: 1, views: 1 })),
+        refusal("a later light", draw(&frame, &right, 0, later)?, is(ShadowError::NotEncoded)),
+        refusal("a foreign light", draw(&frame, &right, 0, foreign)?, is(ShadowError::OtherScene { what: "light" })),
+        refusal("in batches", draw(&frame, &in_batches, 0, light)?, is(ShadowError::CountBatches { count_batches: 1 })),
+        refusal("another device", draw(&frame, &elsewhere, 0, light)?, shows(&["Device(OtherDevice {"])),
     ])
 }

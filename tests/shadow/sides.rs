@@ -8,7 +8,7 @@ use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, COUNT_Z_FAIL, COU
 use rimline::mesh::{INCONSISTENT_BIT, NO_FACE};
 
 /// The share of a face in the shadow of a light: 0 or ±1, from its masks and the light's choice alone.
-pub(crate) fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
+fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
     match (light.casting, facing) {
         _ if excluded && light.excludes == 1 => 0,
         (CAST_EVERY, true) => 1,
@@ -18,7 +18,7 @@ pub(crate) fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
 }
 
 /// The share of each face for light `number`, from planes of masks of 32 lights.
-pub(crate) fn shares(light: &ShadowLight, number: usize, [facing, excluded]: [&[u32]; 2], faces: usize) -> Vec<i32> {
+fn shares(light: &ShadowLight, number: usize, [facing, excluded]: [&[u32]; 2], faces: usize) -> Vec<i32> {
     let bit = |masks: &[u32], face: usize| masks[number / 32 * faces + face] >> (number % 32) & 1 != 0;
     (0..faces).map(|face| share(light, bit(facing, face), bit(excluded, face))).collect()
 }
