@@ -1,5 +1,5 @@
 //! Shadows of polygons, twisted ones among them, against the parity of their triangles between light and receivers.
-//! Pieces of twisted ones are drawn by `piece_arguments` and `pieces`.
+//! Pieces of twisted ones are drawn by `piece_arguments` and `piece_volumes`.
 
 use std::collections::BTreeMap;
 
