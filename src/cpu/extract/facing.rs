@@ -80,6 +80,16 @@ pub fn facing_into(
     total
 }
 
+/// For each face, whether the filter leaves it to exact arithmetic for any of at most 32 finite lights.
+pub fn undecided_faces(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<bool> {
+    let light_batch = LightBatch::new(lights, 0, 3);
+    let is_undecided = |&corners: &[u32; 3]| {
+        let face = Face::new(positions, corners);
+        face.may_face(&mut FacingStatistics::default()) && face.filter_lights(&light_batch).undecided != 0
+    };
+    faces.iter().map(is_undecided).collect()
+}
+
 /// A range of faces that one thread decides.
 struct FaceRange<'a> {
     positions: &'a [[f32; 3]],

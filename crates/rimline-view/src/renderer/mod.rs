@@ -23,7 +23,7 @@ pub use picture::Picture;
 use crate::state::camera::{Camera, Orbit};
 use crate::state::lamp::Lamp;
 use crate::state::options::{Options, Overlays as ShownOverlays};
-use crate::state::viewer::{MAX_LAMPS, Tone, Viewer};
+use crate::state::viewer::{MAX_SOURCES, Tone, Viewer};
 use counters::Readings;
 use frame::{Frame, LampData};
 use models::{Made, Models};
@@ -79,7 +79,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`] if the device lacks what shadows need.
     pub fn new(gpu: Gpu) -> Result<Self, RenderError> {
-        let shared = Shared::new(&gpu, MAX_LAMPS);
+        let shared = Shared::new(&gpu, MAX_SOURCES);
         let timer = StageTimer::new(&gpu.device, &gpu.queue);
         Ok(Self {
             gpu,
@@ -273,7 +273,7 @@ impl Renderer {
             timer.resolve(encoder);
         }
         if let Some(overlays) = overlays.as_mut() {
-            overlays.encode(encoder, models, viewer, &shadow_camera)?;
+            overlays.encode(gpu, encoder, models, viewer, &shadow_camera)?;
         }
         let scene = Drawing {
             shared,
@@ -299,8 +299,9 @@ impl Renderer {
 
 fn write_uniforms(gpu: &Gpu, shared: &Shared, viewer: &Viewer, frame: &Frame, camera: &Camera) {
     gpu.queue.write_buffer(&shared.frame_buffer, 0, bytemuck::bytes_of(frame));
-    let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).take(MAX_LAMPS).enumerate();
-    let data: Vec<LampData> = lamps.map(|(number, lamp)| LampData::new(lamp, number, camera.eye)).collect();
+    let sources = viewer.sources();
+    let sources = sources.iter().take(MAX_SOURCES);
+    let data: Vec<LampData> = sources.map(|(number, source)| LampData::new(source, *number, camera.eye)).collect();
     gpu.queue.write_buffer(&shared.lamp_buffer, 0, bytemuck::cast_slice(&data));
 }
 
@@ -355,14 +356,16 @@ impl Drawing<'_> {
             return Ok(());
         }
         let mut pass = targets.pass(encoder, "overlays", false, true);
-        for number in 0..self.models.lights.len() {
+        let mut sources: Vec<_> = viewer.sources().iter().map(|(number, _)| *number).enumerate().collect();
+        sources.dedup_by_key(|(_, number)| *number);
+        for (source, number) in sources {
             if options.overlays.caps {
-                self.select(&mut pass, number);
+                self.select(&mut pass, source);
                 pass.set_pipeline(&pipelines.caps);
                 self.draw_models(&mut pass);
             }
             if let Some(overlays) = self.overlays.filter(|_| options.overlays.volumes) {
-                self.select(&mut pass, number);
+                self.select(&mut pass, source);
                 overlays.draw_volumes(&mut pass, (self.shared, pipelines), number)?;
             }
         }
