@@ -235,7 +235,8 @@ fn equal() -> Result<(), String> {
         }
     }
     println!("{covered} texels covered; {culled} of {all} culled; {noticed} of 48 missing casters are noticed");
-    // A caster without a box, or with a box that is not finite, is drawn. A box elsewhere culls a caster, whatever its buffer holds.
+    // A caster without a box, or with a box that is not finite, is drawn. A box out of the map culls a caster, even if its
+    // vertices are in the map.
     let mut casters = Casters::new(&gpu)?;
     casters.fill(&gpu, &mut random, (8, 0.1))?;
     let light = light(&mut random, 0);

@@ -1,5 +1,5 @@
-//! Where detectors miss edges and every cell does not: equal stairs, and open sheets of folds over a ground that is not in the map
-//! (docs/numerics/depth-maps.md, "Open sheets").
+//! Where detectors miss edges and every cell does not: equal stairs, and open sheets of folds over a ground that is not
+//! in the map (docs/numerics/depth-maps.md, "Open sheets").
 
 use glam::DVec3;
 use rimline::gpu::depth_map::DepthMapMethod;

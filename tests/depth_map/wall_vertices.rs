@@ -109,8 +109,8 @@ fn vertices() -> Result<(), String> {
     if tally.far > 1000 { Ok(()) } else { Err(format!("few are far: {tally:?}")) }
 }
 
-/// Four words of a function of `depth_walls` for each input, from a probe, which is made once: `source` and `expression` are added to the stage. A stage
-/// has eight storage buffers, so only those of `wanted` are bound.
+/// Four words of a function of `depth_walls` for each input, from a probe, which is made once: `source` and
+/// `expression` are added to the stage. A stage has eight storage buffers, so only those of `wanted` are bound.
 fn probed(
     gpu: &Gpu,
     (map, traced): (&Map, &Traced),

@@ -6,7 +6,7 @@ mod choice;
 mod classes;
 mod clipped;
 mod compare;
-mod culled_by_receivers;
+mod culled;
 mod dark_caps;
 mod hairlines;
 mod in_scene;
@@ -61,7 +61,7 @@ fn main() {
         proxies::TESTS,
         polygons::TESTS,
         twisted::TESTS,
-        culled_by_receivers::TESTS,
+        culled::TESTS,
         receivers::TESTS,
         levels::TESTS,
         mixed::TESTS,

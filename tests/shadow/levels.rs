@@ -9,7 +9,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
-use crate::culled_by_receivers::behind_walls;
+use crate::culled::behind_walls;
 use crate::range::in_range;
 use crate::rays::Truth;
 use crate::render::{Counted, Placing, Renderer};

@@ -399,8 +399,8 @@ fn by_edge(list: &[u32]) -> Vec<u32> {
     list
 }
 
-/// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the sides of each edge
-/// record are those that its faces sum to.
+/// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the sides of
+/// each edge record are those that its faces sum to.
 fn list_sides() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(108)?;
     let stage = Dispatch::stage(&gpu, &LIST_SIDES);

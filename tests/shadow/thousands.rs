@@ -1,5 +1,5 @@
-//! All that a scene records, from extraction to draws, by goldens: of ten thousand casters, thirty-two lights and three views; of one
-//! caster by each counting method.
+//! All that a scene records, from extraction to draws, by goldens: of ten thousand casters, thirty-two lights and three
+//! views; of one caster by each counting method.
 
 use glam::{DQuat, DVec3};
 use rimline::gpu::{
@@ -138,8 +138,9 @@ const METHODS: [Counting; 5] =
 
 const CHAIN_LIGHTS: usize = 40;
 
-/// The draws with so many instances of each list: quadrilaterals, pentagons where they are clipped, and triangles. The published
-/// ZP+ clips nothing. Light caps, which casters that are not in the depth buffer alone have, are drawn from the lists of far caps.
+/// The draws with so many instances of each list: quadrilaterals, pentagons where they are clipped, and triangles. The
+/// published ZP+ clips nothing. Light caps, which casters that are not in the depth buffer alone have, are drawn from
+/// the lists of far caps.
 fn shaped(instances: [u32; 6], counting: Counting, in_depth: bool) -> ShadowDraws {
     let draw = |vertices: u32, instances: u32| DrawArguments {
         vertex_count: if instances == 0 { 0 } else { vertices },

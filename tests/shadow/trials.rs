@@ -254,7 +254,8 @@ fn float_depth() -> Result<(), String> {
     each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))
 }
 
-/// A skinned mesh in motion, by one deformer, pose after pose. Rays through the pose before must not match the counts of the next.
+/// A skinned mesh in motion, by one deformer, pose after pose. Rays through the pose before must not match the counts
+/// of the next.
 fn skinned() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer::new(&gpu);

@@ -312,8 +312,8 @@ pub(crate) struct Exact {
     rise_size: f64,
 }
 
-/// Where the light has a vertex on the near plane, and what rounding moves it by at most, in the terms of the vertex or of the light:
-/// docs/numerics/shadow-volumes.md, "Rounding of vertices".
+/// Where the light has a vertex on the near plane, and what rounding moves it by at most, in the terms of the vertex or
+/// of the light: docs/numerics/shadow-volumes.md, "Rounding of vertices".
 pub(crate) struct Star {
     pub(crate) exact: DVec2,
     pub(crate) by_vertex: DVec2,

@@ -5,8 +5,10 @@
 // `may_be_in_cone` returns false only for a box without a point in the cone: `cull_lights` and `needs` cull by it. Claim:
 // docs/numerics/scene.md, "Cones of lights".
 
-const CHUNK: u32 = 64u; // Slots of a chunk, which all belong to one caster.
-const LANES: u32 = 8u; // Invocations that share a chunk.
+// Slots of a chunk, which all belong to one caster.
+const CHUNK: u32 = 64u;
+// Invocations that share a chunk.
+const LANES: u32 = 8u;
 // Flags of a caster.
 const CLOSED: u32 = 1u; // Closed and consistently oriented: each edge has two faces that traverse it in opposite directions.
 const MIRRORED: u32 = 2u; // Its matrix mirrors.

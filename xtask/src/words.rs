@@ -154,9 +154,9 @@ mod tests {
 
     #[test]
     fn strings_and_comments_have_no_names() {
-        let text = r####"let a = "own \" own
+        let text = r##"let a = "own \" own
             own"; let own = '"'; // own "
-            let b = r#"own " own"#; let place = "//"; let own = 1;"####;
+            let b = r#"own " own"#; let place = "//"; let own = 1;"##;
         let found = banned_names(text, &[]);
         let lines: Vec<_> = found.iter().filter_map(|what| what.split(' ').next()).collect();
         assert_eq!(lines, ["2", "3", "3"], "{found:?}");

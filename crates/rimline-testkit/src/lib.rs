@@ -8,8 +8,8 @@
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`choices`]: what the GPU chose for the lights of a caster;
 //! * [`clusters`]: what the bound of a cluster decides, in `f64`;
-//! * [`passes`]: textures of depth, and passes that draw into them; [`dispatch`]: a short way to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a
-//!   shader have;
+//! * [`passes`]: textures of depth, and passes that draw into them; [`dispatch`]: a short way to pipelines; [`probe`]:
+//!   functions of shaders, called; [`turns`]: how many turns the loops of a shader have;
 //! * [`refusals`]: tables of calls that must be refused; [`mutate`]: files with something changed at random;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]

@@ -109,7 +109,8 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
         Self { pipeline, layouts }
     }
 
-    /// The vertices that a call of a stage's function gives for the inputs 0, 1, and so on. A probe is made once for a device.
+    /// The vertices that a call of a stage's function gives for the inputs 0, 1, and so on. A probe is made once for a
+    /// device.
     pub fn vertices(
         gpu: &Gpu,
         stage: &Stage,

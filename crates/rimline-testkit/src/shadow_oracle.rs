@@ -56,8 +56,8 @@ impl Homogeneous {
         Self { xyz: [x, y, z].map(|c| scaled(c, scale + common)), w: scaled(w, common) }
     }
 
-    /// The light moved by (ε, ε², ε³). A determinant has products of two coordinates of these points with one of the light's or w and a
-    /// coordinate. ε is below the inverse of any, with room for their sums.
+    /// The light moved by (ε, ε², ε³). A determinant has products of two coordinates of these points with one of the
+    /// light's or w and a coordinate. ε is below the inverse of any, with room for their sums.
     pub(crate) fn moved<'a>(&self, points: impl Iterator<Item = &'a Vector>) -> Self {
         let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);
         let epsilon = 4 * (points.map(bits).max().unwrap_or(0) + bits(&self.xyz).max(self.w.bits())) + 64;

@@ -1,5 +1,5 @@
-//! Volumes that no receiver can be in: without them every receiver has the same count. Faces that others occlude for a light: without
-//! them every shadow is the same.
+//! Volumes that no receiver can be in: without them every receiver has the same count. Faces that other faces hide from
+//! a light: without them every shadow is the same.
 
 use std::ops::ControlFlow;
 
