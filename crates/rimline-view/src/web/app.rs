@@ -241,10 +241,6 @@ impl App {
             self.page.tell("said", message);
         }
     }
-
-    fn tell(&mut self, event: Event) {
-        self.viewer.handle(event);
-    }
 }
 
 /// Does what the viewer asked for.
@@ -252,7 +248,7 @@ fn fulfil(app: &Shared, request: Request) {
     let page = app.borrow().page.clone();
     let told = Rc::clone(app);
     let tell = move |event| {
-        told.borrow_mut().tell(event);
+        told.borrow_mut().viewer.handle(event);
         ask_for_frame(&told);
     };
     match request {
