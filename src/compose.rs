@@ -1,7 +1,7 @@
 //! Composes WGSL modules from files. A file names at its top what it takes (`#import common/positions`), and may have
-//! variants (`#if SCENE`, `#else`, `#endif`). A module holds what the entry points of one stage reach, and the constants that a
-//! pipeline may set, so that a device still refuses the name of a constant that is in none of the files. Items are in the order of
-//! the imports, and each file once.
+//! variants (`#if SCENE`, `#else`, `#endif`). A module holds what the entry points of one stage reach, and the
+//! constants that a pipeline may set, so that a device still refuses the name of a constant that is in none of the
+//! files. Items are in the order of the imports, and each file once.
 
 use std::collections::HashMap;
 use std::fmt::Write;

@@ -152,6 +152,11 @@ pub mod model {
     }
 }
 
+/// Faces that `f32` cannot decide.
+pub mod facing {
+    pub use crate::cpu::extract::facing::undecided_faces;
+}
+
 /// Clusters of faces that are decided whole.
 #[cfg(feature = "gpu")]
 pub mod clusters {

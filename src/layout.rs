@@ -162,7 +162,7 @@ shared_structs! {
         padding: u32,
     }
 
-    /// The points of one dispatch of the shadow depth query.
+    /// The points of one dispatch of a query of occluder counts.
     struct PointChunk {
         count: u32,
         offset: u32,

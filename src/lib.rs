@@ -8,8 +8,8 @@
 //!
 //! # Five tasks
 //!
-//! **Outlines** as lines of a width in pixels, behind your depth. The eye is the light. Casters of a scene have them, too, by
-//! [`OutlineSource::Scene`](gpu::OutlineSource):
+//! **Outlines** as lines of a width in pixels, behind your depth. The eye is the light. Casters of a scene have them,
+//! too, by [`OutlineSource::Scene`](gpu::OutlineSource):
 //!
 //! ```no_run
 //! # use rimline::{gpu::*, *};
@@ -85,24 +85,25 @@
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! query.encode_at(&mut encoder, vertices, points, 1000, &[Light::point([0.0, 5.0, 2.0])])?;
 //! queue.submit([encoder.finish()]);
-//! Ok(query.read_depths(queue)?)
+//! Ok(query.read_occluder_counts(queue)?)
 //! # }
 //! ```
 //!
 //! # What else there is
 //!
 //! * [`Mesh`] welds any triangles and polygons: closed, open, non-manifold or inconsistently oriented.
-//! * [`gpu::Extractor`] and [`gpu::include_wgsl`]: silhouettes for your own shaders. [`gpu::Pipelines`] are shared by many meshes.
-//! * [`Model`], [`Pose`], [`gpu::Deformer`]: morph targets, skins and your own displacement. A [`gpu::Scene`] deforms the models that a
-//!   frame needs. `gltf` (a feature, on by default) loads them from glTF 2.0.
+//! * [`gpu::Extractor`] and [`gpu::include_wgsl`]: silhouettes for your own shaders. [`gpu::Pipelines`] are shared by
+//!   many meshes.
+//! * [`Model`], [`Pose`], [`gpu::Deformer`]: morph targets, skins and your own displacement. A [`gpu::Scene`] deforms
+//!   the models that a frame needs. `gltf` (a feature, on by default) loads them from glTF 2.0.
 //! * [`gpu::depth_map`]: shadows of what has no mesh, from depth maps of a light (feature `depth-map`, on by default).
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
-//! * [`cpu`]: extraction, deformation and the query without a device, with the same bits as on the GPU. Without the feature `gpu`, on
-//!   by default, the library brings neither wgpu nor naga.
+//! * [`cpu`]: extraction, deformation and the query without a device, with the same bits as on the GPU. Without the
+//!   feature `gpu`, on by default, the library brings neither wgpu nor naga.
 //! * [`Origin`]: moves models with large coordinates, such as those of surveys, to where `f32` is fine.
 //!
-//! Files of `docs/numerics` that these pages name, with error bounds and proofs, and those of `tests` lie in the repository, not in
-//! the package.
+//! Files of `docs/numerics` that these pages name, with error bounds and proofs, and those of `tests` lie in the
+//! repository, not in the package.
 
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]

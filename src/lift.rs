@@ -3,10 +3,10 @@
 use crate::Light;
 
 impl Light {
-    /// Moves `point` towards this light by `distance`, and not beyond it: in `f64`, rounded once to `f32`. A shadow depth
-    /// query then does not count a face that the point is on. The move must take it farther from the face than rounding did.
-    /// A light low over the face needs a larger distance. Other faces between the point and its new position do not count
-    /// either. [`cpu::shadow_depth_on_faces`](crate::cpu::shadow_depth_on_faces) and
+    /// Moves `point` towards this light by `distance`, and not beyond it: in `f64`, rounded once to `f32`. A query of
+    /// occluder counts then does not count a face that the point is on. The move must take it farther from the face
+    /// than rounding did. A light low over the face needs a larger distance. Other faces between the point and its new
+    /// position do not count either. [`cpu::shadow_depth_on_faces`](crate::cpu::shadow_depth_on_faces) and
     /// [`gpu::QueryPoints`](crate::gpu::QueryPoints) leave a face out exactly.
     ///
     /// A point that is not finite, one at the light, and every point if the distance is not above 0 stay as they are.

@@ -37,7 +37,8 @@ pub struct Light {
 pub struct Cone {
     /// Where the light points, in world space, at any length above 0.
     pub axis: [f32; 3],
-    /// The cosine of the angle from the axis to where nothing is lit, −1 to 1. An angle of more than 90° has a negative cosine.
+    /// The cosine of the angle from the axis to where nothing is lit, −1 to 1. An angle of more than 90° has a negative
+    /// cosine.
     pub cosine: f32,
 }
 

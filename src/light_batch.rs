@@ -14,8 +14,8 @@ impl LightBatch {
         Self::of_bits(of_bit, lights.len() as u32, position_offset, position_stride)
     }
 
-    /// The batch of the lights that some of the lowest `count` bits have. The others have no bit in any mask; they repeat a light,
-    /// so that nothing is left undecided for them.
+    /// The batch of the lights that some of the lowest `count` bits have. The others have no bit in any mask; they
+    /// repeat a light, so that nothing is left undecided for them.
     pub(crate) fn of_bits(
         light: impl Fn(usize) -> Option<[f32; 4]>,
         count: u32,

@@ -33,7 +33,8 @@ impl Method {
 #[non_exhaustive]
 pub enum Predicate {
     /// The sign in exact arithmetic, for every finite position and light. Every device gives the same bits. A filter in
-    /// `f32` decides almost all pairs of face and light, and integers decide the rest. See docs/numerics/facing.md, "Filter".
+    /// `f32` decides almost all pairs of face and light, and integers decide the rest. See docs/numerics/facing.md,
+    /// "Filter".
     #[default]
     Exact,
     /// The sign that `f32` arithmetic gives for `n · (l − w·a)`. It is wrong for some lights that lie nearly in a

@@ -83,9 +83,9 @@ pub enum DepthDirection {
 
 /// The camera that shadow volumes are drawn for.
 ///
-/// Its matrix takes positions less [`Self::origin`] to wgpu's clip space: x to the right, y up, and depth from 0 to 1. A matrix
-/// whose y points down, or whose x points to the left, makes a mirror image, for which the pipelines need another
-/// [front face](crate::gpu::ShadowFormat::front_face). [`Self::from_matrix`] finds the depth direction, and
+/// Its matrix takes positions less [`Self::origin`] to wgpu's clip space: x to the right, y up, and depth from 0 to 1.
+/// A matrix whose y points down, or whose x points to the left, makes a mirror image, for which the pipelines need
+/// another [front face](crate::gpu::ShadowFormat::front_face). [`Self::from_matrix`] finds the depth direction, and
 /// [`ShadowFormat::of_camera`](crate::gpu::ShadowFormat::of_camera) the rest.
 ///
 /// ```
@@ -170,13 +170,13 @@ pub enum CameraError {
 const LEAST_NEAR: f64 = f64::from_bits((1023 - 110) << 52);
 
 impl ShadowCamera {
-    /// The camera of a perspective matrix, four columns, for positions less `origin`. The depth direction is that of the matrix.
-    /// It may make a mirror image and may have a far plane.
+    /// The camera of a perspective matrix, four columns, for positions less `origin`. The depth direction is that of
+    /// the matrix. It may make a mirror image and may have a far plane.
     ///
     /// # Errors
-    /// [`CameraError`] for an orthographic matrix, which does not tell its depth direction, and for one of which no camera is
-    /// made: singular, with an oblique near plane, with a near plane behind the eye, or with one so near that depths leave the
-    /// normal range of `f32`.
+    /// [`CameraError`] for an orthographic matrix, which does not tell its depth direction, and for one of which no
+    /// camera is made: singular, with an oblique near plane, with a near plane behind the eye, or with one so near that
+    /// depths leave the normal range of `f32`.
     pub fn from_matrix(view_projection: [[f32; 4]; 4], origin: [f32; 3]) -> Result<Self, CameraError> {
         let with = |depth| Self { view_projection, origin, depth };
         let [reversed, standard] = [DepthDirection::Reversed, DepthDirection::Standard].map(with);

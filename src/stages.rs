@@ -1,5 +1,5 @@
-//! The one list of stages and of WGSL files. Pipelines, labels, CPU references and tests use it. The top of each file in `wgsl` says
-//! what its stage computes, for whom, and what it promises.
+//! The one list of stages and of WGSL files. Pipelines, labels, CPU references and tests use it. The top of each file
+//! in `wgsl` says what its stage computes, for whom, and what it promises.
 
 use crate::compose::{Composed, compose};
 
@@ -28,8 +28,8 @@ macro_rules! first {
     };
 }
 
-/// Lists stages: `STAGE = SUBJECT / NAME`, with `in FILE` if the file has another name, for a variant `as MODULE if FLAG`, and
-/// entry points that have other names than the stage.
+/// Lists stages: `STAGE = SUBJECT / NAME`, with `in FILE` if the file has another name, for a variant `as MODULE if
+/// FLAG`, and entry points that have other names than the stage.
 macro_rules! stages {
     ($(#[$doc:meta])* $list:ident: $($stage:ident = $subject:ident / $name:ident $(in $file:ident)? $(as $module:ident if $flag:ident)?
         $(: $($entry:ident),+)?;)*) => {
@@ -65,7 +65,7 @@ stages! {
     PER_EDGE = extract / per_edge;
     COMPACT = extract / compact: compact_count, compact_scan, compact_scatter;
     ARGUMENTS = extract / arguments in compact;
-    REACH = scene / reach;
+    CULL_LIGHTS = scene / cull_lights;
     CLUSTERS = scene / clusters;
     CHUNKS = scene / chunks in clusters;
     SCENE_FACING = extract / facing as scene_facing if SCENE;
@@ -76,7 +76,7 @@ stages! {
     RECEIVER_PYRAMID = shadow / receiver_pyramid;
     RELIST = shadow / relist;
     BOUNDS = shadow / bounds;
-    CHOOSE = shadow / choose;
+    COUNTING_METHODS = shadow / counting_methods;
     ZP_PLUS_2005_CASES = shadow / zp_plus_2005_cases;
     CAPS = shadow / caps;
     LIST_SIDES = shadow / list_sides;
@@ -108,7 +108,7 @@ stages! {
     DRAWN:
     SIDES = shadow / sides: side, side_clipped, zp_plus_2005_side;
     CAP_FACES = shadow / cap_faces: light_cap, seen_light_cap, dark_cap, near_cap, zp_plus_2005_cap;
-    PIECES = shadow / pieces: piece_side, piece_side_clipped, piece_near_cap, piece_light_cap, piece_dark_cap;
+    PIECE_VOLUMES = shadow / piece_volumes: piece_side, piece_side_clipped, piece_near_cap, piece_light_cap, piece_dark_cap;
     DEPTH_SURFACE = depth_map / depth_surface in surface: depth_surface, depth_near_cap;
     DEPTH_WALLS = depth_map / depth_walls;
     MESH_DEPTH = depth_map / mesh_depth: mesh_depth, scene_depth;
@@ -176,22 +176,22 @@ pub const FILES: &[(&str, &str)] = files![
     "query/shadow_pairs",
     "query/shadow_segments",
     "scene/clusters",
+    "scene/cull_lights",
     "scene/listed_chunks",
     "scene/many_casters",
     "scene/needs",
-    "scene/reach",
     "scene/table",
     "shadow/bounds",
     "shadow/cap_faces",
     "shadow/caps",
     "shadow/caster",
     "shadow/choices",
-    "shadow/choose",
+    "shadow/counting_methods",
     "shadow/culling",
     "shadow/draw_lists",
     "shadow/half_plane_bins",
     "shadow/list_sides",
-    "shadow/pieces",
+    "shadow/piece_volumes",
     "shadow/receiver_pyramid",
     "shadow/receivers",
     "shadow/relist",

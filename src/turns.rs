@@ -1,6 +1,7 @@
-//! Most items that an invocation takes in turn, so that its loops end. llvmpipe silently ends all loops of an invocation after 65,535
-//! turns together, and drivers stop what runs long. docs/numerics/loops.md says how turns count. A comment above each loop says
-//! how many it has, and a test adds them up: a new loop without one, or one above the bound, fails it.
+//! Most items that an invocation takes in turn, so that its loops end. llvmpipe silently ends all loops of an
+//! invocation after 65,535 turns together, and drivers stop what runs long. docs/numerics/loops.md says how turns
+//! count. A comment above each loop says how many it has, and a test adds them up: a new loop without one, or one above
+//! the bound, fails it.
 
 /// Groups of 1,024 faces that one dispatch of a query goes over. With 31, a word also has a bit for each and one more.
 pub const QUERY_GROUPS: u32 = 31;

@@ -1,4 +1,5 @@
-//! Table 2 of the paper on shadow volumes from depth maps (2000): how many triangles volumes have, and how many times more where the map's side is doubled.
+//! Table 2 of the paper on shadow volumes from depth maps (2000): how many triangles volumes have, and how many times
+//! more where the map's side is doubled.
 
 use glam::{DQuat, DVec3, Vec3};
 use rimline::gpu::depth_map::DepthMapMethod;
@@ -26,9 +27,9 @@ const WAYS: [(&str, DepthMapMethod); 4] = [
 /// Tori above a thin ground, and the same below it.
 fn scene([rings, segments]: [u32; 2], count: usize) -> Shape {
     let (mut scene, mut random) = (Shape::default(), Random::new(SEED));
-    let mut push = |shape: &Shape, place: &dyn Fn(Vec3) -> Vec3| {
+    let mut push = |shape: &Shape, transform: &dyn Fn(Vec3) -> Vec3| {
         let first = scene.positions.len() as u32;
-        scene.positions.extend(shape.positions.iter().map(|&position| place(Vec3::from(position)).to_array()));
+        scene.positions.extend(shape.positions.iter().map(|&position| transform(Vec3::from(position)).to_array()));
         scene.faces.extend(shape.faces.iter().map(|face| face.map(|vertex| first + vertex)));
     };
     let torus =
@@ -55,8 +56,8 @@ fn turned(random: &mut Random) -> [DVec3; 3] {
     [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| turn * axis)
 }
 
-/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A list of
-/// walls has two for each.
+/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A
+/// list of walls has two for each.
 fn triangles(way: DepthMapMethod, list: &[u32]) -> u64 {
     let Some((&count, entries)) = list.split_first() else { return 0 };
     if let DepthMapMethod::Contours { .. } = way {

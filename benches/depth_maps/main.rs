@@ -1,6 +1,6 @@
-//! `cargo bench --bench depth_maps`: volumes from depth maps. Words after `--` choose: `growth` counts their triangles where the
-//! map's side is doubled; `casters` times frames against volumes of meshes and a lookup, `--json FILE` for a chart by
-//! `rimline bench --depth-maps FILE`. `--rotations N` for another number than 1,000, `--quick` for few of all.
+//! `cargo bench --bench depth_maps`: volumes from depth maps. Words after `--` choose: `growth` counts their triangles
+//! where the map's side is doubled; `casters` times frames against volumes of meshes and a lookup, `--json FILE` for a
+//! chart by `rimline bench --depth-maps FILE`. `--rotations N` for another number than 1,000, `--quick` for few of all.
 
 mod growth;
 mod shade;
@@ -52,7 +52,8 @@ const WAYS: [(&str, DepthMapMethod); 3] = [
     ("of the map, contours 0.005", CONTOURS),
 ];
 
-/// Frames of one caster of more and more faces: volumes of its mesh, volumes of a depth map, and a lookup in the map, in turn.
+/// Frames of one caster of more and more faces: volumes of its mesh, volumes of a depth map, and a lookup in the map,
+/// in turn.
 fn measure(bench: &Bench, rounds: usize) -> Result<Vec<Row>, Error> {
     let (gpu, distance) = (&bench.gpu, 6.0);
     let down = DVec3::new(0.4, -1.0, 0.3).normalize();

@@ -18,8 +18,8 @@ const SHADER: &str = "
 }
 @fragment fn lookup(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   let depth = textureLoad(eye_depth, vec2<i32>(at.xy), 0).x;
-  let place = 2.0 * at.xy / vec2<f32>(textureDimensions(eye_depth)) - 1.0;
-  let seen = to_light * vec4<f32>(place.x, -place.y, depth, 1.0);
+  let ndc = 2.0 * at.xy / vec2<f32>(textureDimensions(eye_depth)) - 1.0;
+  let seen = to_light * vec4<f32>(ndc.x, -ndc.y, depth, 1.0);
   let point = seen.xyz / seen.w;
   let texel = (0.5 + 0.5 * vec2<f32>(point.x, -point.y)) * vec2<f32>(textureDimensions(map));
   if (depth == 0.0 || point.z < textureLoad(map, vec2<i32>(texel), 0).x + 0.001) {

@@ -21,12 +21,12 @@ pub(crate) const CONTOURS: DepthMapMethod = DepthMapMethod::Contours { threshold
 /// A near plane as in games, where units are metres.
 const NEAR: f64 = 0.1;
 
-/// A camera that looks from `distance` along `axes[2]` to the origin, and sees a ball of `radius` there. Lights have standard
-/// depth from before the ball to behind it, eyes reversed depth from [`NEAR`] on.
+/// A camera that looks from `distance` along `axes[2]` to the origin, and sees a ball of `radius` there. Lights have
+/// standard depth from before the ball to behind it, eyes reversed depth from [`NEAR`] on.
 pub(crate) fn camera([right, up, forward]: [DVec3; 3], distance: f64, radius: f64, is_light: bool) -> ShadowCamera {
-    let place = -distance * forward;
+    let eye = -distance * forward;
     let scale = (distance * distance - radius * radius).sqrt() / radius;
-    let row = |axis: DVec3| axis.extend(-axis.dot(place));
+    let row = |axis: DVec3| axis.extend(-axis.dot(eye));
     let (w, near, far) = (row(forward), distance - radius, distance + radius);
     let (z, depth) = if is_light {
         ((w - DVec4::W * near) * (far / (far - near)), DepthDirection::Standard)

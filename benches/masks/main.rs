@@ -1,7 +1,7 @@
-//! `cargo bench --bench masks`: shadow masks from depth without a stencil, against the stencil of a caller who has one. Milliseconds of
-//! the GPU for what comes after the depth pass: there a pass a light, with its volumes and a draw that adds light where the stencil
-//! is 0; here the masks and one draw that adds all lights. Both must give the same picture. Then the same without the light.
-//! `--quick` takes fewer rounds.
+//! `cargo bench --bench masks`: shadow masks from depth without a stencil, against the stencil of a caller who has one.
+//! Milliseconds of the GPU for what comes after the depth pass: there a pass a light, with its volumes and a draw that
+//! adds light where the stencil is 0; here the masks and one draw that adds all lights. Both must give the same
+//! picture. Then the same without the light. `--quick` takes fewer rounds.
 
 use std::cell::RefCell;
 use std::time::Duration;
@@ -57,8 +57,8 @@ fn main() -> Result<(), Error> {
         "| scene | lights | own stencil | masks | ratio | without light, own | masks | ratio | recording, own | masks | ratio |"
     );
     println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
-    let (figure, title) = figure()?;
-    let scenes = [(title, vec![(figure, vec![IDENTITY])]), ("100 casters".to_owned(), field())];
+    let (shape, title) = walker()?;
+    let scenes = [(title, vec![(shape, vec![IDENTITY])]), ("100 casters".to_owned(), field())];
     for (title, casters) in &scenes {
         for lights in [1, 8, 32] {
             measure(&gpu, title, casters, lights, Rounds { least: 3, most: 200, time })?;
@@ -83,7 +83,7 @@ fn device() -> Result<(Gpu, String), Error> {
 }
 
 /// `CesiumMan` as it stands, one unit high and more; without the file a torus of as many faces.
-fn figure() -> Result<(Shape, String), Error> {
+fn walker() -> Result<(Shape, String), Error> {
     let text = |error: &dyn std::fmt::Display| Error::Device(error.to_string());
     let Some(folder) = rimline_testkit::assets() else {
         return Ok((shapes::torus(68, 34, 0.6, 0.25), "torus".to_owned()));
@@ -98,13 +98,13 @@ fn figure() -> Result<(Shape, String), Error> {
 /// Ten by ten casters of three shapes.
 fn field() -> Vec<(Shape, Vec<Matrix3x4>)> {
     let kinds = [shapes::torus(32, 24, 0.35, 0.15), shapes::blob(4, 0.2, 3), shapes::cube()];
-    let place = |at: usize| {
+    let matrix_of = |at: usize| {
         let turn = Mat4::from_rotation_y(at as f32) * Mat4::from_rotation_x(0.7 * at as f32);
         let to = Vec3::new((at % 10) as f32 - 4.5, 0.6, (at / 10) as f32 - 4.5);
         let matrix = Mat4::from(Affine3A::from_translation(to)) * turn * Mat4::from_scale(Vec3::splat(0.4));
         [0, 1, 2].map(|row| matrix.row(row).to_array())
     };
-    let of = |kind: usize| (0..100).filter(move |at| at % 3 == kind).map(place).collect();
+    let of = |kind: usize| (0..100).filter(move |at| at % 3 == kind).map(matrix_of).collect();
     kinds.into_iter().enumerate().map(|(kind, shape)| (shape, of(kind))).collect()
 }
 
@@ -130,11 +130,11 @@ fn measure(
     rounds: Rounds,
 ) -> Result<(), Error> {
     let world = World::new(gpu, casters, lights)?;
-    let (own, mut masked) = (Own::new(&world)?, Masked::new(&world)?);
+    let (stencil, mut masked) = (Stencil::new(&world)?, Masked::new(&world)?);
     let stopwatch = Stopwatch::new(gpu);
     let mut pictures = Vec::new();
     let mut last = 0.0;
-    for way in [&mut |encoder: &mut _| own.record(&world, encoder, true), &mut |encoder: &mut _| {
+    for way in [&mut |encoder: &mut _| stencil.record(&world, encoder, true), &mut |encoder: &mut _| {
         masked.record(&world, encoder, true)
     }] as [&mut dyn FnMut(&mut wgpu::CommandEncoder) -> Result<(), Error>; 2]
     {
@@ -157,13 +157,13 @@ fn measure(
     // More on a fast device, so that handing over the commands weighs little.
     let repeats = (20.0 / last).clamp(1.0, 30.0) as usize;
     let masked = &RefCell::new(masked);
-    let by = |is_own: bool, is_lit: bool| {
-        let (own, world, stopwatch) = (&own, &world, &stopwatch);
+    let by = |by_stencil: bool, is_lit: bool| {
+        let (stencil, world, stopwatch) = (&stencil, &world, &stopwatch);
         let run: Contender<'_> = Box::new(move || {
             let times = stopwatch.by_clock(|encoder| {
                 (0..repeats).try_for_each(|_| {
-                    if is_own {
-                        own.record(world, encoder, is_lit)
+                    if by_stencil {
+                        stencil.record(world, encoder, is_lit)
                     } else {
                         masked.borrow_mut().record(world, encoder, is_lit)
                     }
@@ -179,8 +179,8 @@ fn measure(
         Entry::new(Variant::new("masks", "masks", 0, 0), &samples[at]).median(metric).unwrap_or(f64::NAN)
     };
     let cells = [(DRAWING, 0), (DRAWING, 2), (RECORDING, 0)].map(|(metric, first)| {
-        let [own, masks] = [first, first + 1].map(|at| median(at, metric));
-        format!("{own:.3} | {masks:.3} | {:.2}", masks / own)
+        let [stencil, masks] = [first, first + 1].map(|at| median(at, metric));
+        format!("{stencil:.3} | {masks:.3} | {:.2}", masks / stencil)
     });
     println!("| {title} | {lights} | {} |", cells.join(" | "));
     Ok(())
@@ -198,15 +198,15 @@ impl<'a> World<'a> {
             let mesh = scene.add_mesh(&shape.mesh()?, &shape.positions)?;
             for matrix in matrices {
                 scene.insert(Caster::rigid(mesh, *matrix))?;
-                let place = |p: [f32; 3]| matrix.map(|[x, y, z, shift]| Vec3::new(x, y, z).dot(p.into()) + shift);
-                corners.extend(shape.faces.iter().flatten().map(|&v| place(shape.positions[v as usize])));
+                let transform = |p: [f32; 3]| matrix.map(|[x, y, z, shift]| Vec3::new(x, y, z).dot(p.into()) + shift);
+                corners.extend(shape.faces.iter().flatten().map(|&v| transform(shape.positions[v as usize])));
             }
         }
         // Above, all around, and one in four at infinity.
         let light = |number: usize| {
             let angle = 2.4 * number as f32;
-            let place = [4.0 * angle.cos(), 4.0, 4.0 * angle.sin()];
-            if number % 4 == 3 { Light::directional(place) } else { Light::point(place) }
+            let xyz = [4.0 * angle.cos(), 4.0, 4.0 * angle.sin()];
+            if number % 4 == 3 { Light::directional(xyz) } else { Light::point(xyz) }
         };
         let lights = (0..lights).map(|number| scene.add_light(light(number))).collect::<Result<Vec<_>, _>>()?;
         let far: f32 = if casters.len() > 1 { 7.0 } else { 2.2 };
@@ -258,7 +258,7 @@ impl<'a> World<'a> {
 }
 
 /// A caller with a stencil.
-struct Own {
+struct Stencil {
     volumes: ShadowPipelines,
     light: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
@@ -266,7 +266,7 @@ struct Own {
     color: wgpu::TextureView,
 }
 
-impl Own {
+impl Stencil {
     fn new(world: &World<'_>) -> Result<Self, Error> {
         let format = ShadowFormat {
             depth_stencil: TextureFormat::Depth32FloatStencil8,

@@ -1,6 +1,6 @@
 //! `cargo bench --bench pipelines`: milliseconds to make a further scene of one caster, and to use it first, where each has
-//! pipelines of its own, where drawing ones are shared, and where all are. A driver's own cache on disk helps the former; Mesa's
-//! is off with `MESA_SHADER_CACHE_DISABLE=true`.
+//! pipelines of its own, where drawing ones are shared, and where all are. A driver's own cache on disk helps the
+//! former; Mesa's is off with `MESA_SHADER_CACHE_DISABLE=true`.
 
 use std::time::Instant;
 
@@ -30,8 +30,8 @@ fn main() -> Result<(), Error> {
     let run = |shares_drawing: bool, shares_all: bool| {
         let begin = Instant::now();
         let all = if shares_all { shared.clone() } else { Pipelines::new(&gpu.device) };
-        let own = if shares_drawing { None } else { Some(drawing(&all)?) };
-        let drawing = own.as_ref().unwrap_or(&shared_drawing);
+        let new_drawing = if shares_drawing { None } else { Some(drawing(&all)?) };
+        let drawing = new_drawing.as_ref().unwrap_or(&shared_drawing);
         let options = OneCasterOptions { counting: drawing.counting(), ..OneCasterOptions::default() };
         let mut caster = OneCaster::new(&all, &gpu.queue, &mesh, &options)?;
         let made = Instant::now();

@@ -26,8 +26,8 @@ fn main() -> Result<(), Error> {
     for (order, shape) in [("in order", shape.clone()), ("shuffled", shape.shuffled(1))] {
         let on_mesh: Vec<_> = (0..points).map(|index| on_face(&shape, index)).collect();
         let around: Vec<_> = on_mesh.iter().map(|p| p.map(|c| 1.3 * c + 0.01)).collect();
-        for (place, points) in [("on the mesh", &on_mesh), ("around it", &around)] {
-            println!("faces {order}, points {place}");
+        for (title, points) in [("on the mesh", &on_mesh), ("around it", &around)] {
+            println!("faces {order}, points {title}");
             // A part of the points is enough for what is slow.
             let of = |part: usize| &points[..points.len() / if order == "shuffled" { 16 } else { part }];
             compare(&gpu, &shape, [of(1), of(16)])?;

@@ -1,7 +1,7 @@
 // A deferred renderer: the number of the face that each pixel sees, then light from it, its depth, and the shadow masks.
 
 struct Lamp {
-  place: vec3<f32>,
+  position: vec3<f32>,
   // Where it fades to nothing.
   range: f32,
   color: vec3<f32>,
@@ -20,7 +20,7 @@ struct Frame {
 
 // A corner of a face, in world space.
 struct Corner {
-  place: vec3<f32>,
+  position: vec3<f32>,
   unused: f32,
   albedo: vec3<f32>,
   reserved: f32,
@@ -36,7 +36,7 @@ struct Seen {
 }
 
 @vertex fn surface(@builtin(vertex_index) at: u32) -> Seen {
-  return Seen(frame.to_clip * vec4<f32>(corners[at].place - frame.eye, 1.0), at / 3u + 1u);
+  return Seen(frame.to_clip * vec4<f32>(corners[at].position - frame.eye, 1.0), at / 3u + 1u);
 }
 
 @fragment fn face_number(in: Seen) -> @location(0) u32 {
@@ -53,8 +53,8 @@ struct Seen {
   return vec4<f32>(f32(at & 1u) * 4.0 - 1.0, f32(at >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
-fn light_of(lamp: Lamp, place: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-  let towards = lamp.place - place;
+fn light_of(lamp: Lamp, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+  let towards = lamp.position - position;
   let falloff = max(0.0, 1.0 - dot(towards, towards) / (lamp.range * lamp.range));
   return lamp.color * max(0.0, dot(normal, normalize(towards))) * falloff * falloff;
 }
@@ -66,17 +66,17 @@ fn lit(pixel: vec2<i32>) -> vec3<f32> {
   }
   let ndc = 2.0 * (vec2<f32>(pixel) + 0.5) / vec2<f32>(textureDimensions(faces)) - 1.0;
   let from_eye = frame.from_clip * vec4<f32>(ndc.x, -ndc.y, textureLoad(depth, pixel, 0).x, 1.0);
-  let place = from_eye.xyz / from_eye.w + frame.eye;
+  let position = from_eye.xyz / from_eye.w + frame.eye;
   let corner = corners[3u * face - 3u];
-  let across = cross(corners[3u * face - 2u].place - corner.place, corners[3u * face - 1u].place - corner.place);
+  let across = cross(corners[3u * face - 2u].position - corner.position, corners[3u * face - 1u].position - corner.position);
   let normal = normalize(across);
   // The share of the area light that is not in shadow, of 32.
   let share = f32(32u - countOneBits(textureLoad(area_masks, pixel, 0).x)) / 32.0;
-  var light = vec3<f32>(0.05, 0.05, 0.06) + share * light_of(frame.lamps[8], place, normal);
+  var light = vec3<f32>(0.05, 0.05, 0.06) + share * light_of(frame.lamps[8], position, normal);
   let dark = textureLoad(lamp_masks, pixel, 0).x;
   for (var lamp = 0u; lamp < 8u; lamp++) {
     if ((dark >> lamp & 1u) == 0u) {
-      light += light_of(frame.lamps[lamp], place, normal);
+      light += light_of(frame.lamps[lamp], position, normal);
     }
   }
   return corner.albedo * light;

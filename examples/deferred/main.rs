@@ -1,5 +1,5 @@
-//! A small deferred renderer, whose depth has no stencil: eight lamps, and an area light of 32 samples, whose masks are one word a
-//! pixel. Writes `deferred.png`. Run it with `cargo run --release --example deferred`.
+//! A small deferred renderer, whose depth has no stencil: eight lamps, and an area light of 32 samples, whose masks are
+//! one word a pixel. Writes `deferred.png`. Run it with `cargo run --release --example deferred`.
 
 #[path = "../support/stage.rs"]
 pub(crate) mod stage;
@@ -25,9 +25,9 @@ pub(crate) const AREA_COLOR: [f32; 3] = [0.80, 0.76, 0.68];
 pub(crate) fn lamps() -> [(Light, [f32; 3]); 8] {
     std::array::from_fn(|number| {
         let angle = std::f32::consts::TAU * (number as f32 + 0.5) / 8.0;
-        let place = [3.1 * angle.cos(), 0.8, 3.1 * angle.sin()];
+        let position = [3.1 * angle.cos(), 0.8, 3.1 * angle.sin()];
         let hue = |shift: f32| 0.20 + 0.20 * (angle + shift).cos();
-        (Light::point(place).with_range(6.0), [0.0, 2.1, 4.2].map(hue))
+        (Light::point(position).with_range(6.0), [0.0, 2.1, 4.2].map(hue))
     })
 }
 
@@ -39,8 +39,8 @@ pub(crate) fn bodies() -> [(Shape, Vec<Matrix3x4>, [f32; 3]); 3] {
     };
     let slab = |number: usize| {
         let angle = std::f32::consts::TAU * number as f32 / 16.0;
-        let place = Vec3::new(4.2 * angle.cos(), 0.7, 4.2 * angle.sin());
-        at(Vec3::new(0.12, 0.7, 0.45), Quat::from_rotation_y(-angle), place)
+        let position = Vec3::new(4.2 * angle.cos(), 0.7, 4.2 * angle.sin());
+        at(Vec3::new(0.12, 0.7, 0.45), Quat::from_rotation_y(-angle), position)
     };
     let ring = at(Vec3::ONE, Quat::from_rotation_x(1.35), Vec3::new(0.0, 1.75, 0.0));
     let blob = at(Vec3::splat(0.55), Quat::IDENTITY, Vec3::new(0.0, 0.75, 0.0));
@@ -56,10 +56,10 @@ pub(crate) fn corners() -> Vec<[f32; 8]> {
     let floor = [[-1, 1], [1, 1], [1, -1], [-1, 1], [1, -1], [-1, -1]];
     let floor = floor.map(|[x, z]| [40.0 * x as f32, 0.0, 40.0 * z as f32, 0.0, 0.78, 0.77, 0.75, 0.0]);
     let mut all: Vec<[f32; 8]> = floor.into();
-    for (shape, places, [r, g, b]) in bodies() {
-        for rows in places {
-            let place = |p: [f32; 3]| rows.map(|[x, y, z, to]| Vec3::new(x, y, z).dot(p.into()) + to);
-            let corners = shape.faces.iter().flatten().map(|&vertex| place(shape.positions[vertex as usize]));
+    for (shape, transforms, [r, g, b]) in bodies() {
+        for rows in transforms {
+            let transform = |p: [f32; 3]| rows.map(|[x, y, z, to]| Vec3::new(x, y, z).dot(p.into()) + to);
+            let corners = shape.faces.iter().flatten().map(|&vertex| transform(shape.positions[vertex as usize]));
             all.extend(corners.map(|[x, y, z]| [x, y, z, 0.0, r, g, b, 0.0]));
         }
     }
@@ -123,9 +123,9 @@ pub(crate) fn picture(canvas: &Canvas) -> Result<wgpu::CommandEncoder, Box<dyn s
 
     // Rimline's: a scene of the casters, and two masks from that depth.
     let mut scene = Scene::new(device, &canvas.queue, SceneOptions { max_lights: 40, ..SceneOptions::default() })?;
-    for (shape, places, _) in bodies() {
+    for (shape, transforms, _) in bodies() {
         let mesh = scene.add_mesh(&shape.mesh()?, &shape.positions)?;
-        places.into_iter().try_for_each(|rows| scene.insert(Caster::rigid(mesh, rows)).map(drop))?;
+        transforms.into_iter().try_for_each(|rows| scene.insert(Caster::rigid(mesh, rows)).map(drop))?;
     }
     let mut add = |light| scene.add_light(light);
     let few: Vec<LightHandle> = lamps().into_iter().map(|(light, _)| add(light)).collect::<Result<_, _>>()?;

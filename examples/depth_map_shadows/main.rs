@@ -1,6 +1,6 @@
-//! Shadows of what has no mesh: a ray-marched distance field and a tree of alpha-tested cards, from a depth map that the lamp sees.
-//! Boxes and the trunk cast by their meshes, into the same stencil. Writes `depth_map_shadows.png`. Run it with
-//! `cargo run --release --example depth_map_shadows`.
+//! Shadows of what has no mesh: a ray-marched distance field and a tree of alpha-tested cards, from a depth map that
+//! the lamp sees. Boxes and the trunk cast by their meshes, into the same stencil. Writes `depth_map_shadows.png`. Run
+//! it with `cargo run --release --example depth_map_shadows`.
 
 #[path = "../support/stage.rs"]
 mod stage;
@@ -46,8 +46,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let canvas = support::Canvas::of_size([960, 640])?;
     let camera = Camera::new([0.5, 2.9, 6.9], [0.15, 1.05, -0.3], 34.0).wide(1.5);
-    let place = [-3.2, 6.2, 3.4];
-    let light = Light::point(place);
+    let lamp_position = [-3.2, 6.2, 3.4];
+    let light = Light::point(lamp_position);
     let lamp = Lamp { light, color: [0.80, 0.75, 0.67] };
     let mut stage = Stage::new(&canvas, &camera, &[lamp], format.light_pass_depth_stencil());
     stage.add_extra(CASTERS, "everywhere", ["field_ambient", "field_lit"], 3);
@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Casters without a mesh: the lamp renders its own view of them.
     let parity = DepthMapPipelines::beside_meshes(&shared, &format, COUNT_BITS..COUNT_BITS + 1)?;
-    let lamp_view = Camera::new(place, [0.1, 1.0, 0.1], 50.0);
+    let lamp_view = Camera::new(lamp_position, [0.1, 1.0, 0.1], 50.0);
     let map = canvas.target([MAP; 2], 1, DEPTH_STENCIL);
     let depths = map.create_view(&wgpu::TextureViewDescriptor {
         aspect: wgpu::TextureAspect::DepthOnly,

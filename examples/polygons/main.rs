@@ -1,6 +1,6 @@
-//! Polygons as they are: a quadrilateral that the light sees as a bow tie, an octagon with a hole that is not planar, a cube of
-//! which a side is twisted. Each is one face, and so are its shadows. Writes `polygons.png`. Run it with
-//! `cargo run --release --example polygons`.
+//! Polygons as they are: a quadrilateral that the light sees as a bow tie, an octagon with a hole that is not planar, a
+//! cube of which a side is twisted. Each is one face, and so are its shadows. Writes `polygons.png`. Run it with `cargo
+//! run --release --example polygons`.
 
 #[path = "../support/stage.rs"]
 mod stage;

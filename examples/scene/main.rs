@@ -2,7 +2,7 @@
 //! share a mesh and have a matrix each. Writes `scene.png`. Run it with
 //! `cargo run --release --example scene [SECONDS]`.
 
-pub(crate) mod places;
+pub(crate) mod contents;
 #[path = "../support/stage.rs"]
 pub(crate) mod stage;
 #[path = "../support/mod.rs"]
@@ -37,7 +37,7 @@ pub(crate) struct World<'a> {
     bodies: [Body; 2],
     /// Moves the figures, and throws the shadows.
     scene: Scene,
-    figures: ModelHandle,
+    walkers: ModelHandle,
     pipelines: ShadowPipelines,
     lights: Vec<LightHandle>,
     /// The boxes that move.
@@ -48,41 +48,43 @@ impl<'a> World<'a> {
     pub(crate) fn new(canvas: &'a Canvas) -> Result<Self, Box<dyn Error>> {
         let format =
             ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
-        let stage = Stage::new(canvas, &places::camera(), &places::LAMPS, format.light_pass_depth_stencil());
-        stage.set_ambient(places::AMBIENT);
+        let stage = Stage::new(canvas, &contents::camera(), &contents::LAMPS, format.light_pass_depth_stencil());
+        stage.set_ambient(contents::AMBIENT);
         let shared = Pipelines::new(&canvas.device);
         let pipelines = ShadowPipelines::new(&shared, &format, Counting::Auto)?;
         let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions::default())?;
-        let lights = places::LAMPS.iter().map(|lamp| scene.add_light(lamp.light)).collect::<Result<_, _>>()?;
+        let lights = contents::LAMPS.iter().map(|lamp| scene.add_light(lamp.light)).collect::<Result<_, _>>()?;
 
         // Figures: the scene deforms those that a frame needs, and writes them to one buffer, one after the other.
-        let model = places::figures()?;
-        let figures = scene.insert_model(&model, &places::pose(0.0)?, DeformerOptions::default())?;
-        let figure = &model.geometries()[0];
-        let dressed = places::dressed(figure.positions().len() as u32);
-        let walking = stage.bodies(scene.positions(figures)?.buffer, figure.faces(), &dressed);
+        let model = contents::walkers()?;
+        let walkers = scene.insert_model(&model, &contents::pose(0.0)?, DeformerOptions::default())?;
+        let walker = &model.geometries()[0];
+        let dressed = contents::dressed(walker.positions().len() as u32);
+        let walking = stage.bodies(scene.positions(walkers)?.buffer, walker.faces(), &dressed);
 
         // Boxes: one cube with many matrices.
         let cube = shapes::cube();
         let mesh = scene.add_mesh(&cube.mesh()?, &cube.positions)?;
-        let placed = places::boxes(0.0);
-        let casters: Vec<_> =
-            placed.iter().map(|place| scene.insert(Caster::rigid(mesh, place.rows))).collect::<Result<_, _>>()?;
+        let placed = contents::boxes(0.0);
+        let casters: Vec<_> = placed
+            .iter()
+            .map(|placed_box| scene.insert(Caster::rigid(mesh, placed_box.rows)))
+            .collect::<Result<_, _>>()?;
         let boxes = stage.bodies(&canvas.storage(bytemuck::cast_slice(&cube.positions)), &cube.faces, &placed);
 
-        let floating = casters[places::FLOATING].to_vec();
-        Ok(Self { stage, bodies: [walking, boxes], scene, figures, pipelines, lights, floating })
+        let floating = casters[contents::FLOATING].to_vec();
+        Ok(Self { stage, bodies: [walking, boxes], scene, walkers, pipelines, lights, floating })
     }
 
     /// Records a frame.
     pub(crate) fn frame(&mut self, encoder: &mut wgpu::CommandEncoder, seconds: f32) -> Result<(), Box<dyn Error>> {
         let Self { stage, bodies, scene, .. } = self;
         // Update of everything that moved.
-        scene.set_pose(self.figures, &places::pose(seconds)?)?;
-        let boxes = places::boxes(seconds);
-        stage.place(&bodies[1], &boxes);
-        for (&caster, place) in self.floating.iter().zip(&boxes[places::FLOATING]) {
-            scene.set_transform(caster, place.rows)?;
+        scene.set_pose(self.walkers, &contents::pose(seconds)?)?;
+        let boxes = contents::boxes(seconds);
+        stage.move_instances(&bodies[1], &boxes);
+        for (&caster, placed_box) in self.floating.iter().zip(&boxes[contents::FLOATING]) {
+            scene.set_transform(caster, placed_box.rows)?;
         }
         // The positions of the figures, and the shadow volumes of all casters and lights, as the camera sees them.
         let Camera { eye, view_projection } = *stage.camera(0);

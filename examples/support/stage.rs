@@ -116,7 +116,7 @@ pub(crate) const PARTS: usize = 16;
 
 /// Which pixel of the four by four a part takes, `tone.wgsl` the other way round. Neighbouring parts share a pixel of the
 /// picture, whose patterns are most unlike.
-fn place(part: usize) -> [usize; 2] {
+fn pixel_of_part(part: usize) -> [usize; 2] {
     let (within, pixel) = (part % 4, part / 4);
     [2 * (pixel & 1) + (within & 1), 2 * (pixel >> 1) + (within >> 1)]
 }
@@ -139,7 +139,7 @@ impl<'a> Stage<'a> {
         let (mut cameras, mut data) = (Vec::new(), Vec::<[f32; 64]>::new());
         for (part, lamps) in parts.iter().enumerate() {
             let [x, y] = [0, 1].map(|axis| {
-                let at = if pitch == 1 { 0 } else { place(part)[axis] };
+                let at = if pitch == 1 { 0 } else { pixel_of_part(part)[axis] };
                 (pitch as f32 - 2.0 * (at as f32 + 0.5)) / size[axis] as f32
             });
             let aside = Mat4::from_translation(Vec3::new(x, -y, 0.0));
@@ -241,8 +241,8 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Also draws what a vertex shader of `wgsl` makes of so many vertices, which goes behind `stage.wgsl`. The fragment shaders are
-    /// for ambient light and for a light.
+    /// Also draws what a vertex shader of `wgsl` makes of so many vertices, which goes behind `stage.wgsl`. The
+    /// fragment shaders are for ambient light and for a light.
     pub(crate) fn add_extra(&mut self, wgsl: &str, vertex: &str, fragments: [&str; 2], vertices: u32) {
         let wgsl = format!("{}{wgsl}", include_str!("stage.wgsl"));
         let pipeline = |at: usize| {
@@ -259,8 +259,8 @@ impl<'a> Stage<'a> {
         self.extras.push(Extra { pipelines: [0, 1].map(pipeline), vertices });
     }
 
-    /// Draws these once more, as another camera sees them, into a depth map with reversed depth. It has the depth format of the
-    /// picture.
+    /// Draws these once more, as another camera sees them, into a depth map with reversed depth. It has the depth
+    /// format of the picture.
     pub(crate) fn draw_extras_into(&self, encoder: &mut wgpu::CommandEncoder, camera: &Camera, map: &wgpu::Texture) {
         let mut frame = [0.0_f32; 128];
         frame[..16].copy_from_slice(camera.view_projection.as_flattened());
@@ -292,7 +292,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Moves the instances of a body, as many as it was made with.
-    pub(crate) fn place(&self, body: &Body, placed: &[Placed]) {
+    pub(crate) fn move_instances(&self, body: &Body, placed: &[Placed]) {
         self.canvas.queue.write_buffer(&body.instances, 0, bytemuck::cast_slice(placed));
     }
 

@@ -1,6 +1,6 @@
 //! Three spheres displaced by noise in a shader, lit by three coloured lights, after the last figure of Brabec and Seidel
-//! (2003): whatever moves the vertices on the GPU, silhouettes and shadows follow. Writes `three_spheres.png`. Run it with
-//! `cargo run --release --example three_spheres [SECONDS]`.
+//! (2003): a shader of the caller moves the vertices on the GPU, and silhouettes and shadows follow. Writes
+//! `three_spheres.png`. Run it with `cargo run --release --example three_spheres [SECONDS]`.
 
 #[path = "../support/stage.rs"]
 mod stage;

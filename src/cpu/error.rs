@@ -4,8 +4,8 @@ use crate::light::LightError;
 use crate::mesh::{Mesh, NO_FACE};
 
 /// Why [`cpu::extract`](crate::cpu::extract()), [`cpu::Extraction`](crate::cpu::Extraction),
-/// [`cpu::shadow_depth`](crate::cpu::shadow_depth) or [`cpu::HiddenFaces`](crate::cpu::HiddenFaces) refuses what it is given. On the
-/// GPU the same is refused, but for faces of points, which are in a buffer.
+/// [`cpu::shadow_depth`](crate::cpu::shadow_depth) or [`cpu::OccludedFaces`](crate::cpu::OccludedFaces) refuses what it
+/// is given. On the GPU the same is refused, but for faces of points, which are in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CpuError {
@@ -51,7 +51,7 @@ pub enum CpuError {
         faces: usize,
     },
     /// The caller ended the search.
-    #[error("the search for hidden faces was cancelled")]
+    #[error("the search for occluded faces was cancelled")]
     Cancelled,
 }
 

@@ -1,5 +1,5 @@
-//! Extraction, deformation and shadow depth on the CPU. They need no device. Extraction and shadow depth give the same
-//! bits as the GPU at the same positions.
+//! Extraction, deformation and occluder counts on the CPU. They need no device. Extraction and occluder counts have the same
+//! bits as on the GPU at the same positions.
 //!
 //! Masks are in batches of 32 lights, one after the other, and in a batch one item after the other. The GPU has the same layout
 //! for triangles and edge records; [`Extraction`] says what differs for polygons.
@@ -8,7 +8,7 @@ pub(crate) mod common;
 pub(crate) mod deform;
 pub(crate) mod error;
 pub(crate) mod extract;
-pub(crate) mod hidden;
+pub(crate) mod occlusion;
 pub(crate) mod polygon;
 pub(crate) mod query;
 
@@ -18,6 +18,6 @@ pub use deform::deform::{Displace, deform};
 pub use error::CpuError;
 pub use extract::extraction::{Extraction, extract};
 pub use extract::facing::FacingStatistics;
-pub use hidden::hidden_faces::{HiddenCaster, HiddenFaces, HiddenStatistics};
-pub use hidden::options::HiddenOptions;
+pub use occlusion::occluded_faces::{OccludedFaces, OcclusionCaster, OcclusionStatistics};
+pub use occlusion::options::OcclusionOptions;
 pub use query::shadow_depth::{shadow_depth, shadow_depth_on_faces};

@@ -1,5 +1,5 @@
-//! The bytes of a file's buffers, and the files beside a glTF: which it names, which may be read, and reading them within the
-//! budget.
+//! The bytes of a file's buffers, and the files beside a glTF: which it names, which may be read, and reading them
+//! within the budget.
 
 use std::borrow::Cow;
 use std::fs::File;

@@ -83,8 +83,8 @@ pub struct MeshInfo {
     pub primitives: usize,
     /// The number of morph targets of each primitive.
     pub morph_targets: usize,
-    /// Indices into [`Model::geometries`](crate::Model::geometries): one, or two (skinned and rigid) if nodes use the mesh both
-    /// ways.
+    /// Indices into [`Model::geometries`](crate::Model::geometries): one, or two (skinned and rigid) if nodes use the
+    /// mesh both ways.
     pub geometries: Vec<usize>,
 }
 

@@ -32,8 +32,8 @@ pub enum GltfWarning {
         .0.without_position
     )]
     Skipped(SkippedPrimitives),
-    /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no shadow
-    /// and are not drawn, for any weights.
+    /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no
+    /// shadow and are not drawn, for any weights.
     #[error(
         "{json_path}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
         if *.is_target { "offsets" } else { "positions" },
@@ -49,9 +49,9 @@ pub enum GltfWarning {
         /// Whether they are offsets of a morph target.
         is_target: bool,
     },
-    /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners, indices
-    /// that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that move nothing,
-    /// zero bytes after the JSON.
+    /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners,
+    /// indices that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that
+    /// move nothing, zero bytes after the JSON.
     #[error("{json_path}{problem}")]
     Changed {
         /// JSON path of the part.

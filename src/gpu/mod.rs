@@ -39,8 +39,8 @@ pub use scene::frame::SceneFrame;
 #[doc(hidden)]
 pub use scene::frame::{SceneGroupResults, SceneResults};
 pub use scene::handles::{CasterHandle, LightHandle, MeshHandle, ModelHandle};
-pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
+pub use scene::occluded_faces::OccludedCounts;
 #[doc(hidden)]
 pub use scene::options::Measuring;
 pub use scene::options::{Capacities, SceneOptions, StencilCounts};

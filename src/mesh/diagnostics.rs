@@ -23,8 +23,8 @@ pub struct MeshDiagnostics {
     /// The number of flipped copies, which are among [`Self::duplicate_faces`]: for each three vertices, the faces of the
     /// direction that has fewer. Both sides of such a face are seen, and drawing them at one depth takes care.
     pub flipped_faces: usize,
-    /// The number of closed parts that are wound inwards: their signed volume is negative. A cavity is wound inwards, too. `None`:
-    /// no positions were given. See [`Self::of_placed`].
+    /// The number of closed parts that are wound inwards: their signed volume is negative. A cavity is wound inwards,
+    /// too. `None`: no positions were given. See [`Self::of_placed`].
     pub inward_components: Option<usize>,
     /// The first records that are not of kind [`EdgeKind::Consistent`]. They are the reason why the mesh is not closed.
     pub listed_edges: Vec<Edge>,
@@ -48,9 +48,9 @@ impl MeshDiagnostics {
         }
     }
 
-    /// The same, and whether closed parts are wound inwards. `positions` has one for each vertex of the mesh; those that are missing
-    /// are at the origin. A part without a volume, such as two faces back to back, and one with a position that is not finite are
-    /// not wound inwards.
+    /// The same, and whether closed parts are wound inwards. `positions` has one for each vertex of the mesh; those
+    /// that are missing are at the origin. A part without a volume, such as two faces back to back, and one with a
+    /// position that is not finite are not wound inwards.
     pub fn of_placed(mesh: &Mesh, positions: &[[f32; 3]], edge_limit: usize) -> Self {
         Self { inward_components: Some(Components::of(mesh).inward(mesh, positions)), ..Self::of(mesh, edge_limit) }
     }
@@ -78,8 +78,8 @@ impl Components {
             let first = root(&mut parents, a);
             for vertex in [b, c] {
                 let other = root(&mut parents, vertex);
-                // The higher root becomes a child of the lower one. This is cheap and, with the path halving of `root`, nearly
-                // linear.
+                // The higher root becomes a child of the lower one. This is cheap and, with the path halving of `root`,
+                // nearly linear.
                 let (low, high) = (parents[first as usize].min(other), parents[first as usize].max(other));
                 parents[high as usize] = low;
                 parents[first as usize] = low;

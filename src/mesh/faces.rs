@@ -13,8 +13,8 @@ use super::weld::{self, Weld, WeldCounts};
 /// are its surface. Edge records and facing masks never see those: a polygon is one face.
 ///
 /// Vertices keep the caller's numbering. Faces and records name each welded group by its lowest source index, or by the
-/// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position buffer
-/// as it is.
+/// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position
+/// buffer as it is.
 ///
 /// Memory beside positions and indices: 16 bytes for each edge record. A closed mesh takes 24 bytes a face (1.5 records a
 /// face). The most is 48 bytes (no two faces share an edge).

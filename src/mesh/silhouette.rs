@@ -5,8 +5,8 @@ use super::topology::EdgeKind;
 
 /// The silhouette edges of a mesh for one light, in the order of their records. For outlines the eye is the light.
 ///
-/// Boundary edges are always part of it, but for those of L-twisted polygons. For a light for which a polygon is L-twisted, the
-/// polygon counts nowhere, and the edges of its neighbours are boundaries.
+/// Boundary edges are always part of it, but for those of L-twisted polygons. For a light for which a polygon is
+/// L-twisted, the polygon counts nowhere, and the edges of its neighbours are boundaries.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Silhouette {
     edges: Vec<SilhouetteEdge>,
@@ -27,8 +27,8 @@ pub struct SilhouetteEdge {
 /// Silhouette edges in a row: each begins at the vertex where the one before ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chain {
-    /// The vertices along the chain. A closed chain does not repeat its first vertex, so it has as many vertices as edges. An open
-    /// one has one more.
+    /// The vertices along the chain. A closed chain does not repeat its first vertex, so it has as many vertices as
+    /// edges. An open one has one more.
     pub vertices: Vec<u32>,
     /// The index in [`Mesh::edges`] of the edge that begins at each vertex.
     pub records: Vec<u32>,
@@ -58,8 +58,9 @@ impl Silhouette {
     /// Joins the edges to chains, each edge in one of them: first open chains, then closed ones.
     ///
     /// The silhouette of a closed and consistently oriented mesh has closed chains only. On other meshes an edge between a
-    /// front-facing and a back-facing face may end at a boundary, and the chain with it. Where several chains meet at a vertex,
-    /// boundary edges go on as boundary edges if they can. It is not decided geometrically which of them goes on as which.
+    /// front-facing and a back-facing face may end at a boundary, and the chain with it. Where several chains meet at a
+    /// vertex, boundary edges go on as boundary edges if they can. It is not decided geometrically which of them goes
+    /// on as which.
     pub fn chains(&self) -> Vec<Chain> {
         const NONE: u32 = u32::MAX;
         let ends_at = |end: usize| {

@@ -52,8 +52,9 @@ pub struct EdgeRecords {
     counts: EdgeCounts,
 }
 
-/// The number of no face: face 1 of a boundary record in [`EdgeRecords::packed_faces`], and the face of a point that is on none in
-/// [`cpu::shadow_depth_on_faces`](crate::cpu::shadow_depth_on_faces) and [`gpu::QueryPoints`](crate::gpu::QueryPoints).
+/// The number of no face: face 1 of a boundary record in [`EdgeRecords::packed_faces`], and the face of a point that is
+/// on none in [`cpu::shadow_depth_on_faces`](crate::cpu::shadow_depth_on_faces) and
+/// [`gpu::QueryPoints`](crate::gpu::QueryPoints).
 pub const NO_FACE: u32 = u32::MAX;
 /// The bit that is set in face 0 of an inconsistent record of [`EdgeRecords::packed_faces`].
 pub const INCONSISTENT_BIT: u32 = 1 << 31;

@@ -16,15 +16,16 @@ pub enum Weld {
     /// Vertices with equal position bits (−0 equals +0) and equal skin and morph data.
     #[default]
     Data,
-    /// Vertices with equal position bits (−0 equals +0). All of them take the skin and morph data of the lowest source index.
+    /// Vertices with equal position bits (−0 equals +0). All of them take the skin and morph data of the lowest source
+    /// index.
     Position,
     /// None. Vertices stay as given.
     Keep,
     /// Vertices that are near each other: the connected components of pairs at most a distance apart. The vertices of a pair
     /// have equal skin and morph data, unless the distance is [`WeldDistance::across_data`]. Distances are compared exactly,
     /// and groups do not depend on the order of the vertices. Each group takes the lexicographically smallest of its
-    /// positions. So chains of near vertices become one point, however long they are: see [`WeldCounts::wide`]. Vertices that
-    /// are infinite or NaN are joined if their bits are equal.
+    /// positions. So chains of near vertices become one point, however long they are: see [`WeldCounts::wide`].
+    /// Vertices that are infinite or NaN are joined if their bits are equal.
     Distance(WeldDistance),
 }
 

@@ -169,8 +169,8 @@ impl Geometry {
         &self.faces
     }
 
-    /// The mesh of this geometry alone, for example of a rigid caster at [`Geometry::positions`]. Vertices stay as they are: a
-    /// geometry of a file is welded already, and [`Geometry::welded`] welds others.
+    /// The mesh of this geometry alone, for example of a rigid caster at [`Geometry::positions`]. Vertices stay as they
+    /// are: a geometry of a file is welded already, and [`Geometry::welded`] welds others.
     ///
     /// # Errors
     /// [`MeshError`] for a geometry without faces, or with too many.
@@ -188,8 +188,8 @@ impl Geometry {
         self.influences.as_ref()
     }
 
-    /// The index of each vertex before welding: the lowest of its group, or that of the vertex whose position the group takes.
-    /// A displacement knows vertices by it.
+    /// The index of each vertex before welding: the lowest of its group, or that of the vertex whose position the group
+    /// takes. A displacement knows vertices by it.
     pub fn source_vertices(&self) -> &[u32] {
         &self.source_vertices
     }

@@ -132,13 +132,13 @@ impl Model {
         Ok(Mesh::from_faces(self.vertex_count, faces)?)
     }
 
-    /// Checks that a mesh that [`Self::mesh`] made is that of this pose, too. It is not where an instance mirrors that did not, as
-    /// one may whose scale an animation moves through 0. Its faces would seem reversed. It looks at one face of
-    /// each instance, so it may be called each frame.
+    /// Checks that a mesh that [`Self::mesh`] made is that of this pose, too. It is not where an instance mirrors that
+    /// did not, as one may whose scale an animation moves through 0. Its faces would seem reversed. It looks at one
+    /// face of each instance, so it may be called each frame.
     ///
     /// # Errors
-    /// [`ModelError::Turned`] for the first instance whose faces are turned the other way in the mesh. [`ModelError::OtherMesh`] if
-    /// the mesh is not one of this model. The errors of [`Self::check`].
+    /// [`ModelError::Turned`] for the first instance whose faces are turned the other way in the mesh.
+    /// [`ModelError::OtherMesh`] if the mesh is not one of this model. The errors of [`Self::check`].
     pub fn check_mesh(&self, mesh: &Mesh, pose: &Pose) -> Result<(), ModelError> {
         self.check(pose)?;
         let needed = self.placed_geometries().map(|geometry| geometry.faces().len()).sum();

@@ -18,8 +18,8 @@ pub struct InstancePose {
 
 impl InstancePose {
     /// Makes a pose. `palette` maps mesh space to world space, by columns, by glam's type or by rows: see [`Transform`]. It
-    /// has a matrix for each joint if the geometry has influences, else exactly one. `morph_weights` has a weight for each morph target. Weights may be negative or
-    /// larger than 1.
+    /// has a matrix for each joint if the geometry has influences, else exactly one. `morph_weights` has a weight for
+    /// each morph target. Weights may be negative or larger than 1.
     ///
     /// The faces are turned if more matrices mirror (negative determinant) than do not, so that they stay
     /// counter-clockwise from outside. [`InstancePose::with_faces_turned`] overrides this.

@@ -1,5 +1,5 @@
-//! The documents: links lead to files and headings that are there, and paths that the text names exist. So do references in the
-//! code to the numerics.
+//! The documents: links lead to files and headings that are there, and paths that the text names exist. So do
+//! references in the code to the numerics.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -74,8 +74,8 @@ pub(crate) fn layouts() -> Outcome {
     }
 }
 
-/// A struct that a buffer holds must be one that Rust writes or reads by the list; but for lists that only stages share,
-/// which end in an array of no fixed size: those must lie alike in all stages.
+/// Each struct that a buffer holds must be in the list of structs that Rust writes or reads. An exception is a list
+/// that only stages share, which ends in an array of no fixed size: it must have the same layout in all stages.
 pub(crate) fn bound_structs() -> Outcome {
     let mut lists = BTreeMap::new();
     for (name, source) in modules()? {

@@ -8,6 +8,7 @@ use rimline::{Counting, Mesh};
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{one_caster, text};
+use rimline_testkit::passes::{CLEARED, depth_pass};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{OneCaster, OneCasterOptions};
@@ -91,15 +92,7 @@ fn mixed() -> Result<(), String> {
     quiet("volumes' timer")?;
     let shadows = encode(None).map_err(text)?;
     let view = depth_stencil(ours);
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("volumes"),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-            stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-        }),
-        ..Default::default()
-    });
+    let mut pass = encoder.begin_render_pass(&depth_pass(&view, CLEARED));
     refused([
         refusal("drawing", shadows.draw(&mut pass, &foreign_drawing, 0), shows(OTHER)),
         refusal("its own", shadows.draw(&mut pass, &drawing, 0), Expected::Taken),
@@ -113,14 +106,14 @@ fn mixed() -> Result<(), String> {
     let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
     let mut query = ShadowQuery::new(&ours.gpu.pipelines, &mesh, options).map_err(text)?;
     let mut encoder = ours.encoder();
-    let [own, foreign_points] = [packed(&positions), packed(&foreign)];
+    let [points, foreign_points] = [packed(&positions), packed(&foreign)];
     let mut encode = |at, points, timer| query.encode_timed(&mut encoder, at, points, 9, &[LIGHT], timer);
     let read = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
     refused([
         refusal("layout", extraction.bind_group(&layout, 0), shows(REFUSED)),
-        refusal("query", encode(foreign_points, own, None), shows(REFUSED)),
-        refusal("points", encode(own, foreign_points, None), shows(&["Points(BufferRefused {"])),
-        refusal("query's timer", encode(own, own, Some(&mut timer)), shows(OTHER)),
+        refusal("query", encode(foreign_points, points, None), shows(REFUSED)),
+        refusal("points", encode(points, foreign_points, None), shows(&["Points(BufferRefused {"])),
+        refusal("query's timer", encode(points, points, Some(&mut timer)), shows(OTHER)),
         refusal("reading back", read, shows(&["ReadBack {"])),
     ])?;
     quiet("layout, query and reading back")

@@ -23,9 +23,8 @@ use rimline_testkit::{OneCaster, OneCasterOptions, lights, must_fail, same};
 pub(crate) const TESTS: &[Test] = &[
     ("each_shared_pipeline_is_made_once", once),
     ("displacements_share_by_source_and_layout", displacements),
-    ("shared_pipelines_change_nothing", unchanged),
     ("shared_pipelines_keep_windows_apart", windows),
-    ("threads_share_pipelines", threads),
+    ("threads_share_pipelines_and_nothing_changes", threads),
     ("a_pipeline_with_an_error_is_not_kept", errors),
 ];
 
@@ -116,7 +115,7 @@ fn once() -> Result<(), String> {
         made.push(Box::new(ShadowQuery::new(&pipelines, &mesh, options).map_err(text)?));
         count.added(&format!("query, skipping {skip}"), adds)?;
     }
-    // Nothing that is alive has a pipeline besides.
+    // There are no other live pipelines.
     println!("{} pipelines for {} things: {pipelines:?}", pipelines.len(), made.len());
     same("live pipelines", &[gpu.live_pipelines()?], &[pipelines.len()])?;
     made.push(Box::new(Extractor::new(&gpu.device, &mesh, ExtractorOptions::default()).map_err(text)?));
@@ -201,21 +200,6 @@ fn is_ordered(options: &ExtractorOptions) -> bool {
     options.lists.is_some_and(|lists| lists.ordered)
 }
 
-fn unchanged() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let shared = Pipelines::new(&gpu.device);
-    let shape = shapes::blob(20, 0.5, 3);
-    let mesh = shape.mesh().map_err(text)?;
-    // Forwards and backwards, so that each comes after all others.
-    let kinds = kinds();
-    for (what, options, _) in kinds.iter().chain(kinds.iter().rev()) {
-        let alone = found(gpu, &Pipelines::new(&gpu.device), (&shape.positions, &mesh), *options)?;
-        let sharing = found(gpu, &shared, (&shape.positions, &mesh), *options)?;
-        compare(what, &sharing, &alone, ROOM, is_ordered(options))?;
-    }
-    Ok(())
-}
-
 /// Positions in one binding and in several, by one extractor and by two.
 fn windows() -> Result<(), String> {
     let gpu = limited(16 << 10, 1 << 20, 64)?;
@@ -228,9 +212,9 @@ fn windows() -> Result<(), String> {
     for [rings, segments] in [[20, 16], [60, 40], [20, 16]] {
         let shape = repeated_torus(rings, segments, 0);
         let mesh = shape.mesh().map_err(text)?;
-        let [pipelines, own] = [shared.clone(), Pipelines::new(&gpu.device)];
+        let [pipelines, unshared] = [shared.clone(), Pipelines::new(&gpu.device)];
         let mut extractors = Vec::new();
-        for pipelines in [&pipelines, &own] {
+        for pipelines in [&pipelines, &unshared] {
             let extractor = Extractor::new(pipelines, &mesh, options).map_err(text)?;
             extractors.push((extractor, ShadowQuery::new(pipelines, &mesh, query).map_err(text)?));
         }
@@ -247,12 +231,12 @@ fn windows() -> Result<(), String> {
                     extractor.encode(encoder, bound, &light).map_err(text)?;
                     query.encode_at(encoder, bound, bound, 270, &light).map_err(text)
                 })?;
-                results.push((read(&gpu, extractor, &mesh, 1)?, gpu.read::<i32>(query.depths(), 270)?));
+                results.push((read(&gpu, extractor, &mesh, 1)?, gpu.read::<i32>(query.occluder_counts(), 270)?));
             }
             let what = format!("{rings}·{segments} at {stride} bytes");
-            let [(sharing, depths), (alone, own_depths)] = &results[..] else { return Err(what) };
+            let [(sharing, depths), (alone, unshared_depths)] = &results[..] else { return Err(what) };
             compare(&what, sharing, alone, 2000, true)?;
-            same(&format!("{what}, depths"), depths, own_depths)?;
+            same(&format!("{what}, depths"), depths, unshared_depths)?;
             if sharing.counts == [0] {
                 return Err(format!("{what}: no silhouette"));
             }

@@ -6,11 +6,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::task::{Context, Poll, Wake, Waker};
 
 use rimline::gpu::{
-    DeviceError, Extractor, ExtractorOptions, ShadowFormat, StageTimer, read_back, read_back_async, read_back_vec,
+    DeviceError, Extractor, ExtractorOptions, StageTimer, read_back, read_back_async, read_back_vec,
     read_back_vec_async,
 };
+use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::{CLEARED, depth_pass};
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same};
 
@@ -142,28 +144,49 @@ fn errors() -> Result<(), String> {
     watched.quiet("lost")
 }
 
-fn timed() -> Result<(), String> {
-    let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
-    let gpu = &watched.gpu;
-    let (shape, mesh) = caster()?;
-    let positions = gpu.storage(&shape.positions);
-    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
-    let mut timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timer")?;
-    let mut encode = |timer: &mut StageTimer| {
-        gpu.submit(|encoder| {
-            extractor.encode_timed(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
+/// An extraction that is timed, on a device with timestamps.
+struct Timed {
+    watched: Watched,
+    positions: wgpu::Buffer,
+    extractor: Extractor,
+    timer: StageTimer,
+}
+
+impl Timed {
+    fn new() -> Result<Self, String> {
+        let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
+        let gpu = &watched.gpu;
+        let (shape, mesh) = caster()?;
+        let positions = gpu.storage(&shape.positions);
+        let extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+        let timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timer")?;
+        Ok(Self { watched, positions, extractor, timer })
+    }
+
+    fn encode(&mut self) -> Result<(), String> {
+        let Self { watched, positions, extractor, timer } = self;
+        timer.clear();
+        watched.gpu.submit(|encoder| {
+            extractor.encode_timed(encoder, packed(positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
             timer.resolve(encoder);
             Ok(())
         })
-    };
-    encode(&mut timer)?;
+    }
+}
+
+fn timed() -> Result<(), String> {
+    let mut timed = Timed::new()?;
+    timed.encode()?;
+    let Timed { watched, timer, .. } = &timed;
+    let gpu = &watched.gpu;
     let future = sendable(timer.read_async(&gpu.device, &gpu.queue));
     let waited = [timer.read(&gpu.device, &gpu.queue).map_err(text)?];
     let span = timer.read_span(&gpu.device, &gpu.queue).map_err(text)?;
     // The timer is free again at once.
-    timer.clear();
-    encode(&mut timer)?;
-    let found = finish(&watched, future)?.map_err(text)?;
+    timed.encode()?;
+    let Timed { watched, timer, .. } = &timed;
+    let gpu = &watched.gpu;
+    let found = finish(watched, future)?.map_err(text)?;
     println!("{found:?}, software {}", timer.is_software());
     same("stages", std::slice::from_ref(&found.stages), &waited)?;
     same("span", &[found.span_ms], &[span])?;
@@ -198,58 +221,46 @@ fn still() -> Result<(), String> {
 
 /// On llvmpipe the timestamps of compute passes mean nothing once the device has drawn: then there are no times.
 fn late() -> Result<(), String> {
-    let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
-    let gpu = &watched.gpu;
-    let (shape, mesh) = caster()?;
-    let positions = gpu.storage(&shape.positions);
-    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
-    let mut timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timer")?;
-    let is_llvmpipe = gpu.name.contains("llvmpipe") && gpu.name.contains("Vulkan");
-    let mut timed = |timer: &mut StageTimer| {
-        timer.clear();
-        gpu.submit(|encoder| {
-            extractor.encode_timed(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
-            timer.resolve(encoder);
-            Ok(())
-        })?;
-        let waited = timer.read(&gpu.device, &gpu.queue).map(drop);
-        let found = finish(&watched, timer.read_async(&gpu.device, &gpu.queue))?.map(drop);
+    let mut timed = Timed::new()?;
+    let encoded = |timed: &mut Timed| {
+        timed.encode()?;
+        let Timed { watched, timer, .. } = timed;
+        let Gpu { device, queue, .. } = &watched.gpu;
+        let waited = timer.read(device, queue).map(drop);
+        let found = finish(watched, timer.read_async(device, queue))?.map(drop);
         Ok::<_, String>([waited, found])
     };
-    same("before", &timed(&mut timer)?, &[Ok(()), Ok(())])?;
-    same("stages", &timer.stages(), &["facing", "exact_facing", "edges", "arguments"])?;
+    same("before", &encoded(&mut timed)?, &[Ok(()), Ok(())])?;
+    same("stages", &timed.timer.stages(), &["facing", "exact_facing", "edges", "arguments"])?;
     // A pass that clears, by itself and timed.
-    let view = depth_stencil(&watched);
-    let cleared = |timer: Option<&mut StageTimer>| {
-        gpu.submit(|encoder| {
-            let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store });
-            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    depth_ops,
-                    ..ShadowFormat::attachment(&view)
-                }),
-                timestamp_writes: timer.and_then(|timer| timer.render_pass("clear")),
-                ..Default::default()
-            }));
+    let view = depth_stencil(&timed.watched);
+    let cleared = |watched: &Watched, timer: Option<&mut StageTimer>| {
+        watched.gpu.submit(|encoder| {
+            let timestamp_writes = timer.and_then(|timer| timer.render_pass("clear"));
+            let pass = wgpu::RenderPassDescriptor { timestamp_writes, ..depth_pass(&view, CLEARED) };
+            drop(encoder.begin_render_pass(&pass));
             Ok(())
         })
     };
-    cleared(None)?;
-    let after = timed(&mut timer)?;
-    println!("{}: {after:?}", gpu.name);
+    cleared(&timed.watched, None)?;
+    let after = encoded(&mut timed)?;
+    let name = &timed.watched.gpu.name;
+    let is_llvmpipe = name.contains("llvmpipe") && name.contains("Vulkan");
+    println!("{name}: {after:?}");
     let is_late =
         |found: &Result<(), DeviceError>| matches!(found, Err(DeviceError::ClockLate { ms, .. }) if *ms < 0.1);
     if !after.iter().all(if is_llvmpipe { is_late } else { |found: &Result<(), DeviceError>| found.is_ok() }) {
         return Err(format!("after a draw: {after:?}"));
     }
     // Render passes have times.
+    let Timed { watched, timer, .. } = &mut timed;
     timer.clear();
-    cleared(Some(&mut timer))?;
-    gpu.submit(|encoder| {
+    cleared(watched, Some(timer))?;
+    watched.gpu.submit(|encoder| {
         timer.resolve(encoder);
         Ok(())
     })?;
-    let found = timer.read(&gpu.device, &gpu.queue).map_err(text)?;
+    let found = timer.read(&watched.gpu.device, &watched.gpu.queue).map_err(text)?;
     same("a render pass", &[found.len()], &[1])?;
     watched.quiet("timing after a draw")
 }

@@ -10,6 +10,7 @@ use rimline::{Counting, Light};
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{shadow_statistics, text};
+use rimline_testkit::passes::{CLEARED, depth_pass, texture};
 use rimline_testkit::random::Random;
 use rimline_testkit::{OneCaster, OneCasterOptions};
 use rimline_testkit::{must_fail, same};
@@ -229,15 +230,7 @@ fn shadows(watched: &Watched) -> Result<(), String> {
         let mut caster = OneCaster::new(pipelines, &watched.gpu.queue, &mesh, &options).map_err(text)?;
         let shadows = watched.gpu.submit(|encoder| {
             let shadows = caster.encode(encoder, packed(&positions), &lights(), Some(&camera()), None).map_err(text)?;
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("volumes"),
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &view,
-                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-                    stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-                }),
-                ..Default::default()
-            });
+            let mut pass = encoder.begin_render_pass(&depth_pass(&view, CLEARED));
             (0..40).try_for_each(|light| shadows.draw(&mut pass, &drawing, light)).map_err(text)?;
             drop(pass);
             Ok(shadows)
@@ -257,7 +250,7 @@ fn queries(watched: &Watched) -> Result<(), String> {
         watched.gpu.submit(|encoder| {
             query.encode_at(encoder, packed_positions, packed_positions, 30, &lights()).map_err(text)
         })?;
-        watched.gpu.read::<i32>(query.depths(), 30 * 40)?;
+        watched.gpu.read::<i32>(query.occluder_counts(), 30 * 40)?;
     }
     watched.quiet("query")
 }
@@ -273,37 +266,14 @@ fn deformations(watched: &Watched) -> Result<(), String> {
 }
 
 fn depth_maps(watched: &Watched) -> Result<(), String> {
-    let device = &watched.gpu.device;
-    let attachment = |format, side| {
-        device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("depth map"),
-            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        })
-    };
-    let map = attachment(wgpu::TextureFormat::Depth16Unorm, 60).create_view(&wgpu::TextureViewDescriptor::default());
-    let view = attachment(wgpu::TextureFormat::Depth24PlusStencil8, 8);
-    let view = view.create_view(&wgpu::TextureViewDescriptor::default());
+    let map = watched.gpu.device.create_texture(&texture([60; 2], wgpu::TextureFormat::Depth16Unorm));
+    let (map, view) = (map.create_view(&wgpu::TextureViewDescriptor::default()), depth_stencil(watched));
     let pipelines = DepthMapPipelines::new(&watched.gpu.pipelines, &ShadowFormat::default(), 0).map_err(text)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [60, 60], DepthMapOptions::default()).map_err(text)?;
     watched.gpu.submit(|encoder| {
         let map = DepthMap { texture: &map, light: camera(), objects: None };
         let frame = volumes.encode(encoder, &map, &camera()).map_err(text)?;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("volumes"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-            }),
-            ..Default::default()
-        });
-        frame.draw(&mut pass, &pipelines).map_err(text)
+        frame.draw(&mut encoder.begin_render_pass(&depth_pass(&view, CLEARED)), &pipelines).map_err(text)
     })?;
     watched.gpu.read::<u32>(volumes.cells(), 1)?;
     watched.quiet("volumes from depth maps")

@@ -9,12 +9,10 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::bending_tube;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::{must_fail, same, shapes};
+use rimline_testkit::passes::{CLEARED, depth_pass, texture};
+use rimline_testkit::{IDENTITY, must_fail, same, shapes};
 
-pub(crate) const TESTS: &[Test] =
-    &[("frames_make_what_they_need_and_no_more", frames), ("a_warm_up_leaves_nothing_to_be_made", warm_up)];
-
-const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+pub(crate) const TESTS: &[Test] = &[("frames_and_warm_ups_make_what_they_need_and_no_more", warm_up)];
 
 /// The parts of a frame of a scene.
 #[derive(Clone, Copy)]
@@ -47,8 +45,7 @@ impl Frame {
     fn kinds() -> Vec<(&'static str, Self, usize)> {
         let plain = Self::plain().options;
         let seen = |options| Self { options, ..Self::seen() };
-        // Reach, clusters, chunks, facing, exact facing, edges and arguments; then relist, bounds, choose, caps, sides and
-        // arguments.
+        // The stages from `cull_lights` to `arguments`, then those from `relist` to `shadow_arguments`.
         vec![
             ("no camera", Self::plain(), 7),
             ("a camera", Self::seen(), 13),
@@ -83,17 +80,7 @@ impl Frame {
 
     /// Encodes and draws.
     fn run(&self, gpu: &Gpu, pipelines: &Pipelines, drawing: &ShadowPipelines) -> Result<(), String> {
-        let format = ShadowFormat::default();
-        let depth = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("depth"),
-            size: wgpu::Extent3d { width: 16, height: 16, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: format.depth_stencil,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let depth = gpu.device.create_texture(&texture([16; 2], ShadowFormat::default().depth_stencil));
         let view = depth.create_view(&wgpu::TextureViewDescriptor::default());
         let aspect = wgpu::TextureAspect::DepthOnly;
         let read = depth.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
@@ -114,50 +101,31 @@ impl Frame {
         let views = if self.has_camera { &seen[..] } else { &[] };
         gpu.submit(|encoder| {
             let frame = scene.encode(encoder, FrameInputs::new(views)).map_err(text)?;
-            let (load, store) = (wgpu::LoadOp::Clear(0), wgpu::StoreOp::Store);
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &view,
-                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
-                    stencil_ops: Some(wgpu::Operations { load, store }),
-                }),
-                ..Default::default()
-            });
+            let mut pass = encoder.begin_render_pass(&depth_pass(&view, CLEARED));
             if self.has_camera { frame.draw(&mut pass, drawing, 0, light).map_err(text) } else { Ok(()) }
         })
     }
 }
 
-/// A first frame makes so many pipelines, a second one of the same kind none.
-fn frames() -> Result<(), String> {
-    let gpu = Gpu::with_limits(wgpu::Limits::default())?;
-    for (what, frame, expected) in Frame::kinds() {
-        let pipelines = Pipelines::new(&gpu.device);
-        let drawing = frame.pipelines(&pipelines)?;
-        let before = pipelines.len();
-        frame.run(&gpu, &pipelines, &drawing)?;
-        same(&format!("{what}, pipelines of a frame"), &[pipelines.len() - before], &[expected])?;
-        let before = pipelines.len();
-        frame.run(&gpu, &pipelines, &drawing)?;
-        same(&format!("{what}, pipelines of a second frame"), &[pipelines.len()], &[before])?;
-    }
-    Ok(())
-}
-
-/// A warm-up makes what the frame does, and leaves nothing for it.
+/// A first frame makes so many pipelines, a second one of the same kind none. A warm-up makes what the frame does, and leaves nothing for
+/// it.
 fn warm_up() -> Result<(), String> {
     let gpu = Gpu::with_limits(wgpu::Limits::default())?;
     for (what, frame, expected) in Frame::kinds() {
-        let pipelines = Pipelines::new(&gpu.device);
-        let drawing = frame.pipelines(&pipelines)?;
-        let before = pipelines.len();
-        for made in [expected, 0] {
+        for warm_ups in [0, 2] {
+            let pipelines = Pipelines::new(&gpu.device);
+            let drawing = frame.pipelines(&pipelines)?;
             let before = pipelines.len();
-            pipelines.warm_up(&frame.uses(&drawing)).map_err(text)?;
-            same(&format!("{what}, pipelines of a warm-up"), &[pipelines.len() - before], &[made])?;
+            for number in 1..=warm_ups {
+                pipelines.warm_up(&frame.uses(&drawing)).map_err(text)?;
+                same(&format!("{what}, pipelines of warm-up {number}"), &[pipelines.len() - before], &[expected])?;
+            }
+            for number in 1..=2 {
+                frame.run(&gpu, &pipelines, &drawing)?;
+                let what = format!("{what}, pipelines of frame {number} after {warm_ups} warm-ups");
+                same(&what, &[pipelines.len() - before], &[expected])?;
+            }
         }
-        frame.run(&gpu, &pipelines, &drawing)?;
-        same(&format!("{what}, pipelines after it"), &[pipelines.len() - before], &[expected])?;
     }
     let pipelines = Pipelines::new(&gpu.device);
     let shape = shapes::cube();

@@ -9,6 +9,7 @@ use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer, ShadowFormat};
 use rimline::{DepthDirection, Light, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::texture;
 use rimline_testkit::shapes::{self, Shape};
 
 /// A device, and what went to its handler of uncaptured errors.
@@ -75,15 +76,6 @@ pub(crate) fn camera() -> ShadowCamera {
 
 /// A small attachment of the default format.
 pub(crate) fn depth_stencil(watched: &Watched) -> wgpu::TextureView {
-    let texture = watched.gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("depth and stencil"),
-        size: wgpu::Extent3d { width: 16, height: 16, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: ShadowFormat::default().depth_stencil,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    let descriptor = texture([16; 2], ShadowFormat::default().depth_stencil);
+    watched.gpu.device.create_texture(&descriptor).create_view(&wgpu::TextureViewDescriptor::default())
 }

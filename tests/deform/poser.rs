@@ -99,15 +99,16 @@ fn size_and_error(found: &[[f32; 3]], expected: &[Posed]) -> (f64, f64) {
     (size, error)
 }
 
-/// Fails where a vertex is outside of the box of its instance; returns the largest length of a box over that of its vertices.
+/// Fails where a vertex is outside of the box of its instance; returns the largest length of a box over that of its
+/// vertices.
 fn within_boxes(model: &Model, pose: &Pose, positions: &[[f32; 3]]) -> Result<f32, String> {
     let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(text)?;
     let (mut rest, mut most) = (positions, 0.0_f32);
     for (instance, (geometry, bounds)) in model.placed_geometries().zip(boxes).enumerate() {
-        let (own_positions, others) = rest.split_at(geometry.positions().len());
+        let (instance_positions, others) = rest.split_at(geometry.positions().len());
         let [low, high] = bounds.ok_or_else(|| format!("instance {instance} has no box"))?;
         let ends = [f32::MAX, f32::MIN].map(|end| [end; 3]);
-        let [least, greatest] = own_positions.iter().fold(ends, |[least, greatest], p| {
+        let [least, greatest] = instance_positions.iter().fold(ends, |[least, greatest], p| {
             [[0, 1, 2].map(|axis| least[axis].min(p[axis])), [0, 1, 2].map(|axis| greatest[axis].max(p[axis]))]
         });
         if let Some(axis) = (0..3).find(|&axis| least[axis] < low[axis] || greatest[axis] > high[axis]) {

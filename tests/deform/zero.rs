@@ -1,5 +1,5 @@
-//! Zero of anything in a model that deforms: no geometry, no instance, no vertex, no joint, no target. Its positions are those
-//! of the CPU, of which there may be none.
+//! Zero of anything in a model that deforms: no geometry, no instance, no vertex, no joint, no target. Its positions
+//! are those of the CPU, of which there may be none.
 
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, DeviceError};
 use rimline::internals::cpu::{self, Threads};

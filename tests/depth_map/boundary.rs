@@ -8,11 +8,7 @@ use rimline::{DepthDirection, ShadowCamera};
 
 use crate::maps::Map;
 
-/// A triangle by the first texel of its cell, and which half of the cell it is.
-pub(crate) type Name = ([i64; 2], usize);
-
 struct Triangle {
-    name: Name,
     corners: [DVec4; 3],
     /// The plane: the sign of its product with a point is the side.
     plane: DVec4,
@@ -89,14 +85,14 @@ fn triangles(
         let are_drawn = halves.map(|[between, p, q]| {
             is_marked(between, p) || is_marked(between, q) || spreads && [between, p, q].iter().any(is_beside_edge)
         });
-        for (half, ([between, p, q], is_drawn)) in halves.into_iter().zip(are_drawn).enumerate() {
+        for ([between, p, q], is_drawn) in halves.into_iter().zip(are_drawn) {
             let corners = [between, p, q].map(vertex);
             if corners.iter().all(|corner| corner.w == 0.0) {
                 continue;
             }
             let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
             let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
-            triangles.push(Triangle { name: ([x, y], half), corners, plane, is_drawn });
+            triangles.push(Triangle { corners, plane, is_drawn });
         }
     }
     triangles
@@ -122,8 +118,8 @@ pub(crate) fn positions(
     }
 }
 
-/// Names of the rays of samples of a cube's maps. Along the axes of the cube, with the largest component as many as there are cells,
-/// all are near integers.
+/// Names of the rays of samples of a cube's maps. Along the axes of the cube, with the largest component as many as
+/// there are cells, all are near integers.
 pub(crate) fn names(cameras: &[ShadowCamera; 6], side: u32) -> impl Fn(usize, [i64; 2]) -> [i64; 3] + use<> {
     let way = cameras.map(|camera| {
         let position = positions(&camera, [side; 2], [0.0; 2]);
@@ -140,25 +136,13 @@ pub(crate) fn names(cameras: &[ShadowCamera; 6], side: u32) -> impl Fn(usize, [i
 }
 
 impl Boundary {
-    /// The boundary of a map, moved by parts of a texel. Edges are marked where depths differ by more than the threshold, or everywhere
-    /// if it is negative.
+    /// The boundary of a map, moved by parts of a texel. Edges are marked where depths differ by more than the
+    /// threshold, or everywhere if it is negative.
     pub(crate) fn edited(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64, by: Option<[f64; 2]>) -> Self {
-        Self::moved(map, camera, light, threshold, by, &|[x, y]| sample(map, x, y))
-    }
-
-    /// The same with all depths of samples moved.
-    pub(crate) fn moved(
-        map: &Map,
-        camera: &ShadowCamera,
-        light: DVec4,
-        threshold: f64,
-        by: Option<[f64; 2]>,
-        moved: &dyn Fn([i64; 2]) -> Option<f64>,
-    ) -> Self {
         let [right, down] = by.unwrap_or([0.0; 2]);
         let position = positions(camera, map.size, [right, down]);
         let vertex = |at: [i64; 2]| {
-            if let Some(depth) = moved(at) {
+            if let Some(depth) = sample(map, at[0], at[1]) {
                 return position(at, depth).extend(1.0);
             }
             (position(at, 0.5) - position(at, near(camera))).normalize().extend(0.0)
@@ -202,18 +186,9 @@ impl Boundary {
         Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
     }
 
-    fn crossed(&self, from: DVec4, to: DVec4) -> impl Iterator<Item = &Triangle> {
-        self.triangles.iter().filter(move |triangle| triangle.is_crossed(from, to))
-    }
-
     fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {
         let counted = self.triangles.iter().filter(|triangle| triangle.is_drawn || !drawn_only);
         counted.filter(|triangle| triangle.is_crossed(from, to)).count() % 2 == 1
-    }
-
-    /// The triangles that a segment crosses, drawn or not.
-    pub(crate) fn crossings(&self, from: DVec3, to: DVec3) -> Vec<Name> {
-        self.crossed(from.extend(1.0), to.extend(1.0)).map(|triangle| triangle.name).collect()
     }
 
     /// Whether the way to the light crosses the boundary.

@@ -1,4 +1,5 @@
-//! Walls over contours are closed, and cross each marked edge once and no other. Which edges are marked, by independent code.
+//! Walls over contours are closed, and cross each marked edge once and no other. Which edges are marked, by independent
+//! code.
 
 use std::collections::{HashMap, HashSet};
 
@@ -21,8 +22,8 @@ pub(crate) fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     (!is_far).then(|| units.min(UNIT as i64 - 1))
 }
 
-/// Whether the distances of five samples, from a rim inwards, are those of a conic that ends along a ray of the light: the squares
-/// of their differences from the rim's own are a quadratic polynomial. For maps of floats.
+/// Whether the distances of five samples, from a rim inwards, are those of a conic that ends along a ray of the light:
+/// the squares of their differences from the rim's own are a quadratic polynomial. For maps of floats.
 fn is_round(map: &Map, z: &[i64]) -> bool {
     let rises: Vec<_> = z.iter().map(|distance| z[0] - distance).collect();
     let off = if map.is_reversed { (UNIT as i64 - z[0]) >> 21 } else { 128 };

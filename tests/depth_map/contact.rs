@@ -28,8 +28,8 @@ const CLOSE: f64 = 0.12;
 /// The move of the ground: half a texel in both directions. And a pixel.
 const BOUND: f64 = std::f64::consts::FRAC_1_SQRT_2 + 2.0 * HALF_WIDTH / PIXELS as f64 / TEXEL;
 
-/// A body that touches the ground, an eye that looks at the contact, and the position of a point of the ground along the contact
-/// and away from it.
+/// A body that touches the ground, an eye that looks at the contact, and the position of a point of the ground along
+/// the contact and away from it.
 struct Contact {
     name: &'static str,
     world: World,

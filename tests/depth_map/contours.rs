@@ -1,4 +1,5 @@
-//! Walls over contours by `contour_marks`, `contour_tiles` and `contour_walls`: lists against goldens, and those that overflow.
+//! Walls over contours by `contour_marks`, `contour_tiles` and `contour_walls`: lists against goldens, and those that
+//! overflow.
 
 use rimline::gpu::depth_map::{DepthMapOptions, DepthMapPipelines};
 use rimline::internals::layout::ContourShape;
@@ -101,7 +102,8 @@ fn spirals(random: &mut Random, is_loop: bool) -> Map {
     })
 }
 
-/// The sine of `lobes` times the angle of a position: by products alone, which are the same on every machine, as goldens need.
+/// The sine of `lobes` times the angle of a position: by products alone, which are the same on every machine, as
+/// goldens need.
 fn wave(lobes: u32, [x, y]: [f64; 2]) -> f64 {
     let length = (x * x + y * y).sqrt().max(f64::MIN_POSITIVE);
     let unit = [x / length, y / length];

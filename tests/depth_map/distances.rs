@@ -46,8 +46,8 @@ impl Measured {
         along * along.dot(forward).signum()
     }
 
-    /// Where the ray through a position of the picture, from -1 to 1 to the right and up, begins to be measured, its direction,
-    /// and that of the axis.
+    /// Where the ray through a position of the picture, from -1 to 1 to the right and up, begins to be measured, its
+    /// direction, and that of the axis.
     fn measure(&self, at: DVec2) -> [DVec3; 3] {
         let [x, y, z, w] = self.rows;
         if let Some(position) = self.position {

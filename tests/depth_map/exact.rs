@@ -1,5 +1,5 @@
-//! Vertices of boundaries in `f64`, by independent code, and what floats may be off by. docs/numerics/depth-maps.md, "Rounding
-//! of positions".
+//! Vertices of boundaries in `f64`, by independent code, and what floats may be off by. docs/numerics/depth-maps.md,
+//! "Rounding of positions".
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::{DepthDirection, ShadowCamera};
@@ -151,8 +151,8 @@ impl Exact {
         (at + jitter, at.abs())
     }
 
-    /// The vertex at a position in texels, with a depth and what it may be off by; far without. `positions` is what the position itself
-    /// may be off by, in texels.
+    /// The vertex at a position in texels, with a depth and what it may be off by; far without. `positions` is what the
+    /// position itself may be off by, in texels.
     pub(crate) fn vertex(&self, texel: DVec2, depth: Option<(f64, f64)>, positions: f64) -> Held {
         let (at, size) = self.device(texel);
         let jitter = 2.0 * DVec2::new(self.jitter.x, -self.jitter.y) / self.size;

@@ -1,4 +1,5 @@
-//! Maps of one texel, without anything, with NaN alone, of one lone texel, and cubes without a map; lists that have room for nothing.
+//! Maps of one texel, without anything, with NaN alone, of one lone texel, and cubes without a map; lists that have
+//! room for nothing.
 
 use glam::DVec3;
 use rimline::DepthDirection;

@@ -1,5 +1,5 @@
-//! Volumes from depth maps on the GPU: lists against exact arithmetic and goldens, pictures against rays. Without an adapter these tests fail;
-//! they are never passed over.
+//! Volumes from depth maps on the GPU: lists against exact arithmetic and goldens, pictures against rays. Without an
+//! adapter these tests fail; they are never passed over.
 
 mod boundary;
 #[path = "../shadow/classes.rs"]
@@ -31,12 +31,12 @@ mod rules;
 mod scene;
 mod scene_depth;
 mod shadows;
+mod sheets;
 #[path = "../shadow/shells.rs"]
 #[allow(dead_code, reason = "only its frames are used here")]
 mod shells;
 mod stages;
 mod textures;
-mod traced;
 mod vertices;
 mod views;
 mod wall_vertices;
@@ -66,7 +66,7 @@ fn main() {
         near_rectangles::TESTS,
         planes::TESTS,
         contact::TESTS,
-        traced::TESTS,
+        sheets::TESTS,
         crossings::TESTS,
         extremes::TESTS,
     ];

@@ -1,5 +1,5 @@
-//! Volumes of a depth map against a lookup in the same map, without filter, as shaders of receivers do it: wrong pixels of the
-//! same views. And volumes in other units.
+//! Volumes of a depth map against a lookup in the same map, without filter, as shaders of receivers do it: wrong pixels
+//! of the same views. And volumes in other units.
 
 use std::collections::HashSet;
 
@@ -29,7 +29,8 @@ const TURN: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 enum Way {
     Volumes(DepthMapMethod),
-    /// With a bias of a map that is drawn: steps of its format, and multiples of its slope, as `wgpu::DepthBiasState` has them.
+    /// With a bias of a map that is drawn: steps of its format, and multiples of its slope, as `wgpu::DepthBiasState`
+    /// has them.
     Lookup([f64; 2]),
 }
 
@@ -177,8 +178,8 @@ fn in_unit(gpu: &Gpu, view: &View<'_>, method: DepthMapMethod, unit: f64) -> Res
     Ok((map.depths, encoded.list(gpu)?, stencil))
 }
 
-/// A scene in metres and in millimetres, and in units that are powers of two apart. Detectors without a threshold list the same
-/// cells, and pictures are the same.
+/// A scene in metres and in millimetres, and in units that are powers of two apart. Detectors without a threshold list
+/// the same cells, and pictures are the same.
 fn units() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_501)?;
     // Cells listed, cells listed in one unit alone, pixels, pixels that differ, views.

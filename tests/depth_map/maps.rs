@@ -88,8 +88,8 @@ pub(crate) fn maps(random: &mut Random) -> Vec<Map> {
     maps
 }
 
-/// Rows of four samples whose middle difference is `slopes` times those beside it and what the format may be off by, to within one
-/// step of a float.
+/// Rows of four samples whose middle difference is `slopes` times those beside it and what the format may be off by, to
+/// within one step of a float.
 fn nearly(random: &mut Random, is_reversed: bool, slopes: u32) -> Map {
     // The step of floats from a quarter to a half.
     let step = 0.5_f32.powi(25);

@@ -42,8 +42,8 @@ pub(crate) fn wrong(
     let tracer = rays::Tracer::build(triangles.map(|corners| (corners, ())));
     let rays = Rays::new(light, SIDE);
     let far = if light.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
-    let seen = |place: DVec2| {
-        let (from, direction) = rays.at(place);
+    let seen = |pixel: DVec2| {
+        let (from, direction) = rays.at(pixel);
         let near = tracer.meetings((from, direction)).map(|(t, _)| t).filter(|t| *t > 0.0).min_by(f64::total_cmp);
         near.map_or(far, |t| device_depth(light, from + t * direction))
     };

@@ -1,5 +1,6 @@
 //! Maps of distances: the depths that `depth_metric` makes from them against `f64`, within the bound of
-//! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted. Two maps in one by `depth_merge`.
+//! docs/numerics/depth-maps.md, "Maps of distances", and shadows of maps that were converted. Two maps in one by
+//! `depth_merge`.
 
 use glam::{DVec2, DVec3, Mat4};
 use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapMerge, DepthMapOptions, DepthMetric};
@@ -24,9 +25,8 @@ use crate::textures::{depth_view, read, texture};
 pub(crate) const TESTS: &[Test] = &[
     ("distances_become_the_depths_of_their_places", depths),
     ("distances_that_are_none_are_far_or_near", special),
-    ("device_depths_are_converted_to_themselves", device_depths),
     ("a_flat_ground_of_distances_has_no_specks", flat),
-    ("merged_maps_have_the_nearer_depth", nearer),
+    ("merged_maps_have_the_nearer_depth_and_converted_ones_theirs", nearer),
     ("merged_maps_are_maps", merged),
 ];
 
@@ -189,27 +189,6 @@ fn special() -> Result<(), String> {
     Ok(())
 }
 
-/// Device depths are clamped, and cleared of what is no depth, as merging a map with itself does.
-fn device_depths() -> Result<(), String> {
-    let (gpu, mut random) = Gpu::seeded(1703)?;
-    let mut given: Vec<_> = maps(&mut random).into_iter().map(|map| (map, TextureFormat::R32Float)).collect();
-    given.push((Map { size: [2, 1], is_reversed: false, depths: vec![0.25, 1.0] }, TextureFormat::Depth16Unorm));
-    for (map, format) in given {
-        let texture = texture(&gpu, map.size, format, &map.depths)?;
-        let conversion = DepthMapConversion::new(&gpu.pipelines, map.size).map_err(text)?;
-        let view = depth_view(&texture);
-        let given = DepthMap::new(&view, camera(map.direction()));
-        gpu.submit(|encoder| conversion.encode(encoder, &given, DepthMetric::Device).map_err(text))?;
-        let found = read(&gpu, conversion.texture().texture())?;
-        let truth: Vec<f32> = read(&gpu, &texture)?.into_iter().map(|depth| cleaned(depth, map.far())).collect();
-        same("depths", &found, &truth)?;
-        let mut moved = truth.clone();
-        moved[0] = if moved[0] == 0.25 { 0.75 } else { 0.25 };
-        must_fail("one element", &same("depths", &found, &moved))?;
-    }
-    Ok(())
-}
-
 /// Dark pixels of a ground at right angles to the light's axis, where no slope moves the boundary, and all pixels.
 fn dark(gpu: &Gpu, random: &mut Random, number: usize, is_covered: bool) -> Result<[usize; 2], String> {
     const SIDE: u32 = 64;
@@ -285,6 +264,7 @@ fn pairs(random: &mut Random) -> Vec<[Map; 2]> {
     maps(random).into_iter().zip(other).map(|(a, b)| [a, b]).collect()
 }
 
+/// Device depths that are merged or converted are clamped, and cleared of what is no depth.
 fn nearer() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1641)?;
     let (mut texels, mut nearest) = (0, [0; 2]);
@@ -302,12 +282,19 @@ fn nearer() -> Result<(), String> {
             };
             let merged = found(pair[0].direction())?;
             let both = || depths[0].iter().zip(&depths[1]);
-            let truth: Vec<_> = both()
-                .map(|(&a, &b)| {
-                    let [a, b] = [a, b].map(|depth| cleaned(depth, pair[0].far()));
-                    if is_reversed { a.max(b) } else { a.min(b) }
-                })
-                .collect();
+            let [first, second] = depths
+                .each_ref()
+                .map(|depths| depths.iter().map(|&depth| cleaned(depth, pair[0].far())).collect::<Vec<_>>());
+            let nearest_of = |(&a, &b): (&f32, &f32)| if is_reversed { a.max(b) } else { a.min(b) };
+            let truth: Vec<_> = first.iter().zip(&second).map(nearest_of).collect();
+            let conversion = DepthMapConversion::new(&gpu.pipelines, size).map_err(text)?;
+            let given = DepthMap::new(&views[0], camera(pair[0].direction()));
+            gpu.submit(|encoder| conversion.encode(encoder, &given, DepthMetric::Device).map_err(text))?;
+            let converted = bits(&read(&gpu, conversion.texture().texture())?);
+            same("converted", &converted, &bits(&first))?;
+            if first != second {
+                must_fail("the other map", &same("converted", &converted, &bits(&second)))?;
+            }
             let what = format!("{formats:?} {size:?}, reversed {is_reversed}");
             same(&what, &bits(&merged), &bits(&truth))?;
             texels += truth.len();

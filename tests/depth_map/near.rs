@@ -1,5 +1,5 @@
-//! Near caps that are skipped: pictures do not change, and `depth_near` and `depth_near_walls` decide by the samples around the near
-//! rectangle.
+//! Near caps that are skipped: pictures do not change, and `depth_near` and `depth_near_walls` decide by the samples
+//! around the near rectangle.
 
 use glam::DVec3;
 use rimline::ShadowCamera;
@@ -40,7 +40,8 @@ struct Tally {
 }
 
 impl Tally {
-    /// Draws a picture with near caps always and where they may matter. `may_be_before`: whether surfaces before it are in a box.
+    /// Draws a picture with near caps always and where they may matter. `may_be_before`: whether surfaces before it are
+    /// in a box.
     fn add(
         &mut self,
         gpu: &Gpu,
@@ -89,8 +90,8 @@ fn may_be_before(map: &Map, border: i64, near: &DepthNearBox) -> bool {
     samples(near).any(|at| depth(at).is_some_and(|depth| rank(map, Some(depth)) <= i64::from(near.key)))
 }
 
-/// Whether surfaces that go on up to contours may be. A sample moves nearer by the largest step to a neighbour that is farther away,
-/// in each direction.
+/// Whether surfaces that go on up to contours may be. A sample moves nearer by the largest step to a neighbour that is
+/// farther away, in each direction.
 fn may_be_before_walls(map: &Map, near: &DepthNearBox) -> bool {
     let nearest = |at: [i32; 2]| {
         let distance_here = distance(map, at)?;

@@ -271,8 +271,8 @@ fn behind_a_rim() -> Result<(), String> {
     if wrong == 0 && is_tried { Ok(()) } else { Err(format!("{tally:?}")) }
 }
 
-/// A surface that bends away from the light between the ends of a segment. The flap does not, so a near rectangle may be behind it
-/// and before all samples around.
+/// A surface that bends away from the light between the ends of a segment. The flap does not, so a near rectangle may
+/// be behind it and before all samples around.
 fn behind_a_flap() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let camera = |position: DVec3, half_width| {
@@ -286,7 +286,8 @@ fn behind_a_flap() -> Result<(), String> {
         _ => 1.0,
     });
     let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, light)?;
-    // Behind the flap, and, as the negative control, before it, where the eye sees a surface close behind the near rectangle.
+    // Behind the flap, and, as the negative control, before it, where the eye sees a surface close behind the near
+    // rectangle.
     for (distance, seen, is_behind) in [(0.508, 0.5, true), (0.49, 0.001, false)] {
         let near = position(&light, map.size, [10.8, 7.0], distance);
         let forward = (near - position(&light, map.size, [10.8, 7.0], 0.0)).normalize();

@@ -1,6 +1,6 @@
-//! Near rectangles of any width, at the boundary: from a thousandth of a texel of the map to all of it, edge-on to the light,
-//! and across two maps of a cube. The stencil against the crossings of rays, with near caps always drawn and skipped where
-//! they may be.
+//! Near rectangles of any width, at the boundary: from a thousandth of a texel of the map to all of it, edge-on to the
+//! light, and across two maps of a cube. The stencil against the crossings of rays, with near caps always drawn and
+//! skipped where they may be.
 
 use glam::{DVec3, DVec4};
 use rimline::ShadowCamera;
@@ -63,9 +63,10 @@ struct Tally {
 }
 
 impl Tally {
-    /// Compares a picture with rays, whose near rectangle is `width` wide. A vertex is off by five roundings of the terms that
-    /// it adds up from, in numbers of the size of the scene; in pixels the more, the smaller the near rectangle is. `slip` is
-    /// what a position of the near rectangle may be off by along the light's ray, because depths are floats.
+    /// Compares a picture with rays, whose near rectangle is `width` wide. A vertex is off by five roundings of the
+    /// terms that it adds up from, in numbers of the size of the scene; in pixels the more, the smaller the near
+    /// rectangle is. `slip` is what a position of the near rectangle may be off by along the light's ray, because
+    /// depths are floats.
     fn add(
         &mut self,
         boundary: &Boundary,
@@ -107,8 +108,8 @@ pub(crate) fn both(gpu: &Gpu, target: &Target<'_>, maps: &Maps, options: DepthMa
     Ok(skipped)
 }
 
-/// From the light (homogeneous) and a position, the width of a texel there and the map's size, and a number: where the middle of a near
-/// rectangle is, where it looks, and how wide it is.
+/// From the light (homogeneous) and a position, the width of a texel there and the map's size, and a number: where the
+/// middle of a near rectangle is, where it looks, and how wide it is.
 type At<'a> = dyn Fn(&mut Random, (DVec4, DVec3), (f64, [u32; 2]), usize) -> (DVec3, DVec3, f64) + 'a;
 
 /// Pictures at positions of a boundary.

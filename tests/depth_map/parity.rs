@@ -1,5 +1,6 @@
-//! The stencil against the crossings of each sample's ray with the boundary, which an independent oracle builds: of one map and of six,
-//! of every cell and of marked ones, of bits that are moved by parts of a texel, and of eyes of several formats.
+//! The stencil against the crossings of each sample's ray with the boundary, which an independent oracle builds: of one
+//! map and of six, of every cell and of marked ones, of bits that are moved by parts of a texel, and of eyes of several
+//! formats.
 
 use glam::{DVec2, DVec3, DVec4, Mat4};
 use rimline::gpu::depth_map::DepthMapOptions;
@@ -121,9 +122,10 @@ pub(crate) fn seen_depths(eye: &ShadowCamera, side: u32, seen: &Seen<'_>) -> Vec
     (0..side * side).map(|pixel| device_depth(eye, seen(middle(pixel, side)).1)).collect()
 }
 
-/// The truth by the ray at a position of a picture, with those within a twentieth of a pixel, times `wider`, and of points that are nearer
-/// and farther by little: whether the stencil is set, and whether the ray begins in shadow. `None` near borders. `is_every`: every
-/// edge is marked, so parity is darkness, and where the two differ is a border, too.
+/// The truth by the ray at a position of a picture, with those within a twentieth of a pixel, times `wider`, and of
+/// points that are nearer and farther by little: whether the stencil is set, and whether the ray begins in shadow.
+/// `None` near borders. `is_every`: every edge is marked, so parity is darkness, and where the two differ is a border,
+/// too.
 pub(crate) fn truth(
     boundary: &Boundary,
     seen: &Seen<'_>,
@@ -147,7 +149,8 @@ pub(crate) fn truth(
     (truths == [truths[0]; 6] && (!is_every || parity == is_dark)).then_some((parity, is_cut))
 }
 
-/// Samples with a dark and a lit truth, those too near to a border to decide, those whose rays begin in shadow, and wrong ones.
+/// Samples with a dark and a lit truth, those too near to a border to decide, those whose rays begin in shadow, and
+/// wrong ones.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) dark: usize,
@@ -369,8 +372,8 @@ fn beyond() -> Result<(), String> {
         let camera = Eye { position, forward: -away, near, is_relative, depth, far: Some(far), half_width }.camera();
         let at = if half_width.is_some() { away.extend(0.0) } else { position.extend(1.0) };
         let map = map(&mut random, &camera);
-        let eye_place = f64::from(random.between(1.0, 9.0)) * vector(&mut random);
-        let eye = any_eye(&mut random, eye_place, [0.1, 1.0]);
+        let eye_position = f64::from(random.between(1.0, 9.0)) * vector(&mut random);
+        let eye = any_eye(&mut random, eye_position, [0.1, 1.0]);
         let rays = Rays::new(&eye, SIDE);
         let seen = seen(&mut random, &rays);
         let depths = seen_depths(&eye, SIDE, &seen);

@@ -12,11 +12,12 @@ use rimline::gpu::depth_map::{
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::depth_pass;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;
 use crate::scene::Eye;
-use crate::textures::{begin, depth_view, sampled, stencils, texture};
+use crate::textures::{Stencils, depth_view, sampled, texture};
 
 pub(crate) const REVERSED: DepthDirection = DepthDirection::Reversed;
 pub(crate) const STANDARD: DepthDirection = DepthDirection::Standard;
@@ -224,9 +225,10 @@ impl<'a> Target<'a> {
         let target = sampled(gpu, [side; 2], (format, samples), depths)?;
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let encoded = Encoded::then(gpu, &pipelines, maps, &eye, options, |encoder, frame| {
-            let loads = (None, Some(wgpu::LoadOp::Load));
-            frame.draw(&mut begin(encoder, &view, loads), &pipelines).map_err(text)
+            let pass = depth_pass(&view, (None, Some(wgpu::LoadOp::Load)));
+            frame.draw(&mut encoder.begin_render_pass(&pass), &pipelines).map_err(text)
         })?;
-        Ok((stencils(gpu, &target)?, encoded))
+        let stencils = gpu.submit(|encoder| Stencils::of(gpu, encoder, &target))?;
+        Ok((stencils.read(gpu)?, encoded))
     }
 }

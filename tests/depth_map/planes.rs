@@ -1,5 +1,5 @@
-//! Planes that the light sees at grazing angles, or in several maps of a cube, where the moved surface passes from map to map: what
-//! lies on a plane is lit, and what lies behind it is dark.
+//! Planes that the light sees at grazing angles, or in several maps of a cube, where the moved surface passes from map
+//! to map: what lies on a plane is lit, and what lies behind it is dark.
 
 use glam::DVec3;
 use rimline::gpu::depth_map::{DepthMapCube, DepthMapMethod, DepthMapOptions};
@@ -85,8 +85,8 @@ impl Tally {
     }
 }
 
-/// The light sees a plane at an angle near 90° from its normal. Points on the plane are seen from above, points behind it by more
-/// than the bias from below.
+/// The light sees a plane at an angle near 90° from its normal. Points on the plane are seen from above, points behind
+/// it by more than the bias from below.
 fn grazing() -> Result<(), String> {
     const TEXELS: u32 = 64;
     let (gpu, mut random) = Gpu::seeded(16_402)?;
@@ -133,7 +133,8 @@ fn grazing() -> Result<(), String> {
     tally.check(10_000)
 }
 
-/// The samples of six maps, and an eye on the light's side of the plane, which looks at a position that is not far from the light's foot.
+/// The samples of six maps, and an eye on the light's side of the plane, which looks at a position that is not far from
+/// the light's foot.
 fn across_maps() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1657)?;
     let mut tally = Tally::default();
@@ -154,8 +155,8 @@ fn across_maps() -> Result<(), String> {
         let away = away * away.dot(normal).signum();
         let position = target + f64::from(random.between(0.5, 4.0)) * away + 0.3 * normal;
         let eye = Eye { depth, ..look(position, target - position, 0.05) }.camera();
-        // The move takes at most half of what is left to infinity, which is twice the distance. Behind the plane nothing of it is in the
-        // eye's depth.
+        // The move takes at most half of what is left to infinity, which is twice the distance. Behind the plane
+        // nothing of it is in the eye's depth.
         for (is_behind, behind) in [(false, 0.0), (true, 1.2 * height)] {
             let is_counted = |point: DVec3, t: f64| {
                 let way = point - light;

@@ -8,13 +8,14 @@ use rimline::{CameraError, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::{self, depth_pass};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::same;
 use wgpu::TextureFormat;
 
 use crate::picture::{REVERSED, STANDARD, by, contours};
 use crate::stages::camera;
-use crate::textures::{begin, depth_view};
+use crate::textures::depth_view;
 
 pub(crate) const TESTS: &[Test] = &[
     ("pipelines_and_volumes_that_cannot_be_made", making),
@@ -49,50 +50,51 @@ fn making() -> Result<(), String> {
         let expected = is(DepthMapError::Size(size[0], size[1]));
         refused([refusal("size", made(size, DepthMapOptions::default()), expected)])?;
     }
-    // The name of the number that is refused.
-    let wrong = |name| shows(&[&format!("Option {{ name: {name:?}")]);
-    let with = |method| made([4, 4], by(method));
-    for threshold in [-0.1, 1.5, f32::INFINITY, f32::NAN] {
-        let made = with(DepthMapMethod::Differences { threshold, dangling: None });
-        refused([refusal(threshold, made, wrong("threshold"))])?;
+    let differences = |threshold, dangling| by(DepthMapMethod::Differences { threshold, dangling });
+    let second = |low, high, dangling| by(DepthMapMethod::SecondDifferences { low, high, dangling });
+    let biased = |slope_bias, options| DepthMapOptions { slope_bias, ..options };
+    let walled = by(contours([1.0, 0.25, 0.01]));
+    // The number that is refused, if one is.
+    let mut rows = vec![
+        (second(-0.1, 0.5, None), "low"),
+        (second(0.5, 0.4, None), "low"),
+        (second(0.5, 1.5, None), "high"),
+        (second(f32::NAN, 0.5, None), "low"),
+        (second(0.5, 0.5, None), ""),
+        (by(contours([1.5, 0.25, 0.01])), "threshold"),
+        (by(contours([0.01, 0.6, 0.01])), "sideways"),
+        (by(contours([0.01, 0.25, 1.5])), "depth"),
+        (by(contours([1.0, 0.5, 1.0])), ""),
+        (biased(255.0, walled), ""),
+        (biased(255.5, walled), "slope_bias"),
+        (differences(1.5, None), "threshold"),
+    ];
+    for bad in [-0.1, f32::INFINITY, f32::NAN] {
+        rows.extend([
+            (differences(bad, None), "threshold"),
+            (by(contours([bad, 0.25, 0.01])), "threshold"),
+            (by(contours([0.01, bad, 0.01])), "sideways"),
+            (by(contours([0.01, 0.25, bad])), "depth"),
+            (biased(bad, DepthMapOptions::default()), "slope_bias"),
+        ]);
     }
-    let second = |low, high| with(DepthMapMethod::SecondDifferences { low, high, dangling: None });
-    refused([
-        refusal("a negative one", second(-0.1, 0.5), wrong("low")),
-        refusal("the wrong way round", second(0.5, 0.4), wrong("low")),
-        refusal("more than 1", second(0.5, 1.5), wrong("high")),
-        refusal("NaN", second(f32::NAN, 0.5), wrong("low")),
-        refusal("equal ones", second(0.5, 0.5), Expected::Taken),
-    ])?;
     for (share, cells, name) in
         [(-0.1, 1, "share"), (1.5, 1, "share"), (f32::NAN, 1, "share"), (0.5, 0, "cells"), (0.5, 65, "cells")]
     {
         let dangling = Some(DanglingEdges { share, cells });
-        for method in [
-            DepthMapMethod::Automatic { dangling },
-            DepthMapMethod::Differences { threshold: 0.5, dangling },
-            DepthMapMethod::SecondDifferences { low: 0.5, high: 0.5, dangling },
-        ] {
-            refused([refusal(format!("{method:?}"), with(method), wrong(name))])?;
-        }
+        let automatic = by(DepthMapMethod::Automatic { dangling });
+        rows.extend([automatic, differences(0.5, dangling), second(0.5, 0.5, dangling)].map(|options| (options, name)));
     }
+    refused(rows.into_iter().map(|(options, name)| {
+        let wrong = shows(&[&format!("Option {{ name: {name:?}")]);
+        let expected = if name.is_empty() { Expected::Taken } else { wrong };
+        refusal(format!("{options:?}"), made([4, 4], options), expected)
+    }))?;
     let format = TextureFormat::Rgba8Unorm;
     let rounded = DepthMapOptions { rounded_to: Some(format), ..Default::default() };
-    refused([refusal("format", made([4, 4], rounded), is(DepthMapError::RoundedTo(format)))])?;
-    for nan in [-0.1, f32::INFINITY, f32::NAN] {
-        refused([
-            refusal("threshold", with(contours([nan, 0.25, 0.01])), wrong("threshold")),
-            refusal("sideways", with(contours([0.01, nan, 0.01])), wrong("sideways")),
-            refusal("depth", with(contours([0.01, 0.25, nan])), wrong("depth")),
-        ])?;
-    }
     let two = DepthMapPipelines::antialiased(&gpu.pipelines, &ShadowFormat::default(), 6..8).map_err(text)?;
-    let walled = by(contours([1.0, 0.25, 0.01]));
     refused([
-        refusal("a threshold above 1", with(contours([1.5, 0.25, 0.01])), wrong("threshold")),
-        refusal("more than half a texel", with(contours([0.01, 0.6, 0.01])), wrong("sideways")),
-        refusal("a depth above 1", with(contours([0.01, 0.25, 1.5])), wrong("depth")),
-        refusal("the most", with(contours([1.0, 0.5, 1.0])), Expected::Taken),
+        refusal("format", made([4, 4], rounded), is(DepthMapError::RoundedTo(format))),
         refusal("bits", DepthMapVolumes::new(&two, [8, 8], walled), is(DepthMapError::OneBit(2))),
     ])?;
     // Eight bytes for a sample, which one binding holds.
@@ -102,14 +104,6 @@ fn making() -> Result<(), String> {
     let too_large = shows(&["BindingTooLarge {", &format!("limit: {limit}")]);
     let expected = if is_taken { Expected::Taken } else { too_large };
     refused([refusal("the largest map", made([side; 2], walled), expected)])?;
-    let biased = |slope_bias, options| made([4, 4], DepthMapOptions { slope_bias, ..options });
-    for slope_bias in [-1.0, f32::INFINITY, f32::NAN] {
-        refused([refusal(slope_bias, biased(slope_bias, DepthMapOptions::default()), wrong("slope_bias"))])?;
-    }
-    refused([
-        refusal("the most of contours", biased(255.0, walled), Expected::Taken),
-        refusal("contours' bias", biased(255.5, walled), wrong("slope_bias")),
-    ])?;
     // The limit of memory holds for all buffers together.
     let limited =
         |memory_limit, options| made([40, 40], DepthMapOptions { memory_limit: Some(memory_limit), ..options });
@@ -135,16 +129,8 @@ fn texture(
     [sample_count, mip_level_count]: [u32; 2],
     usage: wgpu::TextureUsages,
 ) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("map"),
-        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-        mip_level_count,
-        sample_count,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
+    let plain = passes::texture([side; 2], format);
+    gpu.device.create_texture(&wgpu::TextureDescriptor { sample_count, mip_level_count, usage, ..plain })
 }
 
 fn view(texture: &wgpu::Texture, base_mip_level: u32) -> wgpu::TextureView {
@@ -218,7 +204,7 @@ fn drawing() -> Result<(), String> {
         let first = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
         let second = volumes.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
         let walls = walled.encode(encoder, &map, &camera(REVERSED)).map_err(text)?;
-        let mut pass = begin(encoder, &view, (None, Some(wgpu::LoadOp::Load)));
+        let mut pass = encoder.begin_render_pass(&depth_pass(&view, (None, Some(wgpu::LoadOp::Load))));
         let mismatch = DepthMapError::Depth { what: "the pipelines", given: STANDARD, made: REVERSED };
         refused([
             refusal("an earlier frame", first.draw(&mut pass, &pipelines), is(DepthMapError::StaleFrame)),

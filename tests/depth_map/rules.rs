@@ -12,8 +12,8 @@ pub(crate) fn exact(value: f32) -> BigInt {
     if exponent == 0 { BigInt::from(fraction) } else { BigInt::from(fraction + 0x0080_0000) << (exponent - 1) }
 }
 
-/// Whether `large` is more than `small` + `threshold`: by the rounded difference and, where that is the threshold, by what rounding
-/// left of it.
+/// Whether `large` is more than `small` + `threshold`: by the rounded difference and, where that is the threshold, by
+/// what rounding left of it.
 pub(crate) fn exceeds(large: f32, small: f32, threshold: f32) -> bool {
     let [large, small, threshold] = [large, small, threshold].map(f64::from);
     let difference = large - small;
@@ -172,8 +172,8 @@ pub(crate) fn corners(entry: u32) -> [Option<[u32; 2]>; 6] {
     std::array::from_fn(|vertex| (entry & TRIANGLES[vertex / 3] != 0).then_some(triangles[vertex]))
 }
 
-/// The entries row by row, and how many edges were continued. Without `has_border` the map is one of a cube: there are no edges to
-/// samples around it. Cells have the numbers of those with a border.
+/// The entries row by row, and how many edges were continued. Without `has_border` the map is one of a cube: there are
+/// no edges to samples around it. Cells have the numbers of those with a border.
 pub(crate) fn entries(map: &Map, objects: &[u32], rule: &Rule, has_border: bool) -> (Vec<u32>, usize) {
     let [width, height] = map.size.map(i64::from);
     let positions = || (-1..=height).flat_map(move |y| (-1..=width).map(move |x| (x, y)));
@@ -247,7 +247,8 @@ fn by_strips(mut entries: Vec<u32>, position: impl Fn(u32) -> [u32; 2]) -> Vec<u
     entries
 }
 
-/// The list of a map as buffers have it, the number and as many entries as there is room for, and how many edges were continued.
+/// The list of a map as buffers have it, the number and as many entries as there is room for, and how many edges were
+/// continued.
 pub(crate) fn listed(map: &Map, objects: &[u32], rule: &Rule, capacity: Option<u32>) -> (Vec<u32>, usize) {
     let (entries, continued) = entries(map, objects, rule, true);
     let across = map.size[0] + 1;

@@ -135,16 +135,16 @@ fn of_methods() -> Result<(), String> {
     trials(1631, methods.map(|method| Way::new(by(method))), |_| true)
 }
 
-/// Objects that cast no shadow onto themselves. Steep sides of the boxes are omitted. Moved, they would leave the boxes behind, and
-/// rays would miss a crossing there, so they are not moved.
+/// Objects that cast no shadow onto themselves. Steep sides of the boxes are omitted. Moved, they would leave the boxes
+/// behind, and rays would miss a crossing there, so they are not moved.
 fn of_objects() -> Result<(), String> {
     let options = DepthMapOptions { slope_bias: 0.0, ..by(differences(1.0)) };
     let way = Way { has_objects: true, ..Way::new(options) };
     trials(1634, [way], |world| matches!(world, World::Sphere { .. } | World::Cuboid { .. }))
 }
 
-/// The same views with one bit and with more. The error of a pixel is the difference between the share of its bits that are dark
-/// and the truth.
+/// The same views with one bit and with more. The error of a pixel is the difference between the share of its bits that
+/// are dark and the truth.
 fn of_bits() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1635)?;
     let ways = [(1, EVERY_CELL), (4, EVERY_CELL), (8, EVERY_CELL), (4, differences(0.0005))];
@@ -157,13 +157,13 @@ fn of_bits() -> Result<(), String> {
     }
     let errors = tallies.map(|tally| tally.squares);
     println!("mean squares are {:.2} and {:.2} of those of one bit", errors[1] / errors[0], errors[2] / errors[0]);
-    // Bits that are all alike would have the error of one.
+    // Equal bits would have the error of one bit.
     let is_right = tallies.iter().all(|tally| tally.wrong == 0);
     if is_right && errors[1] < 0.8 * errors[0] && errors[2] < errors[1] { Ok(()) } else { Err(format!("{tallies:?}")) }
 }
 
-/// Maps of distances, of lights with far planes behind everything, amid it, and at infinity. Walls are compared with those of
-/// device depths of the same views.
+/// Maps of distances, of lights with far planes behind everything, amid it, and at infinity. Walls are compared with
+/// those of device depths of the same views.
 fn of_distances() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1637)?;
     let [device, axis, ray] = [DepthMetric::Device, DepthMetric::AlongAxis, DepthMetric::AlongRay];
@@ -173,7 +173,8 @@ fn of_distances() -> Result<(), String> {
         with(EVERY_CELL, axis, axis),
         with(AUTOMATIC, ray, ray),
         with(contours(CONTOURS), ray, ray),
-        // Negative control: distances along the axis are read as the longer ones along rays, so surfaces are before themselves.
+        // Negative control: distances along the axis are read as the longer ones along rays, so surfaces are before
+        // themselves.
         with(AUTOMATIC, ray, axis),
     ];
     let mut tallies = ways.map(|_| Tally::default());
@@ -188,7 +189,7 @@ fn of_distances() -> Result<(), String> {
     println!("{tallies:?}");
     let [of_device, right @ .., exchanged] = &tallies;
     for (tally, way) in right.iter().zip(&ways[1..]) {
-        // Walls miss some rims, whatever the metric, and so much the more as the threshold is larger in the world.
+        // Walls miss some rims with each metric, and more of them if the threshold is larger in the world.
         let allowed = if way.options.method == contours(CONTOURS) { of_device.wrong } else { 0 };
         let pixels = tally.pixels();
         let is_wrong = tally.wrong > allowed || tally.at_borders * 20 > pixels || tally.at_folds * 10_000 > pixels;
@@ -314,9 +315,9 @@ fn sun_of(frame: &Frame, depth: DepthDirection) -> Result<Sun, String> {
     Ok(Sun::new(at, false, cameras.to_vec(), TEXELS))
 }
 
-/// Classes in which the default detector may be wrong: the light is within a caster, or shines into one through a hole, or the
-/// near plane cuts casters. docs/measured.md, "Casters without a mesh". In all others it is right, in some of them with the near
-/// rectangle within a caster, too.
+/// Classes in which the default detector may be wrong: the light is within a caster, or shines into one through a hole,
+/// or the near plane cuts casters. docs/measured.md, "Casters without a mesh". In all others it is right, in some of
+/// them with the near rectangle within a caster, too.
 const MAY_BE_WRONG: [&str; 6] = [
     "directional lights",
     "near plane through caster and almost the light",
@@ -330,7 +331,8 @@ const MAY_BE_WRONG: [&str; 6] = [
 fn of_classes() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_701)?;
     let [mut every, mut automatic, mut moved] = [Tally::default(); 3];
-    // Frames with one map and six, and those with a near cap that is drawn. Wrong with the default detector in the other classes.
+    // Frames with one map and six, and those with a near cap that is drawn. Wrong with the default detector in the
+    // other classes.
     let (mut maps, mut caps, mut without) = ([0; 2], 0, 0);
     for class in CLASSES {
         let mut of_class = Tally::default();
@@ -342,7 +344,8 @@ fn of_classes() -> Result<(), String> {
             };
             let (casting, drawn) = (bare(|body| body.casts), bare(|body| body.is_drawn));
             let view = View::new((&casting, &drawn), sun, frame.eye.camera(), 64);
-            // Frames with a surface near the light's near plane are skipped: a surface before that plane casts from the plane.
+            // Frames with a surface near the light's near plane are skipped: a surface before that plane casts from the
+            // plane.
             let at = view.sun.homogeneous();
             let is_near = |seen: &Seen| seen.is_some_and(|(position, _)| position.distance(at.truncate()) < 2.0 * NEAR);
             if at.w != 0.0 && view.light_seen().iter().flatten().any(is_near) {

@@ -1,5 +1,5 @@
-//! The lists that `depth_edges` and `depth_cells` make against exact arithmetic, for each format of a map, and what statistics and
-//! arguments of draws agree with them.
+//! The lists that `depth_edges` and `depth_cells` make against exact arithmetic, for each format of a map, and what
+//! statistics and arguments of draws agree with them.
 
 use std::ops::Range;
 
@@ -41,8 +41,9 @@ const FORMATS: [TextureFormat; 6] = [
     TextureFormat::Depth32FloatStencil8,
 ];
 
-/// Whether the short run takes a map with this format: those of all sizes with floats, and with other formats those whose sides are
-/// no powers of two. A software device compiles each shader again for each format, and for each side that is a power of two.
+/// Whether the short run takes a map with this format: those of all sizes with floats, and with other formats those
+/// whose sides are no powers of two. A software device compiles each shader again for each format, and for each side
+/// that is a power of two.
 pub(crate) fn is_short(map: &Map, format: TextureFormat) -> bool {
     format == TextureFormat::R32Float || !map.size.iter().any(|side| side.is_power_of_two())
 }
@@ -290,8 +291,8 @@ fn slopes() -> Result<(), String> {
     // `Automatic` marks two columns more, where one difference beside an edge is not known.
     let second = DepthMapMethod::SecondDifferences { low: 0.001, high: 1.0, dangling: None };
     for (method, further) in [(second, 0), (AUTOMATIC, 2 * 17)] {
-        // The cells at the border, and those next to them, since triangles are drawn at the ends of marked edges. So are the cells on
-        // both sides of the step, in the 17 rows between.
+        // The cells at the border, and those next to them, since triangles are drawn at the ends of marked edges. So
+        // are the cells on both sides of the step, in the 17 rows between.
         let border = 4 * 20 + 4 * 18;
         let found = [count(&flat, method)?, count(&step, method)?];
         same(&format!("{method:?}"), &found, &[border + further, border + further + 3 * 17])?;

@@ -1,6 +1,7 @@
 //! Depth maps as textures of each format, what a shader reads of them, and of stencils.
 
 use rimline_testkit::device::Gpu;
+use rimline_testkit::passes::{self, Loads, depth_pass};
 use rimline_testkit::pipelines::{Drawing, TexelKernel, depth};
 use wgpu::{TextureFormat, TextureUsages};
 
@@ -27,30 +28,29 @@ const READ: &str = "
 }
 ";
 
-/// Stencils of a picture as words: texels row by row, samples in turn.
+/// Stencils of several samples as words: texels row by row, samples in turn.
 const STENCILS: &str = "
-@group(0) @binding(0) var stencil: texture_2d<u32>;
+@group(0) @binding(0) var stencil: texture_multisampled_2d<u32>;
 @group(0) @binding(1) var<storage, read_write> found: array<u32>;
 @compute @workgroup_size(64) fn stencils(@builtin(global_invocation_id) id: vec3<u32>) {
-  let size = textureDimensions(stencil);
-  if (id.x < size.x * size.y * SAMPLESu) {
-    let texel = id.x / SAMPLESu;
-    found[id.x] = textureLoad(stencil, vec2<u32>(texel % size.x, texel / size.x), id.x % SAMPLESu).x;
+  let width = textureDimensions(stencil).x;
+  let samples = textureNumSamples(stencil);
+  if (id.x < arrayLength(&found)) {
+    let texel = id.x / samples;
+    found[id.x] = textureLoad(stencil, vec2<u32>(texel % width, texel / width), id.x % samples).x;
   }
 }
 ";
 
-fn made(gpu: &Gpu, size: [u32; 2], (format, samples): (TextureFormat, u32), usage: TextureUsages) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("depths"),
-        size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: samples,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: usage | TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    })
+/// A texture of depths, which passes draw into if they can.
+fn made(
+    gpu: &Gpu,
+    size: [u32; 2],
+    (format, sample_count): (TextureFormat, u32),
+    usage: TextureUsages,
+) -> wgpu::Texture {
+    let usage = usage | TextureUsages::TEXTURE_BINDING;
+    gpu.device.create_texture(&wgpu::TextureDescriptor { sample_count, usage, ..passes::texture(size, format) })
 }
 
 /// A texture of texels of four bytes.
@@ -123,9 +123,6 @@ pub(crate) fn sampled(
     Ok(texture)
 }
 
-/// How a pass begins: with depths and stencils that are loaded or cleared, or read only.
-pub(crate) type Loads = (Option<wgpu::LoadOp<f32>>, Option<wgpu::LoadOp<u32>>);
-
 /// A pass that draws into a texture of depths, and of stencils if they are loaded.
 pub(crate) fn pass<T>(
     gpu: &Gpu,
@@ -133,31 +130,16 @@ pub(crate) fn pass<T>(
     loads: Loads,
     draw: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<T, String>,
 ) -> Result<T, String> {
-    gpu.submit(|encoder| draw(&mut begin(encoder, &target.create_view(&wgpu::TextureViewDescriptor::default()), loads)))
-}
-
-pub(crate) fn begin<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
-    view: &wgpu::TextureView,
-    (depths, stencils): Loads,
-) -> wgpu::RenderPass<'a> {
-    let store = wgpu::StoreOp::Store;
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("test"),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: depths.map(|load| wgpu::Operations { load, store }),
-            stencil_ops: stencils.map(|load| wgpu::Operations { load, store }),
-        }),
-        ..Default::default()
-    })
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+    gpu.submit(|encoder| draw(&mut encoder.begin_render_pass(&depth_pass(&view, loads))))
 }
 
 /// Values of the texels of a texture, read by a shader.
 pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
     let texels = texture.width() * texture.height();
     let bits = gpu.storage(&vec![0_u32; texels as usize]);
-    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, ("read", READ), false)))?;
+    let floats = wgpu::TextureSampleType::Float { filterable: false };
+    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, ("read", READ), floats, false)))?;
     let group = kernel.group(&gpu.device, &depth_view(texture), &bits);
     gpu.submit(|encoder| {
         kernel.run(encoder, &group, [1024, texels.div_ceil(65_536)]);
@@ -167,39 +149,45 @@ pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, Strin
     Ok(bits.into_iter().map(f32::from_bits).collect())
 }
 
-/// The stencils of a texture.
-pub(crate) fn stencils(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, String> {
-    let samples = texture.sample_count();
-    let pipeline = gpu.kept(&format!("stencils {samples}"), || {
-        let kind = if samples == 1 { "texture_2d" } else { "texture_multisampled_2d" };
-        let source = STENCILS.replace("SAMPLES", &samples.to_string()).replace("texture_2d", kind);
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("stencils"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        Ok(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("stencils"),
-            layout: None,
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        }))
-    })?;
-    let aspect = wgpu::TextureAspect::StencilOnly;
-    let view = texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
-    let count = texture.width() * texture.height() * samples;
-    let found = gpu.storage(&vec![0_u32; count as usize]);
-    let resources = [wgpu::BindingResource::TextureView(&view), found.as_entire_binding()];
-    let entries = (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-    let (layout, entries) = (&pipeline.get_bind_group_layout(0), &entries.collect::<Vec<_>>()[..]);
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries });
-    gpu.submit(|encoder| {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(count.div_ceil(64), 1, 1);
-        Ok(())
-    })?;
-    Ok(gpu.read::<u32>(&found, count as usize)?.into_iter().map(|value| value as u8).collect())
+/// The stencils of a texture as they are when an encoder comes to it.
+pub(crate) struct Stencils {
+    copy: wgpu::Buffer,
+    size: [u32; 2],
+    samples: u32,
+}
+
+impl Stencils {
+    /// A shader reads several samples a texel, which no copy can. OpenGL has no shader that reads stencils.
+    pub(crate) fn of(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> Result<Self, String> {
+        let (size, samples) = ([texture.width(), texture.height()], texture.sample_count());
+        let aspect = wgpu::TextureAspect::StencilOnly;
+        if samples == 1 {
+            let row = size[0].next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+            let copy = gpu.storage(&vec![0_u8; (row * size[1]) as usize]);
+            let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(row), ..Default::default() };
+            let from = wgpu::TexelCopyTextureInfo { aspect, ..texture.as_image_copy() };
+            let to = wgpu::TexelCopyBufferInfo { buffer: &copy, layout };
+            encoder.copy_texture_to_buffer(from, to, texture.size());
+            return Ok(Self { copy, size, samples });
+        }
+        let words = size[0] * size[1] * samples;
+        let integers = wgpu::TextureSampleType::Uint;
+        let kernel = || Ok(TexelKernel::new(&gpu.device, ("stencils", STENCILS), integers, true));
+        let kernel = gpu.kept("stencils", kernel)?;
+        let copy = gpu.storage(&vec![0_u32; words as usize]);
+        let view = texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
+        kernel.run(encoder, &kernel.group(&gpu.device, &view, &copy), [words.div_ceil(64), 1]);
+        Ok(Self { copy, size, samples })
+    }
+
+    /// Texels row by row, samples in turn.
+    pub(crate) fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, String> {
+        let [width, height] = self.size;
+        if self.samples > 1 {
+            let words: Vec<u32> = gpu.read(&self.copy, usize::MAX)?;
+            return Ok(words.into_iter().map(|value| value as u8).collect());
+        }
+        let all: Vec<u8> = gpu.read(&self.copy, usize::MAX)?;
+        Ok(all.chunks(all.len() / height as usize).flat_map(|row| &row[..width as usize]).copied().collect())
+    }
 }

@@ -75,8 +75,8 @@ pub(crate) fn eye(random: &mut Random) -> (ShadowCamera, TextureFormat) {
     (eye, [TextureFormat::Depth24PlusStencil8, TextureFormat::Depth32FloatStencil8][random.below(2)])
 }
 
-/// The samples of the vertices that are drawn of a list: `None` where a triangle is omitted. `position`: that of a cell's first
-/// sample.
+/// The samples of the vertices that are drawn of a list: `None` where a triangle is omitted. `position`: that of a
+/// cell's first sample.
 fn drawn(list: &[u32], position: impl Fn(u32) -> [u32; 2]) -> Vec<Option<[u32; 2]>> {
     let of_cell = |&entry: &u32| {
         let [x, y] = position(entry & CELL);
@@ -119,21 +119,10 @@ impl Given {
             (4, Bound::Integers(&self.objects)),
         ]
     }
-}
 
-/// A probe that is made when what it binds is known.
-#[derive(Default)]
-pub(crate) struct Vertices(Option<Probe>);
-
-impl Vertices {
-    /// The vertices that the draw of a list has.
-    fn run(&mut self, gpu: &Gpu, given: &Given, count: usize) -> Result<Vec<[f32; 4]>, String> {
-        let bound = given.bound();
-        let make =
-            || Probe::new(gpu, &DEPTH_SURFACE.wgsl(), ("vec4<f32>", "depth_surface(u32(input.x)).position"), &bound);
-        let inputs: Vec<_> = (0..count).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
-        let found = self.0.get_or_insert_with(make).run(gpu, &bound, &inputs)?;
-        Ok(found.into_iter().map(|vertex| vertex.map(f32::from_bits)).collect())
+    /// The vertices of the draw of a list.
+    fn vertices(&self, gpu: &Gpu, count: usize) -> Result<Vec<[f32; 4]>, String> {
+        Probe::vertices(gpu, &DEPTH_SURFACE, "depth_surface(u32(input.x)).position", &self.bound(), count)
     }
 }
 
@@ -143,8 +132,7 @@ const NOTHING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 /// Maps of all kinds, and hostile ones, for lights and eyes of all kinds; moved aside and not.
 fn of_maps() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_101)?;
-    let (mut tally, mut vertices) = (Tally::default(), Vertices::default());
-    let mut other_bias = 0;
+    let (mut tally, mut other_bias) = (Tally::default(), 0);
     for round in 0..if is_long() { 2000 } else { 160 } {
         let (camera, _) = light(&mut random);
         let hostile = maps(&mut random);
@@ -166,7 +154,7 @@ fn of_maps() -> Result<(), String> {
         let cells = listed(&map, &[], &rule, None).0;
         let corners = drawn(&cells, |cell| [cell % (map.size[0] + 1), cell / (map.size[0] + 1)]);
         let given = Given::new(&gpu, (&shape, map.size, &map.depths), &cells, &[view])?;
-        let found = vertices.run(&gpu, &given, corners.len())?;
+        let found = given.vertices(&gpu, corners.len())?;
         let exact = Exact::new((&camera, map.size), (&eye, format), jitter);
         let moves = Moves { slope_bias, steps: steps(map_format, camera.depth), spread };
         let more = Moves { slope_bias: 1.01 * slope_bias, ..moves };
@@ -195,7 +183,7 @@ fn of_maps() -> Result<(), String> {
 /// Six maps. Samples that maps share have one vertex, on the ray of each.
 fn of_cubes() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_102)?;
-    let (mut tally, mut vertices, mut shared) = (Tally::default(), Vertices::default(), 0);
+    let (mut tally, mut shared) = (Tally::default(), 0);
     for round in 0..if is_long() { 400 } else { 30 } {
         let side = 3 + random.below(8) as u32;
         let cube = cube_of(&mut random, side);
@@ -225,7 +213,7 @@ fn of_cubes() -> Result<(), String> {
             at_face(side, face, [in_map % across, in_map / across])
         });
         let given = Given::new(&gpu, (&shape, [3 * side, 2 * side], &depths), &cells, &views)?;
-        let found = vertices.run(&gpu, &given, corners.len())?;
+        let found = given.vertices(&gpu, corners.len())?;
         let rays = on_rays(&cube.cameras, side);
         let mut of_rays: HashMap<u32, [f32; 4]> = HashMap::new();
         for (corner, found) in corners.into_iter().zip(found) {
@@ -243,7 +231,8 @@ fn of_cubes() -> Result<(), String> {
                 }
                 shared += 1;
             }
-            // Slopes at borders continue in the next map: the oracle has no such slopes, so only samples without a bias are compared.
+            // Slopes at borders continue in the next map: the oracle has no such slopes, so only samples without a bias
+            // are compared.
             if on_ray.len() > 1 && slope_bias > 0.0 {
                 continue;
             }
@@ -271,7 +260,6 @@ fn of_cubes() -> Result<(), String> {
 fn of_meshes() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_103)?;
     let mut tally = Tally::default();
-    let mut probe = None;
     for round in 0..if is_long() { 400 } else { 40 } {
         let (camera, _) = light(&mut random);
         let stride = 3 + random.below(4) as u32;
@@ -305,9 +293,7 @@ fn of_meshes() -> Result<(), String> {
         }
         let (views, words, casters) = (gpu.storage(&[view]), gpu.storage(&words), gpu.storage(&[caster]));
         let bound = [(0, Bound::Storage(&views)), (1, Bound::Storage(&words)), (2, Bound::Storage(&casters))];
-        let make = || Probe::new(&gpu, &MESH_DEPTH.wgsl(), ("vec4<f32>", "mesh_depth(u32(input.x))"), &bound);
-        let inputs: Vec<_> = (0..positions.len()).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
-        let found = probe.get_or_insert_with(make).run(&gpu, &bound, &inputs)?;
+        let found = Probe::vertices(&gpu, &MESH_DEPTH, "mesh_depth(u32(input.x))", &bound, positions.len())?;
         let columns = camera.view_projection.map(|column| glam::DVec4::from_array(column.map(f64::from)));
         for (position, found) in positions.iter().zip(found) {
             // The terms of each world coordinate, and of each clip coordinate.
@@ -323,7 +309,7 @@ fn of_meshes() -> Result<(), String> {
             let size = sizes[0] + sizes[1] + sizes[2] + columns[3].abs();
             // A product and three sums, twice.
             let held = Held { value, bound: 8.001 * ROUNDING * size };
-            tally.add(&format!("round {round}, {position:?}"), &held, found.map(f32::from_bits))?;
+            tally.add(&format!("round {round}, {position:?}"), &held, found)?;
         }
     }
     tally.check(5000)

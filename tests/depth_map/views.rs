@@ -1,5 +1,5 @@
-//! Views of scenes that are known exactly: what casts, a light with its maps, an eye, and what both see along `f64` rays. Pictures
-//! are compared with rays to the light.
+//! Views of scenes that are known exactly: what casts, a light with its maps, an eye, and what both see along `f64`
+//! rays. Pictures are compared with rays to the light.
 
 use std::cell::OnceCell;
 

@@ -70,7 +70,7 @@ fn map(random: &mut Random, is_reversed: bool) -> Map {
 
 fn vertices() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_105)?;
-    let (mut tally, mut probe) = (Tally::default(), None);
+    let mut tally = Tally::default();
     for round in 0..if is_long() { 1000 } else { 60 } {
         let (camera, _) = light(&mut random);
         let (eye, format) = eye(&mut random);
@@ -84,10 +84,8 @@ fn vertices() -> Result<(), String> {
         let view = map_view((&camera, map.size, TextureFormat::R32Float), (&eye, format), &placing).map_err(text)?;
         let given = Given::new(&gpu, (&shape, map.size, &map.depths), &list, &[view])?;
         let bound = given.bound();
-        let make =
-            || Probe::new(&gpu, &DEPTH_WALLS.wgsl(), ("vec4<f32>", "depth_walls(u32(input.x)).position"), &bound[..4]);
-        let inputs: Vec<_> = (0..6 * walls.len()).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
-        let drawn = probe.get_or_insert_with(make).run(&gpu, &bound[..4], &inputs)?;
+        let call = "depth_walls(u32(input.x)).position";
+        let drawn = Probe::vertices(&gpu, &DEPTH_WALLS, call, &bound[..4], 6 * walls.len())?;
         let exact = Exact::new((&camera, map.size), (&eye, format), [0.0; 2]);
         for (index, drawn) in drawn.into_iter().enumerate() {
             let wall = &walls[index / 6];
@@ -103,7 +101,7 @@ fn vertices() -> Result<(), String> {
             // The quotient, 2.5 units, of twice the position.
             let positions = 2.5 * ROUNDING * (texel.max_element() + 1.0);
             let held = exact.vertex(texel, depth, positions);
-            tally.add(&format!("round {round}, vertex {index}"), &held, drawn.map(f32::from_bits))?;
+            tally.add(&format!("round {round}, vertex {index}"), &held, drawn)?;
             tally.far += usize::from(depth.is_none());
         }
     }
@@ -111,11 +109,10 @@ fn vertices() -> Result<(), String> {
     if tally.far > 1000 { Ok(()) } else { Err(format!("few are far: {tally:?}")) }
 }
 
-/// Four words of a function of `depth_walls` for each input, from a probe: `source` and `expression` are added to the stage. A stage
+/// Four words of a function of `depth_walls` for each input, from a probe, which is made once: `source` and `expression` are added to the stage. A stage
 /// has eight storage buffers, so only those of `wanted` are bound.
 fn probed(
     gpu: &Gpu,
-    probe: &mut Option<Probe>,
     (map, traced): (&Map, &Traced),
     (source, expression, wanted): (&str, &str, &[u32]),
     inputs: &[[f32; 4]],
@@ -136,8 +133,7 @@ fn probed(
     ]);
     bound.retain(|(binding, _)| wanted.contains(binding));
     let source = format!("{}{source}", DEPTH_WALLS.wgsl());
-    let make = || Probe::new(gpu, &source, ("vec4<u32>", expression), &bound);
-    probe.get_or_insert_with(make).run(gpu, &bound, inputs)
+    gpu.kept(expression, || Ok(Probe::new(gpu, &source, ("vec4<u32>", expression), &bound)))?.run(gpu, &bound, inputs)
 }
 
 /// The surfaces of a map at positions of cells: the code of the cell, and the distance.
@@ -166,7 +162,7 @@ fn probe_flaps(position: vec2<f32>, depth: f32, is_behind: bool) -> vec4<u32> {
 /// Integers all, but for the side of the contour. Positions are parts of 64 of a texel, so that is exact as well.
 fn surfaces() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_106)?;
-    let (mut compared, mut far, mut sides, mut probe) = (0, 0, 0, None);
+    let (mut compared, mut far, mut sides) = (0, 0, 0);
     let mut words = Vec::new();
     for round in 0..60 {
         let is_reversed = random.below(2) == 0;
@@ -180,7 +176,7 @@ fn surfaces() -> Result<(), String> {
                 [random[0], random[1], random[2], [x, y, 0.0, 0.0], [x, y, 63.0 / 64.0, 63.0 / 64.0]]
             })
             .collect();
-        let results = probed(&gpu, &mut probe, (&map, &traced), SURFACE, &inputs)?;
+        let results = probed(&gpu, (&map, &traced), SURFACE, &inputs)?;
         let marked: Vec<_> = results.chunks(5).filter(|cell| cell[0][0] != 0).collect();
         let found: Vec<_> = marked.iter().flat_map(|cell| cell.iter().map(|result| result[1])).collect();
         words.push(found.len() as u32);
@@ -205,7 +201,7 @@ fn surfaces() -> Result<(), String> {
 /// Flaps change the shadow at points near contours, against `f64`.
 fn changes() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(16_107)?;
-    let (mut compared, mut changed, mut several, mut unsure, mut others, mut probe) = (0, 0, 0, 0, 0, None);
+    let (mut compared, mut changed, mut several, mut unsure, mut others) = (0, 0, 0, 0, 0);
     for round in 0..if is_long() { 1000 } else { 60 } {
         let is_reversed = random.below(2) == 0;
         let map = map(&mut random, is_reversed);
@@ -234,7 +230,7 @@ fn changes() -> Result<(), String> {
                 [x, y, depth, random.below(2) as f32]
             })
             .collect();
-        let found = probed(&gpu, &mut probe, (&map, &traced), FLAPS, &inputs)?;
+        let found = probed(&gpu, (&map, &traced), FLAPS, &inputs)?;
         for (number, (&[x, y, depth, is_behind], word)) in inputs.iter().zip(&found).enumerate() {
             let is_behind = is_behind != 0.0;
             // Texel 0 is a texel after the border's, and distances begin at the near plane.

@@ -15,7 +15,7 @@ use rimline_testkit::rays::Tracer;
 const SIZE: [u32; 2] = [384, 256];
 const PIXELS: usize = 4000;
 
-fn place(light: Light) -> DVec3 {
+fn position(light: Light) -> DVec3 {
     DVec3::from(light.xyz.map(f64::from))
 }
 
@@ -23,7 +23,7 @@ fn place(light: Light) -> DVec3 {
 struct Seen {
     albedo: DVec3,
     normal: DVec3,
-    place: DVec3,
+    position: DVec3,
     /// Whether something is between the place and a lamp.
     dark: [bool; 8],
     /// How many samples of the area light are in shadow.
@@ -36,8 +36,8 @@ impl Truth {
     fn new() -> Self {
         let corners = corners();
         let face = |face: &[[f32; 8]]| {
-            let places = [0, 1, 2].map(|at| DVec3::new(face[at][0].into(), face[at][1].into(), face[at][2].into()));
-            (places, DVec3::new(face[0][4].into(), face[0][5].into(), face[0][6].into()))
+            let corners = [0, 1, 2].map(|at| DVec3::new(face[at][0].into(), face[at][1].into(), face[at][2].into()));
+            (corners, DVec3::new(face[0][4].into(), face[0][5].into(), face[0][6].into()))
         };
         Self(Tracer::build(corners.chunks(3).map(face)))
     }
@@ -51,12 +51,18 @@ impl Truth {
         let (point, triangle) = self.0.first((DVec3::from(camera.eye.map(f64::from)), ray))?;
         let [a, b, c] = triangle.corners;
         let is_dark = |light: Light| {
-            let mut meetings = self.0.meetings((point, place(light) - point));
+            let mut meetings = self.0.meetings((point, position(light) - point));
             meetings.any(|(t, other)| t > 1e-6 && t < 1.0 && !std::ptr::eq(other, triangle))
         };
         let area = AREA.samples(32).into_iter().filter(|light| is_dark(*light)).count();
         let normal = (b - a).cross(c - a).normalize();
-        Some(Seen { albedo: triangle.of, normal, place: point, dark: lamps().map(|(light, _)| is_dark(light)), area })
+        Some(Seen {
+            albedo: triangle.of,
+            normal,
+            position: point,
+            dark: lamps().map(|(light, _)| is_dark(light)),
+            area,
+        })
     }
 }
 
@@ -64,7 +70,7 @@ impl Seen {
     /// The colour with so many samples of the area light in shadow, 0 to 1.
     fn color(&self, area: usize) -> DVec3 {
         let light_of = |light: Light, color: [f32; 3]| {
-            let towards = place(light) - self.place;
+            let towards = position(light) - self.position;
             let falloff = (1.0 - towards.length_squared() / f64::from(light.range).powi(2)).max(0.0).powi(2);
             DVec3::from(color.map(f64::from)) * falloff * self.normal.dot(towards.normalize()).max(0.0)
         };

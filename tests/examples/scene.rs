@@ -10,7 +10,7 @@ use rimline::wgpu;
 use rimline_testkit::random::Random;
 use rimline_testkit::rays::Tracer;
 use rimline_testkit::{must_fail, shapes};
-use scene::places::{self, AMBIENT, LAMPS};
+use scene::contents::{self, AMBIENT, LAMPS};
 use scene::stage::Placed;
 use scene::support::Canvas;
 
@@ -22,7 +22,7 @@ const PIXELS: usize = 3000;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Ground,
-    Figure,
+    Walker,
     Box,
 }
 
@@ -47,38 +47,38 @@ fn corners(positions: &[[f32; 3]], face: [u32; 3]) -> [DVec3; 3] {
 
 impl Truth {
     fn new(seconds: f32) -> Self {
-        let model = places::figures().expect("a model");
-        let pose = places::pose(seconds).expect("a pose");
+        let model = contents::walkers().expect("a model");
+        let pose = contents::pose(seconds).expect("a pose");
         let positions = cpu::deform(&model, &pose, seconds, None, Threads::all()).expect("the pose fits");
-        let (figure, cube) = (&model.geometries()[0], shapes::cube());
-        let figure_of = |placed: &Placed| {
-            let (own, albedo) = (&positions[placed.first_vertex as usize..], Vec3::from(placed.albedo));
-            figure.faces().iter().map(|&face| (corners(own, face), (Kind::Figure, albedo))).collect::<Vec<_>>()
+        let (walker, cube) = (&model.geometries()[0], shapes::cube());
+        let walker_faces = |placed: &Placed| {
+            let (vertices, albedo) = (&positions[placed.first_vertex as usize..], Vec3::from(placed.albedo));
+            walker.faces().iter().map(|&face| (corners(vertices, face), (Kind::Walker, albedo))).collect::<Vec<_>>()
         };
         let box_of = |placed: &Placed| {
             let rows = placed.rows.map(|[x, y, z, shift]| (DVec3::from([x, y, z].map(f64::from)), f64::from(shift)));
-            let place = |p: DVec3| DVec3::from(rows.map(|(row, shift)| row.dot(p) + shift));
-            let corners = |face| corners(&cube.positions, face).map(place);
+            let transform = |p: DVec3| DVec3::from(rows.map(|(row, shift)| row.dot(p) + shift));
+            let corners = |face| corners(&cube.positions, face).map(transform);
             cube.faces.iter().map(|&face| (corners(face), (Kind::Box, Vec3::from(placed.albedo)))).collect::<Vec<_>>()
         };
         let ground = [[-200.0, 200.0], [200.0, 200.0], [200.0, -200.0], [-200.0, -200.0]];
         let [a, b, c, d] = ground.map(|[x, z]| DVec3::new(x, 0.0, z));
         let ground = [[a, b, c], [a, c, d]].map(|corners| (corners, (Kind::Ground, Vec3::new(0.80, 0.79, 0.77))));
-        let figures = places::dressed(figure.positions().len() as u32);
-        let boxes = places::boxes(seconds);
-        let casters = figures.iter().flat_map(figure_of).chain(boxes.iter().flat_map(box_of));
+        let walkers = contents::dressed(walker.positions().len() as u32);
+        let boxes = contents::boxes(seconds);
+        let casters = walkers.iter().flat_map(walker_faces).chain(boxes.iter().flat_map(box_of));
         Self { tracer: Tracer::build(casters.chain(ground)) }
     }
 
     /// The sample at a position in the picture, in pixels.
     fn seen(&self, [x, y]: [f64; 2]) -> Option<Sample> {
-        let camera = places::camera();
+        let camera = contents::camera();
         let matrix: DMat4 = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
         let eye = DVec3::from(camera.eye.map(f64::from));
         let [right, up, ahead] = [0, 1, 3].map(|row| matrix.row(row).truncate());
         let [x_ndc, y_ndc] = [2.0 * x / f64::from(SIZE[0]) - 1.0, 1.0 - 2.0 * y / f64::from(SIZE[1])];
         let ray = right * (x_ndc / right.length_squared()) + up * (y_ndc / up.length_squared()) + ahead;
-        let (place, triangle) = self.tracer.first((eye, ray))?;
+        let (point, triangle) = self.tracer.first((eye, ray))?;
         let ([a, b, c], (kind, albedo)) = (triangle.corners, triangle.of);
         let normal = (b - a).cross(c - a).normalize();
         let around = DVec3::new(0.88, 0.95, 1.06) * f64::from(AMBIENT) * (0.75 + 0.25 * normal.y);
@@ -86,12 +86,12 @@ impl Truth {
         let lamps = LAMPS.map(|lamp| {
             let xyz = DVec3::from(lamp.light.xyz.map(f64::from));
             let [w, range] = [lamp.light.w, lamp.light.range].map(f64::from);
-            let towards = xyz - w * place;
+            let towards = xyz - w * point;
             let falloff = (1.0 - w * towards.length_squared() / (range * range)).max(0.0).powi(2);
             let strength = falloff * normal.dot(towards.normalize()).max(0.0);
             // A point light is at 1 on this ray.
             let is_between = |t: f64| t > 1e-5 && (w == 0.0 || t < 1.0);
-            let is_dark = strength > 0.01 && self.tracer.meetings((place, towards)).any(|(t, _)| is_between(t));
+            let is_dark = strength > 0.01 && self.tracer.meetings((point, towards)).any(|(t, _)| is_between(t));
             if !is_dark {
                 light += DVec3::from(lamp.color.map(f64::from)) * strength;
             }
@@ -149,7 +149,7 @@ fn surfaces_have_the_light_that_reaches_them() {
         let picture = canvas.pixels(encoder).expect("it is read");
         let mut samples = Truth::new(seconds).samples(seed);
         let count = |is: &dyn Fn(&Sample) -> bool| samples.iter().filter(|sample| is(sample)).count();
-        let kinds = [Kind::Ground, Kind::Figure, Kind::Box].map(|kind| count(&|sample| sample.kind == kind));
+        let kinds = [Kind::Ground, Kind::Walker, Kind::Box].map(|kind| count(&|sample| sample.kind == kind));
         let lit = [0, 1, 2, 3].map(|lamp| count(&|sample| sample.lamps[lamp] == [true, false]));
         let dark = [0, 1, 2, 3].map(|lamp| count(&|sample| sample.lamps[lamp] == [true, true]));
         println!("seed {seed}: {kinds:?} on ground, figures and boxes; by lamp {lit:?} lit and {dark:?} in shadow");

@@ -102,9 +102,9 @@ fn expected() -> Expected {
         for face in &shape.faces {
             cover(face.map(|v| shadow[v as usize]), |pixel| is_dark[pixel] = true);
         }
-        for (pixel, place) in floor.iter().enumerate().filter(|(pixel, _)| !is_dark[*pixel]) {
+        for (pixel, point) in floor.iter().enumerate().filter(|(pixel, _)| !is_dark[*pixel]) {
             reached[pixel] += 1;
-            light[pixel] += place.map_or(0.0, |place| (lamp - place).normalize().y) / lamps.len() as f64;
+            light[pixel] += point.map_or(0.0, |point| (lamp - point).normalize().y) / lamps.len() as f64;
         }
     }
     let shade = |&light: &f64| {

@@ -75,8 +75,8 @@ fn the_walk_loops_and_keeps_its_feet_on_the_ground() {
     for (key, pose) in keys.iter().enumerate() {
         let from_rest = walk::from_rest(pose);
         let skinned = FIGURE.positions.iter().enumerate().map(|(v, &point)| {
-            let place = |k: usize| from_rest[FIGURE.joints[v][k] as usize].transform_point3(point);
-            (0..4).map(|k| place(k) * FIGURE.weights[v][k]).sum()
+            let joint_position = |k: usize| from_rest[FIGURE.joints[v][k] as usize].transform_point3(point);
+            (0..4).map(|k| joint_position(k) * FIGURE.weights[v][k]).sum()
         });
         let skinned: Vec<Vec3> = skinned.collect();
         let (low, high) =

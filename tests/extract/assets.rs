@@ -51,7 +51,8 @@ impl Extraction {
         Ok(Self { turned: turned(pose), mesh, extractors: [const { None }; LIGHT_COUNTS.len()] })
     }
 
-    /// Extracts at the deformer's positions and compares everything with the CPU reference, and some of it with big integers.
+    /// Extracts at the deformer's positions and compares everything with the CPU reference, and some of it with big
+    /// integers.
     fn check(&mut self, gpu: &Gpu, deformer: &Deformer, found: &[[f32; 3]], index: usize) -> Result<(), String> {
         let Self { mesh, extractors, .. } = self;
         let count = LIGHT_COUNTS[index];

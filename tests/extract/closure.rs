@@ -69,7 +69,7 @@ fn shuffled() -> Result<(), String> {
         let found = masks(gpu, &positions, &mesh, &lights)?;
         for seed in [1, 2] {
             let shape = Shape { positions: positions.clone(), faces: mesh.faces().to_vec() };
-            // Each face keeps its first corner, so its facing is computed alike to the last bit.
+            // Each face keeps its first corner, so its facing is computed with the same bits.
             let (_, moved, other) = case(name.clone(), shape.shuffled(seed));
             let again = masks(gpu, &moved, &other, &lights)?;
             for light in 0..lights.len() {

@@ -211,8 +211,8 @@ fn full_invocations() -> Result<(), String> {
     check(gpu, "flat", &positions, &mesh, &lights, exact(lights.len()))
 }
 
-/// The pairs of `tests/extract/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that it was
-/// made for against big integers, all others against the CPU reference.
+/// The pairs of `tests/extract/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that
+/// it was made for against big integers, all others against the CPU reference.
 fn every_class() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 45;

@@ -1,4 +1,5 @@
-//! Facing bits against exact arithmetic: right outside the error band that docs/numerics/facing.md derives, whatever the scale.
+//! Facing bits against exact arithmetic: right outside the error band that docs/numerics/facing.md derives, at all
+//! scales.
 
 use rimline::gpu::ExtractorOptions;
 use rimline::internals::Method;

@@ -83,7 +83,8 @@ impl Scene {
     }
 }
 
-/// Entries that the reader found for a light in the results of a batch: the valid edges, eight words each, in the order of the edges.
+/// Entries that the reader found for a light in the results of a batch: the valid edges, eight words each, in the order
+/// of the edges.
 fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Vec<[u32; 8]>, String> {
     let device = &gpu.device;
     let source = format!("{READER}{}", include_wgsl(1));

@@ -14,7 +14,7 @@ use rimline_testkit::{lights, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("positions_lie_at_any_offset_and_stride", any_offset),
-    ("one_buffer_has_positions_at_several_places", several_places),
+    ("one_buffer_has_positions_at_several_offsets", several_offsets),
     ("wrong_position_buffers_are_typed_errors", refused),
     ("faces_name_the_lowest_source_index", lowest_source_index),
 ];
@@ -53,7 +53,7 @@ fn any_offset() -> Result<(), String> {
 }
 
 /// Two poses in one buffer, far apart and with another stride: what was bound for one is not read for the other.
-fn several_places() -> Result<(), String> {
+fn several_offsets() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let lights = lights(&mut Random::new(52), 33);
     for (name, positions, mesh) in topologies() {

@@ -42,7 +42,7 @@ fn sign_by_robust([a, b, c]: [[f32; 3]; 3], light: Light) -> Option<i32> {
 }
 
 /// Facing bits of each face for its own light.
-fn own_bits(batch: &Batch, masks: &[u32]) -> Vec<bool> {
+fn bits_of_pairs(batch: &Batch, masks: &[u32]) -> Vec<bool> {
     let bit = |(face, mask): (usize, &u32)| mask >> (face % batch.lights.len()) & 1 != 0;
     masks.iter().enumerate().map(bit).collect()
 }
@@ -58,7 +58,7 @@ fn check(what: &str, batch: &Batch, signs: &[i32]) -> Outcome {
     same(&format!("{what}, exact_facing"), &integers, signs)?;
     let right: Vec<bool> = signs.iter().map(|&sign| sign > 0).collect();
     let masks = cpu::facing(&batch.positions, &batch.faces, &batch.lights, Predicate::Exact, Threads::all());
-    same(&format!("{what}, facing"), &own_bits(batch, &masks), &right)?;
+    same(&format!("{what}, facing"), &bits_of_pairs(batch, &masks), &right)?;
     // One light alone takes a way of its own.
     let alone = cpu::facing(&batch.positions, &batch.faces, &batch.lights[..1], Predicate::Exact, Threads::all());
     let first: Vec<u32> = masks.iter().map(|mask| mask & 1).collect();
@@ -121,7 +121,7 @@ fn wrong_signs_are_noticed() -> Outcome {
         let right: Vec<bool> = signs.iter().map(|&sign| sign > 0).collect();
         let fast = cpu::facing(&batch.positions, &batch.faces, &batch.lights, Predicate::Fast, Threads::ONE);
         if !["random", "degenerate"].contains(&class.name) {
-            must_fail(&format!("{}: f32 signs", class.name), &same("f32", &own_bits(&batch, &fast), &right))?;
+            must_fail(&format!("{}: f32 signs", class.name), &same("f32", &bits_of_pairs(&batch, &fast), &right))?;
         }
         let mut counts = Signs::default();
         counts.count(&signs);

@@ -1,4 +1,5 @@
-//! Stress scenes: exact facing is exact on every one, face masks close whatever decides them, and the others err.
+//! Stress scenes: exact facing is exact on every one, face masks of each predicate close, and the predicates that are
+//! not exact err.
 
 use std::collections::BTreeMap;
 

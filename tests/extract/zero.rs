@@ -1,5 +1,5 @@
-//! Zero of anything that an extractor and its volumes are made with: no room for entries, faces and caps, no memory, no vertices
-//! for an edge. No room counts as room for one, of which other tests have pictures.
+//! Zero of anything that an extractor and its volumes are made with: no room for entries, faces and caps, no memory, no
+//! vertices for an edge. No room counts as room for one, of which other tests have pictures.
 
 use rimline::gpu::{
     DeviceError, DrawArguments, EdgeTopology, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer,

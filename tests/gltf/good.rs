@@ -1,4 +1,5 @@
-//! Every good file of the catalogue and of the shared models loads, with the counts that its table states, and poses at any time.
+//! Every good file of the catalogue and of the shared models loads, with the counts that its table states, and poses at
+//! any time.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -15,7 +16,8 @@ use rimline_testkit::{assets, files};
 use crate::{Outcome, check, ensure, test};
 
 /// File; counts over its meshes, each once, welded by position, without degenerate faces, as `Good::counts` has them;
-/// instances, joints of all skins, morph targets, animations. Only what is drawn counts: `22_vertex_color` has more vertices and instances in lines and points.
+/// instances, joints of all skins, morph targets, animations. Only what is drawn counts: `22_vertex_color` has more
+/// vertices and instances in lines and points.
 type Row = (&'static str, [usize; 10], [usize; 4]);
 
 const ROWS: &[Row] = &[

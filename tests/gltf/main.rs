@@ -9,10 +9,10 @@ mod check;
 mod colors;
 mod details;
 mod good;
+mod instances;
 mod mutate;
 mod origin;
 mod outside;
-mod place;
 mod refuse;
 mod rows;
 mod shape;
@@ -33,7 +33,7 @@ fn main() {
         good::tests,
         bad::tests,
         shape::tests,
-        place::tests,
+        instances::tests,
         animate::tests,
         visible::tests,
         warned::tests,

@@ -119,8 +119,9 @@ fn zeros(count: u64) -> Maker {
     maker
 }
 
-/// The node has this number of instances of the mesh. A reproduction of 371 bytes, with 2,400,000 vertices and 880 instances, took more than
-/// 8 GB and ended the process, since an instance was charged a few hundred bytes, whatever its faces.
+/// The node has this number of instances of the mesh. A reproduction of 371 bytes, with 2,400,000 vertices and 880
+/// instances, took more than 8 GB and ended the process, since an instance was charged a few hundred bytes
+/// for any number of faces.
 fn instances(mut maker: Maker, count: u64) -> Maker {
     let attributes = json!({ "TRANSLATION": maker.zeros(count) });
     maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
@@ -360,8 +361,8 @@ fn hole() -> Outcome {
     Ok(())
 }
 
-/// At every limit, doubled until the file loads, no more is used than that; and at the last no more than `most` times as much
-/// is requested as is used.
+/// At every limit, doubled until the file loads, no more is used than that; and at the last no more than `most` times
+/// as much is requested as is used.
 fn within_limits(bytes: &[u8], base: Option<&Path>, most: u64) -> Outcome {
     let mut limit = 1 << 12;
     loop {

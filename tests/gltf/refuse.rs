@@ -80,7 +80,8 @@ fn control() -> Outcome {
     ensure(refused(&Maker::square(), &(name, change, &["nodes[3]"])).is_err(), || "a wrong path passed".to_owned())
 }
 
-/// 66,000 instances of 66,000 vertices are more than `u32` indices can name, however small the file. Memory is no limit here.
+/// 66,000 instances of 66,000 vertices are more than `u32` indices can name, however small the file. Memory is no limit
+/// here.
 fn too_many_vertices() -> Outcome {
     let mut maker = Maker::square();
     let line: Vec<f32> = (0..66_000).flat_map(|x| [x as f32, 0.0, 0.0]).collect();

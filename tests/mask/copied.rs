@@ -39,7 +39,8 @@ fn read(gpu: &Gpu, map: &wgpu::Texture) -> Result<Vec<u32>, String> {
     let samples = map.sample_count();
     let ty = if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
     let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
-    let kernel = TexelKernel::new(&gpu.device, ("read", &source), samples > 1);
+    let floats = wgpu::TextureSampleType::Float { filterable: false };
+    let kernel = TexelKernel::new(&gpu.device, ("read", &source), floats, samples > 1);
     let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
     let group = kernel.group(&gpu.device, &depth_view(map), &values);
     gpu.submit(|encoder| {
@@ -83,8 +84,8 @@ fn survives() -> Result<(), String> {
             let mut other = copy;
             other[1000] += 1;
             must_fail("a depth that is changed", &same("24 bits", &other, &map))?;
-            // Without the feature. llvmpipe multiplies by the reciprocal of 2²⁴ − 1 where it should divide, so that depths from 3/4 on
-            // come out as the next one.
+            // Without the feature. llvmpipe multiplies by the reciprocal of 2²⁴ − 1 where it should divide, so that
+            // depths from 3/4 on come out as the next one.
             let [map, copy] = copied(gpu, [Depth24Plus, Depth24PlusStencil8], samples, [part, 16])?;
             let next = |(map, copy): (&u32, &u32)| copy == map || (*map > 0.75_f32.to_bits() && *copy == map + 1);
             if !map.iter().zip(&copy).all(next) {

@@ -19,7 +19,7 @@ pub(crate) const TESTS: &[Test] = &[
 const PICTURE: Picture = Picture { size: SIZE, depth: Depth24Plus, samples: 1, target: R8Uint };
 
 /// The masks of a world by something new.
-fn fresh(gpu: &Gpu, world: &World, picture: &Picture) -> Result<Vec<Vec<u8>>, String> {
+fn by_new_masks(gpu: &Gpu, world: &World, picture: &Picture) -> Result<Vec<Vec<u8>>, String> {
     let mut masks = ShadowMasks::new(&gpu.pipelines).map_err(text)?;
     let [found, _] = picture.both(gpu, world, &SceneOptions::default(), &mut masks)?;
     Ok(found)
@@ -40,7 +40,7 @@ fn sizes() -> Result<(), String> {
         encoded.frame.write_masks(&mut dropped, masks, &inputs).map_err(text)?;
         drop(dropped);
         let [mut found, _] = picture.both(gpu, &world, &SceneOptions::default(), masks)?;
-        let expected = fresh(gpu, &world, &picture)?;
+        let expected = by_new_masks(gpu, &world, &picture)?;
         same(&format!("{size:?}"), &found, &expected)?;
         found[2][0] ^= 1;
         must_fail("a bit that is changed", &same("masks", &found, &expected))?;
@@ -65,7 +65,7 @@ fn views() -> Result<(), String> {
         }
         Ok(())
     })?;
-    let mut expected = others.iter().map(|other| fresh(gpu, other, picture)).collect::<Result<Vec<_>, _>>()?;
+    let mut expected = others.iter().map(|other| by_new_masks(gpu, other, picture)).collect::<Result<Vec<_>, _>>()?;
     let found = targets.iter().map(|target| picture.masks(gpu, target, 3)).collect::<Result<Vec<_>, _>>()?;
     same("views", &found, &expected)?;
     expected.reverse();
@@ -78,7 +78,7 @@ fn order() -> Result<(), String> {
     let masks = &mut ShadowMasks::new(&gpu.pipelines).map_err(text)?;
     let world = World::new(11, 0, 12);
     let picture = &Picture { target: R32Uint, ..PICTURE };
-    let all = fresh(gpu, &world, picture)?;
+    let all = by_new_masks(gpu, &world, picture)?;
     let target = picture.target(gpu, 12);
     let lists: [&[usize]; 4] = [&[11, 3, 3, 5], &[], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11], &[7]];
     for list in lists {

@@ -1,4 +1,5 @@
-//! Shadow masks of scenes against the stencil that a caller would draw, bit for bit. `tests/shadow/` compares stencils with rays.
+//! Shadow masks of scenes against the stencil that a caller would draw, bit for bit. `tests/shadow/` compares stencils
+//! with rays.
 //!
 //! The stage is `shadow_masks`.
 

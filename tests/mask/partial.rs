@@ -60,8 +60,8 @@ fn affects(light: &rimline::Light, point: DVec3) -> bool {
     from.length() <= f64::from(light.range) && light.cone.is_none_or(is_in)
 }
 
-/// Compares all pixels that a light affects with the stencil. At some of the others the mask must be 0 where the stencil is not, or
-/// else nothing was cut.
+/// Compares all pixels that a light affects with the stencil. At some of the others the mask must be 0 where the
+/// stencil is not, or else nothing was cut.
 fn parts() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
     let masks = &mut ShadowMasks::new(&gpu.pipelines).map_err(text)?;

@@ -25,8 +25,8 @@ pub(crate) struct World {
 }
 
 fn moved(positions: &[[f32; 3]], by: f32, to: DVec3) -> Vec<[f32; 3]> {
-    let place = |p: &[f32; 3]| (DVec3::from(p.map(f64::from)) * f64::from(by) + to).as_vec3().to_array();
-    positions.iter().map(place).collect()
+    let transform = |p: &[f32; 3]| (DVec3::from(p.map(f64::from)) * f64::from(by) + to).as_vec3().to_array();
+    positions.iter().map(transform).collect()
 }
 
 impl World {

@@ -24,7 +24,7 @@ type Decide = fn(&ClusterBound, Light) -> Option<bool>;
 #[derive(Clone, Copy, Debug, Default)]
 struct Decided {
     facing: usize,
-    averted: usize,
+    back_facing: usize,
     all: usize,
 }
 
@@ -41,7 +41,7 @@ fn check(shape: &Shape, lights: &[Light], decide: Decide, counts: &mut Decided) 
                 Some(true) => 1,
                 Some(false) => -1,
             };
-            *if wanted > 0 { &mut counts.facing } else { &mut counts.averted } += slots.len();
+            *if wanted > 0 { &mut counts.facing } else { &mut counts.back_facing } += slots.len();
             for &face in slots {
                 let corners = shape.faces[face as usize].map(|vertex| shape.positions[vertex as usize]);
                 let sign = match &exact[face as usize] {
@@ -79,7 +79,7 @@ fn decided_clusters_have_the_exact_signs() -> Outcome {
     for (name, counts) in trials(seed, if is_long() { 20_000 } else { 400 }, whole)? {
         println!("{name}: {counts:?}");
         // Faces thrown at random have no side in common.
-        if name != "random faces" && counts.facing.min(counts.averted) * 50 < counts.all {
+        if name != "random faces" && counts.facing.min(counts.back_facing) * 50 < counts.all {
             return Err(format!("{name}: {counts:?}: too few are decided to show anything"));
         }
     }
@@ -300,7 +300,7 @@ fn arranged_meshes_are_the_mesh_and_spare_no_silhouette() -> Outcome {
                     return Err(format!("{what}: chunk {chunk} is spared, and has {count} silhouettes"));
                 }
                 *(if is_spared { &mut spared } else { &mut tested }) += 1;
-                // Negative control: clusters between which edges lie must be alike.
+                // Negative control: clusters with edges between them must have the same facing.
                 noticed += usize::from(rule == 2 && is_decided && count > 0);
             }
         }
@@ -320,10 +320,10 @@ fn bad_faces_have_no_bound() -> Outcome {
     let twice = Mesh::from_faces(3, vec![[0, 0, 1]; 300]).map_err(|error| error.to_string())?;
     let finite = Clusters::new(&twice, &[[0.0; 3], [1.0; 3], [2.0; 3]], Threads::ONE);
     assert!(finite.bounds().iter().all(|bound| whole(bound, light) == Some(false)));
-    // Such a face is excluded for every light, so its exclusion is not what averted says.
+    // Such a face is excluded for every light, so the cluster is not decided as back-facing.
     let infinite = Clusters::new(&twice, &[[0.0; 3], [f32::INFINITY; 3], [2.0; 3]], Threads::ONE);
     assert!(infinite.bounds().iter().all(|bound| whole(bound, light).is_none()));
-    // Vertices of their own at one place: the light is in the plane, whatever it is.
+    // Distinct vertices at one position: every light is in the plane.
     let collapsed = Clusters::new(&mesh, &vec![[1.0; 3]; shape.positions.len()], Threads::ONE);
     assert!(collapsed.bounds().iter().all(|bound| whole(bound, light).is_none()));
     Ok(())

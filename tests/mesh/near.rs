@@ -128,7 +128,7 @@ fn groups_are_the_components_of_near_pairs() {
 
 /// More vertices than are compared one by one, in cells that are near each other and not.
 #[test]
-fn crowded_cells_are_told_apart() {
+fn crowded_cells_are_kept_apart() {
     let mut counts = [0, 0];
     for seed in 0..40 {
         let mut random = Random::new(500 + seed);
@@ -149,7 +149,7 @@ fn crowded_cells_are_told_apart() {
 }
 
 #[test]
-fn the_order_of_vertices_is_of_no_matter() {
+fn the_order_of_vertices_changes_nothing() {
     for seed in 0..60 {
         let mut random = Random::new(900 + seed);
         let (positions, distance) = cloud(&mut random, seed);

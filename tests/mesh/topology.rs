@@ -205,7 +205,8 @@ fn shuffling_keeps_edges_and_kinds() {
     let soups = (0..200).map(soup);
     let shapes = all_shapes().into_iter().map(|(_, shape)| shape);
     for (index, shape) in soups.chain(shapes).enumerate() {
-        // Also where an edge has more than two faces: how many pair up oppositely, and alike, is a matter of counts.
+        // This holds also for edges of more than two faces: the numbers of consistent and inconsistent pairs follow
+        // from counts.
         assert_eq!(summary(&shape.shuffled(index as u64)), summary(&shape), "mesh {index}");
     }
 }

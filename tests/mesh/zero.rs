@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, HiddenStatistics, Threads};
+use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, OcclusionStatistics, Threads};
 use rimline::internals::clusters::Clusters;
 use rimline::mesh::{MeshDiagnostics, MeshError, PolygonLoops, Weld, WeldDistance};
 use rimline::model::ModelBounds;
@@ -164,13 +164,13 @@ fn nothing_hides_behind_nothing() {
     let go_on = |_, _| ControlFlow::Continue(());
     let light = Light::point([0.0, 0.0, 2.0]);
     let meshes = meshes();
-    let none: Vec<HiddenCaster<'_>> = Vec::new();
-    let casters = meshes.iter().map(|mesh| HiddenCaster { mesh, positions: &CORNERS, version: None });
+    let none: Vec<OcclusionCaster<'_>> = Vec::new();
+    let casters = meshes.iter().map(|mesh| OcclusionCaster { mesh, positions: &CORNERS, version: None });
     for casters in [none, casters.collect()] {
         for leave_out_all in [false, true] {
-            let options = HiddenOptions { leave_out_all, threads: Threads::new(0), ..HiddenOptions::default() };
-            let found = HiddenFaces::find(light, &casters, options, go_on).expect("found");
-            assert_eq!(found.statistics(), HiddenStatistics::default());
+            let options = OcclusionOptions { leave_out_all, threads: Threads::new(0), ..OcclusionOptions::default() };
+            let found = OccludedFaces::find(light, &casters, options, go_on).expect("found");
+            assert_eq!(found.statistics(), OcclusionStatistics::default());
             assert!((0..=casters.len()).all(|caster| found.faces(caster).is_empty()));
         }
     }
@@ -178,10 +178,10 @@ fn nothing_hides_behind_nothing() {
     let wall = [[-9.0, -9.0, 1.0], [9.0, -9.0, 1.0], [0.0, 9.0, 1.0]];
     let face = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("a face");
     let behind = CORNERS.map(|[x, y, z]| [x / 8.0, y / 8.0, z - 1.0]);
-    let casters = [&wall, &behind].map(|positions| HiddenCaster { mesh: &face, positions, version: None });
-    let hidden = |max_nodes, max_steps| {
-        let options = HiddenOptions { max_nodes, max_steps, ..HiddenOptions::default() };
-        HiddenFaces::find(light, &casters, options, go_on).expect("found").statistics().hidden
+    let casters = [&wall, &behind].map(|positions| OcclusionCaster { mesh: &face, positions, version: None });
+    let occluded = |max_nodes, max_steps| {
+        let options = OcclusionOptions { max_nodes, max_steps, ..OcclusionOptions::default() };
+        OccludedFaces::find(light, &casters, options, go_on).expect("found").statistics().occluded
     };
-    assert_eq!([hidden(0, 0), hidden(0, 4096), hidden(1 << 21, 0), hidden(1 << 21, 4096)], [0, 0, 0, 1]);
+    assert_eq!([occluded(0, 0), occluded(0, 4096), occluded(1 << 21, 0), occluded(1 << 21, 4096)], [0, 0, 0, 1]);
 }

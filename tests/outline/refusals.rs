@@ -16,7 +16,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("formats_of_passes_are_those_of_their_attachments", of_pass),
 ];
 
-/// A format is that of the pass, whatever the depth that is read.
+/// The format must be that of the pass, for each depth that is read.
 fn of_pass() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let usage = wgpu::TextureUsages::TEXTURE_BINDING;

@@ -159,13 +159,13 @@ impl Picture<'_> {
                 pass.set_bind_group(0, &group, &[]);
                 pass.draw(0..corners.len() as u32, 0..1);
             }
-            let own_view = view(&target);
+            let target_view = view(&target);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("outlines"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: sampled.as_ref().unwrap_or(&own_view),
+                    view: sampled.as_ref().unwrap_or(&target_view),
                     depth_slice: None,
-                    resolve_target: sampled.as_ref().map(|_| &own_view),
+                    resolve_target: sampled.as_ref().map(|_| &target_view),
                     ops: wgpu::Operations {
                         load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
                         store: wgpu::StoreOp::Store,

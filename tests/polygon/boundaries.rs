@@ -275,8 +275,8 @@ fn convex_boundaries_take_the_cheap_way() {
     }
 }
 
-/// Boundaries of many corners, which all pairs of edges take minutes for: a circle that rounding dents, a comb, a spiral with
-/// bridges, each from above, from below and from beside.
+/// Boundaries of many corners, which all pairs of edges take minutes for: a circle that rounding dents, a comb, a
+/// spiral with bridges, each from above, from below and from beside.
 #[test]
 fn boundaries_of_many_corners_take_no_time() {
     const CORNERS: usize = 20_000;

@@ -1,6 +1,6 @@
-//! L-twisted boundaries with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
-//! pieces are counted, and must close. Those of edges that are seen in line are goldens, made of the twin that there was.
-//! docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
+//! L-twisted boundaries with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns
+//! without a word, so pieces are counted, and must close. Those of edges that are seen in line are goldens, made of the
+//! twin that there was. docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
 
 use rimline::Light;
 use rimline::gpu::MAX_BOUNDARY_EDGES;
@@ -64,8 +64,8 @@ fn of_all_sizes() -> Result<(), String> {
     Ok(())
 }
 
-/// Zigzag corners of all sizes in one plane with the light, but for the first, which is above what is farthest on both sides, where it
-/// crosses nothing. So they are seen in line, and each edge is cut in its middle.
+/// Zigzag corners of all sizes in one plane with the light, but for the first, which is above what is farthest on both
+/// sides, where it crosses nothing. So they are seen in line, and each edge is cut in its middle.
 fn in_line(random: &mut Random, corners: usize, last: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut points = vec![[0.0, 1.0, 0.0], [1.0, 0.0, 8.0]];
     for at in 0..corners {

@@ -291,7 +291,7 @@ fn polygons_that_are_not_finite_are_excluded() {
 }
 
 #[test]
-fn neither_threads_nor_memory_of_before_matter() {
+fn neither_threads_nor_earlier_memory_change_masks() {
     let mut random = Random::new(7);
     let set = quad_torus(&mut random, 96, 64, 0.02);
     let mesh = set.mesh(Weld::Keep).expect("a mesh");

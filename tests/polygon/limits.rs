@@ -1,5 +1,5 @@
-//! Polygons as large as the GPU takes them. llvmpipe ends an invocation's loops after 65,535 turns without a word, so these are
-//! compared with the twin. docs/numerics/loops.md.
+//! Polygons as large as the GPU takes them. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
+//! these are compared with the twin. docs/numerics/loops.md.
 
 use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, MAX_BOUNDARY_EDGES};
 use rimline::internals::cpu::{self, Threads};
@@ -25,8 +25,8 @@ const MOST_TRIANGLES: usize = 2048;
 /// Edges of the largest boundary that is tried for being strictly convex.
 const MOST_CONVEX: usize = 256;
 
-/// A loop through the corners, and over a bridge to a hole of 3 edges and back: so many `triangles` in all. The edges of the bridge
-/// are walked both ways, so they are not in the boundary, but there are triangles on both sides of it.
+/// A loop through the corners, and over a bridge to a hole of 3 edges and back: so many `triangles` in all. The edges
+/// of the bridge are walked both ways, so they are not in the boundary, but there are triangles on both sides of it.
 fn bridged(corners: &[[f32; 3]], triangles: usize) -> Vec<[f32; 3]> {
     let length = (triangles + 2 - corners.len() - 3) / 2;
     let hole = [[0.0; 3], [-1.0, 0.0, -1.0], [1.0, 0.0, -1.0]];
@@ -48,7 +48,8 @@ fn circle(corners: usize) -> Vec<[f32; 3]> {
     (0..corners).map(|at| [40.0 * angle(at).sin(), 0.0, 40.0 * angle(at).cos()]).collect()
 }
 
-/// Between two circles by turns, in one plane: simple, not convex, and seen edge-on from within the plane but for one corner.
+/// Between two circles by turns, in one plane: simple, not convex, and seen edge-on from within the plane but for one
+/// corner.
 fn star(corners: usize) -> Vec<[f32; 3]> {
     let mut points = circle(corners);
     points.iter_mut().step_by(2).for_each(|p| *p = p.map(|c| 0.5 * c));

@@ -1,5 +1,6 @@
-//! The pieces that `cut_edges` and `cut_quads` list for twisted boundaries. They close, bit for bit. There are as many as edges and
-//! their crossings, which are counted in integers. They wind around what is dark: the parity of the triangles between.
+//! The pieces that `cut_edges` and `cut_quads` list for twisted boundaries. They close, bit for bit. There are as many
+//! as edges and their crossings, which are counted in integers. They wind around what is dark: the parity of the
+//! triangles between.
 
 use std::collections::BTreeMap;
 
@@ -232,8 +233,8 @@ impl Twisted {
         Some(sum)
     }
 
-    /// Steps between points beyond the polygon change the winding number of the pieces as they change the parity of the triangles
-    /// between. Returns how many steps tell something, and in how many of these the parity changes.
+    /// Steps between points beyond the polygon change the winding number of the pieces as they change the parity of the
+    /// triangles between. Returns how many steps tell something, and in how many of these the parity changes.
     pub(crate) fn check_dark(&self, random: &mut Random, points: usize) -> Result<[usize; 2], String> {
         let mut counts = [0; 2];
         if self.light.w < 0.0 || self.is_lit_from_within() {
@@ -347,8 +348,8 @@ fn edge_on() -> Result<(), String> {
     if pairs > 400 && cut > 4000 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
-/// Corners in planes with the light but for some, so that it sees edges in line. Turns are those of the moved light, and the order of
-/// cuts is.
+/// Corners in planes with the light but for some, so that it sees edges in line. Turns are those of the moved light,
+/// and the order of cuts is.
 fn in_planes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let first = 700_000;
@@ -360,8 +361,8 @@ fn in_planes() -> Result<(), String> {
         for seed in first..first + seeds {
             let mut random = Random::new(seed);
             let (points, light) = boundary_in_planes(&mut random, planes, others);
-            // Fixed point holds whole numbers. Other edges in line are cut in their middles, which a light among them may see on its
-            // other side.
+            // Fixed point holds whole numbers. Other edges in line are cut in their middles, which a light among them
+            // may see on its other side.
             let is_whole = points.iter().flatten().all(|c| c.fract() == 0.0);
             let scale = if seed % 5 == 0 { (random.below(100) as f32 - 50.0).exp2() } else { 1.0 };
             let mut set = PolygonSet::default();
@@ -390,7 +391,7 @@ fn in_planes() -> Result<(), String> {
             pairs += 1;
         }
         println!("{planes} planes, {others} others: {pairs} twisted, {open:?} open");
-        // Boundaries that touch themselves in space, and have many edges through one point besides, need not close.
+        // Boundaries that touch themselves in space, or have many edges through one point, need not close.
         if 4 * pairs < 3 * seeds || open[0] > 0 || planes == 1 && open[1] > 0 || 100 * open[1] > pairs {
             return Err(format!("{open:?} of {pairs} are open, of {planes} planes and {others} others"));
         }

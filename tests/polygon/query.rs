@@ -66,13 +66,13 @@ fn the_triangle_that_a_point_is_on_does_not_count() -> Result<(), String> {
         let mut without_polygon = expected.clone();
         for range in (0..polygons.len()).map(|polygon| polygons.triangles(polygon)) {
             for (at, (point, &face)) in points.iter().zip(&on_face).enumerate() {
-                let is_own = range.contains(&(face as usize));
+                let is_of_polygon = range.contains(&(face as usize));
                 let others: Vec<_> =
                     range.clone().filter(|&other| other != face as usize).map(|other| mesh.faces()[other]).collect();
                 let of_one = shadow_oracle::shadow_depth(&set.positions, &others, &[*point], &lights);
                 for (light, depth) in of_one.into_iter().enumerate() {
                     expected[at * lights.len() + light] += depth.rem_euclid(2);
-                    without_polygon[at * lights.len() + light] += if is_own { 0 } else { depth.rem_euclid(2) };
+                    without_polygon[at * lights.len() + light] += if is_of_polygon { 0 } else { depth.rem_euclid(2) };
                 }
             }
         }

@@ -66,7 +66,7 @@ fn found_on(gpu: &Gpu, case: &DepthCase, on_face: &[u32], work_per_dispatch: u64
     let asked =
         QueryPoints { points: PositionBuffer { buffer: &buffers[1], offset: 0, stride: 16 }, on_face: Some(12) };
     gpu.submit(|encoder| query.encode_at(encoder, positions, asked, points.len() as u32, lights).map_err(text))?;
-    gpu.read(query.depths(), points.len() * lights.len())
+    gpu.read(query.occluder_counts(), points.len() * lights.len())
 }
 
 fn expected_on(case: &DepthCase, on_face: &[u32]) -> Result<Vec<i32>, String> {
@@ -78,8 +78,8 @@ fn expected(case: &DepthCase) -> Result<Vec<i32>, String> {
     cpu::shadow_depth(&case.set.positions, &case.mesh, &case.points, &case.lights, Threads::all()).map_err(text)
 }
 
-/// Quadrilaterals of whole numbers beside each other, with points below their corners and edges. Many are folded as seen from the
-/// light, so that some of their triangles are crossed within and others on an edge.
+/// Quadrilaterals of whole numbers beside each other, with points below their corners and edges. Many are folded as
+/// seen from the light, so that some of their triangles are crossed within and others on an edge.
 fn folded(random: &mut Random) -> DepthCase {
     let mut set = PolygonSet::default();
     let mut points = Vec::new();
@@ -113,9 +113,9 @@ fn depths() -> Result<(), String> {
     if sum > 500 { Ok(()) } else { Err(format!("{sum} polygons between")) }
 }
 
-/// Polygons of random corners. Their triangles lie across each other, so a pair may have hundreds of one polygon between, over
-/// several groups and dispatches. On whole numbers many of these are undecided, and more than a pair may note. Last, many triangles
-/// beside polygons, so that a dispatch of few pairs is full.
+/// Polygons of random corners. Their triangles lie across each other, so a pair may have hundreds of one polygon
+/// between, over several groups and dispatches. On whole numbers many of these are undecided, and more than a pair may
+/// note. Last, many triangles beside polygons, so that a dispatch of few pairs is full.
 fn tangled() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(235);
@@ -150,7 +150,8 @@ fn tangled() -> Result<(), String> {
     if most > 1000 { Ok(()) } else { Err(format!("at most {most} between")) }
 }
 
-/// Polygons of more triangles than a group, over dispatches and bindings that end within them, and one that no binding holds.
+/// Polygons of more triangles than a group, over dispatches and bindings that end within them, and one that no binding
+/// holds.
 fn large() -> Result<(), String> {
     let mut random = Random::new(233);
     let set = large_set(&mut random, 1600);

@@ -65,7 +65,7 @@ fn without_triangles() -> Result<(), String> {
                     .map_err(|error| what(&error))?;
             }
             gpu.submit(|encoder| query.encode_at(encoder, positions, points, max_points, &LIGHTS).map_err(text))?;
-            let depths: Vec<i32> = gpu.read(query.depths(), 2 * max_points as usize)?;
+            let depths: Vec<i32> = gpu.read(query.occluder_counts(), 2 * max_points as usize)?;
             if depths.iter().any(|&depth| depth != 0) {
                 return Err(format!("mesh {number}: depths {depths:?}"));
             }

@@ -1,4 +1,4 @@
-//! The shadow depth query without a device.
+//! Queries of occluder counts without a device.
 
 mod on_faces;
 mod shadow_depth;

@@ -1,4 +1,4 @@
-//! The shadow depth query on the GPU. Without an adapter these tests fail; they are never passed over.
+//! Queries of occluder counts on the GPU. Without an adapter these tests fail; they are never passed over.
 
 mod on_faces_gpu;
 mod shadow_query;

@@ -13,17 +13,17 @@ fn depths(shape: &Shape, points: &[[f32; 3]], on_face: Option<&[u32]>, lights: &
     cpu::shadow_depth_on_faces(&shape.positions, &mesh, points, on_face, lights, Threads::all()).expect("good lights")
 }
 
-/// A light in the zenith lights the faces of the upper half, whatever rounding made of their centres. Points that are lifted off
-/// their faces are lit likewise.
+/// A light in the zenith lights the faces of the upper half, although rounding moves their centres. Points that are lifted
+/// off their faces have the same results.
 #[test]
 fn half_of_a_sphere_is_lit() {
     let shape = shapes::globe(48, 24);
     let corners = |face: &[u32; 3]| face.map(|vertex| shape.positions[vertex as usize]);
     let points: Vec<[f32; 3]> = shape.faces.iter().map(|face| centre(corners(face))).collect();
     let zenith = Light::directional([0.0, 0.0, 1.0]);
-    let own_faces: Vec<u32> = (0..points.len() as u32).collect();
+    let named_faces: Vec<u32> = (0..points.len() as u32).collect();
     let lit = |found: &[i32]| found.iter().filter(|&&depth| depth == 0).count();
-    let named = depths(&shape, &points, Some(&own_faces), &[zenith]);
+    let named = depths(&shape, &points, Some(&named_faces), &[zenith]);
     assert_eq!((points.len(), lit(&named)), (2208, 1104));
     assert!(named.iter().zip(&points).all(|(&depth, point)| depth == i32::from(point[2] < 0.0)), "the upper half");
     let lifted: Vec<_> = points.iter().map(|&point| zenith.lift(point, 1e-4)).collect();
@@ -35,7 +35,7 @@ fn half_of_a_sphere_is_lit() {
         depths(&shape, &points, Some(&vec![NO_FACE; 2208]), &[zenith]),
         depths(&shape, &points, None, &[zenith])
     );
-    let others: Vec<u32> = own_faces.iter().map(|face| (face + 1104) % 2208).collect();
+    let others: Vec<u32> = named_faces.iter().map(|face| (face + 1104) % 2208).collect();
     assert!(lit(&depths(&shape, &points, Some(&others), &[zenith])) < 1104, "other faces");
 }
 

@@ -1,4 +1,5 @@
-//! Points that name their face, on the GPU: the CPU's integers, however points lie and the query is cut, and what is refused.
+//! Points that name their face, on the GPU: the CPU's integers, however points lie and the query is cut, and what is
+//! refused.
 
 use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};
 use rimline::internals::cpu::{self, Threads};
@@ -50,7 +51,7 @@ fn found(gpu: &Gpu, case: &ShadowCase, on_face: &[u32], packing: [u64; 3]) -> Re
     gpu.submit(|encoder| {
         query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights).map_err(text)
     })?;
-    gpu.read(query.depths(), case.points.len() * case.lights.len())
+    gpu.read(query.occluder_counts(), case.points.len() * case.lights.len())
 }
 
 fn expected(case: &ShadowCase, on_face: Option<&[u32]>) -> Result<Vec<i32>, String> {
@@ -67,10 +68,10 @@ fn sphere() -> Result<(), String> {
     let case =
         ShadowCase { name: "sphere".to_owned(), points, lights: vec![Light::directional([0.0, 0.0, 1.0])], shape };
     let lit = |found: &[i32]| found.iter().filter(|&&depth| depth == 0).count();
-    let own_faces: Vec<u32> = (0..2208).collect();
-    let named = found(gpu, &case, &own_faces, [0, 16, 12])?;
+    let named_faces: Vec<u32> = (0..2208).collect();
+    let named = found(gpu, &case, &named_faces, [0, 16, 12])?;
     same("lit", &[lit(&named)], &[1104])?;
-    same("sphere", &named, &expected(&case, Some(&own_faces))?)?;
+    same("sphere", &named, &expected(&case, Some(&named_faces))?)?;
     // A number that the mesh lacks is none.
     let none: Vec<u32> = (0..2208).map(|at| if at % 2 == 0 { NO_FACE } else { 2208 + at }).collect();
     let plain = found(gpu, &case, &none, [0, 16, 12])?;

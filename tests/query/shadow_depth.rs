@@ -1,4 +1,4 @@
-//! The shadow depth query's CPU reference: against brute force, and what must hold of any such count.
+//! The CPU reference of occluder counts: against brute force, and what must hold of any such count.
 
 use rimline::internals::cpu::{self, CpuError, Threads};
 use rimline::{Light, LightError, Mesh};
@@ -173,7 +173,7 @@ fn extent(shape: &Shape, axis: usize) -> f32 {
 }
 
 #[test]
-fn the_order_of_faces_vertices_and_corners_does_not_matter() -> Outcome {
+fn the_order_of_faces_vertices_and_corners_changes_nothing() -> Outcome {
     let mut random = Random::new(91);
     let mut cases = vec![lattice(&mut random, [6, 100, 12]).0];
     cases.extend(shadow_cases(&mut random, 30, 6).into_iter().filter(|case| case.name != "not finite"));

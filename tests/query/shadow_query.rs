@@ -1,4 +1,4 @@
-//! The shadow depth query on the GPU: the CPU reference's integers, however it is cut, and what is refused.
+//! Queries of occluder counts on the GPU: the CPU reference's integers, however it is cut, and what is refused.
 //!
 //! It tests the stage `depth_arguments`, too.
 
@@ -57,8 +57,8 @@ fn found(
     gpu.submit(|encoder| {
         query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights).map_err(text)
     })?;
-    let found = query.read_depths(&gpu.queue).map_err(text)?;
-    same("as the buffer", &gpu.read::<i32>(query.depths(), found.len())?, &found)?;
+    let found = query.read_occluder_counts(&gpu.queue).map_err(text)?;
+    same("as the buffer", &gpu.read::<i32>(query.occluder_counts(), found.len())?, &found)?;
     Ok(found)
 }
 
@@ -153,12 +153,12 @@ fn splits() -> Result<(), String> {
         query.encode_at(encoder, positions, points, 300, &case.lights).map_err(text)?;
         query.encode_at(encoder, positions, points, 7, &few.lights).map_err(text)
     })?;
-    same("few", &query.read_depths(&gpu.queue).map_err(text)?, &expected(&few)?)?;
+    same("few", &query.read_occluder_counts(&gpu.queue).map_err(text)?, &expected(&few)?)?;
     for lights in [&few.lights[..], &[]] {
         gpu.submit(|encoder| query.encode_at(encoder, positions, points, 0, lights).map_err(text))?;
-        same("none", &query.read_depths(&gpu.queue).map_err(text)?, &Vec::new())?;
+        same("none", &query.read_occluder_counts(&gpu.queue).map_err(text)?, &Vec::new())?;
     }
-    same("none is written", &gpu.read::<i32>(query.depths(), 14)?, &expected(&few)?)
+    same("none is written", &gpu.read::<i32>(query.occluder_counts(), 14)?, &expected(&few)?)
 }
 
 fn small_limits() -> Result<(), String> {
@@ -279,13 +279,13 @@ fn extractions() -> Result<(), String> {
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })
         .map_err(text)?;
     let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
-    let read = |query: &ShadowQuery| gpu.read::<i32>(query.depths(), 100);
+    let read = |query: &ShadowQuery| gpu.read::<i32>(query.occluder_counts(), 100);
     gpu.submit(|encoder| query.encode_at(encoder, bound, at, 50, &lights).map_err(text))?;
     let expected = read(&query)?;
     must_fail("depths of nothing", &same("depths", &expected, &[0; 100]))?;
     for query in [&mut query, &mut of_clone] {
         gpu.submit(|encoder| {
-            encoder.clear_buffer(query.depths(), 0, None);
+            encoder.clear_buffer(query.occluder_counts(), 0, None);
             query.encode(encoder, &extraction, at, 50).map_err(text)
         })?;
         same("depths of an extraction", &read(query)?, &expected)?;
@@ -301,8 +301,8 @@ fn extractions() -> Result<(), String> {
     })
 }
 
-/// A pair that is counted anew, in a dispatch that goes over some of the faces: those of clusters past the range, in the same
-/// group or another, are another dispatch's.
+/// A pair that is counted anew, in a dispatch that goes over some of the faces: those of clusters past the range, in
+/// the same group or another, are another dispatch's.
 fn recount() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let stage = Dispatch::new(gpu, &EXACT_SHADOW_DEPTH.wgsl(), "exact_shadow_depth_recount");
@@ -336,8 +336,8 @@ fn recount() -> Result<(), String> {
     Ok(())
 }
 
-/// Faces that fill the dispatches of a query of few pairs: all of them between, in all lanes, and a soup through which each pair
-/// goes elsewhere. llvmpipe ends an invocation's loops after 65,535 turns without a word.
+/// Faces that fill the dispatches of a query of few pairs: all of them between, in all lanes, and a soup through which
+/// each pair goes elsewhere. llvmpipe ends an invocation's loops after 65,535 turns without a word.
 fn many_faces() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(161);

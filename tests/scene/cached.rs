@@ -1,5 +1,5 @@
-//! Cached bits and lists: they are right, and only what changed is computed. `reach` finds the active lights, `relist` the dirty lists
-//! of views.
+//! Cached bits and lists: they are right, and only what changed is computed. `cull_lights` finds the active lights,
+//! `relist` the dirty lists of views.
 
 use std::collections::HashMap;
 
@@ -105,8 +105,8 @@ fn filled(gpu: &Gpu, seed: u64) -> Result<RandomScene, String> {
     RandomScene::filled(gpu, seed, roomy(40), [[3, 9, 40][random.below(3)], 1 + random.below(14)])
 }
 
-/// Frames are dropped, or submitted after a later one, of the same layout or of another. Half of the scenes have a mesh of many
-/// clusters.
+/// Frames are dropped, or submitted after a later one, of the same layout or of another. Half of the scenes have a mesh
+/// of many clusters.
 fn random_frames() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut pairs, mut cached, mut noticed) = (0, 0, 0);
@@ -416,7 +416,8 @@ fn zeros() -> Result<(), String> {
     same("moved away", &[flag(&mut scene)?, flag(&mut scene)?], &[[0, 0], [0, 0]])
 }
 
-/// The late frame has larger masks and fewer casters: the words about its bits do not fit the new layout, but its masks would.
+/// The late frame has larger masks and fewer casters: the words about its bits do not fit the new layout, but its masks
+/// would.
 fn late() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut scene = RandomScene::filled(gpu, 3101, roomy(8), [4, 0])?;

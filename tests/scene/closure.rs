@@ -96,8 +96,9 @@ fn boundary() -> Result<(), String> {
                         }
                         let (expected, zeros) = expected(&scene, caster, light, is_given, [is_every, heeds])?;
                         let order = slot_order(&frame, caster.handle, scene.content.mesh_and_positions(caster).0);
-                        let place = (index, order.as_ref());
-                        let listed = sides_of(&found, caster, &scene, place, of_group.side_capacity, (&sides, bit))?;
+                        let index_and_order = (index, order.as_ref());
+                        let listed =
+                            sides_of(&found, caster, &scene, index_and_order, of_group.side_capacity, (&sides, bit))?;
                         let Some(listed) = listed else {
                             let [plain, clipped] = [0, 1].map(|kind| sides[2 * bit as usize + kind]);
                             if plain + clipped > 2 * found.group(group, batch)?.edge_slots {

@@ -77,8 +77,9 @@ fn hostile() -> Result<(), String> {
     if sum.contains(&0) { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
-/// Casters behind a sphere are added and removed, so that its words in the cache move by a cluster from frame to frame, while its
-/// masks stay. The light turns around. The first cluster of an axis then has the words of the last cluster of the axis before.
+/// Casters behind a sphere are added and removed, so that its words in the cache move by a cluster from frame to frame,
+/// while its masks stay. The light turns around. The first cluster of an axis then has the words of the last cluster of
+/// the axis before.
 fn shifted() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut scene, mut frames) = (with_mesh(gpu, 4501, shapes::sphere(20))?, 0);

@@ -51,15 +51,15 @@ fn direction(random: &mut Random, axis: [f32; 3], angle: f64) -> DVec3 {
 }
 
 /// A box with a place at a corner, on a side, or within.
-fn box_around(random: &mut Random, place: [f32; 3], size: f32) -> [[f32; 3]; 2] {
-    let mut ends = [place; 2];
+fn box_around(random: &mut Random, point: [f32; 3], size: f32) -> [[f32; 3]; 2] {
+    let mut ends = [point; 2];
     for axis in 0..3 {
         let which = random.below(3);
         if which != 1 {
-            ends[0][axis] = place[axis] - random.between(0.0, size);
+            ends[0][axis] = point[axis] - random.between(0.0, size);
         }
         if which != 2 {
-            ends[1][axis] = place[axis] + random.between(0.0, size);
+            ends[1][axis] = point[axis] + random.between(0.0, size);
         }
     }
     ends
@@ -103,18 +103,18 @@ fn touching() -> Result<(), String> {
             * [1.0, f64::from(random.between(0.99, 1.0)), f64::from(random.between(0.0, 1.0))][random.below(3)];
         let distance = f64::from(scale) * [0.0, 1.0, f64::from(random.between(0.0, 3.0))][random.below(3)];
         let from = DVec3::from(apex.map(f64::from));
-        let place = (from + distance * direction(&mut random, cone.axis, angle)).as_vec3().to_array();
+        let point = (from + distance * direction(&mut random, cone.axis, angle)).as_vec3().to_array();
         // Rounding may have moved it out.
-        if inside(cone, from, DVec3::from(place.map(f64::from))) >= 0.0 {
+        if inside(cone, from, DVec3::from(point.map(f64::from))) >= 0.0 {
             on_surface += usize::from(angle == half_angle);
-            boxes.push((packed(cone, apex), box_around(&mut random, place, scale)));
-            names.push((seed, cone, apex, place));
+            boxes.push((packed(cone, apex), box_around(&mut random, point, scale)));
+            names.push((seed, cone, apex, point));
         }
     }
     let found = may_be_in_cone(gpu, &boxes)?;
     if let Some(at) = found.iter().position(|is_kept| !is_kept) {
-        let ((seed, cone, apex, place), ends) = (names[at], boxes[at].1);
-        return Err(format!("seed {seed}: {cone:?} at {apex:?} has {place:?}, not {ends:?}"));
+        let ((seed, cone, apex, point), ends) = (names[at], boxes[at].1);
+        return Err(format!("seed {seed}: {cone:?} at {apex:?} has {point:?}, not {ends:?}"));
     }
     let mut cases = Vec::new();
     // Exactly on the surface: 3, 4 and 5.
@@ -165,14 +165,14 @@ fn beside() -> Result<(), String> {
             _ => least + (std::f64::consts::PI - least) * f64::from(random.between(0.0, 1.0)),
         };
         let apex = random.direction();
-        let place = DVec3::from(apex.map(f64::from)) + 3.0 * direction(&mut random, cone.axis, angle);
-        let place = place.as_vec3().to_array();
-        boxes.push((packed(cone, apex), [place.map(|c| c - 0.03), place.map(|c| c + 0.03)]));
-        names.push((seed, cone, apex, place));
+        let point = DVec3::from(apex.map(f64::from)) + 3.0 * direction(&mut random, cone.axis, angle);
+        let point = point.as_vec3().to_array();
+        boxes.push((packed(cone, apex), [point.map(|c| c - 0.03), point.map(|c| c + 0.03)]));
+        names.push((seed, cone, apex, point));
     }
     if let Some(at) = may_be_in_cone(&*Gpu::shared()?, &boxes)?.iter().position(|&is_kept| is_kept) {
-        let (seed, cone, apex, place) = names[at];
-        return Err(format!("seed {seed}: {cone:?} at {apex:?} keeps {place:?}"));
+        let (seed, cone, apex, point) = names[at];
+        return Err(format!("seed {seed}: {cone:?} at {apex:?} keeps {point:?}"));
     }
     if boxes.len() < 10_000 { Err(format!("{} boxes", boxes.len())) } else { Ok(()) }
 }

@@ -17,7 +17,7 @@ const GROUND: f32 = 30.0;
 
 /// The position of a figure, its bend, its size, and whether it is mirrored.
 #[derive(Clone, Copy)]
-pub(crate) struct Figure {
+pub(crate) struct Walker {
     pub(crate) at: Vec3,
     time: f32,
     pub(crate) size: f32,
@@ -32,26 +32,26 @@ pub(crate) struct Crowd {
 }
 
 impl Crowd {
-    pub(crate) fn new(figures: usize) -> Result<Self, String> {
+    pub(crate) fn new(walkers: usize) -> Result<Self, String> {
         let (tube, bend) = bending_tube();
-        let model = Model::new(tube.geometries().to_vec(), vec![Instance::new(0, None); figures]).map_err(text)?;
+        let model = Model::new(tube.geometries().to_vec(), vec![Instance::new(0, None); walkers]).map_err(text)?;
         Ok(Self { bounds: ModelBounds::new(&model), model, bend: Box::new(bend) })
     }
 
-    pub(crate) fn figures(&self, random: &mut Random) -> Vec<Figure> {
-        let figure = |_| Figure { at: position(random), time: random.between(0.0, 9.0), size: 1.0, is_mirrored: false };
-        (0..self.model.instances().len()).map(figure).collect()
+    pub(crate) fn walkers(&self, random: &mut Random) -> Vec<Walker> {
+        let walker = |_| Walker { at: position(random), time: random.between(0.0, 9.0), size: 1.0, is_mirrored: false };
+        (0..self.model.instances().len()).map(walker).collect()
     }
 
-    pub(crate) fn pose(&self, figures: &[Figure]) -> Result<Pose, String> {
-        let pose = |figure: &Figure| {
-            let bent = (self.bend)(figure.time);
-            let mirror = if figure.is_mirrored { -figure.size } else { figure.size };
-            let scale = glam::vec3(mirror, figure.size, figure.size);
-            let at = Affine3A::from_scale_rotation_translation(scale, Quat::IDENTITY, figure.at);
+    pub(crate) fn pose(&self, walkers: &[Walker]) -> Result<Pose, String> {
+        let pose = |walker: &Walker| {
+            let bent = (self.bend)(walker.time);
+            let mirror = if walker.is_mirrored { -walker.size } else { walker.size };
+            let scale = glam::vec3(mirror, walker.size, walker.size);
+            let at = Affine3A::from_scale_rotation_translation(scale, Quat::IDENTITY, walker.at);
             Ok::<_, String>(bent.placed(at).map_err(text)?.instances()[0].clone())
         };
-        Ok(Pose::new(figures.iter().map(pose).collect::<Result<_, _>>()?))
+        Ok(Pose::new(walkers.iter().map(pose).collect::<Result<_, _>>()?))
     }
 
     pub(crate) fn boxes(&self, pose: &Pose) -> Result<Vec<Option<Box3>>, String> {
@@ -64,14 +64,14 @@ pub(crate) fn position(random: &mut Random) -> Vec3 {
 }
 
 /// Makes some figures walk a bit, far, or not at all.
-pub(crate) fn walk(figures: &mut [Figure], random: &mut Random) {
-    for figure in figures {
+pub(crate) fn walk(walkers: &mut [Walker], random: &mut Random) {
+    for walker in walkers {
         match random.below(4) {
             0 => {}
-            1 => figure.at = position(random),
+            1 => walker.at = position(random),
             _ => {
-                figure.at += Vec3::from(random.direction()) * Vec3::new(1.0, 0.0, 1.0);
-                figure.time += 0.3;
+                walker.at += Vec3::from(random.direction()) * Vec3::new(1.0, 0.0, 1.0);
+                walker.time += 0.3;
             }
         }
     }

@@ -82,8 +82,8 @@ fn fast() -> Result<(), String> {
     if silhouettes == 0 { Err("no silhouettes".to_owned()) } else { Ok(()) }
 }
 
-/// Light indices past the last light of a caster repeat it, and each caster has a bound of its own lights. Neither leaves more
-/// faces undecided than in a single mesh.
+/// Light indices past the last light of a caster repeat it, and each caster has a bound of its own lights. Neither
+/// leaves more faces undecided than in a single mesh.
 fn few_undecided() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(2801);

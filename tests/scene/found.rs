@@ -319,8 +319,8 @@ fn check_caster(
 /// The entries of a caster in a list, counted from its first edge slot.
 pub(crate) fn entries_of(caster: &SceneCaster, list: &[u32]) -> Vec<u32> {
     let edges = caster.first_edge_slot..caster.first_edge_slot + caster.edges;
-    let is_own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
-    list.iter().filter(is_own).map(|entry| entry - edges.start).collect()
+    let is_of_caster = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
+    list.iter().filter(is_of_caster).map(|entry| entry - edges.start).collect()
 }
 
 /// A frame that was compared with its casters alone.

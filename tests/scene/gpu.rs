@@ -13,10 +13,10 @@ mod crowd;
 mod exact;
 mod found;
 mod frames;
-mod hidden;
 mod histories;
 mod needs;
 mod occluded;
+mod occluded_faces;
 #[path = "../extract/rounding/pairs.rs"]
 mod pairs;
 mod random_scene;
@@ -34,7 +34,7 @@ fn main() {
         cluster_decisions::TESTS,
         exact::TESTS,
         frames::TESTS,
-        hidden::TESTS,
+        occluded_faces::TESTS,
         histories::TESTS,
         cached::TESTS,
         needs::TESTS,

@@ -1,10 +1,11 @@
-//! Stage `needs`: deforming casters that a frame does not need are not deformed, nothing is computed of them, and no image shows it.
+//! Stage `needs`: deforming casters that a frame does not need are not deformed, nothing is computed of them, and no
+//! image shows it.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{DVec3, DVec4};
-use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline::gpu::{
     Capacities, CasterPositions, DeformError, DeformerOptions, FrameInputs, LightMask, Measuring, PoseInputs, Scene,
     SceneFrame, SceneOptions, SceneStatistics, ShadowError, View,
@@ -17,7 +18,7 @@ use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
 
-use crate::crowd::{Apart, Crowd, Figure, Stage, camera, lights, position, sees, walk};
+use crate::crowd::{Apart, Crowd, Stage, Walker, camera, lights, position, sees, walk};
 use crate::histories::{VolumeBuffers, Volumes, volumes};
 use crate::random_scene::encoder;
 
@@ -30,7 +31,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("needs_are_switched_off", off),
     ("instances_that_become_mirrored", mirrored),
     ("models_that_are_displaced", displaced),
-    ("hidden_faces_do_not_hold_for_models", hidden),
+    ("occluded_faces_do_not_hold_for_models", occluded),
     ("models_come_and_go", come_and_go),
     ("models_that_are_refused_change_nothing", refusals),
 ];
@@ -48,7 +49,7 @@ const MOST_BOXES: usize = 2500;
 /// The figures, lights and cameras of a frame.
 #[derive(Clone)]
 struct Moment {
-    figures: Vec<Figure>,
+    walkers: Vec<Walker>,
     lights: Vec<Light>,
     cameras: Vec<ShadowCamera>,
 }
@@ -63,17 +64,17 @@ struct Play {
 }
 
 impl Play {
-    fn new(seed: u64, figures: usize) -> Result<Self, String> {
+    fn new(seed: u64, walkers: usize) -> Result<Self, String> {
         let (gpu, mut random) = Gpu::seeded(seed)?;
-        let crowd = Crowd::new(figures)?;
-        let (lights, figures) = (lights(&mut random), crowd.figures(&mut random));
-        let stage = Stage::new(&gpu, &crowd, &crowd.pose(&figures)?, &lights, options())?;
+        let crowd = Crowd::new(walkers)?;
+        let (lights, walkers) = (lights(&mut random), crowd.walkers(&mut random));
+        let stage = Stage::new(&gpu, &crowd, &crowd.pose(&walkers)?, &lights, options())?;
         let cameras = vec![camera(&mut random)];
-        Ok(Self { gpu, random, crowd, stage, next: Moment { figures, lights, cameras } })
+        Ok(Self { gpu, random, crowd, stage, next: Moment { walkers, lights, cameras } })
     }
 
     fn pose(&self) -> Result<Pose, String> {
-        self.crowd.pose(&self.next.figures)
+        self.crowd.pose(&self.next.walkers)
     }
 
     fn set_pose(&mut self) -> Result<(), String> {
@@ -123,19 +124,19 @@ impl Play {
     /// Submits a recorded frame, and compares it with a new scene whose caller deforms everything.
     fn check(&self, recorded: Recorded) -> Result<Drawn, String> {
         let Recorded { encoder, volumes: recorded, statistics, moment } = recorded;
-        let Moment { figures, lights, cameras } = moment;
+        let Moment { walkers, lights, cameras } = moment;
         let gpu = &self.gpu;
         gpu.queue.submit([encoder.finish()]);
         let bits: Vec<u32> = (0..lights.len() as u32).collect();
         let found = recorded.read(gpu, &bits)?;
         let statistics = gpu.read::<SceneStatistics>(&statistics, 1)?[0];
-        let pose = self.crowd.pose(&figures)?;
+        let pose = self.crowd.pose(&walkers)?;
         let mut other = Apart::new(gpu, &self.crowd, &pose, &lights, (options(), DeformerOptions::default()))?;
         let frame = gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &cameras))?;
         same("instances", &found.instances, &volumes(gpu, &frame, cameras.len())?.instances)?;
         let (found_positions, all) = (self.stage.positions(gpu)?, other.positions(gpu)?);
-        let culled = points(&found_positions, figures.len());
-        let vertices = all.len() / figures.len();
+        let culled = points(&found_positions, walkers.len());
+        let vertices = all.len() / walkers.len();
         for (number, _) in culled.iter().enumerate().filter(|(_, is_culled)| !**is_culled) {
             let range = number * vertices..(number + 1) * vertices;
             same(&format!("figure {number}"), &found_positions[range.clone()], &all[range])?;
@@ -167,8 +168,8 @@ struct Drawn {
 }
 
 /// For each figure whether all its vertices are at the origin, as those of a culled one.
-fn points(found: &[[u32; 3]], figures: usize) -> Vec<bool> {
-    found.chunks(found.len() / figures).map(|figure| figure.iter().all(|position| *position == [0; 3])).collect()
+fn points(found: &[[u32; 3]], walkers: usize) -> Vec<bool> {
+    found.chunks(found.len() / walkers).map(|walker| walker.iter().all(|position| *position == [0; 3])).collect()
 }
 
 fn count(culled: &[bool]) -> u32 {
@@ -216,9 +217,9 @@ fn nothing_visible() -> Result<(), String> {
             let Play { random, stage, next, .. } = &mut play;
             next.cameras = (0..=random.below(2)).map(|_| camera(random)).collect();
             let mut masks = Vec::new();
-            for (figure, &caster) in next.figures.iter_mut().zip(&casters) {
-                figure.at = position(random);
-                figure.size = if random.below(20) > 0 { random.between(0.0, 1.5) } else { 4e37 };
+            for (walker, &caster) in next.walkers.iter_mut().zip(&casters) {
+                walker.at = position(random);
+                walker.size = if random.below(20) > 0 { random.between(0.0, 1.5) } else { 4e37 };
                 let mask = random.below(64) as u32;
                 let allowed = stage.lights.iter().filter(|light| mask >> light.bit() & 1 != 0).copied();
                 stage.scene.set_lights(caster, LightMask::only(allowed)).map_err(text)?;
@@ -250,8 +251,8 @@ fn nothing_visible() -> Result<(), String> {
     if is_meant { Ok(()) } else { Err("too few of a kind".to_owned()) }
 }
 
-/// A view many times over. Only its last copy decides that a figure is culled, so loops have all their turns. llvmpipe ends an
-/// invocation's loops after 65,535 turns without a word.
+/// A view many times over. Only its last copy decides that a figure is culled, so loops have all their turns. llvmpipe
+/// ends an invocation's loops after 65,535 turns without a word.
 fn most_views() -> Result<(), String> {
     let mut play = Play::new(4601, 60)?;
     let most = MOST_BOXES / (play.next.lights.len() + 1);
@@ -312,7 +313,7 @@ fn histories() -> Result<(), String> {
             // Figures move in a quarter of the frames, cameras in half of them.
             let Play { random, stage, next, .. } = &mut play;
             match random.below(4) {
-                0 => walk(&mut next.figures, random),
+                0 => walk(&mut next.walkers, random),
                 1 => {
                     let light = random.below(next.lights.len());
                     next.lights[light] = Light::point(position(random).to_array()).with_range(6.0);
@@ -324,7 +325,7 @@ fn histories() -> Result<(), String> {
         // Negative control: figures that walk on.
         play.set_pose()?;
         let mut recorded = play.record(encoder(&play.gpu))?;
-        walk(&mut recorded.moment.figures, &mut play.random);
+        walk(&mut recorded.moment.walkers, &mut play.random);
         noticed += u32::from(play.check(recorded).is_err());
     }
     println!("{sum:?}, {late} late, {noticed} controls");
@@ -337,7 +338,7 @@ fn dropped() -> Result<(), String> {
     let mut play = Play::new(4501, 24)?;
     for number in 0..6 {
         let before = play.frame()?;
-        walk(&mut play.next.figures, &mut play.random);
+        walk(&mut play.next.walkers, &mut play.random);
         play.set_pose()?;
         before.check_current().map_err(text)?;
         let cameras = play.next.cameras.clone();
@@ -354,8 +355,8 @@ fn dropped() -> Result<(), String> {
     Ok(())
 }
 
-/// Between `deform` and the encode a light moves or is added, casters get lights, or camera or pose change: other figures are
-/// needed then.
+/// Between `deform` and the encode a light moves or is added, casters get lights, or camera or pose change: other
+/// figures are needed then.
 fn changed() -> Result<(), String> {
     for number in 0..25 {
         let mut play = Play::new(4511 + number, 24)?;
@@ -385,7 +386,7 @@ fn changed() -> Result<(), String> {
             2 => next.cameras = vec![camera(random)],
             4 => set_all(&mut stage.scene, LightMask::ALL)?,
             _ => {
-                walk(&mut next.figures, random);
+                walk(&mut next.walkers, random);
                 play.set_pose()?;
             }
         }
@@ -430,15 +431,15 @@ fn mirrored() -> Result<(), String> {
     let (mut turned, mut noticed) = (0, 0);
     for step in 0..12 {
         let Play { random, next, .. } = &mut play;
-        for figure in &mut next.figures {
-            figure.is_mirrored ^= random.below(3) == 0;
-            turned += u32::from(figure.is_mirrored);
+        for walker in &mut next.walkers {
+            walker.is_mirrored ^= random.below(3) == 0;
+            turned += u32::from(walker.is_mirrored);
         }
         next.cameras = vec![camera(random)];
         play.set_pose()?;
         let mut recorded = play.record(encoder(&play.gpu))?;
         if step % 4 == 3 {
-            recorded.moment.figures.iter_mut().for_each(|figure| figure.is_mirrored ^= true);
+            recorded.moment.walkers.iter_mut().for_each(|walker| walker.is_mirrored ^= true);
             noticed += u32::from(play.check(recorded).is_err());
         } else {
             play.check(recorded).map_err(|error| format!("step {step}: {error}"))?;
@@ -451,7 +452,7 @@ fn mirrored() -> Result<(), String> {
     };
     let casters = play.stage.scene.casters(play.stage.model).map_err(text)?.to_vec();
     exclude(&mut play.stage.scene, &casters, &play.stage.lights)?;
-    play.next.figures.iter_mut().for_each(|figure| figure.is_mirrored ^= true);
+    play.next.walkers.iter_mut().for_each(|walker| walker.is_mirrored ^= true);
     play.next.cameras = (0..2).map(|_| camera(&mut play.random)).collect();
     let frame = play.frame()?;
     let found = play.volumes(&frame)?;
@@ -495,8 +496,8 @@ fn displaced() -> Result<(), String> {
     same("all cached", &cached, &[false, false, true, false])
 }
 
-/// Hidden faces are of static casters. A version that was searched says nothing about the poses of a scene's own model.
-fn hidden() -> Result<(), String> {
+/// Occluded faces are of static casters. A version that was searched says nothing about the poses of a scene's own model.
+fn occluded() -> Result<(), String> {
     let mut play = Play::new(4851, 3)?;
     let light = play.next.lights[2];
     let mut other = play.apart(DeformerOptions::default())?;
@@ -506,26 +507,27 @@ fn hidden() -> Result<(), String> {
     let geometry = &play.crowd.model.geometries()[0];
     let mesh = geometry.mesh().map_err(text)?;
     // The first versions that a scene counts, and those of the caller.
-    let figures = positions.chunks(geometry.positions().len());
-    let searched: Vec<_> = figures.map(|positions| HiddenCaster { mesh: &mesh, positions, version: Some(1) }).collect();
+    let walkers = positions.chunks(geometry.positions().len());
+    let searched: Vec<_> =
+        walkers.map(|positions| OcclusionCaster { mesh: &mesh, positions, version: Some(1) }).collect();
     let go_on = |_, _| ControlFlow::Continue(());
-    let found = HiddenFaces::find(light, &searched, HiddenOptions::default(), go_on).map_err(text)?;
+    let found = OccludedFaces::find(light, &searched, OcclusionOptions::default(), go_on).map_err(text)?;
     let casters = play.stage.scene.casters(play.stage.model).map_err(text)?.to_vec();
-    play.stage.scene.set_hidden_faces(play.stage.lights[2], &casters, Some(&found)).map_err(text)?;
+    play.stage.scene.set_occluded_faces(play.stage.lights[2], &casters, Some(&found)).map_err(text)?;
     let frame = play.frame()?;
     for &caster in &other.casters {
         other.scene.set_position_version(caster, Some(1)).map_err(text)?;
     }
-    other.scene.set_hidden_faces(other.lights[2], &other.casters, Some(&found)).map_err(text)?;
+    other.scene.set_occluded_faces(other.lights[2], &other.casters, Some(&found)).map_err(text)?;
     let held = play.gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &[]))?;
-    same("ignored", &[frame.hidden().ignored, held.hidden().ignored], &[1, 0])
+    same("ignored", &[frame.occluded_faces().ignored, held.occluded_faces().ignored], &[1, 0])
 }
 
 /// Two models. One is removed before a frame of both is submitted.
 fn come_and_go() -> Result<(), String> {
     let [mut play, mut alone] = [Play::new(4901, 5)?, Play::new(4902, 3)?];
     // Both scenes have the same lights and camera.
-    alone.next = Moment { figures: alone.next.figures, ..play.next.clone() };
+    alone.next = Moment { walkers: alone.next.walkers, ..play.next.clone() };
     let pose = alone.pose()?;
     alone.stage = Stage::new(&alone.gpu, &alone.crowd, &pose, &alone.next.lights, options())?;
     let frame = play.frame()?;

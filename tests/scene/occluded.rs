@@ -191,8 +191,8 @@ fn random_body(random: &mut Random) -> Body {
     Body { mesh: random.below(3), rows: rows(random, scales, at) }
 }
 
-/// Fails if a pair is culled that is not occluded, or has other bits than in a new scene. Returns how many pairs are culled, and how
-/// many are occluded.
+/// Fails if a pair is culled that is not occluded, or has other bits than in a new scene. Returns how many pairs are
+/// culled, and how many are occluded.
 fn check(gpu: &Gpu, stage: &mut Stage, bodies: &[Body], given: &[Light]) -> Result<[u32; 2], String> {
     let frame = stage.encode(gpu)?;
     let found = Found::read(gpu, &frame)?;
@@ -312,12 +312,13 @@ fn edges() -> Result<(), String> {
     Ok(())
 }
 
-/// The most occluders that are tested, as in `reach.wgsl`.
+/// The most occluders that are tested, as in `cull_lights.wgsl`.
 const MOST_OCCLUDERS: usize = 128;
 
-/// `reach` tests the maximum number of occluders, each with the maximum of corners, for all lights of a batch. For all but the last
-/// occluder the box is outside the last edge alone. llvmpipe ends an invocation's loops after 65,535 turns without an error, and
-/// `reach` would then miss the last occluder. A further occluder is not tested.
+/// `cull_lights` tests the maximum number of occluders, each with the maximum of corners, for all lights of a batch.
+/// For all but the last occluder the box is outside the last edge alone. llvmpipe ends an invocation's loops after
+/// 65,535 turns without an error, and `cull_lights` would then miss the last occluder. A further occluder is not
+/// tested.
 fn most_tried() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     // In the plane of a sheet, with an edge on the right, from its last corner to its first.

@@ -1,9 +1,9 @@
-//! Zero of anything in a scene: no lights of a caster, no casters, no views, no edges, no polygons, lists without room. Nothing
-//! fails, and other casters throw the same shadows as alone.
+//! Zero of anything in a scene: no lights of a caster, no casters, no views, no edges, no polygons, lists without room.
+//! Nothing fails, and other casters throw the same shadows as alone.
 
 use std::ops::ControlFlow;
 
-use rimline::cpu::{HiddenFaces, HiddenOptions};
+use rimline::cpu::{OccludedFaces, OcclusionOptions};
 use rimline::gpu::{
     Capacities, Caster, CasterHandle, DeformerOptions, FrameInputs, LightHandle, LightMask, Pipelines, PositionBuffer,
     Scene, SceneFrame, SceneOptions, ShadowError, StencilCounts, read_back_vec, read_back_vec_async,
@@ -141,13 +141,13 @@ fn without_lists() -> Result<(), String> {
     let (mut stage, mut reference) = (Stage::new(gpu, options, true)?, Stage::new(gpu, options, true)?);
     let (caster, light) = (stage.casters[0], stage.lights[0]);
     let go_on = |_, _| ControlFlow::Continue(());
-    let hidden =
-        HiddenFaces::find(Light::point([1.0, 5.0, 2.0]), &[], HiddenOptions::default(), go_on).map_err(text)?;
+    let occluded =
+        OccludedFaces::find(Light::point([1.0, 5.0, 2.0]), &[], OcclusionOptions::default(), go_on).map_err(text)?;
     let scene = &mut stage.scene;
     scene.set_excluded(caster, light, &[]).map_err(text)?;
     scene.set_occluders(caster, &[]).map_err(text)?;
-    scene.set_hidden_faces(light, &[], Some(&hidden)).map_err(text)?;
-    scene.set_hidden_faces(light, &[], None).map_err(text)?;
+    scene.set_occluded_faces(light, &[], Some(&occluded)).map_err(text)?;
+    scene.set_occluded_faces(light, &[], None).map_err(text)?;
     let polygon = Err(ShadowError::OccluderCorners { number: 0, corners: 0 });
     same("an occluder without corners", &[scene.set_occluders(caster, &[&[]])], &[polygon])?;
     // No camera; no instances, of a model without any.

@@ -165,8 +165,8 @@ impl<'a> Drawn<'a> {
         Ok((clipped, found))
     }
 
-    /// Faces that cast and have caps of the class, near caps wherever they are, and the vertices of each. A list that overflows
-    /// must draw the same.
+    /// Faces that cast and have caps of the class, near caps wherever they are, and the vertices of each. A list that
+    /// overflows must draw the same.
     pub(crate) fn caps(&self, gpu: &Gpu, shapes: &Shapes, checks: bool) -> Result<(Vec<u32>, Vertices), String> {
         let (_, positions, mesh) = &self.scene.caster;
         let light = (self.index % 32, self.light());

@@ -90,8 +90,8 @@ impl Compared<'_> {
         self.explained(wrong, stencil, every)
     }
 
-    /// Each count that differs from its own ray's, whatever is around; or only those that make light of shadow or
-    /// shadow of light. A surface turned away from the light has any count.
+    /// Counts that differ from those of their pixel's ray: all of them, or only those that swap light and shadow. A
+    /// back-facing surface may have any count.
     pub(crate) fn each(&self, stencil: &[u8], every: &[bool], counts: bool) -> Wrong {
         let mut wrong = Wrong::default();
         let is_same = |count: u8, value: u8| if counts { count == value } else { (count == 0) == (value == 0) };

@@ -1,4 +1,5 @@
-//! The vertices of dark caps that orthographic cameras see: docs/numerics/rasterisers.md, "Dark caps of orthographic cameras".
+//! The vertices of dark caps that orthographic cameras see: docs/numerics/rasterisers.md, "Dark caps of orthographic
+//! cameras".
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use rimline::internals::cpu;
@@ -114,8 +115,8 @@ fn fills(found: &[[f32; 4]], far_z: f32) -> bool {
     found[0] == corner(-1.0, -1.0) && (found[1..] == [second, third] || found[1..] == [third, second])
 }
 
-/// Fails where a face is drawn that the camera's direction from the light misses, or the other way round; or where the end of a
-/// volume lies elsewhere.
+/// Fails where a face is drawn that the camera's direction from the light misses, or the other way round; or where the
+/// end of a volume lies elsewhere.
 fn check(
     gpu: &Gpu,
     cap: &Shapes,
@@ -192,16 +193,13 @@ fn ends(scene: &Scene, (light, end): ([f32; 4], f32), face: [[f32; 3]; 3], found
 }
 
 fn dark() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 106;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
-    let cap = Shapes::caps(gpu, "dark_cap", 2, 3);
+    let (gpu, mut random) = Gpu::seeded(106)?;
+    let cap = Shapes::caps(&gpu, "dark_cap", 2, 3);
     let mut seen = Seen::default();
     for number in 0..if is_long() { 600 } else { 48 } {
         let scene = ordinary(&mut random, number)?;
         let indices = [0; 6].map(|_| random.below(LIGHTS));
-        check(gpu, &cap, &scene, u32::from(number % 3 == 0), &indices, &mut seen)?;
+        check(&gpu, &cap, &scene, u32::from(number % 3 == 0), &indices, &mut seen)?;
     }
     println!("{seen:?}");
     if seen.filled.min(seen.ended) < 100 || seen.doubtful * 8 > seen.faces {
@@ -211,7 +209,7 @@ fn dark() -> Result<(), String> {
     let mut seen = Seen::default();
     for number in 0..2 {
         let all: Vec<usize> = (0..LIGHTS).collect();
-        check(gpu, &cap, &ties(&mut random, number), 0, &all, &mut seen)?;
+        check(&gpu, &cap, &ties(&mut random, number), 0, &all, &mut seen)?;
     }
     println!("with ties {seen:?}");
     if seen.filled == 2 * LIGHTS && seen.doubtful > 4 * LIGHTS { Ok(()) } else { Err(format!("{seen:?}")) }

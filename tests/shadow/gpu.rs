@@ -2,15 +2,13 @@
 //! fail; they are never passed over.
 
 mod cameras;
-mod chain;
 mod choice;
 mod classes;
 mod clipped;
 mod compare;
-mod covered;
+mod culled_by_receivers;
 mod dark_caps;
 mod hairlines;
-mod hidden;
 mod in_scene;
 mod levels;
 mod margins;
@@ -19,7 +17,6 @@ mod most_turns;
 mod nested;
 mod overflow;
 mod passes;
-mod passing;
 mod polygons;
 mod proxies;
 mod range;
@@ -27,13 +24,11 @@ mod rays;
 mod receivers;
 mod refusals;
 mod render;
-mod rounds;
 mod samples;
 mod scene;
 mod scene_refusals;
 mod shells;
 mod sides;
-mod skinned;
 mod stages;
 #[path = "../depth_map/textures.rs"]
 #[allow(dead_code, reason = "only some textures are used here")]
@@ -54,7 +49,6 @@ fn main() {
     let mut all: Vec<_> = CLASSES.iter().map(|class| Trial::test(class.name, right(class)).with_kind("gpu")).collect();
     let tests = [
         trials::TESTS,
-        covered::TESTS,
         zp_plus_2005::TESTS,
         range::TESTS,
         nested::TESTS,
@@ -64,19 +58,16 @@ fn main() {
         thousands::TESTS,
         scene_refusals::TESTS,
         passes::TESTS,
-        passing::TESTS,
         proxies::TESTS,
         polygons::TESTS,
         twisted::TESTS,
-        hidden::TESTS,
+        culled_by_receivers::TESTS,
         receivers::TESTS,
         levels::TESTS,
         mixed::TESTS,
         cameras::TESTS,
-        skinned::TESTS,
         stages::TESTS,
         most_turns::TESTS,
-        chain::TESTS,
         choice::TESTS,
         vertices::TESTS,
         &margins::tests(),

@@ -61,12 +61,13 @@ fn turned(random: &mut Random, body: &Body) -> (Vec<[f32; 3]>, Matrix3x4) {
     // The matrix is rounded to `f32`, as in the scene.
     let matrix = (turn * DMat3::from_diagonal(DVec3::new(flip, 1.0, 1.0)) * scale).as_mat3();
     let inverse = matrix.as_dmat3().inverse();
-    let own = |p: &[f32; 3]| (inverse * (DVec3::from(p.map(f64::from)) - DVec3::from(centre))).as_vec3().to_array();
+    let to_mesh_space =
+        |p: &[f32; 3]| (inverse * (DVec3::from(p.map(f64::from)) - DVec3::from(centre))).as_vec3().to_array();
     let row = |axis: usize| {
         let [x, y, z] = matrix.row(axis).to_array();
         [x, y, z, centre[axis] as f32 + FAR[axis]]
     };
-    (positions.iter().map(own).collect(), [row(0), row(1), row(2)])
+    (positions.iter().map(to_mesh_space).collect(), [row(0), row(1), row(2)])
 }
 
 /// A frame whose lights and eye are still the same once they are moved by [`FAR`].
@@ -136,12 +137,12 @@ impl Past {
 }
 
 /// The finite faces of a rigid body that has not too many: what is behind one need not throw shadows.
-fn hiding(body: &Body, mesh: &Mesh, own: &[[f32; 3]], positions: &CasterPositions) -> Vec<[[f32; 3]; 3]> {
+fn hiding(body: &Body, mesh: &Mesh, mesh_positions: &[[f32; 3]], positions: &CasterPositions) -> Vec<[[f32; 3]; 3]> {
     let is_rigid = matches!(positions, CasterPositions::Rigid(_)) && body.polygons.is_none();
     if !is_rigid || mesh.faces().len() > 100 || !body.left_out.is_empty() {
         return Vec::new();
     }
-    let triangles = mesh.faces().iter().map(|face| face.map(|vertex| own[vertex as usize]));
+    let triangles = mesh.faces().iter().map(|face| face.map(|vertex| mesh_positions[vertex as usize]));
     triangles.filter(|triangle| triangle.iter().flatten().all(|c| c.is_finite())).collect()
 }
 
@@ -179,7 +180,7 @@ impl InScene {
     ) -> Result<Self, String> {
         let gpu = renderer.gpu;
         let options = scene_options(renderer, frame.lights.len() + 3, counting);
-        let mut scene = Scene::new(&renderer.pipelines, &gpu.queue, options).map_err(text)?;
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
         let mut camera = frame.eye.camera();
         let far = if matches!(renderer.placing, Placing::Moved(_)) { FAR } else { [0.0; 3] };
         camera.origin = std::array::from_fn(|axis| camera.origin[axis] + far[axis]);
@@ -201,15 +202,20 @@ impl InScene {
                 None => Mesh::from_faces(body.shape.positions.len(), faces.to_vec()).map_err(text),
             };
             let mirrored = || body.shape.faces.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>();
-            let (mesh, own, positions) = match (renderer.placing, body.mirror) {
+            let (mesh, mesh_positions, positions) = match (renderer.placing, body.mirror) {
                 (Placing::Moved(_), _) => {
-                    let (own, matrix) = turned(&mut random, body);
-                    (mesh(&body.shape.faces)?, own, CasterPositions::Rigid(matrix.into()))
+                    let (mesh_positions, matrix) = turned(&mut random, body);
+                    (mesh(&body.shape.faces)?, mesh_positions, CasterPositions::Rigid(matrix.into()))
                 }
                 (_, Some(mirror)) => {
                     // Mirroring twice is nothing.
-                    let own = body.shape.positions.iter().map(|&p| (glam::Vec3::from(p) * mirror).to_array());
-                    (mesh(&mirrored())?, own.collect(), CasterPositions::Rigid(rows(mirror.to_array()).into()))
+                    let mesh_positions =
+                        body.shape.positions.iter().map(|&p| (glam::Vec3::from(p) * mirror).to_array());
+                    (
+                        mesh(&mirrored())?,
+                        mesh_positions.collect(),
+                        CasterPositions::Rigid(rows(mirror.to_array()).into()),
+                    )
                 }
                 (_, None) => {
                     let buffer = gpu.storage(&body.shape.positions);
@@ -218,8 +224,8 @@ impl InScene {
                     (mesh(faces)?, body.shape.positions.clone(), positions)
                 }
             };
-            let triangles = hiding(body, &mesh, &own, &positions);
-            let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
+            let triangles = hiding(body, &mesh, &mesh_positions, &positions);
+            let mesh = scene.add_mesh(&mesh, &mesh_positions).map_err(text)?;
             let mask = body.lacks.map_or(LightMask::ALL, |light| LightMask::ALL.without(lights[light]));
             let caster = Caster { mesh, positions, lights: mask, in_depth: body.in_depth };
             // Some are elsewhere at first.
@@ -244,7 +250,7 @@ impl InScene {
         }
         let is_in_batches = renderer.count_batches > 1;
         let make = if is_in_batches { ShadowPipelines::in_batches } else { ShadowPipelines::new };
-        let pipelines = make(&renderer.pipelines, format, counting).map_err(text)?;
+        let pipelines = make(&gpu.pipelines, format, counting).map_err(text)?;
         let mut cameras = vec![camera];
         let mut view = 0;
         if let Some(past) = past {
@@ -380,8 +386,8 @@ fn busy() -> Result<(), String> {
     if shadowed < 1000 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. And in frames of all
-/// classes a pixel is dark in either way alike.
+/// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. In frames of all
+/// classes the same pixels are dark both ways.
 fn batches() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let dark =
@@ -446,8 +452,8 @@ fn batches() -> Result<(), String> {
     if resolved < 1000 || bounded < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
-/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where back-facing
-/// faces cast, as the back-facing faces without these, each of which casts.
+/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where
+/// back-facing faces cast, as the back-facing faces without these, each of which casts.
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut changed, mut back_facing_casters) = (0, 0);

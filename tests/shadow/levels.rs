@@ -9,7 +9,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
-use crate::hidden::behind_walls;
+use crate::culled_by_receivers::behind_walls;
 use crate::range::in_range;
 use crate::rays::Truth;
 use crate::render::{Counted, Placing, Renderer};
@@ -158,7 +158,7 @@ fn levels() -> Result<(), String> {
 /// Walls whose faces are declared as occluders, and bodies before and behind them.
 fn occluded() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
-    let (mut hidden, mut shadowed) = (0, 0);
+    let (mut culled, mut shadowed) = (0, 0);
     for number in 0..if is_long() { 400 } else { 40 } {
         let seed = 7300 + number;
         let mut random = Random::new(seed);
@@ -187,9 +187,9 @@ fn occluded() -> Result<(), String> {
         same("dark pixels", &found, &expected).map_err(what)?;
         found[7] = !found[7];
         must_fail("one pixel", &same("dark pixels", &found, &expected))?;
-        hidden += with.scene.ok_or("no scene")?.pairs_culled_by_occluders;
+        culled += with.scene.ok_or("no scene")?.pairs_culled_by_occluders;
         shadowed += expected.iter().filter(|dark| **dark).count();
     }
-    println!("{hidden} pairs hidden, {shadowed} dark pixels");
-    if hidden < 40 || shadowed == 0 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} pairs culled, {shadowed} dark pixels");
+    if culled < 40 || shadowed == 0 { Err("too few".to_owned()) } else { Ok(()) }
 }

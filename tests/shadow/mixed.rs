@@ -1,13 +1,15 @@
 //! Volumes of meshes and of a depth map in one stencil: counts own the low bits, parity the high ones.
 
 use glam::DVec3;
-use rimline::gpu::ShadowFormat;
-use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines};
+use rimline::gpu::depth_map::{DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines};
+use rimline::gpu::{FrameInputs, Scene, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StencilCounts};
 use rimline::{Counting, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::draw_small;
 use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{is, refusal, refused};
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
@@ -130,8 +132,8 @@ fn share() -> Result<(), String> {
     if wrapped < 2000 { Err(format!("{wrapped} counts that do not fit")) } else { Ok(()) }
 }
 
-/// The number of shells is a multiple of 2^`count_bits`, so full counts wrap to 0. The bound warns of it. In batches every shadow
-/// is there.
+/// The number of shells is a multiple of 2^`count_bits`, so full counts wrap to 0. The bound warns of it. In batches
+/// every shadow is there.
 fn batches() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (texture, light) = map(gpu, 1682)?;
@@ -188,42 +190,35 @@ fn batches() -> Result<(), String> {
 }
 
 fn refusals() -> Result<(), String> {
-    use rimline::gpu::depth_map::DepthMapError;
-    use rimline::gpu::{FrameInputs, Scene, SceneOptions, ShadowError, ShadowPipelines, StencilCounts};
     let gpu = &*Gpu::shared()?;
     let format = |count_bits| ShadowFormat { count_bits, ..Default::default() };
+    let volumes = |given| ShadowPipelines::new(&gpu.pipelines, &format(given), Counting::Auto);
+    let scene = |count_bits, count_batches| {
+        let stencil = StencilCounts { count_bits, count_batches, ..Default::default() };
+        Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { stencil, ..Default::default() })
+    };
     for given in [0, 9, u32::MAX] {
-        let error = ShadowError::CountBits { given, least: 1 };
-        let found = ShadowPipelines::new(&gpu.pipelines, &format(given), Counting::Auto).err();
-        same("volumes", &[found], &[Some(error.clone())])?;
-        let found = DepthMapPipelines::new(&gpu.pipelines, &format(given), 7).err();
-        same("maps", &[found], &[Some(DepthMapError::Shadow(error.clone()))])?;
-        let options =
-            SceneOptions { stencil: StencilCounts { count_bits: given, ..Default::default() }, ..Default::default() };
-        let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
-        same("scene", &[found], &[Some(error)])?;
+        let error = || ShadowError::CountBits { given, least: 1 };
+        let maps = DepthMapPipelines::new(&gpu.pipelines, &format(given), 7);
+        refused([
+            refusal("volumes", volumes(given), is(error())),
+            refusal("maps", maps, is(DepthMapError::Shadow(error()))),
+            refusal("scene", scene(given, 1), is(error())),
+        ])?;
     }
-    let error = ShadowError::CountBits { given: 1, least: 2 };
-    let found = ShadowPipelines::in_batches(&gpu.pipelines, &format(1), Counting::Auto).err();
-    same("batches", &[found], &[Some(error.clone())])?;
-    let stencil = StencilCounts { count_bits: 1, count_batches: 2, ..StencilCounts::default() };
-    let options = SceneOptions { stencil, ..SceneOptions::default() };
-    let found = Scene::new(&gpu.pipelines, &gpu.queue, options).err();
-    same("scene in batches", &[found], &[Some(error)])?;
-    let found = DepthMapPipelines::antialiased(&gpu.pipelines, &format(6), 5..8).err();
-    same("a bit of counts", &[found], &[Some(DepthMapError::Counted { bit: 5, count_bits: 6 })])?;
+    let one = || is(ShadowError::CountBits { given: 1, least: 2 });
+    let in_batches = ShadowPipelines::in_batches(&gpu.pipelines, &format(1), Counting::Auto);
+    let shared = DepthMapPipelines::antialiased(&gpu.pipelines, &format(6), 5..8);
+    refused([
+        refusal("batches", in_batches, one()),
+        refusal("scene in batches", scene(1, 2), one()),
+        refusal("a bit of counts", shared, is(DepthMapError::Counted { bit: 5, count_bits: 6 })),
+    ])?;
     // Volumes for counts of other bits.
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
+    let (mut scene, pipelines) = (scene(8, 1).map_err(text)?, volumes(7).map_err(text)?);
     let light = scene.add_light(Light::point([0.0; 3])).map_err(text)?;
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &format(7), Counting::Auto).map_err(text)?;
-    let renderer = Renderer::new(gpu);
-    let target = renderer.target(8, 1, TextureFormat::Depth24PlusStencil8);
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     let camera = shells(1, true).eye.camera();
-    let found = gpu.submit(|encoder| {
-        let frame = scene.encode(encoder, FrameInputs::new(&[camera.into()])).map_err(text)?;
-        let mut pass = encoder.begin_render_pass(&crate::render::attachment(&view, wgpu::LoadOp::Clear(0.0)));
-        Ok(frame.draw(&mut pass, &pipelines, 0, light).err())
-    })?;
-    same("draw", &[found], &[Some(ShadowError::OtherCountBits { volumes: 8, pipelines: 7 })])
+    let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&[camera.into()])).map_err(text))?;
+    let drawn = draw_small(gpu, |pass| frame.draw(pass, &pipelines, 0, light))?;
+    refused([refusal("draw", drawn, is(ShadowError::OtherCountBits { volumes: 8, pipelines: 7 }))])
 }

@@ -89,14 +89,14 @@ fn bounds() -> Result<(), String> {
     let face_chunks_offset = words.len() as u32 / 4;
     words.extend((0..chunks).map(|_| 0));
     let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).map_err(text)?;
-    let own = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_offset, ..shape(&mesh, 1) };
+    let shadow_shape = ShadowShape { faces: faces.len() as u32, batches, views, face_chunks_offset, ..shape(&mesh, 1) };
     let mut choices = vec![0_u32; CHOICE_WORDS * choice_count as usize];
     let mut lit = vec![0_u32; batches as usize];
     let stage = Dispatch::stage(gpu, &BOUNDS);
-    let (shape, table) = (uniform(gpu, &own), gpu.storage(&words));
+    let (shape, table) = (uniform(gpu, &shadow_shape), gpu.storage(&words));
     let (positions, faces) = (position_buffer(gpu, &positions, LAYOUTS[0]), gpu.storage(&faces));
-    let mut run = |is_fresh: u32, is_lit: u32| {
-        choices[CHOICE_WORDS * choice_count as usize - 1] = is_fresh;
+    let mut run = |is_dirty: u32, is_lit: u32| {
+        choices[CHOICE_WORDS * choice_count as usize - 1] = is_dirty;
         lit[batches as usize - 1] = is_lit;
         let (choices, lit, found) = (gpu.storage(&choices), gpu.storage(&lit), gpu.storage(&[0_u32; 7]));
         stage.run(gpu, &[&shape, &table, &positions, &faces, &found, &choices, &lit], 1)?;
@@ -129,13 +129,13 @@ fn caps() -> Result<(), String> {
     let lights: Vec<ShadowLight> = given.iter().map(chosen).collect();
     let masks = cpu::facing(&plane.positions, mesh.faces(), &plain, Predicate::Exact, Threads::all());
     let none = vec![0; faces];
-    let own = ShadowShape { proxies: 1, ..shape(&mesh, 32) };
+    let shadow_shape = ShadowShape { proxies: 1, ..shape(&mesh, 32) };
     let mut list = vec![0_u32; 128];
     list.resize(128 + 64 * faces, u32::MAX);
     let capped = vec![false; 32];
     let table = with_depth(table(&mesh, LAYOUTS[0], &lights, &capped), false);
     let draw = ShadowDraw::zeroed();
-    let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &given)));
+    let (shape, draw, seen) = (uniform(gpu, &shadow_shape), uniform(gpu, &draw), gpu.storage(&seen(view, &given)));
     let (positions, table) = (position_buffer(gpu, &plane.positions, LAYOUTS[0]), gpu.storage(&table));
     let (faces_buffer, facing, excluded) = (gpu.storage(mesh.faces()), gpu.storage(&masks), gpu.storage(&none));
     let (choices, list) = (gpu.storage(&choices(&lights, &capped)), gpu.storage(&list));
@@ -150,12 +150,13 @@ fn caps() -> Result<(), String> {
         let most = sides::caps(&mesh, &plane.positions, (number, &lights[number]), [&masks, &none], false);
         for (kind, most) in most.iter().enumerate() {
             let run = &runs[kind / 2 * faces..][..faces];
-            let mut own = if kind % 2 == 0 { &run[..lengths[kind]] } else { &run[faces - lengths[kind]..] }.to_vec();
-            own.sort_unstable();
+            let mut entries =
+                if kind % 2 == 0 { &run[..lengths[kind]] } else { &run[faces - lengths[kind]..] }.to_vec();
+            entries.sort_unstable();
             if kind > 1 {
-                same(&format!("light {number}, list {kind}"), &own, most)?;
+                same(&format!("light {number}, list {kind}"), &entries, most)?;
             }
-            all.extend(own);
+            all.extend(entries);
         }
         same(&format!("light {number}, faces with caps"), &[lengths[2] + lengths[3]], &[faces])?;
         near += lengths[0] + lengths[1];
@@ -181,13 +182,13 @@ fn list_sides() -> Result<(), String> {
     let light = ShadowLight { casting: CAST_EVERY, counting: COUNT_Z_PASS, ..Zeroable::zeroed() };
     let twin = sides::lists(&mesh, (0, &light), [&facing, &none], false).concat();
     let room = 2 * packed.len();
-    let own = ShadowShape { capacity: 1, side_capacity: room as u32, ..shape(&mesh, 1) };
+    let shadow_shape = ShadowShape { capacity: 1, side_capacity: room as u32, ..shape(&mesh, 1) };
     let draw = ShadowDraw::zeroed();
     // Silhouettes that do not fit their list, so that all edges are gone over.
     let mut counts = [0; 33];
     counts[0] = packed.len() as u32;
     let (counts, raw) = (gpu.storage(&counts), gpu.storage(&[u32::MAX]));
-    let (shape, draw) = (uniform(gpu, &own), uniform(gpu, &draw));
+    let (shape, draw) = (uniform(gpu, &shadow_shape), uniform(gpu, &draw));
     let (table, edge_faces) = (gpu.storage(&table(&mesh, LAYOUTS[0], &[light], &[false])), gpu.storage(packed));
     let (facing, excluded, zeros) = (gpu.storage(&facing), gpu.storage(&none), gpu.storage(&[0_u32; 5]));
     let sides = gpu.storage(&vec![u32::MAX; 64 + room]);
@@ -262,9 +263,9 @@ fn stencil_pencil() -> Result<(), String> {
     let choices_offset = words.len() as u32 / 4;
     words.extend((0..casters).flat_map(|caster| [u32::from(does_cast(&caster)), 0, 0, 0, 0, 0, 0, 0]));
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
-    let own = ShadowShape { casters, choices_offset, ..shape(&mesh, 1) };
+    let shadow_shape = ShadowShape { casters, choices_offset, ..shape(&mesh, 1) };
     let draw = ShadowDraw::zeroed();
-    let (shape, draw, seen) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&seen(view, &[light])));
+    let (shape, draw, seen) = (uniform(gpu, &shadow_shape), uniform(gpu, &draw), gpu.storage(&seen(view, &[light])));
     let (table, boxes_buffer) = (gpu.storage(&words), gpu.storage(&[0_u32; 8]));
     let (pencils, bin_rows) = (gpu.storage(&[[0_u32; size_of::<StencilPencil>() / 4]]), gpu.storage(&[0_u32; 1028]));
     let buffers = [&shape, &draw, &seen, &table, &boxes_buffer, &pencils, &bin_rows];
@@ -274,8 +275,8 @@ fn stencil_pencil() -> Result<(), String> {
     must_fail("without the last casters", &same("row", &row, &row_of(0..casters - 512)))
 }
 
-/// Sides in the middle of bins, around an axis that their caster does not meet: each crosses from a half plane to another, some
-/// across the half plane with the key 0.
+/// Sides in the middle of bins, around an axis that their caster does not meet: each crosses from a half plane to
+/// another, some across the half plane with the key 0.
 fn stencil_crossings() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let most = 64 * stated("LISTED_ITEMS");
@@ -302,7 +303,7 @@ fn stencil_crossings() -> Result<(), String> {
     let edges: Vec<[u32; 2]> = edges.filter(|edge| !is_half(edge)).collect();
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
     let plain = most / 3;
-    let own = ShadowShape { edges: edges.len() as u32, side_capacity: most, ..shape(&mesh, 1) };
+    let shadow_shape = ShadowShape { edges: edges.len() as u32, side_capacity: most, ..shape(&mesh, 1) };
     let named = |entry: u32| (entry / 64 + 31 * (entry % 64)) % edges.len() as u32;
     let mut sides = vec![0; 64];
     sides[..2].copy_from_slice(&[plain, most - plain]);
@@ -328,12 +329,12 @@ fn stencil_crossings() -> Result<(), String> {
     let mut words = table(&mesh, LAYOUTS[0], &[light], &[false]);
     words[std::mem::offset_of!(SceneCaster, edges) / 4] = edges.len() as u32;
     words.resize(words.len().next_multiple_of(4), 0);
-    let own = ShadowShape { edge_chunks_offset: words.len() as u32 / 4, ..own };
+    let shadow_shape = ShadowShape { edge_chunks_offset: words.len() as u32 / 4, ..shadow_shape };
     words.resize(words.len() + edges.len().div_ceil(64).next_multiple_of(4), 0);
     // A caster that the axis does not meet.
     let boxes = box_words(&[[8.0, 0.0, 8.0], [12.0, 4.0, 12.0]], &[[0, 1, 1]]);
     let draw = ShadowDraw::zeroed();
-    let (shape, draw, table) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
+    let (shape, draw, table) = (uniform(gpu, &shadow_shape), uniform(gpu, &draw), gpu.storage(&words));
     let (boxes, positions) = (gpu.storage(&boxes), position_buffer(gpu, &positions, LAYOUTS[0]));
     let (edges, sides, pencils) = (gpu.storage(&edges), gpu.storage(&sides), gpu.storage(&[pencil]));
     let bin_rows = gpu.storage(&[0_u32; 1028]);
@@ -361,10 +362,10 @@ fn stencil_bound() -> Result<(), String> {
         row[1024] = 0_u32.wrapping_sub(weight);
     }
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).map_err(text)?;
-    let own = ShadowShape { count_batches: rows as u32, ..shape(&mesh, 1) };
+    let shadow_shape = ShadowShape { count_batches: rows as u32, ..shape(&mesh, 1) };
     let draw = ShadowDraw::zeroed();
     let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
-    let (shape, draw, bin_rows) = (uniform(gpu, &own), uniform(gpu, &draw), gpu.storage(&words));
+    let (shape, draw, bin_rows) = (uniform(gpu, &shadow_shape), uniform(gpu, &draw), gpu.storage(&words));
     Dispatch::stage(gpu, &STENCIL_BOUND).run(gpu, &[&shape, &draw, &bin_rows, &statistics], 1)?;
     let bounds: Vec<u32> = (0..rows).map(|row| weight(row).div_ceil(2)).collect();
     let most = |bounds: &[u32]| bounds.iter().copied().max().unwrap_or(0);

@@ -1,16 +1,17 @@
 //! Closed casters in one mesh of several components: wound inwards, nested, through each other. The light is anywhere,
-//! also within their box, and so is the eye. Which faces cast there is argued in docs/numerics/casting-faces.md, "Which faces
-//! cast".
+//! also within their box, and so is the eye. Which faces cast there is argued in docs/numerics/casting-faces.md, "Which
+//! faces cast".
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rimline::{Counting, Light};
+use rimline_testkit::must_fail;
 use rimline_testkit::shapes::{self, Shape};
 
 use crate::rays::Truth;
-use crate::render::Renderer;
+use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
 use crate::shells::{component, nested, somewhere};
-use crate::trials::{RIGHT, Test, Traced};
+use crate::trials::{RIGHT, Test, Traced, rotated};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
@@ -21,6 +22,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lights_on_a_surface", on_surface),
     ("lights_in_the_plane_of_many_faces", many_in_a_plane),
     ("lights_next_to_a_surface", off_surface),
+    ("a_light_that_passes_through_a_caster_of_a_scene", passing),
 ];
 
 /// A cube that is wound inwards, above the ground.
@@ -122,10 +124,10 @@ fn at_a_cube(light: [f32; 3], methods: &[Counting]) -> Result<(), String> {
 /// Within a face, on its diagonal, at an edge and at a vertex.
 const ON_A_CUBE: [[f32; 3]; 4] = [[0.3, 1.0, 0.2], [0.25, 1.0, 0.25], [1.0, 1.0, 0.2], [1.0; 3]];
 
-/// Before or behind each of the faces there: within a face by an ulp, where only z-fail suffers, whose dark cap is nearly half of
-/// infinity then and turned either way by rounding; everywhere by a ten-thousandth, as far as rounding of a side's vertices
-/// turns it by a pixel. By an ulp, near caps reach so far out of the picture that an NVIDIA GPU draws half of one only
-/// (docs/measured.md), so that is asked of software devices.
+/// Before or behind each of the faces there: within a face by an ulp, where only z-fail suffers, whose dark cap is
+/// nearly half of infinity then and turned either way by rounding; everywhere by a ten-thousandth, as far as rounding
+/// of a side's vertices turns it by a pixel. By an ulp, near caps reach so far out of the picture that an NVIDIA GPU
+/// draws half of one only (docs/measured.md), so that is asked of software devices.
 fn off_surface() -> Result<(), String> {
     let is_software = Gpu::shared()?.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let next = [(f32::EPSILON, &ON_A_CUBE[..2], &RIGHT[..2]), (1e-4, &ON_A_CUBE[..], &RIGHT[..])];
@@ -148,10 +150,7 @@ fn off_surface() -> Result<(), String> {
 /// bodies in each other and through each other, on edges of cubes of any size, and on vertices of open sheets.
 fn on_surface() -> Result<(), String> {
     ON_A_CUBE.into_iter().try_for_each(|light| at_a_cube(light, &RIGHT))?;
-    let gpu = Gpu::shared()?;
-    let seed = 71;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(71)?;
     for number in 0..if is_long() { 300 } else { 18 } {
         let mut frame = nested(&mut random);
         match number % 3 {
@@ -233,4 +232,43 @@ fn many_in_a_plane() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Where a cube is met: in faces, in edges, in vertices.
+const PATHS: [fn(f32) -> [f32; 3]; 3] = [|t| [0.3, t, 0.2], |t| [t, t, 0.2], |t| [t; 3]];
+
+/// In faces, edges and vertices of a cube of a scene, step by step.
+fn passing() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut shadowed, mut in_planes) = (0, 0);
+    // In world space, and with a matrix.
+    for mirror in [None, Some(Vec3::new(-1.0, 1.0, 1.0))] {
+        for path in PATHS {
+            for step in -6..=6_i8 {
+                let light = path(0.25 * f32::from(step));
+                for position in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(-0.2, 0.1, 0.3)] {
+                    let forward = DVec3::new(0.3, -0.2, 0.1) - position;
+                    let eye = Eye { is_relative: true, ..Eye::new(position, forward, 0.05) };
+                    let cube = Body { mirror, ..Body::caster(shapes::cube()) };
+                    let beside = Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.75, 0.5, 0.0]);
+                    let bodies = vec![cube, beside, Body::room([0.0; 3], 8.0)];
+                    let traced = Traced::of(Frame { bodies, eye, lights: vec![Light::point(light)], size: 48 }, 0);
+                    shadowed += traced.shadowed();
+                    in_planes += usize::from(step == 4 || step == -4);
+                    let what = |error| format!("light {light:?}, eye {position}, mirror {mirror:?}: {error}");
+                    let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
+                    for counting in rotated(&RIGHT, (step + 6) as usize) {
+                        traced.check(&renderer, counting, true).map_err(what)?;
+                    }
+                    if step == 6 && position.x > 1.0 {
+                        let mut moved = Traced { frame: traced.frame.clone(), ..traced };
+                        moved.frame.lights = vec![Light::point(path(-1.5))];
+                        must_fail("the light on the other side", &moved.check(&renderer, RIGHT[0], false).map(drop))?;
+                    }
+                }
+            }
+        }
+    }
+    println!("{shadowed} pixels in shadow, {in_planes} pictures with the light in planes of faces");
+    if shadowed < 10_000 { Err("too few pixels in shadow".to_owned()) } else { Ok(()) }
 }

@@ -1,7 +1,7 @@
 //! Counts that 8 bits do not hold, and the bound that tells of them; lists that overflow.
 
 use glam::DVec3;
-use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING};
+use rimline::internals::shadow::CAST_EVERY;
 use rimline::{Counting, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::shapes::{self, Shape};
@@ -9,7 +9,7 @@ use rimline_testkit::shapes::{self, Shape};
 use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::rays::{self, Truth};
-use crate::render::{Counted, Placing, Renderer};
+use crate::render::{Placing, Renderer};
 use crate::scene::{Body, CENTRE, Eye, Frame};
 use crate::trials::{Test, Traced, rotated, seed};
 use rimline_testkit::device::Gpu;
@@ -18,16 +18,9 @@ use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("counts_that_are_multiples_of_256_are_warned_of", multiples),
-    ("stencil_bound_holds", bound),
-    ("ordinary_models_do_not_warn", ordinary),
     ("lists_that_overflow_count_alike", short_lists),
     ("lists_of_cap_faces_that_a_small_device_shortens", shortened),
 ];
-
-fn renderer(gpu: &Gpu) -> Renderer<'_> {
-    let options = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
-    Renderer { options, ..Renderer::new(gpu) }
-}
 
 /// `count` sheets above each other, in one mesh, with the eye and a receiver below them all and the light above.
 fn stack(count: u32) -> Frame {
@@ -44,6 +37,8 @@ fn stack(count: u32) -> Frame {
 /// are in the way. The bound warns of both.
 fn multiples() -> Result<(), String> {
     let gpu = Gpu::shared()?;
+    let options = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
+    let renderer = Renderer { options, ..Renderer::new(&gpu) };
     for (sheets, aliases, warns) in [(100, false, false), (256, true, true), (300, false, true)] {
         let frame = stack(sheets);
         let truths = rays::trace(&frame, CENTRE);
@@ -56,7 +51,7 @@ fn multiples() -> Result<(), String> {
         }
         let compared = Compared { frame: &frame, truths: &truths, within_pixel: CENTRE, light: 0, explains: true };
         for counting in [Counting::Auto, Counting::ZFail] {
-            let counted = renderer(&gpu).count(&frame, counting)?;
+            let counted = renderer.count(&frame, counting)?;
             let stencil = &counted.stencils[0];
             let wrap = compared.counts(stencil, &[true]);
             if !wrap.pixels.is_empty() || wrap.compared == 0 {
@@ -80,75 +75,6 @@ fn multiples() -> Result<(), String> {
             if bound < sheets || (statistics.may_wrap == 1) != warns {
                 return Err(format!("{sheets} sheets, {counting:?}: {statistics:?}"));
             }
-        }
-    }
-    Ok(())
-}
-
-/// Fails if a bound is below a count that a ray finds.
-fn holds(bounds: &[u32], truths: &[Vec<Truth>], counted: &Counted) -> Result<(), String> {
-    for truth in truths {
-        let Truth::Surface(between) = truth[0] else { continue };
-        for (caster, (&bound, lights)) in bounds.iter().zip(&counted.chosen).enumerate() {
-            let [back_facing, facing] = between.0[caster];
-            let count = match lights[0].casting {
-                CAST_NOTHING => 0,
-                CAST_BACK_FACING => back_facing,
-                _ => back_facing + facing,
-            };
-            if u32::from(count) > bound {
-                return Err(format!("caster {caster}: a count of {count}, the bound is {bound}"));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Casters of all classes, each alone in its scene, against rays.
-fn bound() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let mut tight = 0;
-    for class in CLASSES {
-        for number in 80..if is_long() { 100 } else { 81 } {
-            let seed = seed(class, number);
-            let frame = (class.frame)(&mut Random::new(seed));
-            let counted = renderer(&gpu).count(&frame, Counting::ZFail)?;
-            let bounds: Vec<u32> = counted.statistics.iter().map(|statistics| statistics.count_bound).collect();
-            let truths = rays::trace(&frame, CENTRE);
-            holds(&bounds, &truths, &counted).map_err(|error| format!("{}, seed {seed}: {error}", class.name))?;
-            let lower = vec![0; bounds.len()];
-            if truths.iter().any(|truth| truth[0].is_shadowed()) {
-                must_fail("a bound of nothing", &holds(&lower, &truths, &counted))?;
-                tight += 1;
-            }
-        }
-    }
-    if tight > 0 { Ok(()) } else { Err("no frame had a shadow".to_owned()) }
-}
-
-/// Shapes of some thousands of faces, from lights around them.
-fn ordinary() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let models = [
-        ("torus", shapes::torus(48, 24, 1.0, 0.35)),
-        ("blob", shapes::blob(48, 0.4, 3)),
-        ("plane", shapes::plane_grid(64, 64)),
-        ("moebius", shapes::moebius(96, 8)),
-        ("sheets", shapes::three_sheets(24)),
-    ];
-    let mut random = Random::new(11);
-    for (name, shape) in models {
-        let mut frame = (CLASSES[0].frame)(&mut Random::new(1));
-        frame.bodies = vec![Body::caster(shape), Body::room([0.0; 3], 8.0)];
-        frame.lights = (0..8).map(|_| Light::point(random.direction().map(|c| c * 5.0))).collect();
-        frame.lights.push(Light::directional(random.direction()));
-        frame.size = 16;
-        let options = OneCasterOptions { cull_by_view: false, bound_counts: true, ..OneCasterOptions::default() };
-        let counted = Renderer { options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
-        let statistics = counted.statistics[0];
-        println!("{name}: bound {}", statistics.count_bound);
-        if statistics.may_wrap != 0 || statistics.count_bound == 0 {
-            return Err(format!("{name}: {statistics:?}"));
         }
     }
     Ok(())

@@ -18,7 +18,6 @@ use rimline_testkit::{is_long, must_fail, same, shapes};
 use crate::hairlines::{HALF_STEP, picture};
 use crate::in_scene::{METHODS, compare as compare_counts, movable};
 use crate::render::{Placing, Renderer};
-use crate::rounds::parity_rounds;
 use crate::scene::{Body, CENTRE, Eye, Frame, Rays};
 use crate::trials::{RIGHT, Test, rotated};
 
@@ -42,8 +41,8 @@ pub(crate) struct Rig {
     frame: Frame,
     light: Light,
     size: u32,
-    /// Edges of triangles in the picture, and how far off the GPU's may be along either axis. Sides begin at some of them, and
-    /// the polygons that are seen end at some.
+    /// Edges of triangles in the picture, and how far off the GPU's may be along either axis. Sides begin at some of
+    /// them, and the polygons that are seen end at some.
     edges: Vec<([DVec2; 2], f64)>,
 }
 
@@ -56,8 +55,8 @@ impl Rig {
         let corners =
             |body: &Body, face: [u32; 3]| face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));
         let [caster, room] = &frame.bodies[..] else { panic!("two bodies") };
-        let own = caster.shape.faces.iter().zip(of_triangle);
-        let own = own.map(|(&face, polygon)| (corners(caster, face), (polygon as usize, true)));
+        let polygons = caster.shape.faces.iter().zip(of_triangle);
+        let polygons = polygons.map(|(&face, polygon)| (corners(caster, face), (polygon as usize, true)));
         let walls = room.shape.faces.iter().map(|&face| (corners(room, face), (0, false)));
         let edges = mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
         let Eye { position, forward, near, .. } = frame.eye;
@@ -78,7 +77,7 @@ impl Rig {
         };
         Self {
             edges: edges.filter_map(seen).collect(),
-            tracer: Tracer::build(own.chain(walls)),
+            tracer: Tracer::build(polygons.chain(walls)),
             rays: Rays::new(&frame.eye.camera(), frame.size),
             frame: frame.clone(),
             light: frame.lights[0],
@@ -124,8 +123,8 @@ impl Rig {
         steps().any(|dx| steps().any(|dy| fits(self.at(pixel + DVec2::new(dx, dy)))))
     }
 
-    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: docs/numerics/rasterisers.md,
-    /// "Hairlines".
+    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side:
+    /// docs/numerics/rasterisers.md, "Hairlines".
     fn is_hairline(&self, at: DVec2) -> bool {
         self.edges.iter().any(|&([a, b], off)| {
             let along = b - a;
@@ -134,8 +133,8 @@ impl Rig {
         })
     }
 
-    /// Pixels where the stencil differs from the pixel's own ray, and neither a ray next to it nor a hairline explains the value:
-    /// the first ones. A hairline may explain any value, since a polygon that is seen may end there.
+    /// Pixels where the stencil differs from the pixel's own ray, and neither a ray next to it nor a hairline explains
+    /// the value: the first ones. A hairline may explain any value, since a polygon that is seen may end there.
     pub(crate) fn wrong(&self, truths: &[Truth], stencil: &[u8], compared: Compared) -> Vec<(u32, u32)> {
         let fits = |truth: Truth, value: u8| match (truth, compared) {
             (Truth::Odd(count), Compared::Counts) => count as u8 == value,
@@ -234,7 +233,7 @@ fn darken() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let first = 71_000;
     println!("seeds from {first}");
-    let (mut compared, mut dark, mut frames, mut differing, mut failures) = (0, 0, 0, 0, Vec::new());
+    let (mut compared, mut dark, mut frames, mut failures) = (0, 0, 0, Vec::new());
     for seed in first..first + if is_long() { 900 } else { 130 } {
         let mut random = Random::new(seed);
         let (name, set) = polygons(&mut random);
@@ -248,27 +247,13 @@ fn darken() -> Result<(), String> {
         frames += 1;
         compared += truths.iter().filter(|&&truth| truth != Truth::NoReceiver).count();
         dark += truths.iter().filter(|&&truth| !matches!(truth, Truth::NoReceiver | Truth::Odd(0))).count();
-        // The same by a round for each polygon.
-        if mesh.polygons().is_some_and(|polygons| polygons.len() < 128) {
-            let rounds = parity_rounds(&Renderer::new(&gpu), &frame, &mesh)?;
-            let wrong = rig.wrong(&truths, &rounds, Compared::Counts);
-            if !wrong.is_empty() {
-                failures.push(format!("seed {seed}, {name}, by rounds: {} wrong {wrong:?}", wrong.len()));
-            }
-            let mut renderer = Renderer::new(&gpu);
-            renderer.options = OneCasterOptions { every_face: true, ..renderer.options };
-            let volumes = renderer.count(&frame, Counting::ZFail)?;
-            let is_receiver = |at: &usize| truths[*at] != Truth::NoReceiver;
-            let same = (0..rounds.len()).filter(is_receiver);
-            differing += same.filter(|&at| rounds[at] != volumes.stencils[0][at]).count();
-        }
         let wrong = compare(&gpu, &frame, &rig, &truths, &rotated(&RIGHT, seed as usize))?;
         failures.extend(wrong.into_iter().map(|error| format!("seed {seed}, {name}, {error}")));
         if failures.len() > 9 {
             break;
         }
     }
-    println!("{frames} frames, {compared} receivers, {dark} of them dark; rounds differ at {differing} of them");
+    println!("{frames} frames, {compared} receivers, {dark} of them dark");
     if failures.is_empty() && dark > 10_000 { Ok(()) } else { Err(failures.join("\n")) }
 }
 
@@ -326,26 +311,26 @@ fn mixed(random: &mut Random, lights: usize) -> Result<(String, Frame), String> 
             continue;
         }
         names = format!("{names}{} ", name.replace(' ', "_"));
-        let own = self::frame(random, set, &mesh);
+        let of_set = self::frame(random, set, &mesh);
         match &mut frame {
-            Some(frame) => frame.bodies.insert(0, own.bodies[0].clone()),
-            None => frame = Some(own),
+            Some(frame) => frame.bodies.insert(0, of_set.bodies[0].clone()),
+            None => frame = Some(of_set),
         }
     }
     let mut frame = frame.ok_or("no frame")?;
     frame.bodies.insert(random.below(3), Body::caster(shapes::sphere(2)));
-    let own = frame.lights[0];
+    let first = frame.lights[0];
     while frame.lights.len() < lights {
         let off = random.direction();
-        let xyz = std::array::from_fn(|axis| own.xyz[axis] + 0.5 * off[axis]);
-        frame.lights.push(Light { xyz, ..own });
+        let xyz = std::array::from_fn(|axis| first.xyz[axis] + 0.5 * off[axis]);
+        frame.lights.push(Light { xyz, ..first });
     }
     frame.size = 48;
     Ok((names, frame))
 }
 
-/// Casters of polygons and of triangles in one scene, in callers' buffers, also with a past, several batches of lights and lists
-/// of any room.
+/// Casters of polygons and of triangles in one scene, in callers' buffers, also with a past, several batches of lights
+/// and lists of any room.
 fn alike() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
     let (mut shadowed, mut lost, mut runs, mut controls) = (0, 0, 0, 0);

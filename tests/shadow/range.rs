@@ -1,4 +1,4 @@
-//! Lights that reach only so far: casters out of range, and volumes that end there.
+//! Volumes that end at the range of their light.
 
 use glam::DVec3;
 use rimline::{Counting, Light};
@@ -7,17 +7,12 @@ use rimline_testkit::OneCasterOptions;
 use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};
 use crate::render::Renderer;
-use crate::scene::{Body, Frame};
 use crate::trials::{Test, Traced, class};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, must_fail, shapes};
+use rimline_testkit::{is_long, must_fail};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("volumes_end_at_the_range", ended),
-    ("receivers_just_within_the_range_are_in_shadow", just_within),
-    ("casters_out_of_range_are_skipped", skipped),
-];
+pub(crate) const TESTS: &[Test] = &[("volumes_end_at_the_range", ended)];
 
 fn light_position(light: Light) -> DVec3 {
     DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w)
@@ -93,69 +88,6 @@ fn control(gpu: &Gpu) -> Result<(), String> {
         let (_, counted) = traced.check(&renderer, counting, true)?;
         if counted.statistics.iter().all(|statistics| statistics.ended == 0) {
             return Err(format!("{counting:?}: no volume ended"));
-        }
-    }
-    Ok(())
-}
-
-/// A plate right below the light, and a floor that the range hardly reaches: the volume ends just below it. Volumes that
-/// ended early would leave the spot in the middle of the shadow lit.
-fn just_within() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
-    let class = CLASSES.first().ok_or("no classes")?;
-    for (height, floor) in [(1.0_f32, 4.0_f32), (0.5, 6.0), (2.0, 4.5)] {
-        let plate = shapes::cube().placed(|[x, y, z]| [x, 0.05 * y - 0.05 - height, z]);
-        let mut frame: Frame = (class.frame)(&mut Random::new(1));
-        frame.bodies = vec![Body::caster(plate), Body::room([0.0, 8.0 - floor, 0.0], 8.0)];
-        frame.lights = vec![Light::point([0.0; 3])];
-        // Looking past the plate, from outside of the shadow.
-        let spot = DVec3::new(0.0, -f64::from(floor), 0.0);
-        let position = DVec3::new(2.5, -0.3 * f64::from(height), 0.4);
-        (frame.eye.position, frame.eye.forward, frame.eye.near) = (position, spot - position, 0.05);
-        let range = floor * 1.02;
-        let mut traced = Traced::of(frame, 0);
-        for (truth, point) in traced.truths.iter_mut().zip(rays::points(&traced.frame)) {
-            if point.is_none_or(|point| point.length() > f64::from(range)) {
-                truth[0] = Truth::Background;
-            }
-        }
-        let in_shadow = traced.shadowed();
-        for counting in [Counting::Auto, Counting::ZPass, Counting::ZFail] {
-            let renderer = Renderer { options, range, ..Renderer::new(&gpu) };
-            let what = |error| format!("plate at {height}, floor at {floor}: {error}");
-            let (_, counted) = traced.check(&renderer, counting, true).map_err(what)?;
-            if counted.statistics[0].ended != 1 || in_shadow < 100 {
-                return Err(what(format!("{in_shadow} pixels in shadow, {:?}", counted.statistics)));
-            }
-            // The negative control: a range that is a fifth less.
-            let early = Renderer { range: 0.8 * range, ..renderer };
-            must_fail("a volume that ends early", &traced.check(&early, counting, false))?;
-        }
-    }
-    Ok(())
-}
-
-/// Chosen or not, by the caster's nearest corner, edge or side.
-fn skipped() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let class = CLASSES.first().ok_or("no classes")?;
-    // A cube from -0.5 to 0.5, and lights off its sides, edges and corners.
-    for (light, distance) in [([3.5, 0.1, -0.2], 3.0_f32), ([-0.1, 4.5, -3.5], 5.0), ([1.5, -2.5, 2.5], 3.0)] {
-        for (range, casts) in [(distance * 0.999, false), (distance * 1.001, true), (distance * 1.3, true)] {
-            let mut frame: Frame = (class.frame)(&mut Random::new(1));
-            frame.bodies = vec![Body::caster(shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
-            // Another w is the same position.
-            for w in [1.0, 0.3] {
-                let [x, y, z] = light;
-                frame.lights = vec![Light::homogeneous([x * w, y * w, z * w, w])];
-                let options = OneCasterOptions { cull_by_view: false, ..OneCasterOptions::default() };
-                let counted = Renderer { options, range, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
-                let got = (counted.chosen[0][0].casting != 0, counted.statistics[0].skipped == 0);
-                if got != (casts, casts) {
-                    return Err(format!("light {light:?}, w {w}, range {range}: {got:?}, expected {casts}"));
-                }
-            }
         }
     }
     Ok(())

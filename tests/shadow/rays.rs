@@ -87,13 +87,13 @@ impl Tracer {
         &self,
         ray: (DVec3, DVec3),
         [begin, end]: [f64; 2],
-        own: Option<&Triangle>,
+        start: Option<&Triangle>,
         light: usize,
     ) -> Between {
         let mut between = Between::default();
         for (t, triangle) in self.0.meetings(ray) {
-            let is_own = own.is_some_and(|own| std::ptr::eq(triangle, own));
-            let Some(caster) = triangle.of.caster.filter(|_| !is_own) else { continue };
+            let is_start = start.is_some_and(|start| std::ptr::eq(triangle, start));
+            let Some(caster) = triangle.of.caster.filter(|_| !is_start) else { continue };
             // A face with the light in its plane is strictly between it and nothing.
             if triangle.of.sides[light] == 0 {
                 continue;
@@ -106,7 +106,7 @@ impl Tracer {
     }
 
     /// Casting faces strictly between a point of a face and a light.
-    pub(crate) fn towards(&self, point: DVec3, own: &Triangle, number: usize, light: &Light) -> Between {
+    pub(crate) fn towards(&self, point: DVec3, start: &Triangle, number: usize, light: &Light) -> Between {
         let [x, y, z] = light.xyz.map(f64::from);
         let w = f64::from(light.w);
         let to_light = DVec3::new(x, y, z) - w * point;
@@ -114,19 +114,19 @@ impl Tracer {
         let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
         // Faces that coincide with the point's own are not strictly between.
         let begin = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
-        self.between((point, to_light), [begin, end], Some(own), number)
+        self.between((point, to_light), [begin, end], Some(start), number)
     }
 
     /// Surface that a pixel's ray sees, for each light.
     pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
-        let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
-        let is_front = own.is_front(ray.1);
+        let Some((point, start)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
+        let is_front = start.is_front(ray.1);
         let truth = |(number, light): (usize, &Light)| {
-            let side = own.of.sides[number];
+            let side = start.of.sides[number];
             if side == 0 || (side > 0) != is_front {
                 return Truth::BackFacing;
             }
-            Truth::Surface(self.towards(point, own, number, light))
+            Truth::Surface(self.towards(point, start, number, light))
         };
         lights.iter().enumerate().map(truth).collect()
     }

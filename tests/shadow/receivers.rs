@@ -2,115 +2,46 @@
 //! points that are seen.
 
 use glam::{DMat4, DVec3, DVec4};
-use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, View};
+use rimline::gpu::{Caster, FrameInputs, Receivers, Scene, SceneOptions, View};
 use rimline::internals::layout::ReceiverView;
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::internals::shadow;
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::{self, Drawing};
 use rimline_testkit::random::Random;
-use rimline_testkit::{must_fail, same, shapes};
+use rimline_testkit::{IDENTITY, must_fail, same, shapes};
 
 use crate::scene::Eye;
+use crate::textures::sampled;
 use crate::trials::Test;
 
 pub(crate) const TESTS: &[Test] =
     &[("receivers_are_those_of_their_depths", pyramid), ("lists_for_known_receivers_are_kept", versions)];
 
-/// Writes a depth for each sample from a hash of its pixel. Some are those that are cleared to.
-const WRITER: &str = "
-struct Depths { seed: u32, share_of_sky: u32, sky: f32, nearest: f32 }
-@group(0) @binding(0) var<uniform> depths: Depths;
-@vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
-  return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
-}
-fn hashed(pixel: vec2<u32>, sample: u32) -> f32 {
-  var h = depths.seed ^ (pixel.x * 73856093u) ^ (pixel.y * 19349663u) ^ (sample * 83492791u);
-  h = (h ^ (h >> 16u)) * 0x45d9f3bu;
-  h = (h ^ (h >> 16u)) * 0x45d9f3bu;
-  h ^= h >> 16u;
-  if (h % 100u < depths.share_of_sky) {
-    return depths.sky;
-  }
-  return depths.nearest * f32(1u + (h >> 9u)) * 0x1p-24;
-}
-@fragment fn single(@builtin(position) at: vec4<f32>) -> @builtin(frag_depth) f32 {
-  return hashed(vec2<u32>(at.xy), 0u);
-}
-@fragment fn many(@builtin(position) at: vec4<f32>, @builtin(sample_index) sample: u32) -> @builtin(frag_depth) f32 {
-  return hashed(vec2<u32>(at.xy), sample);
-}
-";
-
-fn hashed([seed, share_of_sky]: [u32; 2], [sky, nearest]: [f32; 2], [x, y]: [u32; 2], sample: u32) -> f32 {
-    let mut h = seed ^ x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ sample.wrapping_mul(83_492_791);
-    for _ in 0..2 {
-        h = (h ^ (h >> 16)).wrapping_mul(0x45d_9f3b);
-    }
-    h ^= h >> 16;
-    if h % 100 < share_of_sky { sky } else { nearest * (1 + (h >> 9)) as f32 * f32::from_bits((127 - 24) << 23) }
-}
-
+/// Depths of samples at random, of which a share in percent is the sky's, and a texture of them.
 fn written(
     gpu: &Gpu,
     [width, height]: [u32; 2],
     samples: u32,
     [seed, share_of_sky]: [u32; 2],
     [sky, nearest]: [f32; 2],
-) -> Result<wgpu::Texture, String> {
-    let device = &gpu.device;
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("depths"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: samples,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Depth32Float,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    let drawing = Drawing {
-        label: "depths",
-        source: WRITER,
-        entry_points: [None, Some(if samples == 1 { "single" } else { "many" })],
-        depth_stencil: Some(pipelines::depth(texture.format(), wgpu::CompareFunction::Always, true)),
-        samples,
-        ..Drawing::default()
-    };
-    let pipeline = drawing.pipeline(device);
-    let words = [seed, share_of_sky, sky.to_bits(), nearest.to_bits()];
-    let uniform = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: 16,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    gpu.queue.write_buffer(&uniform, 0, bytemuck::cast_slice(&words));
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    gpu.submit(|encoder| {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: None,
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.5), store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
-        drop(pass);
-        Ok::<_, String>(())
-    })?;
-    Ok(texture)
+) -> Result<(Vec<f32>, wgpu::Texture), String> {
+    let mut random = Random::new(u64::from(seed));
+    let mut one = |_| if random.below(100) < share_of_sky as usize { sky } else { nearest * random.between(0.0, 0.5) };
+    let depths: Vec<f32> = (0..width * height * samples).map(&mut one).collect();
+    let texture = sampled(gpu, [width, height], (wgpu::TextureFormat::Depth32Float, samples), &depths)?;
+    Ok((depths, texture))
+}
+
+/// A scene of a cube below a light.
+pub(crate) fn cube_below_light(gpu: &Gpu) -> Result<Scene, String> {
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
+    let shape = shapes::cube();
+    let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
+    scene.insert(Caster::rigid(mesh, IDENTITY)).map_err(text)?;
+    scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
+    Ok(scene)
 }
 
 fn eye(random: &mut Random, number: usize) -> Eye {
@@ -126,8 +57,8 @@ fn farthest(cells: &[u32], [width, height]: [u32; 2], by: u32) -> (Vec<u32>, [u3
     let size = [width.div_ceil(by), height.div_ceil(by)];
     let mut keys = vec![0; (size[0] * size[1]) as usize];
     for (at, &key) in (0..).zip(cells) {
-        let own = &mut keys[(at / width / by * size[0] + at % width / by) as usize];
-        *own = key.max(*own);
+        let farthest_key = &mut keys[(at / width / by * size[0] + at % width / by) as usize];
+        *farthest_key = key.max(*farthest_key);
     }
     (keys, size)
 }
@@ -188,10 +119,7 @@ const HEAD: usize = 16;
 
 /// Keys of tiles and levels are those of the depths, and the box has all points that are seen.
 fn pyramid() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 6001;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(6001)?;
     let (mut limited, mut endless) = (0, 0);
     for number in 0..48 {
         let eye = eye(&mut random, number);
@@ -203,14 +131,9 @@ fn pyramid() -> Result<(), String> {
         let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
         let nearest = [1.0, 0.01][random.below(2)];
         let ends = [1.0 - near_z, nearest];
-        let texture = written(gpu, pixels, samples, [number as u32, share], ends)?;
+        let (depths, texture) = written(&gpu, pixels, samples, [number as u32, share], ends)?;
         let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
-        let shape = shapes::cube();
-        let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
-        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
-        scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
+        let mut scene = cube_below_light(&gpu)?;
         // The second of three views has them.
         let mut views = [View::new(camera); 3];
         views[1].depth = Some(Receivers { depth: &depth, sky_receives, version: None });
@@ -218,10 +141,6 @@ fn pyramid() -> Result<(), String> {
         let (buffer, count) = frame.results().map_err(text)?.receivers.ok_or("no view")?;
         let all: Vec<u32> = gpu.read(buffer, usize::MAX)?;
         let mut found = all[1 + count as usize..][..count as usize].to_vec();
-        let pixel = |at: u32| [at % pixels[0], at / pixels[0]];
-        let depths: Vec<f32> = (0..pixels[0] * pixels[1])
-            .flat_map(|at| (0..samples).map(move |sample| hashed([number as u32, share], ends, pixel(at), sample)))
-            .collect();
         let seen = shadow::view(&camera).map_err(text)?;
         let matrix = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from)));
         let view = ReceiverView {
@@ -269,7 +188,7 @@ fn filled(gpu: &Gpu, seed: u64) -> Result<Scene, String> {
     for _ in 0..16 {
         let [x, y, z] = [(); 3].map(|()| random.between(-9.0, 9.0));
         let rows = [[0.3, 0.0, 0.0, x], [0.0, 0.3, 0.0, y], [0.0, 0.0, 0.3, z]];
-        scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
+        scene.insert(Caster::rigid(mesh, rows)).map_err(text)?;
     }
     for _ in 0..4 {
         let xyz = [(); 3].map(|()| random.between(-12.0, 12.0));
@@ -304,7 +223,7 @@ fn chosen(
 /// Lists stay cached while camera and version stay the same. Choices always equal those of a new scene.
 fn versions() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut kept, mut made, mut hidden, mut noticed) = (0, 0, 0, 0);
+    let (mut kept, mut made, mut culled, mut noticed) = (0, 0, 0, 0);
     for seed in 6101..6109 {
         println!("seed {seed}");
         let mut random = Random::new(seed);
@@ -314,7 +233,7 @@ fn versions() -> Result<(), String> {
             .zip(0..)
             .map(|(&(nearest, share), number)| {
                 let near_z = if eyes[0].depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
-                let texture = written(gpu, [48, 40], 1, [number, share], [1.0 - near_z, nearest])?;
+                let (_, texture) = written(gpu, [48, 40], 1, [number, share], [1.0 - near_z, nearest])?;
                 Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
             })
             .collect::<Result<_, String>>()?;
@@ -343,12 +262,12 @@ fn versions() -> Result<(), String> {
             let is_kept = is_known && last == Some(now);
             same(&format!("{what}: lists kept"), &[lists], &[if is_kept { 4 } else { 0 }])?;
             *(if is_kept { &mut kept } else { &mut made }) += 1;
-            hidden += volumes;
+            culled += volumes;
             let (other, ..) = chosen(gpu, &mut filled(gpu, seed)?, camera, None)?;
             noticed += u32::from(same("without receivers", &words, &other).is_err());
             last = Some(now);
         }
     }
-    println!("kept {kept} times, made {made} times, {hidden} hidden, {noticed} differ from those without receivers");
-    if kept < 20 || made < 20 || hidden == 0 || noticed == 0 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+    println!("kept {kept} times, made {made} times, {culled} culled, {noticed} differ from those without receivers");
+    if kept < 20 || made < 20 || culled == 0 || noticed == 0 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }

@@ -13,10 +13,9 @@ use rimline_testkit::shapes;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
+use rimline_testkit::passes::draw_small;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame, must_fail, same};
-
-use crate::render::{Renderer, attachment};
 
 pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
@@ -158,13 +157,13 @@ fn mirrors() -> Result<(), String> {
         {
             let frame = caster.encoded(Counting::Auto, &camera)?.map_err(text)?;
             let what = format!("{:?}, mirrored {is_mirrored}", camera.depth);
-            let [own, other] = if is_mirrored { [&mirroring, &plain] } else { [&plain, &mirroring] };
+            let [matching, other] = if is_mirrored { [&mirroring, &plain] } else { [&plain, &mirroring] };
             let (ccw, cw) = (wgpu::FrontFace::Ccw, wgpu::FrontFace::Cw);
             let [volumes, pipelines] = if is_mirrored { [cw, ccw] } else { [ccw, cw] };
             let front_face = ShadowError::OtherFrontFace { volumes, pipelines };
             refused([
-                refusal(format!("{what}: drawn"), drawn(gpu, &frame, other, 0)?, is(front_face)),
-                refusal(format!("{what}: drawn by its own"), drawn(gpu, &frame, own, 0)?, Expected::Taken),
+                refusal(format!("{what}: drawn"), drawn(gpu, &frame, other)?, is(front_face)),
+                refusal(format!("{what}: drawn by its own"), drawn(gpu, &frame, matching)?, Expected::Taken),
             ])?;
         }
     }
@@ -195,19 +194,9 @@ fn no_lights() -> Result<(), String> {
     same("lights of the frame", &[frame.frame.lights().len(), frame.frame.batches()], &[0, 0])
 }
 
-/// Result of drawing a light.
-fn drawn(
-    gpu: &Gpu,
-    frame: &OneFrame,
-    pipelines: &ShadowPipelines,
-    light: usize,
-) -> Result<Result<(), ShadowError>, String> {
-    let target = Renderer::new(gpu).target(8, 1, wgpu::TextureFormat::Depth24PlusStencil8);
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    gpu.submit(|encoder| {
-        let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Clear(0.5)));
-        Ok(frame.draw(&mut pass, pipelines, light))
-    })
+/// Result of drawing the first light.
+fn drawn(gpu: &Gpu, frame: &OneFrame, pipelines: &ShadowPipelines) -> Result<Result<(), ShadowError>, String> {
+    draw_small(gpu, |pass| frame.draw(pass, pipelines, 0))
 }
 
 /// Formats differ where attachments do; what volumes were made for must not.
@@ -224,7 +213,7 @@ fn pipelines() -> Result<(), String> {
         let (camera, has_far) = cameras()[far + usize::from(ours.1 == DepthDirection::Standard)];
         let frame = caster.encoded(ours.0, &camera)?.map_err(text)?;
         for theirs in &all {
-            let found = drawn(gpu, &frame, &made(theirs)?, 0)?;
+            let found = drawn(gpu, &frame, &made(theirs)?)?;
             let expected = if ours.0 != theirs.0 {
                 is(ShadowError::OtherCounting { volumes: ours.0, pipelines: theirs.0 })
             } else if ours.1 != theirs.1 {

@@ -1,9 +1,7 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
-use rimline::gpu::{
-    Pipelines, PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowPipelines, read_back_vec,
-};
+use rimline::gpu::{PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowPipelines};
 use rimline::internals::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh};
@@ -11,9 +9,11 @@ use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame};
 
 use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
+use crate::textures::Stencils;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
 use rimline_testkit::on_gpu::{chosen, draws, shadow_statistics, text};
+use rimline_testkit::passes::{self, CLEARED, depth_pass};
 use rimline_testkit::pipelines::{self, Drawing};
 
 /// How the scene's own depth pass computes positions.
@@ -69,25 +69,9 @@ struct Out { @invariant @builtin(position) clip: vec4<f32> }
 @fragment fn nothing() {}
 ";
 
-const SAMPLES: &str = "
-@group(0) @binding(0) var stencil: texture_multisampled_2d<u32>;
-@vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
-  return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
-}
-@fragment fn samples(@builtin(position) at: vec4<f32>) -> @location(0) vec4<u32> {
-  let pixel = vec2<i32>(at.xy);
-  return vec4<u32>(
-    textureLoad(stencil, pixel, 0).x,
-    textureLoad(stencil, pixel, 1).x,
-    textureLoad(stencil, pixel, 2).x,
-    textureLoad(stencil, pixel, 3).x,
-  );
-}
-";
-
+#[derive(Clone, Copy)]
 pub(crate) struct Renderer<'a> {
     pub(crate) gpu: &'a Gpu,
-    pub(crate) pipelines: Pipelines,
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) depth_pass: DepthPass,
     /// 1 or 4.
@@ -110,7 +94,8 @@ pub(crate) struct Renderer<'a> {
     pub(crate) count_bits: u32,
     /// Whether volumes are cut at the frustum in the vertex shader.
     pub(crate) trim: bool,
-    /// The map of a light, drawn into the same stencil in each pass: by these pipelines, of so many bits, before the meshes or after them.
+    /// The map of a light, drawn into the same stencil in each pass: by these pipelines, of so many bits, before the
+    /// meshes or after them.
     pub(crate) beside: Option<Beside<'a>>,
 }
 
@@ -127,7 +112,6 @@ impl<'a> Renderer<'a> {
     pub(crate) fn new(gpu: &'a Gpu) -> Self {
         Self {
             gpu,
-            pipelines: gpu.pipelines.clone(),
             format: wgpu::TextureFormat::Depth24PlusStencil8,
             depth_pass: DepthPass::Alike,
             samples: 1,
@@ -145,32 +129,6 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Copies the stencil values, rows of so many bytes, which split into samples.
-    pub(crate) fn copy_stencil(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        target: &wgpu::Texture,
-        row: u32,
-    ) -> wgpu::Buffer {
-        let copy = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("stencil"),
-            size: u64::from(row) * u64::from(target.height()),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let split = (self.samples > 1).then(|| self.split(encoder, target));
-        let aspect = if split.is_some() { wgpu::TextureAspect::All } else { wgpu::TextureAspect::StencilOnly };
-        encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo { aspect, ..split.as_ref().unwrap_or(target).as_image_copy() },
-            wgpu::TexelCopyBufferInfo {
-                buffer: &copy,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
-            },
-            target.size(),
-        );
-        copy
-    }
-
     pub(crate) fn count(&self, frame: &Frame, counting: Counting) -> Result<Counted, String> {
         let gpu = self.gpu;
         let shadow_format = |front_face| ShadowFormat {
@@ -184,11 +142,17 @@ impl<'a> Renderer<'a> {
             ..ShadowFormat::default()
         };
         let pipelines =
-            |front_face| ShadowPipelines::new(&self.pipelines, &shadow_format(front_face), counting).map_err(text);
+            |front_face| ShadowPipelines::new(&gpu.pipelines, &shadow_format(front_face), counting).map_err(text);
         let plain = pipelines(wgpu::FrontFace::Ccw)?;
         let is_mirrored = frame.bodies.iter().any(|body| body.mirror.is_some());
         let mirroring = if is_mirrored { Some(pipelines(wgpu::FrontFace::Cw)?) } else { None };
-        let target = self.target(frame.size, self.samples, self.format);
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let copied = if self.samples == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
+        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            sample_count: self.samples,
+            usage: usage | copied,
+            ..passes::texture([frame.size; 2], self.format)
+        });
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let depth = self.early_depth(&mut encoder, frame, &target);
@@ -214,10 +178,9 @@ impl<'a> Renderer<'a> {
         if self.late_bodies > 0 {
             self.depth(&mut encoder, frame, &view);
         }
-        let row = (frame.size * self.samples).next_multiple_of(256);
         let mut copies = Vec::new();
         for light in 0..frame.lights.len() {
-            let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
+            let mut pass = encoder.begin_render_pass(&depth_pass(&view, (Some(wgpu::LoadOp::Load), CLEARED.1)));
             draw_mapped(&mut pass, true)?;
             for (shadows, is_mirrored) in &casters {
                 let pipelines = mirroring.as_ref().filter(|_| *is_mirrored).unwrap_or(&plain);
@@ -228,11 +191,18 @@ impl<'a> Renderer<'a> {
             }
             draw_mapped(&mut pass, false)?;
             drop(pass);
-            copies.push(self.copy_stencil(&mut encoder, &target, row));
+            copies.push(Stencils::of(gpu, &mut encoder, &target)?);
         }
         gpu.queue.submit([encoder.finish()]);
+        // A picture for each sample.
+        let samples = self.samples as usize;
+        let mut stencils = Vec::new();
+        for copy in copies {
+            let values = copy.read(gpu)?;
+            stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
+        }
         let mut counted = Counted {
-            stencils: self.stencils(&copies, [row, frame.size])?,
+            stencils,
             chosen: Vec::new(),
             receivers: Vec::new(),
             draws: Vec::new(),
@@ -275,74 +245,11 @@ impl<'a> Renderer<'a> {
                 count_bits: self.count_bits,
                 ..self.options
             };
-            let caster = OneCaster::new(&self.pipelines, &self.gpu.queue, &mesh.map_err(text)?, &options);
+            let caster = OneCaster::new(&self.gpu.pipelines, &self.gpu.queue, &mesh.map_err(text)?, &options);
             let encoded = caster.and_then(|mut one| one.encode(encoder, positions, &lights, Some(&camera), None));
             casters.push((encoded.map_err(text)?, body.mirror.is_some()));
         }
         Ok(casters)
-    }
-
-    /// The stencil values of copies with rows of so many bytes, for pictures with so many pixels a side.
-    fn stencils(&self, copies: &[wgpu::Buffer], [row, size]: [u32; 2]) -> Result<Vec<Vec<u8>>, String> {
-        let samples = self.samples as usize;
-        let mut stencils = Vec::new();
-        for copy in copies {
-            let all: Vec<u8> = read_back_vec(&self.gpu.device, &self.gpu.queue, copy).map_err(|e| e.to_string())?;
-            let lines = all.chunks(row as usize).map(|line| &line[..size as usize * samples]);
-            let values: Vec<u8> = lines.flatten().copied().collect();
-            stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
-        }
-        Ok(stencils)
-    }
-
-    pub(crate) fn target(&self, size: u32, sample_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
-        let read = if sample_count == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
-        let read = read | wgpu::TextureUsages::TEXTURE_BINDING;
-        self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("target"),
-            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | read,
-            view_formats: &[],
-        })
-    }
-
-    /// A texture with a channel for each sample's stencil value.
-    fn split(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture) -> wgpu::Texture {
-        let device = &self.gpu.device;
-        let format = wgpu::TextureFormat::Rgba8Uint;
-        let split = self.target(target.width(), 1, format);
-        let drawing =
-            Drawing { label: "samples", source: SAMPLES, targets: &[Some(format.into())], ..Drawing::default() };
-        let pipeline = drawing.pipeline(device);
-        let stencil = target.create_view(&wgpu::TextureViewDescriptor {
-            aspect: wgpu::TextureAspect::StencilOnly,
-            ..wgpu::TextureViewDescriptor::default()
-        });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&stencil) }],
-        });
-        let color = Some(wgpu::RenderPassColorAttachment {
-            view: &split.create_view(&wgpu::TextureViewDescriptor::default()),
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-        });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("samples"),
-            color_attachments: &[color],
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
-        drop(pass);
-        split
     }
 
     /// Depth of all bodies but those that are drawn late, and a view of it.
@@ -362,7 +269,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Depth of every body; the stencil cleared.
-    pub(crate) fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) {
+    fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) {
         let device = &self.gpu.device;
         let camera = frame.eye.camera();
         let is_reversed = frame.eye.depth == DepthDirection::Reversed;
@@ -407,24 +314,11 @@ impl<'a> Renderer<'a> {
             mapped_at_creation: false,
         });
         self.gpu.queue.write_buffer(&vertices, 0, bytemuck::cast_slice(&corners));
-        let mut pass =
-            encoder.begin_render_pass(&attachment(view, wgpu::LoadOp::Clear(if is_reversed { 0.0 } else { 1.0 })));
+        let far = wgpu::LoadOp::Clear(if is_reversed { 0.0 } else { 1.0 });
+        let mut pass = encoder.begin_render_pass(&depth_pass(view, (Some(far), CLEARED.1)));
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..corners.len() as u32, 0..1);
-    }
-}
-
-/// The depth as `load` says, the stencil cleared.
-pub(crate) fn attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDescriptor<'_> {
-    wgpu::RenderPassDescriptor {
-        label: Some("count"),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-            stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-        }),
-        ..Default::default()
     }
 }

@@ -26,7 +26,7 @@ fn four() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer { samples: SAMPLES.len() as u32, ..Renderer::new(&gpu) };
     let (mut mixed, mut compared, mut hairlines, mut beside) = (0, 0, 0, 0);
-    let (mut own, mut next) = (0, 0);
+    let (mut unequal, mut unequal_to_next) = (0, 0);
     for class in CLASSES.iter().filter(|class| is_long() || class.name.contains("near rectangle")) {
         for number in 70..if is_long() { 75 } else { 71 } {
             let centres = Traced::new(class, number);
@@ -52,8 +52,8 @@ fn four() -> Result<(), String> {
                         return Err(format!("negative control: {}, shadow for light went unnoticed", class.name));
                     }
                     if !class.touches {
-                        own += differing(traced, stencil, &every);
-                        next += differing(&samples[(sample + 1) % samples.len()], stencil, &every);
+                        unequal += differing(traced, stencil, &every);
+                        unequal_to_next += differing(&samples[(sample + 1) % samples.len()], stencil, &every);
                     }
                 }
                 let is_mixed = |at: &usize| {
@@ -66,9 +66,9 @@ fn four() -> Result<(), String> {
     }
     println!(
         "{compared} samples compared, {hairlines} off on hairlines, {beside} as a ray beside theirs; {mixed} pixels in part in \
-         shadow; {own} samples have another count than their own ray, {next} than the next sample's"
+         shadow; {unequal} samples have another count than their ray, {unequal_to_next} than the next sample's"
     );
-    match (mixed, next > 20 * own) {
+    match (mixed, unequal_to_next > 20 * unequal) {
         (0, _) => Err("no pixel was in part in shadow".to_owned()),
         (_, false) => Err("negative control: rays through other samples do as well".to_owned()),
         (_, true) => Ok(()),

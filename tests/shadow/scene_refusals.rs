@@ -3,21 +3,19 @@
 use rimline::gpu::{Caster, FrameInputs, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines};
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
-use crate::render::{Renderer, attachment};
 use crate::scene::Eye;
 use crate::trials::Test;
 use glam::DVec3;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::{text, views};
+use rimline_testkit::passes::draw_small;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
-use rimline_testkit::shapes;
+use rimline_testkit::{IDENTITY, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("scenes_refuse_cameras_lights_and_faces", recording),
     ("frames_of_scenes_refuse_what_does_not_go_with_them", drawing),
 ];
-
-const ROWS: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 fn camera(depth: DepthDirection, far: Option<f64>) -> ShadowCamera {
     let position = DVec3::new(0.0, 1.0, 6.0);
@@ -28,7 +26,7 @@ fn scene(gpu: &Gpu, options: SceneOptions) -> Result<(Scene, Caster), String> {
     let shape = shapes::cube();
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
-    Ok((scene, Caster::rigid(mesh, ROWS)))
+    Ok((scene, Caster::rigid(mesh, IDENTITY)))
 }
 
 fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<SceneFrame, ShadowError> {
@@ -41,32 +39,32 @@ fn encode(gpu: &Gpu, scene: &mut Scene, cameras: &[ShadowCamera]) -> Result<Scen
 fn recording() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let good = camera(DepthDirection::Reversed, None);
-    let (mut own, caster) = scene(gpu, SceneOptions::default())?;
+    let (mut scene_a, caster) = scene(gpu, SceneOptions::default())?;
     let bad = ShadowCamera { view_projection: [[0.0; 4]; 4], ..good };
     let singular = ShadowError::ViewCamera { view: 1, error: CameraError::Singular };
-    refused([refusal("a singular camera", encode(gpu, &mut own, &[good, bad]), is(singular))])?;
+    refused([refusal("a singular camera", encode(gpu, &mut scene_a, &[good, bad]), is(singular))])?;
     // A light that extraction takes and shadows do not. It is refused at once, and nothing changes.
-    let light = own.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
+    let light = scene_a.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
     let negative = Light::homogeneous([1.0, 2.0, 3.0, -1.0]);
     let expected = || is(ShadowError::Light(LightError::NegativeWeight { index: 0, w: -1.0 }));
     refused([
-        refusal("a negative w", own.add_light(negative), expected()),
-        refusal("a light's negative w", own.set_light(light, negative), expected()),
-        refusal("the light as it was", encode(gpu, &mut own, &[good]), Expected::Taken),
+        refusal("a negative w", scene_a.add_light(negative), expected()),
+        refusal("a light's negative w", scene_a.set_light(light, negative), expected()),
+        refusal("the light as it was", encode(gpu, &mut scene_a, &[good]), Expected::Taken),
     ])?;
-    let caster = own.insert(caster).map_err(text)?;
+    let caster = scene_a.insert(caster).map_err(text)?;
     let too_many = ShadowError::NoSuchFace { face: 12, faces: 12 };
     refused([
-        refusal("all good", encode(gpu, &mut own, &[good]), Expected::Taken),
-        refusal("a face too many", own.set_excluded(caster, light, &[3, 12]), is(too_many)),
-        refusal("the last face", own.set_excluded(caster, light, &[3, 11]), Expected::Taken),
-        refusal("removal", own.remove_light(light), Expected::Taken),
+        refusal("all good", encode(gpu, &mut scene_a, &[good]), Expected::Taken),
+        refusal("a face too many", scene_a.set_excluded(caster, light, &[3, 12]), is(too_many)),
+        refusal("the last face", scene_a.set_excluded(caster, light, &[3, 11]), Expected::Taken),
+        refusal("removal", scene_a.remove_light(light), Expected::Taken),
         refusal(
             "a light that is gone",
-            own.set_excluded(caster, light, &[3]),
+            scene_a.set_excluded(caster, light, &[3]),
             is(ShadowError::Removed { what: "light" }),
         ),
-        refusal("without light", encode(gpu, &mut own, &[good]), Expected::Taken),
+        refusal("without light", encode(gpu, &mut scene_a, &[good]), Expected::Taken),
     ])
 }
 
@@ -78,31 +76,24 @@ fn drawing() -> Result<(), String> {
     let right = made(Counting::Auto)?;
     let in_batches = ShadowPipelines::in_batches(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
     let elsewhere = ShadowPipelines::new(&other_device.pipelines, &format, Counting::Auto).map_err(text)?;
-    let (mut own, caster) = scene(gpu, SceneOptions::default())?;
-    let light = own.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
-    own.insert(caster).map_err(text)?;
+    let (mut scene_a, caster) = scene(gpu, SceneOptions::default())?;
+    let light = scene_a.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
+    scene_a.insert(caster).map_err(text)?;
     let (mut other, _) = scene(gpu, SceneOptions::default())?;
     let foreign = other.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
-    let first = encode(gpu, &mut own, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
-    let frame = encode(gpu, &mut own, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
-    let later = own.add_light(Light::point([2.0, 5.0, 3.0])).map_err(text)?;
-    let target = Renderer::new(gpu).target(8, 1, format.depth_stencil);
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    let draw = |frame: &SceneFrame, pipelines: &ShadowPipelines, view_number: usize, light| {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Clear(0.0)));
-        let drawn = frame.draw(&mut pass, pipelines, view_number, light);
-        drop(pass);
-        gpu.queue.submit([encoder.finish()]);
-        drawn
+    let first = encode(gpu, &mut scene_a, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
+    let frame = encode(gpu, &mut scene_a, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
+    let later = scene_a.add_light(Light::point([2.0, 5.0, 3.0])).map_err(text)?;
+    let draw = |frame: &SceneFrame, pipelines: &ShadowPipelines, view: usize, light| {
+        draw_small(gpu, |pass| frame.draw(pass, pipelines, view, light))
     };
     refused([
-        refusal("all good", draw(&frame, &right, 0, light), Expected::Taken),
-        refusal("an earlier frame", draw(&first, &right, 0, light), is(ShadowError::StaleFrame)),
-        refusal("a view too many", draw(&frame, &right, 1, light), is(ShadowError::NoSuchView { view: 1, views: 1 })),
-        refusal("a later light", draw(&frame, &right, 0, later), is(ShadowError::NotEncoded)),
-        refusal("a foreign light", draw(&frame, &right, 0, foreign), is(ShadowError::OtherScene { what: "light" })),
-        refusal("in batches", draw(&frame, &in_batches, 0, light), is(ShadowError::CountBatches { count_batches: 1 })),
-        refusal("another device", draw(&frame, &elsewhere, 0, light), shows(&["Device(OtherDevice {"])),
+        refusal("all good", draw(&frame, &right, 0, light)?, Expected::Taken),
+        refusal("an earlier frame", draw(&first, &right, 0, light)?, is(ShadowError::StaleFrame)),
+        refusal("a view too many", draw(&frame, &right, 1, light)?, is(ShadowError::NoSuchView { view: 1, views: 1 })),
+        refusal("a later light", draw(&frame, &right, 0, later)?, is(ShadowError::NotEncoded)),
+        refusal("a foreign light", draw(&frame, &right, 0, foreign)?, is(ShadowError::OtherScene { what: "light" })),
+        refusal("in batches", draw(&frame, &in_batches, 0, light)?, is(ShadowError::CountBatches { count_batches: 1 })),
+        refusal("another device", draw(&frame, &elsewhere, 0, light)?, shows(&["Device(OtherDevice {"])),
     ])
 }

@@ -1,5 +1,5 @@
-//! The sides and caps of what casts, by whole numbers: how often, and which way, the casting faces at each edge record go along it,
-//! and the faces in each list of caps. The box of what casts.
+//! The sides and caps of what casts, by whole numbers: how often, and which way, the casting faces at each edge record
+//! go along it, and the faces in each list of caps. The box of what casts.
 
 use rimline::Mesh;
 use rimline::internals::cpu;
@@ -8,7 +8,7 @@ use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, COUNT_Z_FAIL, COU
 use rimline::mesh::{INCONSISTENT_BIT, NO_FACE};
 
 /// The share of a face in the shadow of a light: 0 or ±1, from its masks and the light's choice alone.
-pub(crate) fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
+fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
     match (light.casting, facing) {
         _ if excluded && light.excludes == 1 => 0,
         (CAST_EVERY, true) => 1,
@@ -18,13 +18,13 @@ pub(crate) fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
 }
 
 /// The share of each face for light `number`, from planes of masks of 32 lights.
-pub(crate) fn shares(light: &ShadowLight, number: usize, [facing, excluded]: [&[u32]; 2], faces: usize) -> Vec<i32> {
+fn shares(light: &ShadowLight, number: usize, [facing, excluded]: [&[u32]; 2], faces: usize) -> Vec<i32> {
     let bit = |masks: &[u32], face: usize| masks[number / 32 * faces + face] >> (number % 32) & 1 != 0;
     (0..faces).map(|face| share(light, bit(facing, face), bit(excluded, face))).collect()
 }
 
-/// The lists of cap faces: near caps that count up on their front and on their back, then other caps likewise. Near caps are of
-/// every face that casts, also of those that are not between light and near rectangle.
+/// The lists of cap faces: near caps that count up on their front and on their back, then other caps likewise. Near
+/// caps are of every face that casts, also of those that are not between light and near rectangle.
 pub(crate) fn caps(
     mesh: &Mesh,
     positions: &[[f32; 3]],
@@ -49,8 +49,8 @@ pub(crate) fn caps(
     lists
 }
 
-/// The box of the faces whose corners are all finite, in words that grow with the coordinates: the lowest corner, inverted, and
-/// the highest. The last word is 1 if another face does not name a vertex twice.
+/// The box of the faces whose corners are all finite, in words that grow with the coordinates: the lowest corner,
+/// inverted, and the highest. The last word is 1 if another face does not name a vertex twice.
 pub(crate) fn box_words(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> [u32; 7] {
     let key = |c: f32| if c.is_sign_negative() { !c.to_bits() } else { c.to_bits() | 0x8000_0000 };
     let mut words = [0; 7];
@@ -81,13 +81,13 @@ fn turn([a, b, c]: [u32; 3], edge: [u32; 2]) -> i32 {
     if [[a, b], [b, c], [c, a]].contains(&edge) { 1 } else { -1 }
 }
 
-/// The entries of sides, in the order of the edge records: an index, with bit 31 if the side is along its edge. A record with
-/// the sum 2 or -2 has two entries.
+/// The entries of sides, in the order of the edge records: an index, with bit 31 if the side is along its edge. A
+/// record with the sum 2 or -2 has two entries.
 fn sides(mesh: &Mesh, shares: &[i32]) -> Vec<u32> {
     let records = (0..).zip(mesh.edges().vertices()).zip(mesh.edges().packed_faces());
     let entries = records.flat_map(|((edge, &ends), faces)| {
-        let own = faces.iter().filter(|face| **face != NO_FACE).map(|face| (face & !INCONSISTENT_BIT) as usize);
-        let sum: i32 = own.map(|face| shares[face] * turn(mesh.faces()[face], ends)).sum();
+        let present = faces.iter().filter(|face| **face != NO_FACE).map(|face| (face & !INCONSISTENT_BIT) as usize);
+        let sum: i32 = present.map(|face| shares[face] * turn(mesh.faces()[face], ends)).sum();
         std::iter::repeat_n(edge | if sum > 0 { cpu::WINDING } else { 0 }, sum.unsigned_abs() as usize)
     });
     entries.collect()

@@ -1,21 +1,22 @@
 //! Each class of frames, by every method that claims to be right there; and what must be wrong.
 
 use rimline::Counting;
-use rimline::gpu::Pipelines;
+use rimline::gpu::{Deformer, DeformerOptions};
 use rimline::internals::layout::ShadowLight;
 use rimline_testkit::OneCasterOptions;
 
-use crate::classes::{CLASSES, Class};
+use crate::classes::{CLASSES, Class, with_caster};
 use crate::compare::{Compared, Wrong};
 use crate::rays::{self, Truth};
 use crate::render::{Counted, DepthPass, Renderer};
 use crate::scene::{CENTRE, Frame, SAMPLES};
 use rimline_testkit::device::Gpu;
+pub(crate) use rimline_testkit::harness::Test;
+use rimline_testkit::models::bending_tube;
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
+use rimline_testkit::shapes::Shape;
 use rimline_testkit::{is_long, must_fail};
-
-/// A test's name and body.
-pub(crate) type Test = (&'static str, fn() -> Result<(), String>);
 
 pub(crate) const TESTS: &[Test] = &[
     ("z_pass_is_wrong_in_shadow", z_pass),
@@ -24,7 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("volumes_that_are_trimmed_are_right", trimmed),
     ("another_depth_pass_does_no_harm", reordered),
     ("float_depth", float_depth),
-    ("shared_pipelines_count_alike", shared),
+    ("skinned_figure_in_motion", skinned),
 ];
 
 pub(crate) fn seed(class: &Class, number: u64) -> u64 {
@@ -253,19 +254,35 @@ fn float_depth() -> Result<(), String> {
     each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))
 }
 
-/// The same counts with pipelines that nobody shares, by each method.
-fn shared() -> Result<(), String> {
+/// A skinned mesh in motion, by one deformer, pose after pose. Rays through the pose before must not match the counts of the next.
+fn skinned() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZPass, Counting::ZFail, Counting::ZpPlus2005];
-    let few = if is_long() { 1 } else { 5 };
-    for (class, counting) in CLASSES.iter().step_by(few).zip(methods.into_iter().cycle()) {
-        let frame = (class.frame)(&mut Random::new(seed(class, 8)));
-        let sharing = Renderer::new(&gpu).count(&frame, counting)?;
-        let alone =
-            Renderer { pipelines: Pipelines::new(&gpu.device), ..Renderer::new(&gpu) }.count(&frame, counting)?;
-        if sharing.stencils != alone.stencils || sharing.chosen != alone.chosen {
-            return Err(format!("{}, {counting:?}: another picture", class.name));
+    let renderer = Renderer::new(&gpu);
+    let (model, pose) = bending_tube();
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let mut tally = Tally::default();
+    let mut shape = Shape { positions: Vec::new(), faces: model.geometries()[0].faces().to_vec() };
+    let mut noticed = 0;
+    for number in 0..frames() {
+        let seed = 9000 + number;
+        let pose = pose(number as f32 * 0.4);
+        gpu.submit(|encoder| deformer.encode(encoder, &pose).map_err(text))?;
+        let positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
+        let before = std::mem::replace(&mut shape.positions, positions);
+        let traced = Traced::of(with_caster(&mut Random::new(seed), shape.clone()), seed);
+        tally.add(&traced, &renderer, &RIGHT, true);
+        if number > 0 {
+            let mut stale = traced.frame.clone();
+            stale.bodies[0].shape.positions = before;
+            let counted = renderer.count(&traced.frame, Counting::Auto)?;
+            let stale = Traced::of(stale, seed);
+            let wrong = stale.compared().counts(&counted.stencils[0], &every(&counted, 0));
+            noticed += usize::from(!wrong.pixels.is_empty());
         }
     }
-    Ok(())
+    println!("the pose before noticed {noticed} times");
+    if noticed == 0 {
+        return Err("negative control: the pose before went unnoticed".to_owned());
+    }
+    tally.result("skinned figure in motion")
 }

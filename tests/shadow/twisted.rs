@@ -159,9 +159,9 @@ fn room() -> Result<(), String> {
                 wrong = rig.wrong(&truths, stencil, Compared::Counts);
             }
             let all = &*all.get_or_insert_with(|| stencil.clone());
-            let changed = stencil.iter().zip(all).filter(|(own, all)| own != all).count();
+            let changed = stencil.iter().zip(all).filter(|(count, all)| count != all).count();
             let agree =
-                truths.iter().zip(stencil).filter(|(truth, own)| **truth == Truth::Odd(u32::from(**own))).count();
+                truths.iter().zip(stencil).filter(|(truth, count)| **truth == Truth::Odd(u32::from(**count))).count();
             println!("{what}: {changed} pixels changed, {agree} are those of the pixel's ray");
             // Hairlines are everywhere, and explain any value. So nearly all counts must be exactly those of the rays.
             let is_exact = agree * 1000 >= truths.len() * 999;

@@ -6,19 +6,20 @@
 use std::collections::{BTreeMap, HashMap};
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
+use rimline::ShadowCamera;
 use rimline::internals::cpu;
 use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
 use rimline::internals::shadow::{self, CAST_NOTHING, COUNT_ZP_PLUS};
 use rimline::internals::stages::SIDES;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
-use rimline_testkit::scenes::{Scene, scene};
+use rimline_testkit::scenes::scene;
 
 use crate::clipped::{Drawn, NOTHING, Shapes, Vertices};
 use crate::stages::{LAYOUTS, Staged, shape};
 use rimline_testkit::stage_probe::{Input, Probe};
+use rimline_testkit::{is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[
     ("clipped_sides_and_near_caps_close", volumes_close),
@@ -39,17 +40,17 @@ impl OfEdge {
             &SIDES,
             [2, 12],
             "
-    let a = corner(own.view, own.light, input_position(0u));
-    let b = corner(own.view, own.light, input_position(1u));
+    let a = corner(pair.view, pair.light, input_position(0u));
+    let b = corner(pair.view, pair.light, input_position(1u));
     out[0] = a.near;
     out[1] = b.near;
-    out[2] = behind_near_plane(own.view, a.near);
-    out[3] = behind_near_plane(own.view, b.near);
+    out[2] = behind_near_plane(pair.view, a.near);
+    out[3] = behind_near_plane(pair.view, b.near);
     out[4] = a.far;
     out[5] = b.far;
-    out[6] = project_to_near_plane(own.view, own.light, a);
-    out[7] = project_to_near_plane(own.view, own.light, b);
-    out[8] = on_near_plane(own.view, a, b);
+    out[6] = project_to_near_plane(pair.view, pair.light, a);
+    out[7] = project_to_near_plane(pair.view, pair.light, b);
+    out[8] = on_near_plane(pair.view, a, b);
     out[9] = parallel_to_near_plane(a, b);
     out[10] = vec4<f32>(a.height, b.height, a.far_height, b.far_height);
     let is_far = vec4<bool>(a.is_light_farther, b.is_light_farther, false, false);
@@ -144,8 +145,8 @@ impl Shaders {
     }
 }
 
-/// Polygons of a light by labels, with how often each counts; sides first, then near caps and, if the depth buffer does not have
-/// the caster, light caps.
+/// Polygons of a light by labels, with how often each counts; sides first, then near caps and, if the depth buffer does
+/// not have the caster, light caps.
 fn polygons(
     gpu: &Gpu,
     shaders: &Shaders,
@@ -291,8 +292,16 @@ fn closes(seed: u64, in_depth: bool) -> Outcome {
     if caps > 100 && noticed * 10 > caps * 9 { Ok(()) } else { Err("not vacuous".to_owned()) }
 }
 
-/// A vertex in `f64`, for the near plane and the light as the stages see them; and the sums of absolute terms.
-struct Exact {
+/// A camera's matrix and origin, its near plane as the stages see it, and a light in `f64`, about the origin.
+pub(crate) struct ExactView {
+    matrix: DMat4,
+    plane: DVec4,
+    origin: DVec3,
+    light: DVec4,
+}
+
+/// A vertex of a view; and the sums of absolute terms.
+pub(crate) struct Exact {
     clip: DVec2,
     clip_size: DVec2,
     height: f64,
@@ -303,37 +312,68 @@ struct Exact {
     rise_size: f64,
 }
 
-impl Exact {
-    fn new(scene: &Scene, view: &ShadowView, light: DVec4, position: [f32; 3]) -> Self {
-        let absolute = |m: DMat4| DMat4::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs(), m.w_axis.abs());
-        let matrix = DMat4::from_cols_array_2d(&scene.camera.view_projection.map(|column| column.map(f64::from)));
-        let plane = DVec4::from_array(view.near_plane.map(f64::from));
-        let q = (DVec3::from_array(position.map(f64::from)) - DVec3::from_array(scene.camera.origin.map(f64::from)))
-            .extend(1.0);
-        let d = (light.w * q.truncate() - light.truncate()).extend(0.0);
-        let xy = |c: DVec4| c.truncate().truncate();
+/// Where the light has a vertex on the near plane, and what rounding moves it by at most, in the terms of the vertex or of the light:
+/// docs/numerics/shadow-volumes.md, "Rounding of vertices".
+pub(crate) struct Star {
+    pub(crate) exact: DVec2,
+    pub(crate) by_vertex: DVec2,
+    pub(crate) by_light: DVec2,
+}
+
+impl ExactView {
+    pub(crate) fn new(camera: &ShadowCamera, view: &ShadowView, light: &ShadowLight) -> Self {
+        let origin = DVec3::from_array(camera.origin.map(f64::from));
+        let [x, y, z, w] = light.light.map(f64::from);
         Self {
+            matrix: DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from))),
+            plane: DVec4::from_array(view.near_plane.map(f64::from)),
+            origin,
+            light: (DVec3::new(x, y, z) - w * origin).extend(w),
+        }
+    }
+
+    pub(crate) fn vertex(&self, position: [f32; 3]) -> Exact {
+        let Self { matrix, plane, origin, light } = self;
+        let absolute =
+            DMat4::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs(), matrix.w_axis.abs());
+        let q = (DVec3::from_array(position.map(f64::from)) - origin).extend(1.0);
+        let d = (light.w * q.truncate() - light.truncate()).extend(0.0);
+        Exact {
             clip: xy(matrix * q),
-            clip_size: xy(absolute(matrix) * q.abs()),
+            clip_size: xy(absolute * q.abs()),
             height: plane.dot(q),
             height_size: plane.abs().dot(q.abs()),
             far: xy(matrix * d),
-            far_size: xy(absolute(matrix) * d.abs()),
+            far_size: xy(absolute * d.abs()),
             far_height: plane.dot(d),
             rise_size: plane.abs().dot(d.abs()),
         }
     }
+
+    pub(crate) fn star(&self, v: &Exact) -> Star {
+        let (height, at) = (self.plane.dot(self.light), xy(self.matrix * self.light));
+        let exact = (v.clip * height - at * v.height) / -v.far_height;
+        let bound = |size: DVec2, slope: f64, weight: f64| {
+            let terms = (size * height.abs() + at.abs() * slope) / weight;
+            ROUNDINGS * (terms + exact.abs() * v.rise_size) / v.far_height.abs()
+        };
+        let by_vertex = bound(v.clip_size, v.height_size, 1.0);
+        Star { exact, by_vertex, by_light: bound(v.far_size, v.rise_size, self.light.w) }
+    }
+}
+
+fn xy(clip: DVec4) -> DVec2 {
+    clip.truncate().truncate()
 }
 
 /// Roundings that a vertex goes through at most, one unit in the last place each.
 const ROUNDINGS: f64 = 12.0 / 8_388_608.0;
 
-/// The worst error of a kind of vertex, in parts of its bound and in normalised device coordinates within the view.
+/// The worst error of a kind of vertex, in parts of its bound.
 #[derive(Debug, Default)]
 struct Worst {
     count: usize,
     of_bound: f64,
-    ndc: f64,
 }
 
 impl Worst {
@@ -348,18 +388,12 @@ impl Worst {
         }
         self.count += 1;
         self.of_bound = self.of_bound.max((error / bound.max(DVec2::splat(1e-300))).max_element());
-        if exact.abs().max_element() <= near_w {
-            self.ndc = self.ndc.max(error.max_element() / near_w);
-        }
         Ok(())
     }
 }
 
 fn exact_vertices() -> Outcome {
-    let gpu = &*Gpu::shared()?;
-    let seed = 93;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(93)?;
     let (mut stars, mut meetings, mut turns) = (Worst::default(), Worst::default(), Worst::default());
     let mut doubtful = 0;
     for number in 0..if is_long() { 2000 } else { 60 } {
@@ -373,18 +407,12 @@ fn exact_vertices() -> Outcome {
         let edges: Vec<_> = mesh.edges().vertices().iter().step_by(11).map(|&edge| ends(edge)).collect();
         let inputs: Vec<_> =
             (0..seen.len() as u32).flat_map(|light| edges.iter().map(move |&edge| (light, edge))).collect();
-        let of_edges = OfEdge::of(gpu, &seen, &inputs)?;
+        let of_edges = OfEdge::of(&gpu, &seen, &inputs)?;
         for ((_, light), of_edges) in seen.iter().zip(of_edges.chunks(edges.len())) {
-            let [x, y, z, w] = light.light.map(f64::from);
-            let at = (DVec3::new(x, y, z) - w * DVec3::from_array(scene.camera.origin.map(f64::from))).extend(w);
-            let at_clip =
-                DMat4::from_cols_array_2d(&scene.camera.view_projection.map(|column| column.map(f64::from))) * at;
-            let at_height = DVec4::from_array(view.near_plane.map(f64::from)).dot(at);
-            let at_xy = at_clip.truncate().truncate();
-            let xy = |clip: [f32; 4]| DVec2::new(f64::from(clip[0]), f64::from(clip[1]));
-            let exact = |position| Exact::new(&scene, &view, at, position);
+            let exact = ExactView::new(&scene.camera, &view, light);
+            let xy = |clip: [f32; 4]| xy(DVec4::from_array(clip.map(f64::from)));
             for (&[low, high], of_edge) in edges.iter().zip(of_edges) {
-                let (a, b) = (exact(low), exact(high));
+                let (a, b) = (exact.vertex(low), exact.vertex(high));
                 let is_sure = |v: &Exact| {
                     v.height.abs() > ROUNDINGS * v.height_size && v.far_height.abs() > ROUNDINGS * v.rise_size
                 };
@@ -398,15 +426,10 @@ fn exact_vertices() -> Outcome {
                     if (v.height >= 0.0) != (v.far_height >= 0.0) {
                         let star = of_edge.stars()[end];
                         assert!(star[3] >= 0.0 && star[2] == star[3] * view.near_z, "{star:?}");
-                        let exact_star = (v.clip * at_height - at_xy * v.height) / -v.far_height;
-                        let (size, weight) = if of_edge.are_far()[end] {
-                            (v.clip_size * at_height.abs() + at_xy.abs() * v.height_size, 1.0)
-                        } else {
-                            (v.far_size * at_height.abs() + at_xy.abs() * v.rise_size, w)
-                        };
-                        let bound = ROUNDINGS * (size / weight + exact_star.abs() * v.rise_size) / v.far_height.abs();
+                        let Star { exact, by_vertex, by_light } = exact.star(v);
+                        let bound = if of_edge.are_far()[end] { by_vertex } else { by_light };
                         let found = xy(star) * (near_w / f64::from(star[3]));
-                        stars.add(&scene.name, found, exact_star, bound, near_w)?;
+                        stars.add(&scene.name, found, exact, bound, near_w)?;
                     }
                 }
                 if (a.height >= 0.0) != (b.height >= 0.0) {
@@ -438,5 +461,5 @@ fn exact_vertices() -> Outcome {
     assert!(stars.count.min(meetings.count).min(turns.count) > 300, "not vacuous");
     assert!(stars.of_bound.min(meetings.of_bound).min(turns.of_bound) > 0.02, "the bounds are near");
     let moved = Worst::default().add("moved", DVec2::ONE, DVec2::splat(0.99), DVec2::splat(1e-3), 1.0);
-    rimline_testkit::must_fail("a moved vertex", &moved)
+    must_fail("a moved vertex", &moved)
 }

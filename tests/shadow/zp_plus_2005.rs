@@ -1,4 +1,4 @@
-//! ZP+ as published: right where its authors had no trouble, and how wrong it is elsewhere.
+//! ZP+ as published: where it falls back to z-fail. tests/shadow/range.rs has its pictures.
 //!
 //! Its stage is `zp_plus_2005_cases`.
 
@@ -9,50 +9,17 @@ use rimline::{Counting, DepthDirection, Mesh, Predicate};
 use crate::classes::CLASSES;
 use crate::render::Renderer;
 use crate::scene::Placed;
-use crate::trials::{Test, Traced, every, seed};
+use crate::trials::{Test, seed};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 
-pub(crate) const TESTS: &[Test] =
-    &[("published_zp_plus", published), ("case_d_goes_over_to_z_fail", switches), ("auto_never_takes_published", auto)];
+pub(crate) const TESTS: &[Test] = &[("case_d_goes_over_to_z_fail", switches)];
 
 /// The codes of [`ShadowLight::counting`].
 const Z_FAIL: u32 = 2;
 const ZP_PLUS_PAPER: u32 = 4;
-
-/// From cameras outside the shadow no pixel is wrong that is right by auto (sides that begin at a concave crease may fight
-/// with the surfaces there, by every method alike); of the other classes the wrong pixels are printed.
-fn published() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let renderer = Renderer::new(&gpu);
-    println!("ZP+ as published: wrong pixels of those compared, in the worst frame; frames, pairs left to z-fail");
-    let mut failures = Vec::new();
-    for class in CLASSES {
-        let (mut wrong, mut most, mut compared, mut switched) = (0, 0, 0, 0);
-        let is_outside = class.name == "camera outside the shadow";
-        let frames = if is_long() { 105 } else { 1 + 2 * u64::from(is_outside) };
-        for number in 0..frames {
-            let traced = Traced::new(class, number);
-            let counted = renderer.count(&traced.frame, Counting::ZpPlus2005)?;
-            let lit = traced.compared().lit(&counted.stencils[0], &every(&counted, 0));
-            if is_outside {
-                let ours = renderer.count(&traced.frame, Counting::Auto)?;
-                let ours = traced.compared().lit(&ours.stencils[0], &every(&ours, 0));
-                if lit.compared == 0 || lit.pixels.iter().any(|pixel| !ours.pixels.contains(pixel)) {
-                    failures.push(format!("{}, seed {}: {lit:?}, auto {ours:?}", class.name, traced.seed));
-                }
-            }
-            wrong += lit.pixels.len();
-            most = most.max(lit.pixels.len());
-            compared += lit.compared;
-            switched += counted.chosen.iter().flatten().filter(|light| light.counting == Z_FAIL).count();
-        }
-        println!("  {}: {wrong} of {compared}, {most}; {frames}, {switched}", class.name);
-    }
-    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
-}
 
 /// Whether the near plane cuts both finite edges of a side, the mesh's own and that between the far vertices, for a caster's
 /// light: case D of Hornus et al. (2005), section 5. In `f64`; `None` where rounding decides.
@@ -120,17 +87,4 @@ fn switches() -> Result<(), String> {
     } else {
         Err(format!("one of both never happened: {found:?}"))
     }
-}
-
-/// Auto is z-pass or the library's ZP+.
-fn auto() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    for class in CLASSES {
-        let seed = seed(class, 0);
-        let counted = Renderer::new(&gpu).count(&(class.frame)(&mut Random::new(seed)), Counting::Auto)?;
-        if let Some(light) = counted.chosen.iter().flatten().find(|light| light.counting > 1) {
-            return Err(format!("{}, seed {seed}: {light:?}", class.name));
-        }
-    }
-    Ok(())
 }

@@ -2,12 +2,11 @@
 // shadow volumes. A page is a buffer with the topology of several meshes. A group is the casters of a page whose masks lie
 // together. A slot is the index of a face or edge in these masks. src/layout.rs has the same structs, and a test compares
 // them, CHUNK and LANES. src/gpu/scene/table.rs writes the casters in each encode (the recording of a frame).
-// `may_be_in_cone` returns false only for a box without a point in the cone: `reach` and `needs` cull by it. Claim:
+// `may_be_in_cone` returns false only for a box without a point in the cone: `cull_lights` and `needs` cull by it. Claim:
 // docs/numerics/scene.md, "Cones of lights".
 
-// Slots of a chunk, which all belong to one caster. Invocations that share a chunk.
-const CHUNK: u32 = 64u;
-const LANES: u32 = 8u;
+const CHUNK: u32 = 64u; // Slots of a chunk, which all belong to one caster.
+const LANES: u32 = 8u; // Invocations that share a chunk.
 // Flags of a caster.
 const CLOSED: u32 = 1u; // Closed and consistently oriented: each edge has two faces that traverse it in opposite directions.
 const MIRRORED: u32 = 2u; // Its matrix mirrors.
@@ -20,7 +19,8 @@ const UNCACHED: u32 = 32u; // Its bits are computed in each encode: its position
 const GROUP_EXCLUDES: u32 = 64u;
 const PROXY: u32 = 128u; // It is not drawn into the depth buffer.
 const BOUNDED: u32 = 256u; // The caller states its box, in world space.
-// A word of a scene's counts of silhouettes: not 0 if a light was in the plane of a face whose bits are cached.
+// The word after a scene's counts of silhouettes for 32 lights: not 0 if a light was in the plane of a face whose bits are
+// cached.
 const CACHED_ZEROS: u32 = 32u;
 
 // A caster in the table of casters. `first_face` and `first_edge` are indices in the bound buffers of faces and edge
@@ -117,11 +117,11 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, term_bound: 
 // Written out, so that all devices compute the same bits.
 fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// `ordered`: the bits of floats as integers with the order of the floats. `unordered`: back to floats.
-fn ordered(bits: vec3<u32>) -> vec3<u32> {
+// `order_keys`: integers with the order of the floats, from the floats' bits. `floats_of_keys`: back to floats.
+fn order_keys(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
-fn unordered(bits: vec3<u32>) -> vec3<f32> {
+fn floats_of_keys(bits: vec3<u32>) -> vec3<f32> {
   return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
 }

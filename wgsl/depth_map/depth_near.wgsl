@@ -2,8 +2,9 @@
 // cap has to be drawn. The near rectangle is the part of the eye's near plane in the picture, where all rays of the eye
 // begin. The near cap inverts the stencil bit where the rectangle is in shadow. Usually all of it is in light.
 // `depth_near` is for triangles of cells, `depth_near_walls` for contours. One of the two is the last dispatch of an encode:
-// one workgroup. There is none, and no cap, if the CPU finds the rectangle in light (src/gpu/depth_map/near.rs). There is
-// none, and the cap is drawn, if the CPU cannot find a box of up to 65,536 samples that decide, or without `skip_near_caps`.
+// one workgroup. The CPU (src/gpu/depth_map/near.rs) leaves the dispatch out in two cases. If it finds the rectangle in
+// light, no cap is drawn. If it finds no box of up to 65,536 samples that decide, or the option `skip_near_caps` is off, the
+// cap is drawn.
 // Reads `near`, which the CPU fills, and the depths of the samples in its box. Writes the indirect draw of `depth_near_cap`:
 // 3 vertices, or 0 for light. Bounds err on one side only: a cap may be drawn for nothing, but is never missing
 // (docs/numerics/depth-maps.md, "Near caps").

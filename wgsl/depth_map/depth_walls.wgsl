@@ -3,11 +3,12 @@
 // of the light. A flap joins the top of a wall to samples of the nearer surface. Cells, edges, tiles, corners and distances
 // are those of contour.wgsl, the lattice that of samples.wgsl. A distance is a device depth in units, not a length.
 // `DepthMapFrame::draw` draws both, by the indirect draw of `contour_walls`: six vertices a quadrilateral. Depth is tested
-// and not written. Here `cells` is the list of walls, which has flaps, too. Then `depth_walls_near_cap_fragment`, with the
-// vertex shader `depth_near_cap`, inverts the bit where the near rectangle is in shadow: the eye's near plane in the
-// picture. The near cap must agree with what is drawn. The surface on a point's side of the contour says whether the point
-// is in shadow. An odd number of flap triangles there that say otherwise inverts the answer. If the list overflowed,
-// triangles of cells are drawn and looked up instead. docs/numerics/contours.md, "Heights".
+// and not written. Here the binding `cells` of surface.wgsl is the list of walls and flaps. Then
+// `depth_walls_near_cap_fragment`, with the vertex shader `depth_near_cap`, inverts the bit where the near rectangle is
+// in shadow: the eye's near plane in the picture. The near cap must agree with what is drawn. The surface on a point's
+// side of the contour says whether the point is in shadow. An odd number of flap triangles there that say otherwise
+// inverts the answer. If the list overflowed, triangles of cells are drawn and looked up instead.
+// docs/numerics/contours.md, "Heights".
 
 #import depth_map/contour
 #import depth_map/contour_rim

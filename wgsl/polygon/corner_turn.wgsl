@@ -69,12 +69,12 @@ fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light_index: u32) -> Turn {
 
 // Whether `middle`, which must be on the line through `p` and `q`, is strictly between them.
 fn is_between(p: vec3<u32>, middle: vec3<u32>, q: vec3<u32>) -> bool {
-  let before = ordered(p) < ordered(middle);
-  return any((before != (ordered(q) < ordered(middle))) & (p != middle) & (q != middle));
+  let before = order_keys(p) < order_keys(middle);
+  return any((before != (order_keys(q) < order_keys(middle))) & (p != middle) & (q != middle));
 }
 
 // Integers with the order of the floats, so that comparing cannot flush or round.
-fn ordered(bits: vec3<u32>) -> vec3<u32> {
+fn order_keys(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 

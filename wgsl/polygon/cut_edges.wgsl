@@ -1,12 +1,12 @@
 // Cut edges: lists the pieces of L-twisted polygons, whose boundaries cross themselves as seen from light L. A piece is a
 // part of an edge between two cuts, directed so that the polygon's shadow is on its left. Four passes for each batch, after
-// `polygon_masks`, for shadow volumes only; each reads in `pieces` what the previous one wrote. `cut_edges`: a workgroup an entry
-// of `polygon_masks`; finds the cuts of each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts the cuts of the edge
-// before each. `cut_edges_before`: an invocation a cut; finds the cut right before. `cut_edges_list`: likewise; writes the
-// piece between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides
-// are exact; orders are, except for those that `is_before` rounds. At each point as many pieces begin as end, bit for bit,
-// so crossing edges must agree on order and point. `Turns:` above a loop is its most iterations. Claims:
-// docs/numerics/twisted-polygons.md.
+// `polygon_masks`, for shadow volumes only; each reads in `pieces` what the previous one wrote. `cut_edges`: a
+// workgroup an entry of `polygon_masks`; finds the cuts of each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts
+// the cuts of the edge before each. `cut_edges_before`: an invocation a cut; finds the cut right before.
+// `cut_edges_list`: likewise; writes the piece between both. Pieces come in any order; polygon/list_pieces.wgsl names
+// their readers. Cutting edges and dark sides are exact; orders are, except for those that `is_before` rounds. At each
+// point as many pieces begin as end, bit for bit, so crossing edges must agree on order and point. `Turns:` above a
+// loop is its most iterations. Claims: docs/numerics/twisted-polygons.md.
 
 #import common/exact_sign
 #import extract/one_caster
@@ -60,8 +60,8 @@ fn overlap_in_line(f: Edge, f_index: u32, e: Edge, e_index: u32) -> Overlap {
 
 // Whether edges (p, q) and (a, b), which must be on one line in space, have the same direction.
 fn has_same_direction(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
-  let is_ascending = ordered(p) < ordered(q);
-  return any((p != q) & (a != b) & (is_ascending == (ordered(a) < ordered(b))));
+  let is_ascending = order_keys(p) < order_keys(q);
+  return any((p != q) & (a != b) & (is_ascending == (order_keys(a) < order_keys(b))));
 }
 
 // The edges that an invocation finds to cut its edge, a bit each. For a large boundary it tests every 64th edge: bit n is

@@ -163,8 +163,8 @@ struct CutEdge {
 
 // Whether a point comes before another on a line, in ascending order: by the first coordinate that differs.
 fn is_below(p: vec3<u32>, q: vec3<u32>) -> bool {
-  let lower = ordered(p);
-  let upper = ordered(q);
+  let lower = order_keys(p);
+  let upper = order_keys(q);
   if (lower.x != upper.x) {
     return lower.x < upper.x;
   }

@@ -1,10 +1,11 @@
-// Exact shadow depth: decides the faces that `shadow_depth` left undecided, and adds them to the occluder counts (`depths`)
-// that the caller reads. Three stages after `shadow_depth`, in this order, for each range of faces. `exact_shadow_depth`: an
-// invocation a pair of point and light, for its up to three stored faces. `depth_arguments`: writes the dispatch of the next
-// stage. `exact_shadow_depth_recount`: a workgroup a listed pair (one with more) and a group of 1,024 faces. It decides all
-// of them, since `shadow_depth` counted nothing of the range for the pair. Fixed point decides if the numbers fit, otherwise
-// `exact_sign`, so counts are the same on every device. If the line meets an edge, the light moves by (e, e^2, e^3) for all
-// faces, so that the line passes a shared edge on one side. Claim: docs/numerics/query.md.
+// Stage `exact_shadow_depth`: decides the faces that `shadow_depth` left undecided, and adds them to the occluder
+// counts (`depths`) that the caller reads. Three stages after `shadow_depth`, in this order, for each range of faces.
+// `exact_shadow_depth`: an invocation a pair of point and light, for its up to three stored faces. `depth_arguments`:
+// writes the dispatch of the next stage. `exact_shadow_depth_recount`: a workgroup a listed pair (one with more) and a
+// group of 1,024 faces. It decides all of them, since `shadow_depth` counted nothing of the range for the pair. Fixed
+// point decides if the numbers fit, otherwise `exact_sign`, so counts are the same on every device. If the line meets
+// an edge, the light moves by (e, e^2, e^3) for all faces, so that the line passes a shared edge on one side. Claim:
+// docs/numerics/query.md.
 
 #import common/exact_sign
 #import query/records

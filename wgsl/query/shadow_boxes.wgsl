@@ -1,6 +1,7 @@
-// Shadow boxes: the first stage of a query of occluder counts. It computes boxes around clusters (32 faces) and groups (32
-// clusters) from the positions of this encode. Dispatched once for each range of clusters that a binding holds; a workgroup
-// is a group, an invocation a cluster. It writes the boxes to `clusters`; the CPU wrote the other members once.
+// Stage `shadow_boxes`, the first of a query of occluder counts. It computes boxes around clusters (CLUSTER = 32 faces) and
+// groups (CLUSTER clusters) from the positions of this encode. Dispatched once for each range of clusters that a binding
+// holds; a workgroup is a group, an invocation a cluster. It writes the box of each cluster to `clusters`, and the box of a
+// group to the group's first cluster. The CPU wrote the other members once.
 // `shadow_depth` and `exact_shadow_depth` cull by them, so a box must contain each face that can count: finite, with three
 // different vertices. Floats are compared as integer keys, so no device can flush or round them, and boxes have the same
 // bits everywhere. docs/numerics/query.md.
@@ -25,13 +26,13 @@ struct Keys {
 
 var<workgroup> group_keys: array<Keys, CLUSTER>;
 
-// Integers with the order of the floats.
-fn key(bits: vec3<u32>) -> vec3<u32> {
+// The bits of floats as integers with the order of the floats.
+fn order_keys(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(SIGN), ~bits, bits >= vec3<u32>(SIGN));
 }
 
 // The bits of the floats with these keys.
-fn bits_of_key(keys: vec3<u32>) -> vec3<u32> {
+fn bits_of_keys(keys: vec3<u32>) -> vec3<u32> {
   return select(~keys, keys & ~vec3<u32>(SIGN), keys >= vec3<u32>(SIGN));
 }
 
@@ -45,7 +46,7 @@ fn join(a: Keys, b: Keys) -> Keys {
 
 fn keys_of_point(bits: vec3<u32>) -> Keys {
   let magnitudes = bits & ~vec3<u32>(SIGN);
-  return Keys(key(bits), max(max(magnitudes.x, magnitudes.y), magnitudes.z), key(bits), 1u);
+  return Keys(order_keys(bits), max(max(magnitudes.x, magnitudes.y), magnitudes.z), order_keys(bits), 1u);
 }
 
 // The keys of a face's corners; empty for a face that cannot count.
@@ -66,11 +67,11 @@ fn keys_of_face(cluster: u32, face: u32) -> Keys {
 }
 
 fn low_words(keys: Keys) -> vec4<u32> {
-  return select(vec4<u32>(0u), vec4<u32>(bits_of_key(keys.low), keys.largest), keys.any_face != 0u);
+  return select(vec4<u32>(0u), vec4<u32>(bits_of_keys(keys.low), keys.largest), keys.any_face != 0u);
 }
 
 fn high_words(keys: Keys) -> vec4<u32> {
-  return select(vec4<u32>(0u), vec4<u32>(bits_of_key(keys.high), 1u), keys.any_face != 0u);
+  return select(vec4<u32>(0u), vec4<u32>(bits_of_keys(keys.high), 1u), keys.any_face != 0u);
 }
 
 @compute @workgroup_size(CLUSTER)

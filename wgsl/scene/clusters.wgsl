@@ -1,7 +1,7 @@
 // Work lists of a scene's extraction: the stages `clusters` and `chunks`, dispatched for each group of casters and batch of
 // up to 32 lights; each invocation takes several chunks. A chunk is 64 slots (indices in the masks) of one caster. A cluster
-// is 128 faces of a mesh with a bound on their planes. `clusters` runs after `reach` and lists chunks of faces for `facing`;
-// `chunks` runs next and lists chunks of edges for `edges`. Lists lie in `work`, in no particular order.
+// is 128 faces of a mesh with a bound on their planes. `clusters` runs after `cull_lights` and lists chunks of faces
+// for `facing`; `chunks` runs next and lists chunks of edges for `edges`. Lists lie in `work`, in no particular order.
 // docs/numerics/clusters.md, and docs/numerics/scene.md, "Cached results".
 
 #import common/casters
@@ -144,8 +144,8 @@ fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
 
 // Stage `chunks`: lists chunks of edges of casters with a light whose list is dirty. It skips chunks that have no silhouette
 // by the decisions about clusters. A chunk that may have one must be listed. It also empties lists and statistics for
-// `facing` and later stages, and writes to `cache` the versions of this encode. `reach` and `clusters` compare those of the
-// encode before. All their dispatches, for all groups and batches, must come before the first of `chunks`.
+// `facing` and later stages, and writes to `cache` the versions of this encode. `cull_lights` and `clusters` compare
+// those of the encode before. All their dispatches, for all groups and batches, must come before the first of `chunks`.
 
 @group(0) @binding(3) var<storage, read> relevant_lights: array<u32>;
 // For each light of the batch the number of its silhouette edges. Then word CACHED_ZEROS: not 0 if a light was in the

@@ -1,9 +1,10 @@
-// Needs: finds which deforming casters of a scene a frame needs, from boxes that the caller states. A caster is a mesh that
-// throws shadows; it is deforming if `deform` or the caller may compute its positions again. Dispatched before `deform` if
-// the caller asks for it, an invocation a deforming caster. A frame needs the caster if a camera may see it, or may see its
-// shadow from a light that affects it. Tests have slack, so that no visible caster is culled. It writes a word for each
-// caster: 2 if the frame needs it, else 1. The words are copied for `deform` and `reach`. `deform` moves the other casters
-// into a point, and `reach` culls them. Claim: docs/numerics/scene.md, "Deforming casters that a frame needs".
+// Stage `needs`: finds which deforming casters of a scene a frame needs, from boxes that the caller states. A caster is
+// a mesh that throws shadows; it is deforming if `deform` or the caller may compute its positions again. Dispatched
+// before `deform` if the caller asks for it, an invocation a deforming caster. A frame needs the caster if a camera may
+// see it, or may see its shadow from a light that affects it. Tests have slack, so that no visible caster is culled. It
+// writes a word for each caster: 2 if the frame needs it, else 1. The words are copied for `deform` and `cull_lights`.
+// `deform` moves the other casters into a point, and `cull_lights` culls them. Claim: docs/numerics/scene.md,
+// "Deforming casters that a frame needs".
 
 #import common/casters
 #import shadow/culling
@@ -29,8 +30,8 @@ struct NeedsDispatch {
 // For each caster 1 if it is culled, else 2. 0: this stage never ran.
 @group(0) @binding(3) var<storage, read_write> needed_states: array<u32>;
 
-// Whether a camera may see the shadow of a box from light `light_index` of its view, and the light affects the box. False
-// only if not.
+// Whether light `light_index` of a view may affect a box, and the view's camera may see the shadow of the box. Returns false
+// only if this is certainly not so.
 fn may_shade(view: u32, light_index: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
   let light = view_lights[view * frame.lights + light_index].light;
   let cone = view_lights[view * frame.lights + light_index].cone;

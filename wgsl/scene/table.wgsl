@@ -1,11 +1,12 @@
-// The scene table and the cached results, for `reach`, `clusters`, `chunks`, `facing`, `exact_facing` and `edges`. Each
-// encode uploads the table (src/gpu/scene/table.rs). Stages of shadow volumes read it by shadow/caster.wgsl. It has, in this
-// order: casters; for each batch (up to 32 lights) and caster its lights; the ranges of the lights; their versions; four
-// words; the cones of the lights; the lights, for each rigid caster in its mesh space; occluders, with scaled lights in
-// world space and corners, if there are any; the caster of each chunk, written once; choices of shadow volumes, copied. The
-// four words: the number of the encode; the word of the work lists where a word for each deforming caster begins (1: culled,
-// 2: needed), or 0 if all are needed; the largest coordinate of the origins of cameras; one unused. Cached results are valid
-// while the versions beside them are. src/layout.rs has the same structs.
+// The scene table and the cached results, for `cull_lights`, `clusters`, `chunks`, `facing`, `exact_facing` and
+// `edges`. Each encode uploads the table (src/gpu/scene/table.rs). Stages of shadow volumes read it by
+// shadow/caster.wgsl. It has, in this order: casters; for each batch (up to 32 lights) and caster its lights; the
+// ranges of the lights; their versions; four words; the cones of the lights; the lights, for each rigid caster in its
+// mesh space; occluders, with scaled lights in world space and corners, if there are any; the caster of each chunk,
+// written once; choices of shadow volumes, copied. The four words: the number of the encode; the word of the work lists
+// where a word for each deforming caster begins (1: culled, 2: needed), or 0 if all are needed; the largest coordinate
+// of the origins of cameras; one unused. Cached results are valid while the versions beside them are. src/layout.rs has
+// the same structs.
 
 #import common/casters
 

@@ -1,12 +1,11 @@
 // Stage `bounds`: computes the box around the finite faces of each caster, and whether it has faces that are not finite.
 // The scene table already has the boxes of rigid casters.
-// Dispatched between `relist` and `choose` for each group of casters in world space; an invocation has chunks of 64 face
-// slots.
-// Reads: positions, faces, the lights that affect a caster, CHOICE_DIRTY. Groups and casters whose boxes no stage reads
-// are skipped.
-// Writes: `boxes`, which must be zeros before, for `choose`, `stencil_pencil`, `stencil_crossings` and `piece_crossings`.
-// Boxes are exact and have the same bits in any order. Floats are compared as keys, integers of the same order. So
-// atomics can join them, and no device flushes them to zero.
+// Dispatched between `relist` and `counting_methods` for each group of casters in world space; an invocation has chunks
+// of 64 face slots. Reads: positions, faces, the lights that affect a caster, CHOICE_DIRTY. Groups and casters whose
+// boxes no stage reads are skipped. Writes: `boxes`, which must be zeros before, for `counting_methods`,
+// `stencil_pencil`, `stencil_crossings` and `piece_crossings`. Boxes are exact and have the same bits in any order.
+// Floats are compared as keys, integers of the same order. So atomics can join them, and no device flushes them to
+// zero.
 
 #import common/casters
 #import shadow/caster
@@ -55,8 +54,8 @@ fn bound_faces(caster: u32, first: u32, end: u32) {
     let b = vertex_bits(caster, corners.y);
     let c = vertex_bits(caster, corners.z);
     if (is_finite(bitcast<vec3<f32>>(a)) && is_finite(bitcast<vec3<f32>>(b)) && is_finite(bitcast<vec3<f32>>(c))) {
-      low = min(low, min(ordered(a), min(ordered(b), ordered(c))));
-      high = max(high, max(ordered(a), max(ordered(b), ordered(c))));
+      low = min(low, min(order_keys(a), min(order_keys(b), order_keys(c))));
+      high = max(high, max(order_keys(a), max(order_keys(b), order_keys(c))));
     } else if (corners.x != corners.y && corners.y != corners.z && corners.z != corners.x) {
       has_holes = true;
     }

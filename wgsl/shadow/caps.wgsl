@@ -1,11 +1,10 @@
 // Stage `caps`: lists the faces whose caps are drawn, for each light of a batch (up to 32 lights), in a view. A light cap
 // is a face, a dark cap is the same face at the far end of the volume. A near cap is the part of a face between light and
 // near plane, projected from the light onto that plane. The near rectangle is what the camera sees of the near plane.
-// Dispatched after `choose` for each group of casters, light batch and view; eight invocations share a chunk of 64 face
-// slots.
-// Reads: choices, positions, facing masks, excluded masks. Excluded faces have no caps.
-// Writes: lists, in arbitrary order, for `shadow_arguments` and `cap_faces`; CHOICE_LISTED_NEAR_CAP of casters with near
-// caps, for which later stages clip sides. So every face that may have a near cap must be listed.
+// Dispatched after `counting_methods` for each group of casters, light batch and view; eight invocations share a chunk
+// of 64 face slots. Reads: choices, positions, facing masks, excluded masks. Excluded faces have no caps. Writes:
+// lists, in arbitrary order, for `shadow_arguments` and `cap_faces`; CHOICE_LISTED_NEAR_CAP of casters with near caps,
+// for which later stages clip sides. So every face that may have a near cap must be listed.
 // docs/numerics/shadow-volumes.md, "Closed volumes" and "Slack of culling".
 
 #import common/casters

@@ -73,8 +73,8 @@ fn caster_box(caster: u32) -> CasterBox {
     return CasterBox(low, high, low.x > high.x, (caster_flags(caster) & NON_FINITE) != 0u);
   }
   let offset = 7u * caster;
-  let low = unordered(~vec3<u32>(boxes[offset], boxes[offset + 1u], boxes[offset + 2u]));
-  let high = unordered(vec3<u32>(boxes[offset + 3u], boxes[offset + 4u], boxes[offset + 5u]));
+  let low = floats_of_keys(~vec3<u32>(boxes[offset], boxes[offset + 1u], boxes[offset + 2u]));
+  let high = floats_of_keys(vec3<u32>(boxes[offset + 3u], boxes[offset + 4u], boxes[offset + 5u]));
   return CasterBox(low, high, boxes[offset + 3u] == 0u, boxes[offset + 6u] != 0u);
 }
 

@@ -1,9 +1,8 @@
-// The choices of `choose` for each caster, light and view: the faces that cast, the counting method, near caps, the end
-// of the volume. Eight words for each view, light batch and caster have one bit a light. Two measures for each view,
-// light and caster follow behind all of them.
-// `relist`, `choose`, `zp_plus_2005_cases` and `caps` write them, in this order. They are then copied into the scene
-// table, from which `list_sides`, all later stages and the draws read them. Sides and caps of a volume must read the same
-// choices, or the volume is not closed.
+// The choices of `counting_methods` for each caster, light and view: the faces that cast, the counting method, near
+// caps, the end of the volume. Eight words for each view, light batch and caster have one bit a light. Two measures for
+// each view, light and caster follow behind all of them. `relist`, `counting_methods`, `zp_plus_2005_cases` and `caps`
+// write them, in this order. They are then copied into the scene table, from which `list_sides`, all later stages and
+// the draws read them. Sides and caps of a volume must read the same choices, or the volume is not closed.
 //
 // Expects: `shape`, and `table`, the scene table, which has the choices once all are made.
 

@@ -2,11 +2,10 @@
 // further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera
 // sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole
 // box.
-// `choose` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the tests by range and
-// view.
-// Every test has slack above its rounding errors. It says that a box or volume is outside only if this is certain, so
-// nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and docs/numerics/receivers.md,
-// "Volumes without a receiver".
+// `counting_methods` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the tests
+// by range and view. Every test has slack above its rounding errors. It says that a box or volume is outside only if
+// this is certain, so nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and
+// docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/receivers
@@ -16,7 +15,7 @@
 // sum of. It is far above their rounding errors. Functions and variables named `…_terms` give upper bounds on terms.
 const SLACK: f32 = 4e-6;
 
-// Whether a value is certainly negative.
+// Whether a value is certainly negative: beyond the slack.
 fn is_negative(value: f32, terms: f32) -> bool { return value < -SLACK * terms; }
 
 // A position relative to the pyramid with the light as its apex and the near rectangle as its base.
@@ -41,7 +40,8 @@ fn height_terms(view: ShadowView, q: vec3<f32>) -> f32 {
   return dot_3(abs(view.near_plane.xyz), q) + abs(view.near_plane.w);
 }
 
-// A face may lie between light and near rectangle unless all its corners are outside the same plane.
+// A position's distances from the planes of the pyramid of light and near rectangle. A face may lie between the two unless
+// all its corners are outside of one plane.
 fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> PyramidPlanes {
   let s = light_side(light);
   let v = corner(view, light, position);

@@ -4,7 +4,7 @@
 // Dispatched once for each view with a depth buffer, before the stages of shadow volumes. `receiver_depth` has an
 // invocation a tile of 8 x 8 pixels. `receiver_pyramid` follows it with one workgroup.
 // Reads: the depth texture. Writes: the words of the view in `receivers`.
-// `choose` culls volumes without a receiver. So no depth may be too near, and the box must not be too small.
+// `counting_methods` culls volumes without a receiver. So no depth may be too near, and the box must not be too small.
 // docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
@@ -75,8 +75,8 @@ var<workgroup> is_endless: atomic<u32>; // Whether the box has no end.
 
 // Extends the box by another box.
 fn extend_box(low: vec3<f32>, high: vec3<f32>) {
-  let lowest = ~ordered(bitcast<vec3<u32>>(low));
-  let highest = ordered(bitcast<vec3<u32>>(high));
+  let lowest = ~order_keys(bitcast<vec3<u32>>(low));
+  let highest = order_keys(bitcast<vec3<u32>>(high));
   for (var axis = 0u; axis < 3u; axis++) {
     atomicMax(&box_keys[axis], lowest[axis]);
     atomicMax(&box_keys[3u + axis], highest[axis]);
@@ -177,7 +177,7 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
   }
   if (thread < 3u) {
     // x: the lowest coordinate along the axis. y: the highest.
-    let ends = unordered(vec3<u32>(~atomicLoad(&box_keys[thread]), atomicLoad(&box_keys[3u + thread]), 0u));
+    let ends = floats_of_keys(vec3<u32>(~atomicLoad(&box_keys[thread]), atomicLoad(&box_keys[3u + thread]), 0u));
     let is_finite_box = atomicLoad(&is_endless) == 0u;
     receivers[head + 6u + thread] = select(0u, bitcast<u32>(ends.x), is_finite_box);
     receivers[head + 9u + thread] = select(0u, bitcast<u32>(ends.y), is_finite_box);

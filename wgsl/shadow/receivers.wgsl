@@ -4,7 +4,7 @@
 // receiver of each tile of 8 x 8 pixels. Each further level has that of four cells, up to one cell for all. The head has a
 // box around all rays from the near rectangle to the receivers. The near rectangle is what the camera sees of the near
 // plane.
-// `receiver_depth` and `receiver_pyramid` write, `choose` reads through shadow/culling.wgsl. Keys have exactly the
+// `receiver_depth` and `receiver_pyramid` write, `counting_methods` reads through shadow/culling.wgsl. Keys have exactly the
 // order of depths. A depth computed from a key is never nearer than the receiver. docs/numerics/receivers.md, "Volumes
 // without a receiver".
 

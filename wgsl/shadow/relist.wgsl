@@ -4,7 +4,7 @@
 // Dispatched before `bounds`, one workgroup for each group, light batch (up to 32 lights) and view; an invocation is a
 // light.
 // Reads: the encodes that made the silhouettes (`cache`), and the camera's version, which also changes with the receivers.
-// Writes: `list_versions`, the versions from which lists are made; CHOICE_DIRTY, for `bounds`, `choose`, `caps` and
+// Writes: `list_versions`, the versions from which lists are made; CHOICE_DIRTY, for `bounds`, `counting_methods`, `caps` and
 // `list_sides`. It clears the exclusion bits of dirty lights.
 // Versions are on the GPU beside the lists, so an encoder that is dropped changes neither. docs/numerics/scene.md,
 // "Cached results".

@@ -107,7 +107,7 @@ struct ShadowShape {
   first_caster: u32, // The first caster of the group.
   lists_offset: u32, // The offset in `cache` of the encodes that made the silhouette lists of the batch, one for each light.
   uses_cache: u32, // 1: lists of sides and caps are cached.
-  needs_boxes: u32, // 1: boxes are read by stages after `choose`, too.
+  needs_boxes: u32, // 1: boxes are read by stages after `counting_methods`, too.
   used_lights: u32, // The index of the last light that is used, plus 1.
   has_receivers: u32, // 1: views may have receivers. Volumes may then end behind all of them.
   largest_count: u32, // The largest count that the counting bits of the stencil hold.

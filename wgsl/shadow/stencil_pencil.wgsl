@@ -96,8 +96,8 @@ fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
   for (var caster = thread; caster < shape.casters; caster += THREADS) {
     if (is_casting(caster, light_index, view)) {
       let world_box = caster_world_box(caster);
-      let lowest = ~ordered(bitcast<vec3<u32>>(world_box.low));
-      let highest = ordered(bitcast<vec3<u32>>(world_box.high));
+      let lowest = ~order_keys(bitcast<vec3<u32>>(world_box.low));
+      let highest = order_keys(bitcast<vec3<u32>>(world_box.high));
       atomicMax(&box_keys[0], lowest.x);
       atomicMax(&box_keys[1], lowest.y);
       atomicMax(&box_keys[2], lowest.z);
@@ -109,8 +109,8 @@ fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
     }
   }
   workgroupBarrier();
-  let low = unordered(~vec3<u32>(atomicLoad(&box_keys[0]), atomicLoad(&box_keys[1]), atomicLoad(&box_keys[2])));
-  let high = unordered(vec3<u32>(atomicLoad(&box_keys[3]), atomicLoad(&box_keys[4]), atomicLoad(&box_keys[5])));
+  let low = floats_of_keys(~vec3<u32>(atomicLoad(&box_keys[0]), atomicLoad(&box_keys[1]), atomicLoad(&box_keys[2])));
+  let high = floats_of_keys(vec3<u32>(atomicLoad(&box_keys[3]), atomicLoad(&box_keys[4]), atomicLoad(&box_keys[5])));
   // If no caster casts, the box has no meaning, and no bin gets a weight.
   var pencil = pencil_of_outer_light(view_lights[view * shape.lights + light_index].light.light, low, high);
   // Turns: PENCIL_CASTERS.

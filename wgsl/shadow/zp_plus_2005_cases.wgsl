@@ -1,8 +1,8 @@
 // Stage `zp_plus_2005_cases`, only for ZP+ as published in 2005: finds casters with sides of the paper's case D. The near
 // plane cuts both finite edges of such a side. The published method leaves such a caster and light to z-fail.
-// Dispatched between `choose` and `caps` for each group of casters, light batch (up to 32 lights) and view. A row of
-// workgroups shares the silhouettes of a light, or all edges if its list overflowed.
-// Reads: silhouettes, positions, lights. Writes: it clears CHOICE_NEAR_CAP of these casters, for `caps` and later stages.
+// Dispatched between `counting_methods` and `caps` for each group of casters, light batch (up to 32 lights) and view. A
+// row of workgroups shares the silhouettes of a light, or all edges if its list overflowed. Reads: silhouettes,
+// positions, lights. Writes: it clears CHOICE_NEAR_CAP of these casters, for `caps` and later stages.
 
 #import common/extraction
 #import shadow/caster

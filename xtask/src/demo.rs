@@ -17,9 +17,9 @@ struct Picture {
     view: &'static str,
 }
 
-/// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps. `docs/walking_figure.png` is `walk_from_the_front.png` with
-/// `--size 640x800`, `docs/walking_shadows.png` is `walk_with_shadows.png` with that size, and `docs/walking_lines.png` is
-/// `walk_as_lines.svg` as a PNG with `--page 160x200 --dpi 102`.
+/// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps. `docs/walking_figure.png` is
+/// `walk_from_the_front.png` with `--size 640x800`, `docs/walking_shadows.png` is `walk_with_shadows.png` with that
+/// size, and `docs/walking_lines.png` is `walk_as_lines.svg` as a PNG with `--page 160x200 --dpi 102`.
 const PICTURES: [Picture; 6] = [
     Picture {
         file: "walk_from_the_front.png",

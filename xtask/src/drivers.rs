@@ -12,8 +12,8 @@ use crate::{process, vulkan};
 
 /// Tests that compare results bit by bit with the CPU's.
 const TESTS: [&str; 4] = ["extract_gpu", "polygon_gpu", "query_gpu", "scene_gpu"];
-/// Targets whose results are goldens in part, and a text in the names of tests whose goldens every driver gives. Lists of near caps
-/// and choices are not among them, because their rounding is left to the driver.
+/// Targets whose results are goldens in part, and a text in the names of tests whose goldens every driver gives. Lists
+/// of near caps and choices are not among them, because their rounding is left to the driver.
 const GOLDENS: [(&str, &str); 3] =
     [("depth_map_gpu", "are_the_goldens"), ("shadow_gpu", "shadow_arguments"), ("shadow_gpu", "stencil_bound")];
 /// The tests that take `SwiftShader` minutes, not more.
@@ -47,28 +47,28 @@ impl Driver {
     /// Runs these tests on it, and of the targets of `goldens` the tests whose names have the text.
     fn test(&self, summary: &mut Summary, tests: &[&str], goldens: &[(&str, &str)]) {
         println!("\n{}", self.name);
-        let mut own = Summary::default();
+        let mut driver_summary = Summary::default();
         let mut skipped = Vec::new();
         if self.name.contains("SwiftShader") {
             skipped.extend(SLOW_ON_SWIFTSHADER.iter().flat_map(|test| ["--skip", test]));
             summary.note(&format!("on SwiftShader without {}", SLOW_ON_SWIFTSHADER.join(" and ")));
         }
-        self.run(&mut own, tests, &skipped);
+        self.run(&mut driver_summary, tests, &skipped);
         for (test, text) in goldens {
-            self.run(&mut own, &[test], &[text]);
+            self.run(&mut driver_summary, &[test], &[text]);
         }
-        summary.add(&self.name, own);
+        summary.add(&self.name, driver_summary);
     }
 
-    fn run(&self, own: &mut Summary, tests: &[&str], arguments: &[&str]) {
+    fn run(&self, driver_summary: &mut Summary, tests: &[&str], arguments: &[&str]) {
         let mut command = process::cargo(["test", "--no-fail-fast"]);
         command.args(EVERYTHING).args(tests.iter().flat_map(|test| ["--test", test])).arg("--").args(arguments);
         command.envs(self.variables.clone());
-        let outcome = process::run_looking(&mut command, |line| own.read(line));
+        let outcome = process::run_looking(&mut command, |line| driver_summary.read(line));
         if let Err(error) = &outcome {
-            own.fail(error);
+            driver_summary.fail(error);
         }
-        own.tests_ended(outcome.unwrap_or(false));
+        driver_summary.tests_ended(outcome.unwrap_or(false));
     }
 }
 

@@ -54,8 +54,9 @@ fn add(summary: &mut Summary, seconds: u64, and: &[&str]) {
     });
     let done: Vec<_> = done.into_iter().flat_map(Result::unwrap_or_default).collect();
     for name in TARGETS {
-        let own = done.iter().find(|(target, _)| *target == name);
-        let (last, outcome) = own.map_or_else(|| (String::new(), Err("it panicked".to_owned())), |own| own.1.clone());
+        let worked = done.iter().find(|(target, _)| *target == name);
+        let (last, outcome) =
+            worked.map_or_else(|| (String::new(), Err("it panicked".to_owned())), |worked| worked.1.clone());
         summary.note(&last);
         summary.check(&format!("fuzzing of {name}"), outcome);
     }

@@ -58,7 +58,8 @@ impl Manager {
         }
     }
 
-    /// Commands that install a display without a screen, and libraries that windows there load. Empty where tests do without.
+    /// Commands that install a display without a screen, and libraries that windows there load. Empty where tests do
+    /// without.
     fn steps_of_xvfb(self) -> &'static [&'static [&'static str]] {
         match self {
             Self::Apt => &[

@@ -43,14 +43,14 @@ fn has_loader() -> bool {
     if known.is_some_and(|list| list.contains(LOADER)) {
         return true;
     }
-    let mut places: Vec<PathBuf> =
+    let mut folders: Vec<PathBuf> =
         env::var_os("LD_LIBRARY_PATH").map_or_else(Vec::new, |v| env::split_paths(&v).collect());
-    for place in ["/usr/lib", "/usr/lib64", "/usr/local/lib", "/usr/local/lib64", "/lib", "/lib64"] {
-        places.push(place.into());
+    for folder in ["/usr/lib", "/usr/lib64", "/usr/local/lib", "/usr/local/lib64", "/lib", "/lib64"] {
+        folders.push(folder.into());
         // Debian's directory for the architecture.
-        places.extend(entries(Path::new(place)).filter(|path| path.to_string_lossy().ends_with("-linux-gnu")));
+        folders.extend(entries(Path::new(folder)).filter(|path| path.to_string_lossy().ends_with("-linux-gnu")));
     }
-    places.iter().any(|place| place.join(LOADER).exists())
+    folders.iter().any(|folder| folder.join(LOADER).exists())
 }
 
 /// Whether some driver's manifest is installed that can work here: a software driver's, or any beside a GPU.

@@ -8,8 +8,8 @@ pub(crate) struct Samples(Vec<Duration>);
 
 impl Samples {
     pub(crate) fn push(&mut self, time: Duration) {
-        let place = self.0.partition_point(|&t| t < time);
-        self.0.insert(place, time);
+        let index = self.0.partition_point(|&t| t < time);
+        self.0.insert(index, time);
     }
 
     /// The middle time; zero if there is none.

@@ -2,8 +2,8 @@
 //! and silhouettes that are not those of the merged mesh.
 //!
 //! Casters of one mesh stand at integer positions in a cube, with lights and a camera outside it. Positions of vertices and
-//! casters have so few digits that their sums are exact. So a caster in the scene has exactly the silhouettes that its part of
-//! the merged mesh has.
+//! casters have so few digits that their sums are exact. So a caster in the scene has exactly the silhouettes that its
+//! part of the merged mesh has.
 
 use std::cell::RefCell;
 
@@ -34,7 +34,7 @@ const HALF_WIDTH: i16 = 50;
 /// Positions are multiples of its reciprocal.
 const GRID: f32 = 4096.0;
 /// The stages that extract, of a scene and of a single mesh.
-const EXTRACTION: [&str; 7] = ["reach", "clusters", "chunks", "facing", "exact_facing", "edges", "arguments"];
+const EXTRACTION: [&str; 7] = ["cull_lights", "clusters", "chunks", "facing", "exact_facing", "edges", "arguments"];
 
 /// The mesh that all casters of a scene have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ pub(crate) enum CasterMesh {
     /// 12 faces.
     Cube,
     /// A torus of 4,000 faces, about what a skinned character has.
-    Figure,
+    Character,
 }
 
 impl CasterMesh {
@@ -50,7 +50,7 @@ impl CasterMesh {
     fn id(self) -> &'static str {
         match self {
             Self::Cube => "box",
-            Self::Figure => "figure",
+            Self::Character => "figure",
         }
     }
 
@@ -63,7 +63,7 @@ impl CasterMesh {
     pub(crate) fn shape(self) -> Shape {
         let mut shape = match self {
             Self::Cube => shapes::cube(),
-            Self::Figure => shapes::torus(50, 40, 1.0, 0.4),
+            Self::Character => shapes::torus(50, 40, 1.0, 0.4),
         };
         for position in &mut shape.positions {
             *position = position.map(|c| (c * GRID).round() / GRID);
@@ -82,9 +82,9 @@ pub(crate) fn field(shape: Shape, casters: usize) -> Setting {
     };
     let lights: Vec<Light> = (0..LIGHTS).map(light).collect();
     // A single caster is seen.
-    let place = |index| if index == 0 { [0.0; 3] } else { [(); 3].map(|()| whole(-HALF_WIDTH, HALF_WIDTH)) };
+    let position = |index| if index == 0 { [0.0; 3] } else { [(); 3].map(|()| whole(-HALF_WIDTH, HALF_WIDTH)) };
     let placed =
-        (0..casters).map(place).map(|[x, y, z]| (0, [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]));
+        (0..casters).map(position).map(|[x, y, z]| (0, [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]));
     // It sees about half of the cube.
     let eye = Vec3::new(0.0, 0.0, f32::from(HALF_WIDTH) + 4.0);
     Setting::rigid(vec![shape], placed.collect(), lights, &Camera::level(eye, Vec3::NEG_Z, 1.5, 0.1))
@@ -417,15 +417,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_exact_and_about_half_of_them_are_seen() {
-        let setting = field(CasterMesh::Figure.shape(), 1000);
-        let shape = CasterMesh::Figure.shape();
+    fn positions_are_exact_and_about_half_of_them_are_seen() {
+        let setting = field(CasterMesh::Character.shape(), 1000);
+        let shape = CasterMesh::Character.shape();
         let placed = setting.casters.placed();
         for world in placed.iter().step_by(50) {
-            let place: [f64; 3] =
+            let shift: [f64; 3] =
                 std::array::from_fn(|axis| f64::from(world.positions[0][axis]) - f64::from(shape.positions[0][axis]));
-            for (own, world) in shape.positions.iter().zip(&world.positions) {
-                let sum: [f64; 3] = std::array::from_fn(|axis| f64::from(own[axis]) + place[axis]);
+            for (local, world) in shape.positions.iter().zip(&world.positions) {
+                let sum: [f64; 3] = std::array::from_fn(|axis| f64::from(local[axis]) + shift[axis]);
                 assert_eq!(world.map(f64::from), sum);
             }
         }

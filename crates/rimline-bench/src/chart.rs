@@ -1,5 +1,5 @@
-//! Charts by plotters: curves and points in a plane, and rows of bars or dots. The caller supplies the data; this module knows
-//! nothing of silhouettes.
+//! Charts by plotters: curves and points in a plane, and rows of bars or dots. The caller supplies the data; this
+//! module knows nothing of silhouettes.
 //!
 //! A chart is SVG for the report's page, whose style sheet replaces the colours on a dark ground, and PNG by the same SVG.
 
@@ -171,7 +171,7 @@ impl Axis {
     }
 
     /// A number as plotters is to place it: its logarithm on a logarithmic axis.
-    fn place(&self, value: f64) -> f64 {
+    fn position(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value.clamp(self.low, self.high),
             Scale::Log => value.clamp(self.low, self.high).log10(),
@@ -180,10 +180,10 @@ impl Axis {
 
     /// The coordinate, with as many round ticks as have room.
     fn coordinate(&self, room: i32, of_tick: impl Fn(&str) -> i32, has_zero: bool) -> Coordinate {
-        let [low, high] = [self.low, self.high].map(|end| self.place(end));
+        let [low, high] = [self.low, self.high].map(|end| self.position(end));
         let fits = |ticks: &Vec<f64>| {
             ticks.windows(2).all(|pair| {
-                let between = f64::from(room) * (self.place(pair[1]) - self.place(pair[0])) / (high - low);
+                let between = f64::from(room) * (self.position(pair[1]) - self.position(pair[0])) / (high - low);
                 let [one, other] = [pair[0], pair[1]].map(|tick| of_tick(&(self.format)(tick)));
                 between >= f64::from(one + other) / 2.0
             })
@@ -194,8 +194,8 @@ impl Axis {
             ticks.retain(|tick| *tick > least);
             ticks.insert(0, self.low);
         }
-        let ticks = ticks.into_iter().map(|tick| self.place(tick)).collect();
-        Coordinate { places: (low..high).into(), ticks, axis: self.clone(), has_zero }
+        let ticks = ticks.into_iter().map(|tick| self.position(tick)).collect();
+        Coordinate { positions: (low..high).into(), ticks, axis: self.clone(), has_zero }
     }
 
     /// Round numbers in the range, the most first.
@@ -221,7 +221,7 @@ impl Axis {
 /// plotters' coordinate of an axis, with its ticks. plotters' own ticks of a logarithm are whole decades, too few for the
 /// spans of these charts.
 struct Coordinate {
-    places: RangedCoordf64,
+    positions: RangedCoordf64,
     ticks: Vec<f64>,
     axis: Axis,
     /// The lowest tick stands for zero.
@@ -232,7 +232,7 @@ impl Coordinate {
     /// Rows of a list, the first one at the top, without ticks.
     fn rows(count: usize) -> Self {
         let axis = Axis::over("", Scale::Linear, |_| String::new(), []);
-        Self { places: (count as f64..0.0).into(), ticks: Vec::new(), axis, has_zero: false }
+        Self { positions: (count as f64..0.0).into(), ticks: Vec::new(), axis, has_zero: false }
     }
 }
 
@@ -241,7 +241,7 @@ impl Ranged for Coordinate {
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        self.places.map(value, limit)
+        self.positions.map(value, limit)
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
@@ -249,16 +249,16 @@ impl Ranged for Coordinate {
     }
 
     fn range(&self) -> Range<f64> {
-        self.places.range()
+        self.positions.range()
     }
 }
 
 impl ValueFormatter<f64> for Coordinate {
-    fn format_ext(&self, place: &f64) -> String {
+    fn format_ext(&self, position: &f64) -> String {
         match self.axis.scale {
-            Scale::Log if self.has_zero && *place <= self.axis.place(self.axis.low) => "0".to_owned(),
-            Scale::Log => (self.axis.format)(10_f64.powf(*place)),
-            Scale::Linear => (self.axis.format)(*place),
+            Scale::Log if self.has_zero && *position <= self.axis.position(self.axis.low) => "0".to_owned(),
+            Scale::Log => (self.axis.format)(10_f64.powf(*position)),
+            Scale::Linear => (self.axis.format)(*position),
         }
     }
 }
@@ -386,15 +386,15 @@ fn plane(
         )?;
     mesh(&mut chart, &y.title)?;
     title(area, &x.title, left + 30, 30)?;
-    let place = |point: &Point| (x.place(point.x), y.place(point.y));
+    let position = |point: &Point| (x.position(point.x), y.position(point.y));
     if let Some(level) = level {
-        let ends = [x.low, x.high].map(|end| (x.place(end), y.place(level)));
+        let ends = [x.low, x.high].map(|end| (x.position(end), y.position(level)));
         chart.plotting_area().draw(&DashedPathElement::new(ends, 12, 8, MUTED.stroke_width(3)))?;
     }
     for Series { mark, points, .. } in series {
         let color = colour(*mark);
         if joined {
-            let line = points.iter().map(place);
+            let line = points.iter().map(position);
             if mark.hollow {
                 chart.draw_series(DashedLineSeries::new(line, 14, 8, color.stroke_width(4)))?;
             } else {
@@ -403,11 +403,11 @@ fn plane(
         }
         let spreads = points.iter().filter(|point| point.quartiles[1] > point.quartiles[0]);
         chart.draw_series(spreads.map(|point| {
-            let ends = point.quartiles.map(|end| (x.place(point.x), y.place(end)));
+            let ends = point.quartiles.map(|end| (x.position(point.x), y.position(end)));
             PathElement::new(ends, color.stroke_width(3))
         }))?;
         for point in points {
-            let at = chart.backend_coord(&place(point));
+            let at = chart.backend_coord(&position(point));
             area.strip_coord_spec().draw(&marked(relative(area, at), *mark))?;
         }
     }
@@ -466,7 +466,7 @@ fn bars(
         )?;
     mesh(&mut chart, "")?;
     title(area, &axis.title, left, right)?;
-    let at = |value: f64, y: f64| (axis.place(value), y);
+    let at = |value: f64, y: f64| (axis.position(value), y);
     if let Some(level) = level {
         let ends = [0.0, count].map(|y| at(level, y));
         chart.plotting_area().draw(&DashedPathElement::new(ends, 12, 8, MUTED.stroke_width(3)))?;
@@ -501,7 +501,8 @@ fn bars(
     Ok(())
 }
 
-/// A drawing for a file as PNG. Its lengths are pixels already, two of them to a CSS pixel: sharp on screens that have so many.
+/// A drawing for a file as PNG. Its lengths are pixels already, two of them to a CSS pixel: sharp on screens that have
+/// so many.
 pub(crate) fn png(svg: &str) -> io::Result<Vec<u8>> {
     let mut options = usvg::Options { font_family: "Ubuntu".to_owned(), ..usvg::Options::default() };
     Arc::make_mut(&mut options.fontdb).load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
@@ -551,12 +552,15 @@ mod tests {
     }
 
     #[test]
-    fn places_keep_the_order_and_stay_inside() {
+    fn positions_keep_the_order_and_stay_inside() {
         for scale in [Scale::Linear, Scale::Log] {
             let axis = axis(scale, &[0.001, 5.0, 70.0]);
-            assert!(axis.place(0.001) < axis.place(5.0) && axis.place(5.0) < axis.place(70.0));
+            assert!(axis.position(0.001) < axis.position(5.0) && axis.position(5.0) < axis.position(70.0));
             for value in [-1.0, 0.0, 1e9, f64::INFINITY] {
-                assert!((axis.place(axis.low)..=axis.place(axis.high)).contains(&axis.place(value)), "{value}");
+                assert!(
+                    (axis.position(axis.low)..=axis.position(axis.high)).contains(&axis.position(value)),
+                    "{value}"
+                );
             }
         }
     }

@@ -1,4 +1,5 @@
-//! The one way to measure: all contenders run in turn, round by round, so that a drift of the machine's speed hits all alike.
+//! The one way to measure: all contenders run in turn, round by round, so that a drift of the machine's speed hits each
+//! of them as much.
 
 use std::time::{Duration, Instant};
 
@@ -98,9 +99,9 @@ impl Summary {
         sorted.sort_by(f64::total_cmp);
         let (&low, &high) = (sorted.first()?, sorted.last()?);
         let quantile = |q: f64| {
-            let place = q * (sorted.len() - 1) as f64;
-            let [below, above] = [place.floor(), place.ceil()].map(|index| sorted[index as usize]);
-            below + (above - below) * place.fract()
+            let rank = q * (sorted.len() - 1) as f64;
+            let [below, above] = [rank.floor(), rank.ceil()].map(|index| sorted[index as usize]);
+            below + (above - below) * rank.fract()
         };
         let quartiles = [quantile(0.25), quantile(0.75)];
         Some(Self { median: quantile(0.5), quartiles, range: [low, high], count: sorted.len() })

@@ -20,7 +20,8 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The device that wgpu takes first, with timestamps where it has them, for benches. Returns the name of the adapter, too.
+    /// The device that wgpu takes first, with timestamps where it has them, for benches. Returns the name of the
+    /// adapter, too.
     pub fn first() -> Result<(Self, String), Error> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))

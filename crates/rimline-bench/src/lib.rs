@@ -7,8 +7,8 @@
 //! * with the feature `rays`, `rays`: triangles and rays in `f64`;
 //! * with the feature `measure`, what benches share: `engine` runs contenders in turn, `row` has the results, `gpu` times
 //!   frames, `record` records scenes, meshes and what receives;
-//! * with the feature `report`, all of `rimline bench`: a `Plan` of `Options`, and `Results`, as JSON, as a report with charts,
-//!   and as a few lines.
+//! * with the feature `report`, all of `rimline bench`: a `Plan` of `Options`, and `Results`, as JSON, as a report with
+//!   charts, and as a few lines.
 #![allow(
     clippy::missing_errors_doc,
     clippy::missing_panics_doc,

@@ -66,9 +66,9 @@ fn cpu() -> Option<String> {
         return value("model name").or_else(|| value("CPU part"));
     }
     let asked = std::process::Command::new("sysctl").args(["-n", "machdep.cpu.brand_string"]).output();
-    let told = asked.ok().filter(|output| output.status.success());
-    let told = told.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
-    told.or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
+    let output = asked.ok().filter(|output| output.status.success());
+    let output = output.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    output.or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
 }
 
 /// Seconds since 1970 as `2026-01-31T12:00:00Z`.

@@ -1,7 +1,7 @@
-//! Pipelines of a single WGSL module, without what most of them have alike.
+//! Pipelines of a single WGSL module, with the fields that differ between them.
 
-/// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of a camera's
-/// matrix, and the origin that it takes positions from.
+/// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of
+/// a camera's matrix, and the origin that it takes positions from.
 pub const SURFACE: &str = "
 struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
 @group(0) @binding(0) var<storage, read> camera: Camera;
@@ -84,7 +84,7 @@ pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_wri
     }
 }
 
-/// A compute pipeline over the texels of a texture of floats, which may be depths, with one sample or several: binding 0 of group 0.
+/// A compute pipeline over the texels of a texture, with one sample or several: binding 0 of group 0.
 /// Binding 1 is a storage buffer that is written.
 #[derive(Debug)]
 pub struct TexelKernel {
@@ -93,22 +93,24 @@ pub struct TexelKernel {
 }
 
 impl TexelKernel {
-    pub fn new(device: &wgpu::Device, (label, source): (&str, &str), multisampled: bool) -> Self {
+    pub fn new(
+        device: &wgpu::Device,
+        (label, source): (&str, &str),
+        sample_type: wgpu::TextureSampleType,
+        multisampled: bool,
+    ) -> Self {
         let label = Some(label);
         let source = wgpu::ShaderSource::Wgsl(source.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
-        let float = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled,
-        };
+        let view_dimension = wgpu::TextureViewDimension::D2;
+        let texture = wgpu::BindingType::Texture { sample_type, view_dimension, multisampled };
         let storage = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: false },
             has_dynamic_offset: false,
             min_binding_size: None,
         };
         let visibility = wgpu::ShaderStages::COMPUTE;
-        let entries = [(0, float), (1, storage)];
+        let entries = [(0, texture), (1, storage)];
         let entries = entries.map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None });
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {

@@ -57,7 +57,7 @@ pub struct Plan {
     pub(crate) shadows: Frames,
     /// How many of the models cast in `shadows`, from the first on; or the user's own.
     pub(crate) models: usize,
-    pub(crate) own: Option<Model>,
+    pub(crate) user_model: Option<Model>,
     pub(crate) casters: Vec<(CasterMesh, usize)>,
     /// Approximate face counts of the single casters that are held against an extractor.
     pub(crate) one_mesh: Vec<usize>,
@@ -91,7 +91,7 @@ const QUICK_NUMBERS_OF_CASTERS: [usize; 3] = [1, 10, 100];
 /// Faces of a single caster.
 const ONE_CASTER: [usize; 3] = [1 << 10, 1 << 14, 1 << 20];
 const QUICK_ONE_CASTER: [usize; 2] = [1 << 10, 1 << 14];
-const MOST_FIGURES: usize = 1000;
+const MOST_CHARACTERS: usize = 1000;
 
 impl Plan {
     pub fn new(options: Options) -> Result<Self, PlanError> {
@@ -102,15 +102,16 @@ impl Plan {
         if !names.has_casters && names.skipping.is_empty() && casters.as_ref().is_some_and(|all| !all.is_empty()) {
             return Err(PlanError::CastersWithoutScene);
         }
-        let is_own = options.model.is_some();
-        let meshes = options.meshes.unwrap_or_else(|| if is_own { Vec::new() } else { usual(&MESHES, &QUICK_MESHES) });
+        let has_user_model = options.model.is_some();
+        let meshes =
+            options.meshes.unwrap_or_else(|| if has_user_model { Vec::new() } else { usual(&MESHES, &QUICK_MESHES) });
         let scene_faces = options.scene_faces.unwrap_or(if quick { QUICK_SCENE_FACES } else { SCENE_FACES });
         let lights_of_meshes = options.lights.clone().unwrap_or_else(|| LIGHTS.into());
         let lights_of_scenes = options.lights.unwrap_or_else(|| vec![8]);
         let mut subjects = Vec::new();
         if let Some(model) = &options.model {
             let lights = if model.lights.is_empty() { lights_of_meshes.clone() } else { vec![model.lights.len()] };
-            subjects.push((Subject::Own(Box::new(model.clone())), lights));
+            subjects.push((Subject::OfUser(Box::new(model.clone())), lights));
         }
         subjects.extend(meshes.into_iter().map(|faces| (Subject::Torus(faces), lights_of_meshes.clone())));
         subjects
@@ -126,15 +127,19 @@ impl Plan {
         let numbers = casters.clone().unwrap_or_else(|| usual(&NUMBERS_OF_CASTERS, &QUICK_NUMBERS_OF_CASTERS));
         let numbers = if names.has_casters && !cpu_only { numbers } else { Vec::new() };
         let one_mesh = if numbers.is_empty() { Vec::new() } else { usual(&ONE_CASTER, &QUICK_ONE_CASTER) };
-        let figures = numbers.iter().filter(|&&number| number <= MOST_FIGURES);
+        let characters = numbers.iter().filter(|&&number| number <= MOST_CHARACTERS);
         let of = |mesh: CasterMesh| move |&number: &usize| (mesh, number);
         let plan = Self {
             subjects,
             rounds,
             shadows,
             models,
-            own: options.model,
-            casters: numbers.iter().map(of(CasterMesh::Cube)).chain(figures.map(of(CasterMesh::Figure))).collect(),
+            user_model: options.model,
+            casters: numbers
+                .iter()
+                .map(of(CasterMesh::Cube))
+                .chain(characters.map(of(CasterMesh::Character)))
+                .collect(),
             one_mesh,
             skipping: if cpu_only { Vec::new() } else { skipping(&names.skipping, casters.as_deref(), quick) },
         };
@@ -149,7 +154,7 @@ impl Plan {
 
     fn shadow_rows(&self) -> usize {
         use crate::shadows::scene::{MODELS, PATHS};
-        let models = if self.own.is_some() { 1 } else { self.models.min(MODELS.len()) };
+        let models = if self.user_model.is_some() { 1 } else { self.models.min(MODELS.len()) };
         if self.shadows.count == 0 { 0 } else { models * PATHS.len() }
     }
 }

@@ -9,7 +9,7 @@ use crate::engine::Metric;
 use crate::machine::{Adapter, Machine};
 use crate::page::{Fact, Page};
 use crate::row::{Row, Section, optional_json};
-use crate::text::{figures, grouped};
+use crate::text::{grouped, three_digits};
 use crate::{figures as charts, summary};
 
 /// The title of a report's page, by which it is known.
@@ -49,7 +49,7 @@ impl Results {
             None => "only the CPU is measured".to_owned(),
             Some(adapter) => {
                 let clock = if adapter.has_timestamps { "timestamps" } else { "no timestamps, so by the clock" };
-                format!("{}, {clock}, copies {} GB/s", adapter.line(), figures(adapter.copy_gb_per_s))
+                format!("{}, {clock}, copies {} GB/s", adapter.line(), three_digits(adapter.copy_gb_per_s))
             }
         };
         let Machine { os, cpu, threads, .. } = &self.machine;

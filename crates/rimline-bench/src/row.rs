@@ -167,8 +167,8 @@ impl Row {
 
     /// A metric of one variant divided by that of another, round by round.
     pub fn ratio(&self, metric: Metric, id: &str, to: &str) -> Option<Summary> {
-        let [own, other] = [self.entry(id)?, self.entry(to)?].map(|entry| entry.values(metric));
-        Summary::of(own.iter().zip(other).map(|(own, other)| own / other).filter(|ratio| ratio.is_finite()))
+        let [values, others] = [self.entry(id)?, self.entry(to)?].map(|entry| entry.values(metric));
+        Summary::of(values.iter().zip(others).map(|(value, other)| value / other).filter(|ratio| ratio.is_finite()))
     }
 
     /// JSON, as `bench.schema.json` describes it.

@@ -45,7 +45,7 @@ impl Results {
         }
         let Some(Opened { gpu, another, .. }) = opened else { return Ok(()) };
         let frames = plan.shadows;
-        let casters: Vec<(String, Shape)> = match &plan.own {
+        let casters: Vec<(String, Shape)> = match &plan.user_model {
             _ if frames.count == 0 => Vec::new(),
             Some(model) => vec![(model.name.clone(), fitted(&model.positions, model.mesh.faces()))],
             None => MODELS.iter().take(plan.models).map(|model| (model.name.to_owned(), model.make())).collect(),

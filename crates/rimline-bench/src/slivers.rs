@@ -2,10 +2,10 @@
 //! rightly covers each pixel by as many fronts as backs.
 //!
 //! Vulkan lets a driver take the facing of a triangle from its area before or after clipping. It then has to fill the
-//! triangle, whatever that sign is. `SwiftShader` takes the direction of the edges of the clipped polygon from the same
+//! triangle for both signs. `SwiftShader` takes the direction of the edges of the clipped polygon from the same
 //! sign, of vertices that are rounded to a sixteenth of a pixel before clipping, in `f32`. A sliver whose far vertices lie
-//! outside the picture gets the wrong sign and covers other pixels than its neighbours leave to it. docs/numerics/rasterisers.md,
-//! "Clipped slivers".
+//! outside the picture gets the wrong sign and covers other pixels than its neighbours leave to it.
+//! docs/numerics/rasterisers.md, "Clipped slivers".
 
 use crate::pipelines::Drawing;
 use crate::random::Random;

@@ -2,11 +2,11 @@
 
 use crate::engine::Metric;
 use crate::extraction::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
-use crate::extraction::subject::{ORDINARY, OWN};
+use crate::extraction::subject::{OF_USER, ORDINARY};
 use crate::figures::usual_lights;
 use crate::row::{Row, Section};
 use crate::shadows::Z_PASS;
-use crate::text::{figures, grouped, lights_text};
+use crate::text::{grouped, lights_text, three_digits};
 
 const TIME: Metric = Metric::Time("time");
 const FRAME: Metric = Metric::Time("frame");
@@ -16,13 +16,13 @@ pub(crate) fn summary(rows: &[Row]) -> String {
     let of = |section: Section| rows.iter().filter(|row| row.section == section).collect::<Vec<_>>();
     let mut lines = Vec::new();
     let extraction = of(Section::Extraction);
-    for (group, what) in [(OWN, "your model"), (ORDINARY, "a torus")] {
+    for (group, what) in [(OF_USER, "your model"), (ORDINARY, "a torus")] {
         let rows: Vec<&Row> = extraction.iter().filter(|row| row.group == group).copied().collect();
         lines.extend(speed(&rows, what));
         lines.extend(exactness(&rows, what));
     }
     let scenes: Vec<&Row> =
-        extraction.iter().filter(|row| ![OWN, ORDINARY].contains(&row.group.as_str())).copied().collect();
+        extraction.iter().filter(|row| ![OF_USER, ORDINARY].contains(&row.group.as_str())).copied().collect();
     lines.extend(hard_scenes(&scenes));
     lines.extend(errors(&extraction));
     lines.extend(shadows(&of(Section::Shadows)));
@@ -41,7 +41,7 @@ type Line = (String, String);
 
 /// A ratio for people: `1.23×`.
 fn times(ratio: f64) -> String {
-    if ratio < 10.0 { format!("{ratio:.2}×") } else { format!("{}×", figures(ratio)) }
+    if ratio < 10.0 { format!("{ratio:.2}×") } else { format!("{}×", three_digits(ratio)) }
 }
 
 /// The largest mesh's rows, one a number of lights.
@@ -125,7 +125,7 @@ fn shadows(rows: &[&Row]) -> Vec<Line> {
         let (sum, frames) = entries.fold((0.0, 0), |(sum, frames), entry| {
             (sum + entry.count("wrong_pixels"), frames + entry.values(Metric::Count("wrong_pixels")).len())
         });
-        figures(sum / frames.max(1) as f64)
+        three_digits(sum / frames.max(1) as f64)
     };
     let wrong =
         [("z-pass", Z_PASS), ("auto", "auto"), ("z-fail", "z-fail")].map(|(name, id)| format!("{name} {}", wrong(id)));
@@ -143,7 +143,7 @@ fn casters(rows: &[&Row]) -> Vec<Line> {
     for scene in ["box", "figure"] {
         let of = rows.iter().filter(|row| row.scene == scene);
         let Some(row) = of.max_by(|a, b| a.number("casters").total_cmp(&b.number("casters"))) else { continue };
-        let ms = |id: &str| Some(format!("{} ms", figures(row.entry(id)?.median(recording)?)));
+        let ms = |id: &str| Some(format!("{} ms", three_digits(row.entry(id)?.median(recording)?)));
         let answers =
             [("nothing moved", "scene-still"), ("all moved", "scene-all-moved"), ("a scene a caster", "extractors")];
         let answers = answers.into_iter().filter_map(|(name, id)| Some(format!("{} {name}", ms(id)?)));
@@ -171,7 +171,7 @@ fn depth_maps(row: &Row) -> Line {
         .entries
         .iter()
         .filter(|entry| !entry.variant.name.contains("not counted"))
-        .filter_map(|entry| Some(format!("{} ms {}", figures(entry.median(FRAME)?), entry.variant.name)));
+        .filter_map(|entry| Some(format!("{} ms {}", three_digits(entry.median(FRAME)?), entry.variant.name)));
     (format!("Shadows of a sphere of {}", row.title), answers.collect::<Vec<_>>().join(", "))
 }
 

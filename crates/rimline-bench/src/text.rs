@@ -3,7 +3,7 @@
 pub(crate) use crate::row::grouped;
 
 /// Three figures that count.
-pub(crate) fn figures(number: f64) -> String {
+pub(crate) fn three_digits(number: f64) -> String {
     match number.abs() {
         _ if !number.is_finite() => "–".to_owned(),
         0.0 => "0".to_owned(),
@@ -43,7 +43,7 @@ pub(crate) fn lights_text(lights: usize) -> String {
 
 /// A dash where there is no number.
 pub(crate) fn or_dash(number: Option<f64>) -> String {
-    number.map_or_else(|| "–".to_owned(), figures)
+    number.map_or_else(|| "–".to_owned(), three_digits)
 }
 
 #[cfg(test)]
@@ -54,6 +54,6 @@ mod tests {
     fn numbers_are_short_and_grouped() {
         assert_eq!([grouped(0), grouped(999), grouped(1_048_576)], ["0", "999", "1,048,576"]);
         assert_eq!([1.0, 0.5, 0.01, 20_000.0, 3e6].map(tick), ["1", "0.5", "0.01", "20 k", "3 M"]);
-        assert_eq!([1234.6, 12.34, 1.2, 0.1234, 0.0].map(figures), ["1,235", "12.3", "1.20", "0.123", "0"]);
+        assert_eq!([1234.6, 12.34, 1.2, 0.1234, 0.0].map(three_digits), ["1,235", "12.3", "1.20", "0.123", "0"]);
     }
 }

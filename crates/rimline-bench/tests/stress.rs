@@ -125,7 +125,7 @@ fn slivers_and_needles_are_as_thin_as_named() {
 }
 
 #[test]
-fn scales_and_places_are_those_named() {
+fn scales_and_positions_are_those_named() {
     let largest = |name: &str| scene(name).positions.iter().flatten().fold(0.0_f32, |most, c| most.max(c.abs()));
     for (name, scale) in [("scale-1e-30", 1e-30), ("scale-1e0", 1.0), ("scale-1e30", 1e30), ("subnormal-body", 1e-39)] {
         let largest = largest(name);

@@ -174,7 +174,7 @@ impl Destination {
     fn new(args: &BenchArgs) -> Result<Self, Failure> {
         let folder = |path: &PathBuf| -> Result<_, Failure> {
             check_folder(path, |folder| UsageError::ReportEnding { folder })?;
-            check_own(path)?;
+            check_report_folder(path)?;
             let folder = Folder::create_all(path)?;
             drop(Output::create(&path.join("index.html"))?);
             Ok((path.clone(), folder))
@@ -212,7 +212,7 @@ fn chart_files() -> impl Iterator<Item = String> {
 
 /// Refuses a folder where a report would replace files of somebody else: those that it writes are there, and the page is
 /// not a report's.
-fn check_own(folder: &Path) -> Result<(), UsageError> {
+fn check_report_folder(folder: &Path) -> Result<(), UsageError> {
     let names = ["index.html", "data.json"].map(str::to_owned).into_iter().chain(chart_files());
     let there = names.map(|name| folder.join(name)).find(|file| file.symlink_metadata().is_ok());
     match there {

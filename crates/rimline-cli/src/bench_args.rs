@@ -10,7 +10,8 @@ use crate::spec::{self, LightSpec};
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
 pub(crate) struct BenchArgs {
-    /// A model to measure instead of meshes and scenes made by code: a .gltf, .glb, .obj or .npz file. It is measured at rest
+    /// A model to measure instead of meshes and scenes made by code: a .gltf, .glb, .obj or .npz file. It is measured
+    /// at rest
     pub(crate) file: Option<PathBuf>,
 
     /// A light for the model, as of `extract`. The option can be repeated. Without it there are lights all around
@@ -40,14 +41,14 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_meshes)]
     pub(crate) meshes: Option<Vec<Number>>,
 
-    /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd`, `moving`, `house` and `big` for what a
-    /// frame skips, `all` or `none` [default: all, and `none` with a model]
+    /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd`, `moving`, `house` and
+    /// `big` for what a frame skips, `all` or `none` [default: all, and `none` with a model]
     #[arg(long, visible_alias = "scene", value_name = "NAME,…", value_delimiter = ',')]
     pub(crate) scenes: Option<Vec<String>>,
 
     /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, or `none`: boxes, and up
-    /// to 1,000 figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000 figures (quick:
-    /// 20) and 10,000 buildings (quick: 100)]
+    /// to 1,000 figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000
+    /// figures (quick: 20) and 10,000 buildings (quick: 100)]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_casters)]
     pub(crate) casters: Option<Vec<Number>>,
 
@@ -55,8 +56,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
     pub(crate) scene_faces: Option<u32>,
 
-    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters`, `still` and `moving` always have 5, `house` 9, `city` and
-    /// `big` 1, and `crowd` 32
+    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters`, `still` and `moving` always have 5,
+    /// `house` 9, `city` and `big` 1, and `crowd` 32
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) lights: Option<Vec<u16>>,
 
@@ -69,8 +70,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub(crate) frames: Option<u16>,
 
-    /// Also show the times in this file, which `cargo bench --bench depth_maps -- casters --json FILE` writes: shadows by depth
-    /// maps, by meshes and by lookups
+    /// Also show the times in this file, which `cargo bench --bench depth_maps -- casters --json FILE` writes: shadows
+    /// by depth maps, by meshes and by lookups
     #[arg(long, value_name = "FILE")]
     pub(crate) depth_maps: Option<PathBuf>,
 

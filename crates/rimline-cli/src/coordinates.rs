@@ -115,11 +115,11 @@ mod tests {
     #[test]
     fn reports_have_the_files_coordinates() {
         let origin = Origin::new([392_160.0, 32.0, -5_820_448.0]);
-        let place = [392_143.517, 34.128, -5_820_467.702];
-        let relative = origin.position(place);
-        assert_eq!(point(relative, origin), Point::Double(place));
+        let position = [392_143.517, 34.128, -5_820_467.702];
+        let relative = origin.position(position);
+        assert_eq!(point(relative, origin), Point::Double(position));
         assert_eq!(
-            light(&origin.light([place[0], place[1], place[2], 1.0]), origin),
+            light(&origin.light([position[0], position[1], position[2], 1.0]), origin),
             json!([392_143.517, 34.128, -5_820_467.702, 1.0])
         );
         assert_eq!(light(&Light::directional([0.5, 1.0, 0.0]), origin), json!([0.5, 1.0, 0.0, 0.0]));

@@ -183,8 +183,8 @@ pub(crate) enum UsageError {
     SameOutput { file: PathBuf },
     #[error("{} is an input, {}, and the result would replace it; choose another name", .out.display(), .input.display())]
     OutputIsInput { out: PathBuf, input: PathBuf },
-    #[error("{} is written as {what}; give a name that ends in .{own}", .out.display())]
-    Ending { out: PathBuf, what: &'static str, own: &'static str },
+    #[error("{} is written as {what}; give a name that ends in .{expected}", .out.display())]
+    Ending { out: PathBuf, what: &'static str, expected: &'static str },
     #[error(
         "{} looks like a file, but --out is the folder for numbered PNG files; give the name of a folder, or one that ends in .gif, \
          .apng or .mp4", .out.display()

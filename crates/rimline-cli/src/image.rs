@@ -79,7 +79,8 @@ impl Picture {
         let is_grey = self.depth == 1;
         encoder.set_color(if is_grey { png::ColorType::Grayscale } else { png::ColorType::Rgb });
         encoder.set_depth(png::BitDepth::Eight);
-        // Flat colours and noise that keeps gradients from showing bands: filters make them longer, and take most of the time.
+        // Flat colours and noise that keeps gradients from showing bands: filters make them longer, and take most of
+        // the time.
         encoder.set_filter(png::Filter::NoFilter);
         encoder.set_deflate_compression(png::DeflateCompression::Level(5));
         if !is_grey {

@@ -48,10 +48,10 @@ struct Report {
 impl Report {
     fn new(input: &Input, lights: &[Light]) -> Result<Self, Failure> {
         // Meshes of a glTF file have spaces of their own, and others are in the world.
-        let own = if input.asset().is_some() { Origin::ZERO } else { input.origin() };
+        let mesh_origin = if input.asset().is_some() { Origin::ZERO } else { input.origin() };
         let geometries = input.model().geometries().iter().enumerate();
         let meshes = geometries
-            .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), own))
+            .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), mesh_origin))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| Failure::input(&input.file)(error.into()))?;
         let total = MeshReport::total(&meshes);

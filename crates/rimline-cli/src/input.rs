@@ -199,7 +199,7 @@ impl Input {
         animations: &[usize],
         time_s: f32,
     ) -> Result<Vec<ChosenLight>, Failure> {
-        let own = match self.asset() {
+        let file_lights = match self.asset() {
             Some(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
                 let lights = asset.each_light(animations.iter().copied(), time_s);
                 let names = asset.light_names().into_iter().map(|name| name.map(str::to_owned));
@@ -208,26 +208,26 @@ impl Input {
             _ => Vec::new(),
         };
         let origin = self.origin();
-        let of_file = |(_, own): &(Option<String>, Result<SceneLight, GltfError>)| match own {
-            Ok(own) => Ok(ChosenLight { light: own.light, own: Some(own.clone()) }),
+        let of_file = |(_, file_light): &(Option<String>, Result<SceneLight, GltfError>)| match file_light {
+            Ok(file_light) => Ok(ChosenLight { light: file_light.light, own: Some(file_light.clone()) }),
             Err(error) => Err(self.not_posed(error.clone())),
         };
         let mut chosen = Vec::with_capacity(specs.len());
         for spec in specs {
             match spec {
                 LightSpec::Given(given) => chosen.push(ChosenLight { light: given.relative_to(origin), own: None }),
-                LightSpec::All if own.is_empty() => return Err(UsageError::NoFileLights.into()),
+                LightSpec::All if file_lights.is_empty() => return Err(UsageError::NoFileLights.into()),
                 LightSpec::All => {
-                    for own in &own {
-                        chosen.push(of_file(own)?);
+                    for file_lights in &file_lights {
+                        chosen.push(of_file(file_lights)?);
                     }
                 }
                 LightSpec::Named(wanted) => {
-                    let named = own.iter().find(|(name, _)| name.as_ref() == Some(wanted));
-                    let numbered = || wanted.parse().ok().and_then(|index: usize| own.get(index));
+                    let named = file_lights.iter().find(|(name, _)| name.as_ref() == Some(wanted));
+                    let numbered = || wanted.parse().ok().and_then(|index: usize| file_lights.get(index));
                     let missing = || UsageError::FileLight {
                         wanted: wanted.clone(),
-                        there: listed("light", own.iter().map(|(name, _)| name.as_deref())),
+                        there: listed("light", file_lights.iter().map(|(name, _)| name.as_deref())),
                     };
                     chosen.push(of_file(named.or_else(numbered).ok_or_else(missing)?)?);
                 }

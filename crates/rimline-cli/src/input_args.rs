@@ -14,9 +14,9 @@ use crate::spec;
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
-    /// A .gltf, .glb, .obj, .ply, .stl or .npz file, or - for standard input. Faces of an .obj or .ply may have any number of corners. An .npz
-    /// contains `positions` (V,3) float32 and `faces` (F,3) of any integer type. Faces at infinite or NaN positions face no
-    /// light, cast no shadow and are not drawn; a warning counts the positions
+    /// A .gltf, .glb, .obj, .ply, .stl or .npz file, or - for standard input. Faces of an .obj or .ply may have any
+    /// number of corners. An .npz contains `positions` (V,3) float32 and `faces` (F,3) of any integer type. Faces at
+    /// infinite or NaN positions face no light, cast no shadow and are not drawn; a warning counts the positions
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
@@ -32,12 +32,12 @@ pub(crate) struct ModelArgs {
 /// Options for polygons.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct PolygonArgs {
-    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a light or the
-    /// eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn is what is decided.
-    /// Pictures show triangles in any case. With this option these pixels may not fit a polygon that is not planar: its own,
-    /// those of what is within its hull, and those from which an even number of its triangles hide the light: they are lit.
-    /// Where more than 255 of their faces lie over each other, shadows may be wrong, and a warning says so. An .npz with
-    /// `polygon_loops` is always taken so
+    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a
+    /// light or the eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn
+    /// is what is decided. Pictures show triangles in any case. With this option these pixels may not fit a polygon
+    /// that is not planar: its own, those of what is within its hull, and those from which an even number of its
+    /// triangles hide the light: they are lit. Where more than 255 of their faces lie over each other, shadows may be
+    /// wrong, and a warning says so. An .npz with `polygon_loops` is always taken so
     #[arg(long = "polygons")]
     whole: bool,
 }
@@ -58,9 +58,10 @@ pub(crate) struct WeldArgs {
     #[arg(long, conflicts_with = "weld")]
     no_weld: bool,
 
-    /// Also join vertices that are at most D apart, in the units of each mesh of the file, and vertices that others join to each
-    /// other. All of them take the lexicographically smallest of their positions. It closes seams that rounding left open (`rimline
-    /// info` says which). Vertices whose skin or morph data differ are joined only with `--weld position`
+    /// Also join vertices that are at most D apart, in the units of each mesh of the file, and vertices that others
+    /// join to each other. All of them take the lexicographically smallest of their positions. It closes seams that
+    /// rounding left open (`rimline info` says which). Vertices whose skin or morph data differ are joined only with
+    /// `--weld position`
     #[arg(long, value_name = "D", conflicts_with = "no_weld", allow_hyphen_values = true, value_parser = spec::weld_distance)]
     weld_distance: Option<WeldDistance>,
 }
@@ -84,8 +85,8 @@ pub(crate) struct MomentArgs {
     pub(crate) pose: PoseArgs,
 
     /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, or - for standard input.
-    /// It moves vertices in world space, after morph targets and skins. Where the result has an origin, positions are relative
-    /// to it. It needs a GPU
+    /// It moves vertices in world space, after morph targets and skins. Where the result has an origin, positions are
+    /// relative to it. It needs a GPU
     #[arg(long, value_name = "FILE.wgsl")]
     pub(crate) displace: Option<PathBuf>,
 
@@ -108,9 +109,9 @@ pub(crate) struct PoseArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct DeviceArgs {
-    /// Where to compute: `auto` (a GPU if there is one that is no software and takes the model, else the CPU, which is faster
-    /// than software GPUs), `gpu` (any GPU, software GPUs included), `cpu`, or a part of a device's name or backend (`rimline
-    /// devices` lists them)
+    /// Where to compute: `auto` (a GPU if there is one that is no software and takes the model, else the CPU, which is
+    /// faster than software GPUs), `gpu` (any GPU, software GPUs included), `cpu`, or a part of a device's name or
+    /// backend (`rimline devices` lists them)
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
     pub(crate) device: String,
 }
@@ -184,8 +185,9 @@ impl ModelArgs {
 /// Limits for model files.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LoadArgs {
-    /// The largest memory that reading one file, and making its mesh, may take at one time, such as 512MiB, 16GiB or a number
-    /// of bytes. A file that states more is refused before its data is read. Small files can need a lot of memory
+    /// The largest memory that reading one file, and making its mesh, may take at one time, such as 512MiB, 16GiB or a
+    /// number of bytes. A file that states more is refused before its data is read. Small files can need a lot of
+    /// memory
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     pub(crate) memory_limit: u64,
 

@@ -1,4 +1,4 @@
-//! The command `rimline`: extract silhouettes, draw outlines, count shadow depths, look into models and devices, measure.
+//! The command `rimline`: extract silhouettes, draw outlines, count occluders, look into models and devices, measure.
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;

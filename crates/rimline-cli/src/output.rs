@@ -73,12 +73,12 @@ pub(crate) fn complain(failure: &Failure) {
 #[derive(Debug)]
 pub(crate) struct Output {
     name: PathBuf,
-    place: Place,
+    destination: Destination,
     file: Option<BufWriter<File>>,
 }
 
 #[derive(Debug)]
-enum Place {
+enum Destination {
     Beside { temporary: TempPath, target: PathBuf },
     Through { to: File, is_cut: bool },
 }
@@ -90,17 +90,17 @@ impl Output {
     }
 
     fn start(name: &Path) -> io::Result<Self> {
-        let (place, file) = match find(name)? {
+        let (destination, file) = match find(name)? {
             Target::Replace(target, existing) => {
                 let (temporary, file) = beside(&target, existing.as_ref())?;
-                (Place::Beside { temporary, target }, file)
+                (Destination::Beside { temporary, target }, file)
             }
             Target::Through(to, is_cut) => {
                 // Archives are written back and forth, which pipes cannot.
-                (Place::Through { to, is_cut }, tempfile::tempfile().map_err(|error| on_the_way(&error))?)
+                (Destination::Through { to, is_cut }, tempfile::tempfile().map_err(|error| on_the_way(&error))?)
             }
         };
-        Ok(Self { name: name.to_owned(), place, file: Some(BufWriter::with_capacity(1 << 18, file)) })
+        Ok(Self { name: name.to_owned(), destination, file: Some(BufWriter::with_capacity(1 << 18, file)) })
     }
 
     /// The file, for a program that writes it piece by piece. `finish` has to come after.
@@ -119,19 +119,19 @@ impl Output {
             let Some(mut file) = output.file.take() else { return Ok(()) };
             let written = write(&mut file).map_err(Into::into);
             let written = written.and_then(|()| file.into_inner().map_err(io::IntoInnerError::into_error));
-            let mut file = match output.place {
-                Place::Beside { .. } => written?,
-                Place::Through { .. } => written.map_err(|error| on_the_way(&error))?,
+            let mut file = match output.destination {
+                Destination::Beside { .. } => written?,
+                Destination::Through { .. } => written.map_err(|error| on_the_way(&error))?,
             };
-            match &mut output.place {
-                Place::Beside { temporary, target } => {
+            match &mut output.destination {
+                Destination::Beside { temporary, target } => {
                     file.sync_all()?;
                     // Closed before it is renamed: some systems refuse to rename an open file.
                     drop(file);
                     signals::complete(temporary, || std::fs::rename(&*temporary, target))?;
                     temporary.disable_cleanup(true);
                 }
-                Place::Through { to, is_cut } => {
+                Destination::Through { to, is_cut } => {
                     if *is_cut {
                         to.set_len(0)?;
                     }
@@ -191,7 +191,7 @@ fn unwritable(error: &io::Error) -> io::Error {
 impl Drop for Output {
     fn drop(&mut self) {
         self.file = None;
-        if let Place::Beside { temporary, .. } = &self.place {
+        if let Destination::Beside { temporary, .. } = &self.destination {
             remove_unfinished(temporary);
         }
     }

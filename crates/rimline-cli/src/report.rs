@@ -72,7 +72,8 @@ impl Times {
         }
     }
 
-    /// Adds the stages that `timer` timed, once they ran. Where it cannot tell their times, adds `all`: what they took by the clock.
+    /// Adds the stages that `timer` timed, once they ran. Where it cannot tell their times, adds `all`: what they took
+    /// by the clock.
     pub(crate) fn add_stages(&mut self, gpu: &Gpu, timer: Option<&StageTimer>, all: f64) -> Result<(), DeviceError> {
         let Some(timer) = timer else {
             self.add(ALL_STAGES, all);

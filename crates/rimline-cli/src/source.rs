@@ -38,7 +38,7 @@ pub(crate) fn read_text(file: &Path) -> io::Result<String> {
     String::from_utf8(read(file)?).map_err(|_| io::Error::other("it is not UTF-8 text"))
 }
 
-/// The input's metadata, of whatever standard input is where it stands for that.
+/// The input's metadata. For `-` it is the metadata of standard input: a file, a pipe or a terminal.
 pub(crate) fn metadata(file: &Path) -> io::Result<Metadata> {
     #[cfg(unix)]
     if is_stdin(file) {

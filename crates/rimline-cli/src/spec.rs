@@ -130,8 +130,8 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
 
 /// A light with its options, `SPEC[,option=value]…`.
 pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
-    let (place, options) = split_options(text);
-    let mut shaded = ShadedLightSpec::new(light(place)?);
+    let (light_text, options) = split_options(text);
+    let mut shaded = ShadedLightSpec::new(light(light_text)?);
     let lamp = |option, value: f32, is_right: bool, needed| {
         if is_right { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
     };
@@ -172,11 +172,11 @@ impl ShadedLightSpec {
     }
 
     /// Its options fit together and to the light, which may have a range of its own.
-    pub(crate) fn check(&self, light: Light, own_range: Option<f32>) -> Result<(), SpecError> {
+    pub(crate) fn check(&self, light: Light, file_range: Option<f32>) -> Result<(), SpecError> {
         if light.w == 0.0 && self.range.is_some() {
             return Err(SpecError::RangeAtInfinity);
         }
-        match (self.range.or(own_range), self.begin, self.exponent) {
+        match (self.range.or(file_range), self.begin, self.exponent) {
             (None, Some(_), _) => Err(SpecError::NoRange("begin")),
             (None, None, Some(_)) => Err(SpecError::NoRange("exponent")),
             (Some(range), Some(begin), _) if begin > range => Err(SpecError::BeginBeyondRange { begin, range }),

@@ -74,19 +74,19 @@ fn is_stdout(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
-/// The files that a command reads, whatever names they are given by: results must not replace them.
+/// The files that a command reads, by identity and not by name. Results must not replace them.
 #[derive(Debug)]
 pub(crate) struct Inputs(HashMap<Identity, PathBuf>);
 
 impl Inputs {
     pub(crate) fn new<P: AsRef<Path>>(files: impl IntoIterator<Item = P>) -> Self {
-        let place = |file: P| {
+        let identified = |file: P| {
             let file = file.as_ref();
             // Missing files, pipes and devices have no contents that could be lost.
             let there = source::metadata(file).ok().filter(std::fs::Metadata::is_file)?;
             Some((identity(file, &there)?, file.to_owned()))
         };
-        Self(files.into_iter().filter_map(place).collect())
+        Self(files.into_iter().filter_map(identified).collect())
     }
 
     /// Refuses to write a file that is one of them.
@@ -168,11 +168,11 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     if let (Ok(there), Ok(other)) = (std::fs::metadata(a), std::fs::metadata(b)) {
         return identity(a, &there) == identity(b, &other);
     }
-    let place = |path: &Path| {
+    let real_path = |path: &Path| {
         let path = end_of_links(path).ok()?;
         Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
     };
-    a == b || place(a).is_some_and(|a| Some(a) == place(b))
+    a == b || real_path(a).is_some_and(|a| Some(a) == real_path(b))
 }
 
 /// Endings that stand for a format. One that is none of these is a part of the name.
@@ -180,9 +180,9 @@ const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif hei
     pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
     usd usda usdc usdz blend zip gz tar csv tsv json txt md html wgsl";
 
-/// Refuses a file name that ends as another format's: its own is `own`.
-pub(crate) fn check_ending(out: &Path, own: &'static str) -> Result<(), UsageError> {
-    let what = match own {
+/// Refuses a file name that ends as another format's: `expected` is the format of this one.
+pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), UsageError> {
+    let what = match expected {
         "png" => "a PNG picture",
         "gif" => "a GIF",
         "apng" => "an animated PNG",
@@ -194,7 +194,7 @@ pub(crate) fn check_ending(out: &Path, own: &'static str) -> Result<(), UsageErr
         _ => "JSON",
     };
     match format_of(out) {
-        Some(ending) if ending != own => Err(UsageError::Ending { out: out.to_owned(), what, own }),
+        Some(ending) if ending != expected => Err(UsageError::Ending { out: out.to_owned(), what, expected }),
         _ => Ok(()),
     }
 }
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn endings_of_other_formats_are_refused() {
-        let is_taken = |name: &str, own| check_ending(Path::new(name), own).is_ok();
+        let is_taken = |name: &str, expected| check_ending(Path::new(name), expected).is_ok();
         for name in ["a.png", "a.PNG", "a", "a.b", "v1.2", "/dev/stdout", ".png"] {
             assert!(is_taken(name, "png"), "{name}");
         }

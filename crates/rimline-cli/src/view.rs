@@ -13,7 +13,8 @@ use crate::spec;
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(EXAMPLES), mut_arg("device", drawing_device))]
 pub(crate) struct WindowArgs {
-    /// Models: .gltf, .glb, .obj, .ply, .stl or .npz. Without any, a built-in scene is shown. More can be dropped on the window
+    /// Models: .gltf, .glb, .obj, .ply, .stl or .npz. Without any, a built-in scene is shown. More can be dropped on
+    /// the window
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
 

@@ -41,8 +41,8 @@ pub(crate) fn chains(drawn: &Drawn<'_>) -> (Vec<Span>, Vec<Chain>) {
         // Open chains from the end where they begin, then closed ones.
         for &piece in pieces {
             for end in [2 * piece, 2 * piece + 1] {
-                let is_own_begin = end % 2 == 0 || !is_directed(drawn.kind(piece).0);
-                if next[end as usize] == NONE && is_own_begin {
+                let may_begin = end % 2 == 0 || !is_directed(drawn.kind(piece).0);
+                if next[end as usize] == NONE && may_begin {
                     walk(end, &mut spans);
                 }
             }

@@ -43,10 +43,10 @@ impl Drawn<'_> {
         pairs.dedup();
         let mut pairs = pairs.chunk_by(|one, other| one[0] == other[0]).peekable();
         let mut kept = Vec::with_capacity(self.pieces.len());
-        for own in self.pieces.chunk_by(|one, other| one.line == other.line) {
-            match pairs.next_if(|pairs| pairs[0][0] == own[0].line) {
-                Some(pairs) => self.keep(own, pairs, &mut kept),
-                None => kept.extend_from_slice(own),
+        for of_line in self.pieces.chunk_by(|one, other| one.line == other.line) {
+            match pairs.next_if(|pairs| pairs[0][0] == of_line[0].line) {
+                Some(pairs) => self.keep(of_line, pairs, &mut kept),
+                None => kept.extend_from_slice(of_line),
             }
         }
         kept
@@ -76,8 +76,8 @@ impl Drawn<'_> {
     }
 
     /// The pieces of one line that are kept, with the lines that coincide with it.
-    fn keep(&self, own: &[Piece], pairs: &[[u32; 2]], kept: &mut Vec<Piece>) {
-        let line = own[0].line as usize;
+    fn keep(&self, of_line: &[Piece], pairs: &[[u32; 2]], kept: &mut Vec<Piece>) {
+        let line = of_line[0].line as usize;
         let Some(part) = &self.parts[line] else { return };
         let is_perspective = self.world.view.is_perspective();
         // Pieces of other lines, by where they are along this one's page, and their ranks.
@@ -93,7 +93,7 @@ impl Drawn<'_> {
                 }
             }
         }
-        for piece in own {
+        for piece in of_line {
             let ends = piece.ends.map(|at| part.along(at, is_perspective));
             let better = others.iter().filter(|(_, rank)| *rank < self.rank(piece)).map(|(ends, _)| *ends);
             let mut better: Vec<[f64; 2]> = better.collect();

@@ -106,12 +106,12 @@ fn check_memory(world: &World<'_>, lines: usize, options: &LineOptions) -> Resul
     let meshes = world.placed.iter().map(|placed| &placed.object.mesh);
     let (faces, edges) =
         meshes.fold((0, 0), |(faces, edges), mesh| (faces + mesh.faces().len(), edges + mesh.edges().len()));
-    let own_positions = if world.placed.len() == 1 { 0 } else { 12 * vertices };
+    let joined_positions = if world.placed.len() == 1 { 0 } else { 12 * vertices };
     // Masks and buckets of edges; then boxes and nodes of faces, and lines with their parts, pieces and spans.
     let finding = 4 * vertices + 4 * faces + 16 * edges;
     let hiding = size_of::<Box3>() * vertices + (size_of::<(Box3, Triangle)>() + size_of::<Box3>() / 2) * faces;
     let drawing =
         (size_of::<Line>() + size_of::<Option<Part>>() + 2 * size_of::<Piece>() + 2 * size_of::<Span>() + 32) * lines;
-    let needed = (own_positions + finding.max(hiding) + drawing) as u64;
+    let needed = (joined_positions + finding.max(hiding) + drawing) as u64;
     if needed > limit { Err(LinesError::Memory { needed, limit }) } else { Ok(()) }
 }

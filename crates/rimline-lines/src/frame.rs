@@ -112,10 +112,11 @@ impl Frame {
                     |at: f64| [on_page(at)[axis] - low[axis], high[axis] - on_page(at)[axis]].map(|d| d * weights(at));
                 let [first, last] = from.map(inside);
                 for side in 0..2 {
-                    let mut own = [0.0, 1.0];
-                    clip(&mut own, [first[side], last[side]])?;
-                    let own = own.map(|at| if at == 1.0 { from[1] } else { from[0] + at * (from[1] - from[0]) });
-                    part = [part[0].max(own[0]), part[1].min(own[1])];
+                    let mut inside_side = [0.0, 1.0];
+                    clip(&mut inside_side, [first[side], last[side]])?;
+                    let inside_side =
+                        inside_side.map(|at| if at == 1.0 { from[1] } else { from[0] + at * (from[1] - from[0]) });
+                    part = [part[0].max(inside_side[0]), part[1].min(inside_side[1])];
                 }
             }
         }

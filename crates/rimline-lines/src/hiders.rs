@@ -89,8 +89,8 @@ impl Reach {
         }
         let at = heights.map(|height| self.at[0] - (height - self.at[1]) * ny / nx);
         let error = 1e-3 + 2.0 / SIDE as f32;
-        let own = cells(at[0].min(at[1]) - error, at[0].max(at[1]) + error);
-        own.start.max(columns.start)..own.end.min(columns.end)
+        let passed = cells(at[0].min(at[1]) - error, at[0].max(at[1]) + error);
+        passed.start.max(columns.start)..passed.end.min(columns.end)
     }
 }
 

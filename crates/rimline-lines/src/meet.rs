@@ -49,10 +49,10 @@ pub(crate) fn meet(
         let [a, b, c] = faces.positions(corners).map(Box3::of);
         (a.join(b).join(c), (number as u32, corners))
     });
-    let prepare = |&(number, corners): &(u32, [u32; 3])| Own::new(number, corners, &world.positions);
-    let found = tree.pairs(threads, tick, prepare, |found, own: &Own, &(other, corners)| {
-        if own.may_meet(corners, &world.positions) {
-            let numbers = [own.number.min(other), own.number.max(other)];
+    let prepare = |&(number, corners): &(u32, [u32; 3])| PreparedFace::new(number, corners, &world.positions);
+    let found = tree.pairs(threads, tick, prepare, |found, face: &PreparedFace, &(other, corners)| {
+        if face.may_meet(corners, &world.positions) {
+            let numbers = [face.number.min(other), face.number.max(other)];
             let [one, other] = numbers.map(|number| faces.get(number));
             if let Some(ends) = meeting(&one, &other) {
                 found.push((numbers, ends, [one, other].map(|face| (face.placed, face.number))));
@@ -108,13 +108,13 @@ impl<'a> Faces<'a> {
     }
 
     /// The object of a triangle, and its number there.
-    fn place(&self, number: u32) -> (usize, usize) {
+    fn object_and_triangle(&self, number: u32) -> (usize, usize) {
         let placed = if self.first.len() == 1 { 0 } else { self.first.partition_point(|&first| first <= number) - 1 };
         (placed, (number - self.first[placed]) as usize)
     }
 
     fn corners(&self, number: u32) -> [u32; 3] {
-        let (placed, triangle) = self.place(number);
+        let (placed, triangle) = self.object_and_triangle(number);
         let placed = &self.world.placed[placed];
         placed.object.mesh.faces()[triangle].map(|vertex| vertex + placed.first_vertex)
     }
@@ -124,7 +124,7 @@ impl<'a> Faces<'a> {
     }
 
     fn get(&self, number: u32) -> Face {
-        let (placed, triangle) = self.place(number);
+        let (placed, triangle) = self.object_and_triangle(number);
         let corners = self.corners(number);
         let number = self.polygons[placed].as_ref().map_or(triangle as u32, |of| of[triangle]);
         Face { placed: placed as u32, number, corners, positions: self.positions(corners) }
@@ -132,13 +132,13 @@ impl<'a> Faces<'a> {
 }
 
 /// A face that is asked for several others.
-struct Own {
+struct PreparedFace {
     number: u32,
     corners: [u32; 3],
     plane: Plane,
 }
 
-impl Own {
+impl PreparedFace {
     fn new(number: u32, corners: [u32; 3], positions: &[[f32; 3]]) -> Self {
         let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
         Self { number, corners, plane: Plane::of_face(a, b, c) }

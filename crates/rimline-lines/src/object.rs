@@ -42,14 +42,15 @@ pub fn objects_of_model(model: &Model, pose: &Pose, threads: Threads) -> Result<
     placed
         .map(|(number, ((instance, geometry), pose))| {
             let count = geometry.positions().len();
-            let own = positions[first..first + count].to_vec();
+            let instance_positions = positions[first..first + count].to_vec();
             first += count;
             let turned = |&[a, b, c]: &[u32; 3]| if pose.faces_turned() { [a, c, b] } else { [a, b, c] };
             let faces: Vec<_> = geometry.faces().iter().map(turned).collect();
-            let mesh = Mesh::new(&own, &faces, Weld::Position).or_else(|_| Mesh::from_faces(3, vec![[0; 3]]));
+            let mesh =
+                Mesh::new(&instance_positions, &faces, Weld::Position).or_else(|_| Mesh::from_faces(3, vec![[0; 3]]));
             let name = instance.name().or(geometry.name()).map_or_else(|| format!("instance {number}"), str::to_owned);
             let mesh = Cow::Owned(mesh.map_err(rimline::ModelError::from)?);
-            Ok(Object { name, mesh, positions: Cow::Owned(own), marked: Vec::new() })
+            Ok(Object { name, mesh, positions: Cow::Owned(instance_positions), marked: Vec::new() })
         })
         .collect()
 }

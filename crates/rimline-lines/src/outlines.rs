@@ -80,13 +80,13 @@ fn is_too_near(placed: &Placed<'_>, view: &View, near: f64) -> bool {
 
 /// Closed loops whose winding number about a point of the page is the number of faces there; half of it if the mesh is closed.
 ///
-/// A face whose back the eye sees is walked the other way round. Edges between two faces that are seen alike cancel.
+/// A face whose back the eye sees is walked the other way round. Edges between two faces with the same facing cancel.
 fn loops(placed: &Placed<'_>, view: &View, threads: Threads) -> Result<Vec<Vec<[f64; 2]>>, LinesError> {
     let object = placed.object;
     // A polygon that is not planar may have a twisted outline. Its triangles have not.
     let triangles = || Mesh::from_faces(object.mesh.vertex_count() as usize, object.mesh.faces().to_vec());
-    let own = object.mesh.polygons().map(|_| triangles()).transpose().map_err(rimline::ModelError::from)?;
-    let mesh = own.as_ref().unwrap_or(&object.mesh);
+    let of_triangles = object.mesh.polygons().map(|_| triangles()).transpose().map_err(rimline::ModelError::from)?;
+    let mesh = of_triangles.as_ref().unwrap_or(&object.mesh);
     let facing = extract(&object.positions, mesh, &[view.eye()], Predicate::Exact, threads)?.facing;
     let mut edges = Vec::new();
     for edge in mesh.edges().iter() {
@@ -117,11 +117,12 @@ fn walks(mut edges: Vec<[u32; 2]>) -> Vec<Vec<u32>> {
         while next[start] < edges.len() && edges[next[start]][0] == begin {
             let (mut walk, mut vertex) = (Vec::new(), begin);
             loop {
-                let place = first(vertex);
-                let Some(edge) = next.get(place).and_then(|&at| edges.get(at)).filter(|edge| edge[0] == vertex) else {
+                let start_index = first(vertex);
+                let Some(edge) = next.get(start_index).and_then(|&at| edges.get(at)).filter(|edge| edge[0] == vertex)
+                else {
                     break;
                 };
-                next[place] += 1;
+                next[start_index] += 1;
                 walk.push(vertex);
                 vertex = edge[1];
                 if vertex == begin {

@@ -18,7 +18,7 @@ pub(crate) fn blocks<R: Send>(
         let block = next.fetch_add(1, Ordering::Relaxed);
         (block < count && !is_ended.load(Ordering::Relaxed)).then_some(block)
     };
-    let own = |tick: &mut dyn FnMut(usize) -> ControlFlow<()>| {
+    let run_blocks = |tick: &mut dyn FnMut(usize) -> ControlFlow<()>| {
         let mut done = Vec::new();
         while let Some(block) = take() {
             if tick(block).is_break() {
@@ -30,10 +30,10 @@ pub(crate) fn blocks<R: Send>(
     };
     let mut results = std::thread::scope(|scope| {
         let others = threads.count().min(count).saturating_sub(1);
-        let own = &own;
+        let run_blocks = &run_blocks;
         let workers: Vec<_> =
-            (0..others).map(|_| scope.spawn(move || own(&mut |_| ControlFlow::Continue(())))).collect();
-        let mut results = own(tick);
+            (0..others).map(|_| scope.spawn(move || run_blocks(&mut |_| ControlFlow::Continue(())))).collect();
+        let mut results = run_blocks(tick);
         for worker in workers {
             results.extend(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         }

@@ -120,10 +120,10 @@ impl<T: Copy + Send + Sync> Tree<T> {
             [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis])
         };
         let curve = Curve::new(around, axes);
-        let order = sorted(threads, count, |at| u64::from(curve.place(middle(at))) << 32 | at as u64);
+        let order = sorted(threads, count, |at| u64::from(curve.rank(middle(at))) << 32 | at as u64);
         let rows = ranges(threads, order.len().div_ceil(WIDE), RUN / WIDE, |range| {
-            let own = &order[WIDE * range.start..(WIDE * range.end).min(order.len())];
-            let items: Vec<_> = own.iter().map(|&key| item(key as u32 as usize)).collect();
+            let keys = &order[WIDE * range.start..(WIDE * range.end).min(order.len())];
+            let items: Vec<_> = keys.iter().map(|&key| item(key as u32 as usize)).collect();
             let rows: Vec<_> = items.chunks(WIDE).map(|row| Row::new(row.iter().map(|&(around, _)| around))).collect();
             (rows, items.into_iter().map(|(_, item)| item).collect::<Vec<_>>())
         });
@@ -188,14 +188,14 @@ impl<T: Copy + Send + Sync> Tree<T> {
         let work = |block: usize| {
             let mut results = Vec::new();
             for number in block * PAIR_RUN..((block + 1) * PAIR_RUN).min(rows.len()) {
-                let (own, around) = (&rows[number], rows[number].around());
+                let (boxes, around) = (&rows[number], rows[number].around());
                 let items = &self.items[WIDE * number..self.items.len().min(WIDE * (number + 1))];
                 let prepared: Vec<_> = items.iter().map(&prepare).collect();
                 self.rows(&|row| row.meets(&around), number, |other, mask| {
                     let row = &rows[other];
                     for (at, item) in prepared.iter().enumerate() {
                         let later = if other == number { u32::MAX << at << 1 } else { u32::MAX };
-                        for other_at in positions_of(row.meets(&own.get(at)) & mask & later) {
+                        for other_at in positions_of(row.meets(&boxes.get(at)) & mask & later) {
                             found(&mut results, item, &self.items[WIDE * other + other_at]);
                         }
                     }
@@ -254,7 +254,7 @@ impl Curve {
     }
 
     /// Where the cell of a point is on the curve, by Skilling (2004): "Programming the Hilbert curve".
-    fn place(&self, point: [f32; 3]) -> u32 {
+    fn rank(&self, point: [f32; 3]) -> u32 {
         let bits = Self::bits(self.axes);
         let most = (1_u32 << bits) - 1;
         // Numbers that are not finite go to a border.
@@ -279,7 +279,7 @@ impl Curve {
         }
         let x = x.map(|x| x ^ flip);
         let digits = (0..bits).rev().flat_map(|bit| (0..self.axes).map(move |axis| x[axis] >> bit & 1));
-        digits.fold(0, |place, digit| place << 1 | digit)
+        digits.fold(0, |rank, digit| rank << 1 | digit)
     }
 }
 

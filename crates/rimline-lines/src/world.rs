@@ -69,11 +69,11 @@ impl<'a> World<'a> {
             check_count("vertices", vertices, u32::MAX as usize - 1)?;
             check_count("faces", faces, MAX_FACES)?;
         }
-        let own = |placed: &Placed<'a>| &placed.object.positions[..placed.object.mesh.vertex_count() as usize];
+        let positions_of = |placed: &Placed<'a>| &placed.object.positions[..placed.object.mesh.vertex_count() as usize];
         let positions = if let [only] = &*placed {
-            Cow::Borrowed(own(only))
+            Cow::Borrowed(positions_of(only))
         } else {
-            Cow::Owned(placed.iter().map(own).collect::<Vec<_>>().concat())
+            Cow::Owned(placed.iter().map(positions_of).collect::<Vec<_>>().concat())
         };
         Ok(Self { placed, positions, view, eye: view.eye().to_array(), pierces: Vec::new(), meetings: Vec::new() })
     }

@@ -132,7 +132,7 @@ impl Maker {
         maker
     }
 
-    /// A square whose vertices follow two joints, the nodes 1 and 2, with the given weights for all vertices alike.
+    /// A square whose vertices follow two joints, the nodes 1 and 2, with the given weights, the same for all vertices.
     pub fn skinned(joints: [u8; 4], weights: [f32; 4]) -> Self {
         let mut maker = Self::square();
         let joints = maker.accessor(U8, "VEC4", 4, &joints.repeat(4));
@@ -239,14 +239,14 @@ pub fn everything() -> Maker {
         "values": { "bufferView": to },
     });
     let fan = maker.mesh(&json!({ "attributes": { "POSITION": quantized }, "mode": 6 }));
-    let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
+    let translations = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
     let node = maker.push(
         "nodes",
         json!({
             "mesh": fan,
             "name": "fans",
             "extensions": {
-                "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } },
+                "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translations } },
                 "KHR_lights_punctual": { "light": 0 },
             },
         }),

@@ -21,8 +21,8 @@ pub fn height_and_spread(bound: &ClusterBound, light: Light) -> [f64; 2] {
     [sum(middle, t), sum(half, sizes) + f64::from(PRODUCT) * inexact_w * size + f64::from(LEAST)]
 }
 
-/// Whether all faces of the cluster face the light, or none does and it is in no face's plane. `None`: nothing is known. Faces
-/// that name a vertex twice face no light.
+/// Whether all faces of the cluster face the light, or none does and it is in no face's plane. `None`: nothing is
+/// known. Faces that name a vertex twice face no light.
 pub fn whole(bound: &ClusterBound, light: Light) -> Option<bool> {
     let [height, spread] = height_and_spread(bound, light);
     match bound.kind {

@@ -86,8 +86,8 @@ impl Gpu {
         }
     }
 
-    /// The value that `make` made for this device when it was first asked for by its type and this name. Pipelines of tests are made
-    /// once so: a software driver compiles for longer than it draws a picture.
+    /// The value that `make` made for this device when it was first asked for by its type and this name. Pipelines of
+    /// tests are made once so: a software driver compiles for longer than it draws a picture.
     pub fn kept<T: Any + Send + Sync>(
         &self,
         name: &str,

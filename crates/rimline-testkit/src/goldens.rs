@@ -1,5 +1,5 @@
-//! Goldens: hashes of results that every driver must give bit for bit, one `name hash` a line in `tests/goldens/SUBJECT.txt`.
-//! docs/testing.md, "Goldens", says how to write them anew.
+//! Goldens: hashes of results that every driver must give bit for bit, one `name hash` a line in
+//! `tests/goldens/SUBJECT.txt`. docs/testing.md, "Goldens", says how to write them anew.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,5 +1,5 @@
-//! Running tests that need a device: the adapter's name and the number of GPU tests are printed for the run's summary. Running
-//! tests on model files.
+//! Running tests that need a device: the adapter's name and the number of GPU tests are printed for the run's summary.
+//! Running tests on model files.
 
 use std::path::{Path, PathBuf};
 
@@ -19,8 +19,8 @@ pub fn gpu_trials(tests: impl IntoIterator<Item = Test>) -> Vec<Trial> {
     tests.into_iter().map(trial).collect()
 }
 
-/// A trial for each of these files in a folder. Without the folder there is one instead, which is ignored; `cargo xtask test`
-/// counts those that are named so.
+/// A trial for each of these files in a folder. Without the folder there is one instead, which is ignored; `cargo xtask
+/// test` counts those that are named so.
 pub fn on_files<E: Into<Failed>>(
     prefix: &str,
     folder: Option<PathBuf>,

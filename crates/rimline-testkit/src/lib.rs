@@ -8,7 +8,7 @@
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`choices`]: what the GPU chose for the lights of a caster;
 //! * [`clusters`]: what the bound of a cluster decides, in `f64`;
-//! * [`dispatch`]: a short way to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a
+//! * [`passes`]: textures of depth, and passes that draw into them; [`dispatch`]: a short way to pipelines; [`probe`]: functions of shaders, called; [`turns`]: how many turns the loops of a
 //!   shader have;
 //! * [`refusals`]: tables of calls that must be refused; [`mutate`]: files with something changed at random;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
@@ -29,6 +29,7 @@ pub mod models;
 pub mod mutate;
 pub mod on_gpu;
 pub mod oracle;
+pub mod passes;
 pub mod polygon_oracle;
 pub mod polygons;
 pub mod poser;
@@ -41,7 +42,7 @@ pub mod shadow_oracle;
 pub mod stage_probe;
 pub mod turns;
 
-pub use rimline_bench::record::{OneCaster, OneCasterOptions, OneFrame};
+pub use rimline_bench::record::{IDENTITY, OneCaster, OneCasterOptions, OneFrame};
 pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};
 
 use std::path::PathBuf;

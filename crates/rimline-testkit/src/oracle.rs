@@ -166,8 +166,8 @@ pub fn record_multiplicities(mesh: &Mesh, masks: &[EdgeMasks], light: usize) -> 
     sums
 }
 
-/// Edges of at most two faces that are silhouettes for a light, from faces alone: the two face differently when they
-/// run against each other, alike when they run the same way; an edge with one face always is one.
+/// Edges of at most two faces that are silhouettes for a light, from faces alone. If the faces traverse the edge in opposite
+/// directions, their facings differ; if in the same direction, they are equal. An edge with one face is always one.
 pub fn plain_silhouettes(edges: &EdgeFaces, facing: &[u32], face_count: usize, light: usize) -> BTreeSet<(u32, u32)> {
     let side = |face| side(facing, face_count, face, light);
     let is_silhouette = |faces: &[(u32, bool)]| match *faces {
@@ -190,7 +190,8 @@ pub fn record_silhouettes(mesh: &Mesh, edges: &EdgeFaces, masks: &[EdgeMasks], l
         .collect()
 }
 
-/// The list of the light with this bit over one plane of masks: the silhouette edges in edge order, with the winding bit as bit 31.
+/// The list of the light with this bit over one plane of masks: the silhouette edges in edge order, with the winding
+/// bit as bit 31.
 pub fn listed(plane: &[EdgeMasks], bit: u32) -> Vec<u32> {
     let edges = (0..).zip(plane).filter(|(_, masks)| masks.silhouette >> bit & 1 != 0);
     edges.map(|(edge, masks): (u32, _)| edge | (masks.winding >> bit & 1) << 31).collect()

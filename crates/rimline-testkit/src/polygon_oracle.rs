@@ -9,7 +9,7 @@ use num_bigint::BigInt;
 use rimline::Light;
 use rimline::internals::cpu::Orientation;
 
-use super::shadow_oracle::{Vector, least, minus, scaled, sign};
+use super::shadow_oracle::{Homogeneous, Vector, cross, least, minus, scaled, sign};
 
 /// Result of the oracle for a boundary and a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,13 +18,6 @@ pub struct Found {
     pub orientation: Orientation,
     /// Whether the boundary touches itself in space, elsewhere than at common ends of edges.
     pub touches: bool,
-}
-
-fn cross(u: &Vector, v: &Vector) -> Vector {
-    std::array::from_fn(|axis| {
-        let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
-        &u[y] * &v[z] - &u[z] * &v[y]
-    })
 }
 
 fn dot(u: &Vector, v: &Vector) -> BigInt {
@@ -39,22 +32,15 @@ fn is_zero(v: &Vector) -> bool {
 struct Scaled {
     /// Edges that have a length.
     edges: Vec<[Vector; 2]>,
-    light: Vector,
-    w: BigInt,
+    light: Homogeneous,
 }
 
 impl Scaled {
     fn new(edges: &[[[f32; 3]; 2]], light: Light) -> Self {
         let scale = -least(edges.iter().flatten().flatten().copied());
         let integers = |p: [f32; 3]| p.map(|c| scaled(c, scale));
-        let [x, y, z, w] = light.to_array();
-        // Exponent that makes integers of w and of the light's coordinates times 2^scale.
-        let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
-        Self {
-            edges: edges.iter().map(|edge| edge.map(integers)).filter(|[a, b]| a != b).collect(),
-            light: [x, y, z].map(|c| scaled(c, scale + common)),
-            w: scaled(w, common),
-        }
+        let edges = edges.iter().map(|edge| edge.map(integers)).filter(|[a, b]| a != b).collect();
+        Self { edges, light: Homogeneous::light(light, scale) }
     }
 
     fn touches(&self) -> bool {
@@ -63,8 +49,8 @@ impl Scaled {
 
     /// The plane that the moved light sees. `None` if the boundary fits no half-space.
     fn projection(&self) -> Option<Projection> {
-        let (moved, w) = moved_light(self.edges.iter().flatten(), self.light.clone(), self.w.clone());
-        Projection::new(&self.edges, &moved, w)
+        let Homogeneous { xyz, w } = self.light.moved(self.edges.iter().flatten());
+        Projection::new(&self.edges, &xyz, w)
     }
 
     fn flat(&self, projection: &Projection) -> Vec<[Point; 2]> {
@@ -76,7 +62,7 @@ impl Scaled {
 pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
     let scaled = Scaled::new(edges, light);
     let touches = scaled.touches();
-    if is_in_plane(&scaled.edges, &scaled.light, &scaled.w) {
+    if is_in_plane(&scaled.edges, &scaled.light) {
         return Found { orientation: Orientation::InPlane, touches };
     }
     let Some(projection) = scaled.projection() else { return Found { orientation: Orientation::Twisted, touches } };
@@ -90,8 +76,8 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
     Found { orientation, touches }
 }
 
-/// For each edge the others that cross it as the light sees them. `None` if the boundary fits no half-space, or touches itself in
-/// space.
+/// For each edge the others that cross it as the light sees them. `None` if the boundary fits no half-space, or touches
+/// itself in space.
 pub fn cuts(edges: &[[[f32; 3]; 2]], light: Light) -> Option<Vec<usize>> {
     let scaled = Scaled::new(edges, light);
     let flat = scaled.flat(&scaled.projection().filter(|_| !scaled.touches())?);
@@ -103,18 +89,6 @@ pub fn cuts_by<P>(edges: &[[P; 2]], side: impl Fn(&P, &P, &P) -> i32) -> Vec<usi
     let parts = |[a, b]: &[P; 2], [c, d]: &[P; 2]| side(a, b, c) * side(a, b, d) < 0;
     let of = |edge: &[P; 2]| edges.iter().filter(|other| parts(edge, other) && parts(other, edge)).count();
     edges.iter().map(of).collect()
-}
-
-/// The light moved by (ε, ε², ε³), with an ε below the inverse of any determinant of these points.
-fn moved_light<'a>(points: impl Iterator<Item = &'a Vector>, l: Vector, w: BigInt) -> (Vector, BigInt) {
-    let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);
-    let largest = points.map(bits).max().unwrap_or(0);
-    let epsilon = 4 * (largest + bits(&l).max(w.bits())) + 64;
-    let mut moved: Vector = l.map(|c| c << (3 * epsilon));
-    for (axis, coordinate) in moved.iter_mut().enumerate() {
-        *coordinate += BigInt::from(1) << ((2 - axis as u64) * epsilon);
-    }
-    (moved, w << (3 * epsilon))
 }
 
 /// A homogeneous point of the plane, with positive z.
@@ -236,10 +210,10 @@ fn is_enclosed(directions: &[Vector]) -> bool {
 }
 
 /// Whether all corners are in one plane with the light, which is not moved.
-fn is_in_plane(edges: &[[Vector; 2]], l: &Vector, w: &BigInt) -> bool {
+fn is_in_plane(edges: &[[Vector; 2]], light: &Homogeneous) -> bool {
     let corners: Vec<&Vector> = edges.iter().map(|[a, _]| a).collect();
     let is_level = |a: &Vector, b: &Vector, c: &Vector| {
-        let to_light: Vector = std::array::from_fn(|axis| &l[axis] - w * &a[axis]);
+        let to_light: Vector = std::array::from_fn(|axis| &light.xyz[axis] - &light.w * &a[axis]);
         sign(&dot(&cross(&minus(b, a), &minus(c, a)), &to_light)) == 0
     };
     (0..corners.len()).all(|i| (0..i).all(|j| (0..j).all(|k| is_level(corners[i], corners[j], corners[k]))))

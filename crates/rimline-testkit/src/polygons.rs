@@ -267,8 +267,8 @@ pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
     (points, on_circle(4.0, random.between(0.0, 6.0)))
 }
 
-/// A boundary whose corners are in `planes` planes through the light but for `others` of them, and that light. All is exact: whole
-/// numbers, or planes of two axes.
+/// A boundary whose corners are in `planes` planes through the light but for `others` of them, and that light. All is
+/// exact: whole numbers, or planes of two axes.
 pub fn boundary_in_planes(random: &mut Random, planes: usize, others: usize) -> (Vec<[f32; 3]>, Light) {
     let is_whole = planes > 1 || random.below(2) == 0;
     let is_far = random.below(2) == 0;

@@ -1,9 +1,11 @@
 //! Functions of a stage's WGSL, called by a compute shader that writes down what they return.
 
+use rimline::internals::stages::Stage;
+
 use crate::device::Gpu;
 
-/// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a `vec4<f32>`,
-/// and of `index`.
+/// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a
+/// `vec4<f32>`, and of `index`.
 pub struct Probe {
     pipeline: wgpu::ComputePipeline,
     layouts: [wgpu::BindGroupLayout; 2],
@@ -105,6 +107,19 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
             cache: None,
         });
         Self { pipeline, layouts }
+    }
+
+    /// The vertices that a call of a stage's function gives for the inputs 0, 1, and so on. A probe is made once for a device.
+    pub fn vertices(
+        gpu: &Gpu,
+        stage: &Stage,
+        call: &str,
+        bound: &[(u32, Bound<'_>)],
+        count: usize,
+    ) -> Result<Vec<[f32; 4]>, String> {
+        let probe = gpu.kept(call, || Ok(Self::new(gpu, &stage.wgsl(), ("vec4<f32>", call), bound)))?;
+        let inputs: Vec<_> = (0..count).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
+        Ok(probe.run(gpu, bound, &inputs)?.into_iter().map(|vertex| vertex.map(f32::from_bits)).collect())
     }
 
     /// Four words for each input. There are at most 65,535 times 64 of them.

@@ -1,4 +1,4 @@
-//! Meshes, points and lights for the shadow depth query: ordinary ones, and ones that tie.
+//! Meshes, points and lights for queries of occluder counts: ordinary ones, and ones that tie.
 
 use crate::shapes::{self, Shape};
 use rimline::Light;
@@ -30,7 +30,8 @@ fn on_face(random: &mut Random, shape: &Shape) -> [f32; 3] {
     std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]))
 }
 
-/// Puts half of the points on faces, as rounding lets them be, and names a face for most: the one that the point is on, or any.
+/// Puts half of the points on faces, as rounding lets them be, and names a face for most: the one that the point is on,
+/// or any.
 pub fn put_on_faces(
     random: &mut Random,
     positions: &[[f32; 3]],
@@ -134,10 +135,10 @@ pub fn shadow_cases(random: &mut Random, points: usize, lights: usize) -> Vec<Sh
     found
 }
 
-/// Faces far from the origin, each alone in a box, with a corner in the box's corner. Lights at infinity lie in the directions
-/// of such corners as seen from the origin; points lie next to the origin, so near that the difference to a corner is
-/// hardly any more, in `f32` or in `f64`. So segments pass the corners of boxes, through a face's tip or beside it, by less
-/// than the roundings of a test for a box.
+/// Faces far from the origin, each alone in a box, with a corner in the box's corner. Lights at infinity lie in the
+/// directions of such corners as seen from the origin; points lie next to the origin, so near that the difference to a
+/// corner is hardly any more, in `f32` or in `f64`. So segments pass the corners of boxes, through a face's tip or
+/// beside it, by less than the roundings of a test for a box.
 fn grazing(random: &mut Random, counts: [usize; 2]) -> ShadowCase {
     let mut shape = Shape { positions: vec![[0.0; 3]], faces: Vec::new() };
     let mut lights = Vec::new();

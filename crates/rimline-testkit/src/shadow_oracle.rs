@@ -33,10 +33,41 @@ pub(crate) fn sign(value: &BigInt) -> i32 {
     }
 }
 
-/// A light `(l, w)` in the scale of a mesh.
-struct Homogeneous {
-    xyz: Vector,
-    w: BigInt,
+pub(crate) fn cross(u: &Vector, v: &Vector) -> Vector {
+    std::array::from_fn(|axis| {
+        let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+        &u[y] * &v[z] - &u[z] * &v[y]
+    })
+}
+
+/// A light `(l, w)`, or a point, in the scale of a mesh.
+#[derive(Clone)]
+pub(crate) struct Homogeneous {
+    pub(crate) xyz: Vector,
+    pub(crate) w: BigInt,
+}
+
+impl Homogeneous {
+    /// A light of which coordinates over w are times 2^scale.
+    pub(crate) fn light(light: Light, scale: i32) -> Self {
+        let [x, y, z, w] = light.to_array();
+        // Exponent that makes integers of w and of the light's coordinates times 2^scale.
+        let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
+        Self { xyz: [x, y, z].map(|c| scaled(c, scale + common)), w: scaled(w, common) }
+    }
+
+    /// The light moved by (ε, ε², ε³). A determinant has products of two coordinates of these points with one of the light's or w and a
+    /// coordinate. ε is below the inverse of any, with room for their sums.
+    pub(crate) fn moved<'a>(&self, points: impl Iterator<Item = &'a Vector>) -> Self {
+        let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);
+        let epsilon = 4 * (points.map(bits).max().unwrap_or(0) + bits(&self.xyz).max(self.w.bits())) + 64;
+        let Self { mut xyz, mut w } = self.clone();
+        xyz.iter_mut().chain([&mut w]).for_each(|c| *c <<= 3 * epsilon);
+        for (axis, coordinate) in xyz.iter_mut().enumerate() {
+            *coordinate += BigInt::from(1) << ((2 - axis as u64) * epsilon);
+        }
+        Self { xyz, w }
+    }
 }
 
 /// A triangle that is not a line, with its normal.
@@ -47,11 +78,7 @@ struct Triangle {
 
 impl Triangle {
     fn new(corners: [Vector; 3]) -> Option<Self> {
-        let [u, v] = [minus(&corners[1], &corners[0]), minus(&corners[2], &corners[0])];
-        let normal: Vector = std::array::from_fn(|axis| {
-            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
-            &u[y] * &v[z] - &u[z] * &v[y]
-        });
+        let normal = cross(&minus(&corners[1], &corners[0]), &minus(&corners[2], &corners[0]));
         normal.iter().any(|n| sign(n) != 0).then_some(Self { corners, normal })
     }
 
@@ -105,9 +132,12 @@ pub fn shadow_depth(positions: &[[f32; 3]], faces: &[[u32; 3]], points: &[[f32; 
         .filter(|corners| corners.iter().all(is_finite))
         .filter_map(|corners| Triangle::new(corners.map(|p| integers(&p))))
         .collect();
-    let lights: Vec<_> = lights.iter().map(|light| moved_light(*light, scale, &triangles, points)).collect();
+    let points: Vec<_> = points.iter().map(|point| is_finite(point).then(|| integers(point))).collect();
+    let all = || triangles.iter().flat_map(|triangle| &triangle.corners).chain(points.iter().flatten());
+    let lights = lights.iter().map(|&light| Homogeneous::light(light, scale));
+    let lights: Vec<_> = lights.map(|light| (light.clone(), light.moved(all()))).collect();
     let depths = points.iter().flat_map(|point| {
-        let at = is_finite(point).then(|| Homogeneous { xyz: integers(point), w: BigInt::from(1) });
+        let at = point.clone().map(|xyz| Homogeneous { xyz, w: BigInt::from(1) });
         let triangles = &triangles;
         lights.iter().map(move |(light, moved)| match &at {
             None => -1,
@@ -115,25 +145,4 @@ pub fn shadow_depth(positions: &[[f32; 3]], faces: &[[u32; 3]], points: &[[f32; 
         })
     });
     depths.collect()
-}
-
-/// The light in the mesh's scale, and moved by (ε, ε², ε³).
-fn moved_light(light: Light, scale: i32, triangles: &[Triangle], points: &[[f32; 3]]) -> (Homogeneous, Homogeneous) {
-    let [x, y, z, w] = light.to_array();
-    // Exponent that makes integers of w and of the light's coordinates times 2^scale.
-    let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
-    let light = Homogeneous { xyz: [x, y, z].map(|c| scaled(c, scale + common)), w: scaled(w, common) };
-    let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);
-    let corners = triangles.iter().flat_map(|triangle| &triangle.corners).map(bits).max().unwrap_or(0);
-    let points = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).flatten();
-    let points = points.map(|&c| scaled(c, scale).bits()).max().unwrap_or(0);
-    // A determinant has products of two coordinates with one of the light's or w and a coordinate; ε is below the
-    // inverse of any, with room for their sums.
-    let epsilon = 4 * (corners.max(points) + bits(&light.xyz).max(light.w.bits())) + 64;
-    let mut moved =
-        Homogeneous { xyz: light.xyz.clone().map(|c| c << (3 * epsilon)), w: light.w.clone() << (3 * epsilon) };
-    for (axis, coordinate) in moved.xyz.iter_mut().enumerate() {
-        *coordinate += BigInt::from(1) << ((2 - axis as u64) * epsilon);
-    }
-    (light, moved)
 }

@@ -22,12 +22,12 @@ pub struct Probe {
 pub type Input<const N: usize> = (u32, [[f32; 3]; N]);
 
 impl Probe {
-    /// `body` sets `out[0]` and so on to four numbers each, from `input_position(0)` and so on, and from `own`, a camera and a light, if
-    /// it names that. A probe is made once for a device.
-    pub fn of(gpu: &Gpu, stage: &Stage, [places, outputs]: [usize; 2], body: &str) -> Result<Arc<Self>, String> {
+    /// `body` sets `out[0]` and so on to four numbers each, from `input_position(0)` and so on, and from `pair`, a
+    /// camera and a light, if it names that. A probe is made once for a device.
+    pub fn of(gpu: &Gpu, stage: &Stage, [positions, outputs]: [usize; 2], body: &str) -> Result<Arc<Self>, String> {
         gpu.kept(body, || {
-            let takes_light = body.contains("own.");
-            let own = if takes_light { "let own = probe_seen[probe_inputs[probe_first].w];" } else { "" };
+            let takes_light = body.contains("pair.");
+            let pair = if takes_light { "let pair = probe_seen[probe_inputs[probe_first].w];" } else { "" };
             let source = format!(
                 "{}
 @group(0) @binding({SEEN}) var<storage, read> probe_seen: array<ViewLight>;
@@ -37,9 +37,9 @@ var<private> probe_first: u32;
 fn input_position(number: u32) -> vec3<f32> {{ return bitcast<vec3<f32>>(probe_inputs[probe_first + number].xyz); }}
 @compute @workgroup_size(64)
 fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
-  probe_first = id.x * {places}u;
+  probe_first = id.x * {positions}u;
   if (probe_first < arrayLength(&probe_inputs)) {{
-    {own}
+    {pair}
     var out: array<vec4<f32>, {outputs}>;
     {body}
     for (var number = 0u; number < {outputs}u; number++) {{
@@ -68,17 +68,17 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
             return Ok(Vec::new());
         }
         let seen: Vec<ViewLight> = seen.iter().map(|(view, light)| seen_light(*view, *light)).collect();
-        let words = inputs.iter().flat_map(|(seen, places)| {
-            places.map(|place| {
-                let [x, y, z] = place.map(f32::to_bits);
+        let words = inputs.iter().flat_map(|(seen, positions)| {
+            positions.map(|position| {
+                let [x, y, z] = position.map(f32::to_bits);
                 [x, y, z, *seen]
             })
         });
         let words: Vec<[u32; 4]> = words.collect();
         let found = gpu.storage(&vec![[0.0_f32; 4]; self.outputs * inputs.len()]);
-        let own = [(SEEN, &gpu.storage(&seen)), (SEEN + 1, &gpu.storage(&words)), (SEEN + 2, &found)];
-        let own = &own[usize::from(!self.takes_light)..];
-        self.stage.run_bound(gpu, &[&[bound, own].concat()], (inputs.len() as u32).div_ceil(64))?;
+        let probe_buffers = [(SEEN, &gpu.storage(&seen)), (SEEN + 1, &gpu.storage(&words)), (SEEN + 2, &found)];
+        let probe_buffers = &probe_buffers[usize::from(!self.takes_light)..];
+        self.stage.run_bound(gpu, &[&[bound, probe_buffers].concat()], (inputs.len() as u32).div_ceil(64))?;
         let found: Vec<[f32; 4]> = gpu.read(&found, usize::MAX)?;
         Ok(found.chunks(self.outputs).map(<[_]>::to_vec).collect())
     }

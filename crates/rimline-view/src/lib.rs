@@ -31,6 +31,7 @@ pub use rimline_picture::{Bounds, Mode};
 pub use state::body::{Body, BodyError, Report, Source};
 pub use state::camera::{Camera, Orbit};
 pub use state::clock::Clock;
+pub use state::drag::Handle;
 pub use state::event::{Button, Event, Modifiers};
 pub use state::keys::{Action, KEYS, KeyBinding};
 pub use state::lamp::{Lamp, LampKind};

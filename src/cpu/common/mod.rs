@@ -1,4 +1,5 @@
-//! The parts that the CPU references share: threads, positions, the determinant, its filter, its sign in `f64` and in integers.
+//! The parts that the CPU references share: threads, positions, the determinant, its filter, its sign in `f64` and in
+//! integers.
 
 pub(crate) mod determinant;
 pub(crate) mod double_sign;

@@ -35,7 +35,8 @@ impl FacingStatistics {
 
 /// Facing masks of `faces` for `lights`: ⌈N/32⌉ planes with one `u32` for each face. A vertex that `positions` lacks
 /// counts as non-finite. The lights must be finite; [`crate::light::check_lights`] checks this. The arithmetic is that
-/// of `wgsl/extract/facing.wgsl` and `wgsl/extract/exact_facing.wgsl`. See docs/numerics/facing.md, "Error band" and "Filter".
+/// of `wgsl/extract/facing.wgsl` and `wgsl/extract/exact_facing.wgsl`. See docs/numerics/facing.md, "Error band" and
+/// "Filter".
 pub fn facing(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
@@ -77,6 +78,16 @@ pub fn facing_into(
         total = FacingStatistics { non_finite_faces: 0, ..total }.plus(statistics);
     }
     total
+}
+
+/// For each face, whether the filter leaves it to exact arithmetic for any of at most 32 finite lights.
+pub fn undecided_faces(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<bool> {
+    let light_batch = LightBatch::new(lights, 0, 3);
+    let is_undecided = |&corners: &[u32; 3]| {
+        let face = Face::new(positions, corners);
+        face.may_face(&mut FacingStatistics::default()) && face.filter_lights(&light_batch).undecided != 0
+    };
+    faces.iter().map(is_undecided).collect()
 }
 
 /// A range of faces that one thread decides.

@@ -19,7 +19,7 @@ pub(crate) fn turn_as_given(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 
     }
 }
 
-/// The same for the light moved by `(ε, ε², ε³)`, as for the shadow depth. It is 0 only if the points lie on a line.
+/// The same for the light moved by `(ε, ε², ε³)`, as for occluder counts. It is 0 only if the points lie on a line.
 pub(crate) fn turn(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i32 {
     if a == b || b == c || c == a {
         return 0;

@@ -1,4 +1,4 @@
-//! References of the shadow depth query.
+//! CPU references of the query of occluder counts.
 
 pub(crate) mod exact_shadow_depth;
 pub(crate) mod shadow_boxes;

@@ -11,10 +11,10 @@ use crate::layout::FaceCluster;
 use crate::light::{MAX_LIGHTS, check_shadow_lights};
 use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 
-/// The depths of `points` for `lights`: the number of faces of `mesh` strictly between point and light. Each face counts once,
-/// in either orientation. A polygon counts once if an odd number of its triangles lie between, and not at all otherwise:
-/// where it is folded, it darkens what its boundary does, L-twisted or not. All inputs are in one space. Points follow each
-/// other in the result, with one number for each light. A point that is infinite or NaN has −1.
+/// The depths of `points` for `lights`: the number of faces of `mesh` strictly between point and light. Each face
+/// counts once, in either orientation. A polygon counts once if an odd number of its triangles lie between, and not at
+/// all otherwise: where it is folded, it darkens what its boundary does, L-twisted or not. All inputs are in one space.
+/// Points follow each other in the result, with one number for each light. A point that is infinite or NaN has −1.
 ///
 /// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that
 /// contains the point or the light does not lie between them. Other ties are broken as if the light were moved by
@@ -40,8 +40,8 @@ pub fn shadow_depth(
 
 /// Like [`shadow_depth`], for points on the surface. `on_face` has an entry for each point: the index in [`Mesh::faces`] of
 /// the face that it is on, or [`NO_FACE`]. This face does not count for its point, as if the point were exactly in it,
-/// wherever rounding put it. In a mesh with polygons the index names a triangle. The other triangles of its polygon count, as
-/// where the point is in the triangle.
+/// wherever rounding put it. In a mesh with polygons the index names a triangle. The other triangles of its polygon
+/// count, as where the point is in the triangle.
 ///
 /// # Errors
 /// The errors of [`shadow_depth`], and [`CpuError`] if `on_face` has not an entry for each point, or names a face that

@@ -1,13 +1,14 @@
 //! Whether timestamps of a software device belong to their passes.
 //!
-//! Mesa's llvmpipe takes the timestamps around a compute pass late, both at once, as soon as the device has drawn anything. A load
-//! of a known least time between two timestamps shows it.
+//! Mesa's llvmpipe takes the timestamps around a compute pass late, both at once, as soon as the device has drawn
+//! anything. A load of a known least time between two timestamps shows it.
 
 use super::memory::any_error;
 
 /// Passes of the load. Another program may delay one of two timestamps that are written at once, but hardly both times.
 const PASSES: u32 = 2;
-/// The least time of the load in milliseconds: a quarter of what 60,000 turns of eight dependent multiplications take at 6 GHz.
+/// The least time of the load in milliseconds: a quarter of what 60,000 turns of eight dependent multiplications take
+/// at 6 GHz.
 pub(crate) const LEAST_MS: f64 = 0.1;
 
 /// Bits that are mixed: no compiler makes fewer steps of these.

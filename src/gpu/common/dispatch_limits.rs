@@ -9,8 +9,8 @@ use crate::turns::ITEMS;
 /// The number of invocations of a workgroup, in every stage that works item by item.
 pub(crate) const WORKGROUP: u32 = 256;
 
-/// The number of workgroups whose invocations take `items` in turn. A CPU executes invocations without work one after another,
-/// so it gets few.
+/// The number of workgroups whose invocations take `items` in turn. A CPU executes invocations without work one after
+/// another, so it gets few.
 pub(crate) fn loops(device: &wgpu::Device, items: u32) -> u32 {
     loops_of(device, items, ITEMS)
 }
@@ -21,9 +21,9 @@ pub(crate) fn loops_of(device: &wgpu::Device, items: u32, turns: u32) -> u32 {
     items.div_ceil(WORKGROUP).clamp(1, few).max(items.div_ceil(WORKGROUP * turns))
 }
 
-/// The number of workgroups of 64 invocations that take undecided faces in turn, of which there are few as a rule: up to `turns`
-/// each if every one of `faces` is undecided. A workgroup without work costs time, too: on an NVIDIA H100, 16,384 of them took longer than
-/// facing of their four million faces.
+/// The number of workgroups of 64 invocations that take undecided faces in turn, of which there are few as a rule: up
+/// to `turns` each if every one of `faces` is undecided. A workgroup without work costs time, too: on an NVIDIA H100,
+/// 16,384 of them took longer than facing of their four million faces.
 pub(crate) fn exact_workgroups(device: &wgpu::Device, faces: u32, turns: u32) -> u32 {
     let few = if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 0 } else { 1024 };
     faces.div_ceil(64 * 4).min(few).max(faces.div_ceil(64 * turns))

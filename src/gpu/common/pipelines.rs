@@ -21,8 +21,8 @@ use crate::stages::{DEFORM, Stage};
 /// [`Scene::new`](crate::gpu::Scene::new), [`ShadowPipelines::new`](crate::gpu::ShadowPipelines::new),
 /// [`Extractor::new`](crate::gpu::Extractor::new), [`OutlinePipeline::new`](crate::gpu::OutlinePipeline::new),
 /// [`ShadowMasks::new`](crate::gpu::ShadowMasks::new), [`ShadowQuery::new`](crate::gpu::ShadowQuery::new),
-/// [`Deformer::new`](crate::gpu::Deformer::new), and those of depth maps. Each of them also takes a `&wgpu::Device`, and then
-/// has pipelines of its own.
+/// [`Deformer::new`](crate::gpu::Deformer::new), and those of depth maps. Each of them also takes a `&wgpu::Device`,
+/// and then has pipelines of its own.
 ///
 /// ```no_run
 /// # use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, Pipelines};
@@ -270,8 +270,8 @@ impl Pipeline {
         Self { label: entry_point, compute, layout, bindings }
     }
 
-    /// A dispatch of the stage, bound. `get` gives the resource of each name that the WGSL has. If one is missing, the device
-    /// refuses the bind group. Tests bind every stage.
+    /// A dispatch of the stage, bound. `get` gives the resource of each name that the WGSL has. If one is missing, the
+    /// device refuses the bind group. Tests bind every stage.
     pub(crate) fn dispatch<'a>(
         &self,
         device: &wgpu::Device,

@@ -21,6 +21,7 @@ pub struct PositionBuffer<'a> {
 pub(crate) struct BoundPositions {
     /// The offset in the buffer where the windows begin.
     pub(crate) base: u64,
+    /// Up to four ranges of the buffer, one a binding.
     pub(crate) windows: Windows,
     /// The word of vertex 0, counted from `base`, and the words from one vertex to the next.
     pub(crate) offset_words: u32,
@@ -50,15 +51,15 @@ impl PositionBuffer<'_> {
         Ok(span as u64)
     }
 
-    pub(crate) fn bind(&self, vertices: u32, split: &DispatchLimits) -> Result<BoundPositions, DeviceError> {
+    pub(crate) fn bind(&self, vertices: u32, limits: &DispatchLimits) -> Result<BoundPositions, DeviceError> {
         let Self { offset, stride, .. } = *self;
         let end = self.end(vertices)?;
-        let base = split.align_down(offset);
+        let base = limits.align_down(offset);
         let bytes = end - base;
         if bytes / 4 > u64::from(u32::MAX) {
             return Err(DeviceError::GatheredTooLarge { what: "positions", bytes, limit: 4 * u64::from(u32::MAX) });
         }
-        let windows = split.windows("positions", bytes)?;
+        let windows = limits.windows("positions", bytes)?;
         Ok(BoundPositions {
             base,
             windows,

@@ -39,11 +39,11 @@ pub struct PoseInputs<'a> {
     pub pose: &'a Pose,
     /// The time in seconds, for the displacement.
     pub time_s: f32,
-    /// The displacement's bind group, of the layout that [`DeformerOptions::displacement_layout`] had. What it binds may change
-    /// before each encode, so a scene keeps nothing that was computed from the positions.
+    /// The displacement's bind group, of the layout that [`DeformerOptions::displacement_layout`] had. What it binds
+    /// may change before each encode, so a scene keeps nothing that was computed from the positions.
     pub resources: Option<&'a wgpu::BindGroup>,
-    /// The most by which the displacement moves any coordinate of a vertex, for scenes. Infinity, as in [`Self::new`]: nothing
-    /// is known, so every frame needs all instances. Without a displacement it has no effect.
+    /// The most by which the displacement moves any coordinate of a vertex, for scenes. Infinity, as in [`Self::new`]:
+    /// nothing is known, so every frame needs all instances. Without a displacement it has no effect.
     pub displaced_by: f32,
 }
 
@@ -111,8 +111,8 @@ pub struct Deformer {
     dispatches: wgpu::Buffer,
     /// For each instance 1 if its positions are a point, since it was not needed.
     held: wgpu::Buffer,
-    /// The word of the pose where that is copied to. For each instance 1 if it is not needed now follows, which an upload makes
-    /// 0.
+    /// The word of the pose where that is copied to. For each instance 1 if it is not needed now follows, which an
+    /// upload makes 0.
     before: u64,
     layouts: Vec<PoseLayout>,
     /// Where the positions of each instance begin, in bytes.

@@ -71,7 +71,8 @@ impl DepthMapCube {
     /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`.
     ///
     /// # Errors
-    /// [`DepthMapError`] if the side, an option or the number of bits is refused, or buffers and texture do not fit the device.
+    /// [`DepthMapError`] if the side, an option or the number of bits is refused, or buffers and texture do not fit the
+    /// device.
     pub fn new(pipelines: &DepthMapPipelines, side: u32, options: DepthMapOptions) -> Result<Self, DepthMapError> {
         pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, side, options))
     }
@@ -125,8 +126,8 @@ impl DepthMapCube {
     /// no longer be drawn. The first encode with objects makes a texture and a pipeline for them.
     ///
     /// # Errors
-    /// [`DepthMapError`] if a texture or a camera is refused, the maps of the cameras do not meet, or the first objects do not fit.
-    /// Nothing is recorded then.
+    /// [`DepthMapError`] if a texture or a camera is refused, the maps of the cameras do not meet, or the first objects
+    /// do not fit. Nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

@@ -33,8 +33,8 @@ pub struct SceneDepth {
 pub struct SceneDepthCounts {
     /// Casters that were drawn.
     pub drawn: usize,
-    /// Chosen casters that were culled, because they are outside of the light's view. Casters with a singular transform count
-    /// nowhere.
+    /// Chosen casters that were culled, because they are outside of the light's view. Casters with a singular transform
+    /// count nowhere.
     pub outside: usize,
     /// Draws.
     pub draws: usize,

@@ -9,8 +9,8 @@ use crate::turns::POLYGON_TRIANGLES;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExtractorError {
-    /// The device lacks what extraction needs, is lost, or is not that of the timer. Or the mesh does not fit it, the position
-    /// buffer is refused, or an array needs more than one binding, and the include reads each array from one.
+    /// The device lacks what extraction needs, is lost, or is not that of the timer. Or the mesh does not fit it, the
+    /// position buffer is refused, or an array needs more than one binding, and the include reads each array from one.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The lights are refused, or `max_lights` is 0 or more than [`MAX_LIGHTS`](crate::MAX_LIGHTS).

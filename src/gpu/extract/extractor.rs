@@ -45,10 +45,10 @@ impl Extractor {
     /// device, or the [`Pipelines`] that many meshes share.
     ///
     /// # Errors
-    /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh does not
-    /// fit the device's limits, the `memory_limit` or the device's memory. Polygons of
-    /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) need exact facing masks, and
-    /// boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
+    /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh
+    /// does not fit the device's limits, the `memory_limit` or the device's memory. Polygons of
+    /// [`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop) need exact facing masks, and boundaries of
+    /// at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,

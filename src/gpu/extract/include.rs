@@ -38,9 +38,10 @@ use crate::stages::source;
 /// | `winding: bool` | Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise from outside the shadow volume |
 /// | `kind: u32` | 0 consistent, 1 inconsistent, 2 boundary |
 ///
-/// The bindings, 0 to 6: `rimline_info`, `rimline_positions`, `rimline_edge_vertices`, `rimline_edge_faces`, `rimline_facing`,
-/// `rimline_list`, `rimline_counts`. The last six are storage buffers. [`ExtractionResults`](crate::gpu::ExtractionResults) says
-/// what they hold. `rimline_info` is a uniform buffer with a `RimlineInfo`:
+/// The bindings, 0 to 6: `rimline_info`, `rimline_positions`, `rimline_edge_vertices`, `rimline_edge_faces`,
+/// `rimline_facing`, `rimline_list`, `rimline_counts`. The last six are storage buffers.
+/// [`ExtractionResults`](crate::gpu::ExtractionResults) says what they hold. `rimline_info` is a uniform buffer with a
+/// `RimlineInfo`:
 ///
 /// | member of `RimlineInfo` | |
 /// |---|---|

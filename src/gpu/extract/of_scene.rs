@@ -1,5 +1,6 @@
-//! The extraction of a mesh of polygons in a scene: the stages of [`Extractor`](super::extractor::Extractor), in buffers of the
-//! scene. A caster of such a mesh is the only one of its group, so its slots are the triangles of the mesh.
+//! The extraction of a mesh of polygons in a scene: the stages of [`Extractor`](super::extractor::Extractor), in
+//! buffers of the scene. A caster of such a mesh is the only one of its group, so its slots are the triangles of the
+//! mesh.
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;

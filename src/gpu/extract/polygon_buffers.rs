@@ -15,8 +15,8 @@ const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;
 pub(crate) const HEAD_WORDS: u64 = 16;
 const RECORD_WORDS: u64 = 10;
-/// Bytes of the head before the arguments of the indirect dispatches over records, over entries, over those of `cut_edges`, and over
-/// cuts.
+/// Bytes of the head before the arguments of the indirect dispatches over records, over entries, over those of
+/// `cut_edges`, and over cuts.
 pub(super) const RECORD_WORKGROUPS: u64 = 0;
 pub(super) const WORKGROUPS: u64 = 16;
 pub(super) const CUT_WORKGROUPS: u64 = 32;

@@ -39,8 +39,8 @@ impl Extraction {
     }
 
     /// Reads the silhouette as [`Self::read_edges`] does, without waiting, and submits nothing before the first poll.
-    /// [`read_back_async`](crate::gpu::read_back_async) says who polls. An encode of the same extractor before the future is ready makes it fail with
-    /// [`ExtractorError::Stale`].
+    /// [`read_back_async`](crate::gpu::read_back_async) says who polls. An encode of the same extractor before the
+    /// future is ready makes it fail with [`ExtractorError::Stale`].
     ///
     /// # Errors
     /// The errors of [`Self::read_edges`].

@@ -295,8 +295,8 @@ impl<'a> Binder<'a> {
         steps
     }
 
-    /// The stages of polygons. The workgroups of most are in the head of a buffer that they write, which a dispatch cannot take
-    /// them from. So they are copied as soon as they are there.
+    /// The stages of polygons. The workgroups of most are in the head of a buffer that they write, which a dispatch
+    /// cannot take them from. So they are copied as soon as they are there.
     fn read_boundaries(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
         let PolygonBuffers { undecided, head, arguments, pieces, .. } = polygons;
         let bytes = 4 * self.shape.faces as u64;

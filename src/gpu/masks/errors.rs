@@ -11,7 +11,8 @@ pub enum MaskError {
     /// The device lacks what shadow volumes need, or is lost, or objects of two devices were used together.
     #[error(transparent)]
     Device(DeviceError),
-    /// The frame is out of date, has no such view or light, or the device cannot draw its volumes with this number of samples.
+    /// The frame is out of date, has no such view or light, or the device cannot draw its volumes with this number of
+    /// samples.
     #[error(transparent)]
     Shadow(ShadowError),
     /// The depth texture has no depth, or shaders may not read it.

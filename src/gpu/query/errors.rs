@@ -8,8 +8,8 @@ use crate::light::LightError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// The device lacks what the query needs, is lost, or is not that of the timer. Or the mesh or the counts do not fit it, or
-    /// the position buffer is refused.
+    /// The device lacks what the query needs, is lost, or is not that of the timer. Or the mesh or the counts do not
+    /// fit it, or the position buffer is refused.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The lights are refused, for example one with a negative `w`, or `max_lights` is 0 or more than

@@ -1,4 +1,4 @@
-//! The shadow depth query on the GPU.
+//! Queries of occluder counts on the GPU.
 
 pub(crate) mod errors;
 pub(crate) mod options;

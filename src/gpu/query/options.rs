@@ -1,4 +1,4 @@
-//! Options of a shadow depth query.
+//! Options of a query of occluder counts.
 
 /// The size and behaviour of a [`ShadowQuery`](crate::gpu::ShadowQuery).
 #[derive(Clone, Copy, Debug)]

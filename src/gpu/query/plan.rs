@@ -1,4 +1,4 @@
-//! Cuts a shadow depth query into dispatches.
+//! Cuts a query of occluder counts into dispatches.
 
 use std::ops::Range;
 

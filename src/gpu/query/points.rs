@@ -1,4 +1,4 @@
-//! The points of a shadow depth query, and the faces that they are on.
+//! The points of a query of occluder counts, and the faces that they are on.
 
 use super::errors::QueryError;
 use crate::gpu::common::positions::PositionBuffer;
@@ -8,8 +8,8 @@ use crate::gpu::common::positions::PositionBuffer;
 pub struct QueryPoints<'a> {
     /// Where the points are.
     pub points: PositionBuffer<'a>,
-    /// Bytes from the x of a point to the number of the face that it is on, a `u32` in the same buffer. A multiple of 4 from 12
-    /// on, with the number before the next point: 12 where the stride is 16. `None`: points name no face.
+    /// Bytes from the x of a point to the number of the face that it is on, a `u32` in the same buffer. A multiple of 4
+    /// from 12 on, with the number before the next point: 12 where the stride is 16. `None`: points name no face.
     ///
     /// This face does not count for its point, as if the point were exactly in it. It is an index in
     /// [`Mesh::faces`](crate::Mesh::faces), a triangle where the mesh has polygons. [`NO_FACE`](crate::mesh::NO_FACE) is

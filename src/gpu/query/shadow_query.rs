@@ -1,4 +1,4 @@
-//! The shadow depth query: the number of faces strictly between each point and each light.
+//! Queries of occluder counts: the number of faces strictly between each point and each light.
 
 use std::ops::Range;
 
@@ -200,8 +200,8 @@ impl ShadowQuery {
 
     /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
     /// Several encodes in one encoder are allowed; each overwrites the depths of the one before. No lights or no points
-    /// are allowed; there are no depths then. `points` is a [`PositionBuffer`], or [`QueryPoints`] that name the faces that they are
-    /// on.
+    /// are allowed; there are no depths then. `points` is a [`PositionBuffer`], or [`QueryPoints`] that name the faces
+    /// that they are on.
     ///
     /// # Errors
     /// [`QueryError`] if lights, positions or points are refused, or the device is lost. Nothing is recorded then.
@@ -327,23 +327,24 @@ impl ShadowQuery {
     }
 
     /// The depths, once the encoder was submitted: one `i32` for each pair. Points follow each other, and each point
-    /// has one number for each light of that encode. A point that is infinite or NaN has −1. The buffer is as long as the options
-    /// ask for; numbers behind those of the last encode have no meaning. Usages `STORAGE`, `COPY_SRC` and `COPY_DST`.
-    pub fn depths(&self) -> &wgpu::Buffer {
+    /// has one number for each light of that encode. A point that is infinite or NaN has −1. The buffer is as long as
+    /// the options ask for; numbers behind those of the last encode have no meaning. Usages `STORAGE`, `COPY_SRC` and
+    /// `COPY_DST`.
+    pub fn occluder_counts(&self) -> &wgpu::Buffer {
         &self.buffers.depths
     }
 
-    /// Reads [`Self::depths`] of the last encode, and no more, once its encoder was submitted. It waits for the device.
-    /// `queue` must be the queue of the query's device.
+    /// Reads [`Self::occluder_counts`] of the last encode, and no more, once its encoder was submitted. It waits for
+    /// the device. `queue` must be the queue of the query's device.
     ///
     /// # Errors
     /// [`QueryError::Device`] if the device does not hand them back.
-    pub fn read_depths(&self, queue: &wgpu::Queue) -> Result<Vec<i32>, QueryError> {
-        Ok(read_back_first(self.pipelines.device(), queue, self.depths(), 4 * self.pairs)?)
+    pub fn read_occluder_counts(&self, queue: &wgpu::Queue) -> Result<Vec<i32>, QueryError> {
+        Ok(read_back_first(self.pipelines.device(), queue, self.occluder_counts(), 4 * self.pairs)?)
     }
 
     /// The faces of the mesh in clusters, with the boxes of the last encode: one `FaceCluster` for each cluster. The
-    /// usages are those of [`Self::depths`].
+    /// usages are those of [`Self::occluder_counts`].
     #[doc(hidden)]
     pub fn clusters(&self) -> &wgpu::Buffer {
         &self.buffers.clusters

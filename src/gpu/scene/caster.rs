@@ -143,7 +143,7 @@ pub(crate) struct CasterEntry {
     /// Occluders, in mesh space.
     pub(crate) occluders: Vec<Arc<[[f32; 3]]>>,
     /// For each light the slots of occluded faces, likewise.
-    pub(crate) hidden: Vec<(LightHandle, Arc<[u32]>)>,
+    pub(crate) occluded: Vec<(LightHandle, Arc<[u32]>)>,
     pub(crate) placement: Placement,
     /// Whether the table lacks its latest changes.
     pub(crate) is_moved: bool,
@@ -166,7 +166,7 @@ pub(crate) struct CasterEntry {
 impl CasterEntry {
     /// Slots of faces that the caller excludes, and of occluded faces.
     pub(crate) fn all_excluded(&self) -> impl Iterator<Item = &(LightHandle, Arc<[u32]>)> {
-        self.excluded.iter().chain(&self.hidden)
+        self.excluded.iter().chain(&self.occluded)
     }
 
     /// Whether a face is excluded for a light.
@@ -206,11 +206,11 @@ impl CasterEntry {
 
 /// The occluded faces for a light, and their casters.
 #[derive(Debug)]
-pub(super) struct HiddenFacesOfLight {
+pub(super) struct OccludedFacesOfLight {
     pub(super) light: LightHandle,
     /// The bits of the light that was searched.
     pub(super) bits: [u32; 4],
-    pub(super) casters: Vec<HiddenCaster>,
+    pub(super) casters: Vec<OcclusionCaster>,
     /// Occluded faces of all casters.
     pub(super) count: usize,
     /// Whether the scene leaves these faces out.
@@ -218,7 +218,7 @@ pub(super) struct HiddenFacesOfLight {
 }
 
 #[derive(Debug)]
-pub(super) struct HiddenCaster {
+pub(super) struct OcclusionCaster {
     pub(super) key: DefaultKey,
     pub(super) version: Option<u64>,
     /// Slots of occluded faces.

@@ -105,7 +105,7 @@ impl Scene {
             device: self.pipelines.device().clone(),
             scene: self.id,
             lights,
-            hidden: self.count_hidden(),
+            occluded: self.count_occluded(),
             encodes,
             encode,
         })
@@ -251,7 +251,7 @@ impl Scene {
 
     /// Updates the table, and the structure if casters or lights were added or removed.
     fn prepare(&mut self) -> Result<Arc<Structure>, ShadowError> {
-        self.update_hidden_faces();
+        self.update_occluded_faces();
         let structure = match &self.structure {
             Some(structure) => {
                 let structure = Arc::clone(structure);

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::handles::CasterHandle;
 use super::handles::{LightHandle, SceneId};
-use super::hidden::HiddenCounts;
+use super::occluded_faces::OccludedCounts;
 use super::structure::Structure;
 use super::volumes::Volumes;
 use crate::gpu::common::requirements::check_same;
@@ -33,7 +33,7 @@ pub struct SceneFrame {
     pub(crate) device: wgpu::Device,
     pub(crate) scene: SceneId,
     pub(crate) lights: Arc<[(LightHandle, Light)]>,
-    pub(crate) hidden: HiddenCounts,
+    pub(crate) occluded: OccludedCounts,
     pub(crate) encodes: Arc<AtomicU64>,
     pub(crate) encode: u64,
 }
@@ -114,10 +114,10 @@ impl SceneFrame {
         &self.lights
     }
 
-    /// Counts of the occluded faces of [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) that this encode
+    /// Counts of the occluded faces of [`Scene::set_occluded_faces`](crate::gpu::Scene::set_occluded_faces) that this encode
     /// culled or ignored.
-    pub fn hidden(&self) -> HiddenCounts {
-        self.hidden
+    pub fn occluded_faces(&self) -> OccludedCounts {
+        self.occluded
     }
 
     /// The number of batches of 32 lights, up to the highest bit.

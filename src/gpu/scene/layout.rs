@@ -113,7 +113,7 @@ impl Layout {
         // Excluded faces of removed lights end.
         for caster in casters.values_mut() {
             caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
-            caster.hidden.retain(|(light, _)| lights.check(*light).is_ok());
+            caster.occluded.retain(|(light, _)| lights.check(*light).is_ok());
         }
         let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
         let mut sources = Vec::new();

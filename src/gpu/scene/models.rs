@@ -81,8 +81,8 @@ impl Scene {
     /// becomes mirrored or stops being so, its faces change, and the next encode makes a new layout.
     ///
     /// # Errors
-    /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing, or an error of
-    /// the handle. The pose does not change then.
+    /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing, or an
+    /// error of the handle. The pose does not change then.
     pub fn set_pose<'a>(&mut self, model: ModelHandle, pose: impl Into<PoseInputs<'a>>) -> Result<(), ShadowError> {
         self.pose_model(model.key_in(self.id)?, pose.into())
     }
@@ -96,9 +96,9 @@ impl Scene {
     }
 
     /// The positions of a model in world space, once an encode was submitted: those of all instances, in the vertex order of
-    /// [`Model::mesh`], three tightly packed `f32` each. The buffer has the usages `VERTEX` and `STORAGE`, and stays the same
-    /// while the model exists. An instance that the frame does not need has all vertices at (0, 0, 0), so drawing it draws
-    /// nothing.
+    /// [`Model::mesh`], three tightly packed `f32` each. The buffer has the usages `VERTEX` and `STORAGE`, and stays
+    /// the same while the model exists. An instance that the frame does not need has all vertices at (0, 0, 0), so
+    /// drawing it draws nothing.
     ///
     /// # Errors
     /// An error of the handle.

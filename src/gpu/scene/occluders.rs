@@ -14,7 +14,7 @@ use crate::light_batch::ScaledLight;
 
 /// The most corners of an occluder.
 pub(crate) const MOST_CORNERS: usize = 8;
-/// The same as in `wgsl/scene/reach.wgsl`.
+/// The same as in `wgsl/scene/cull_lights.wgsl`.
 const SLACK: f64 = 1.0 / 262_144.0;
 
 /// The occluders in the table.

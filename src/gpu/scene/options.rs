@@ -72,8 +72,8 @@ pub struct StencilCounts {
     pub count_batches: u32,
     /// Whether to compute an upper bound of the stencil counts of all casters together, for
     /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and
-    /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for each view,
-    /// light and batch of casters. Default: false.
+    /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for
+    /// each view, light and batch of casters. Default: false.
     pub bound_counts: bool,
 }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{Caster, CasterEntry, CasterPositions, HiddenFacesOfLight, MeshEntry, Placement, Rigid};
+use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, OccludedFacesOfLight, Placement, Rigid};
 use super::content::Content;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
@@ -36,8 +36,8 @@ use crate::{Light, Mesh, Transform};
 /// own passes, and the poses of models.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
-/// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README
-/// has this in short; the example `scene` is a whole program.
+/// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light.
+/// The README has this in short; the example `scene` is a whole program.
 ///
 /// No casters and no lights are legal, and so are mirrored and singular transforms.
 #[derive(Debug)]
@@ -71,8 +71,8 @@ pub struct Scene {
     pub(super) deforming: Vec<DefaultKey>,
     /// Set if the models were deformed for the next encode.
     pub(super) deformed: Option<Deformed>,
-    /// The hidden faces of each light.
-    pub(super) hidden: Vec<HiddenFacesOfLight>,
+    /// The occluded faces of each light.
+    pub(super) occluded: Vec<OccludedFacesOfLight>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -126,7 +126,7 @@ impl Scene {
             deformed_bytes: 0,
             deforming: Vec::new(),
             deformed: None,
-            hidden: Vec::new(),
+            occluded: Vec::new(),
             structures: 0,
             encodes: Arc::default(),
         })
@@ -145,9 +145,9 @@ impl Scene {
     /// light.
     ///
     /// # Errors
-    /// [`ShadowError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device. Polygons
-    /// of [`Mesh::from_polygons_by_loop`] have boundaries of at most [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES)
-    /// edges.
+    /// [`ShadowError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device.
+    /// Polygons of [`Mesh::from_polygons_by_loop`] have boundaries of at most
+    /// [`MAX_BOUNDARY_EDGES`](crate::gpu::MAX_BOUNDARY_EDGES) edges.
     pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, ShadowError> {
         let needed = mesh.vertex_count();
         let Some(positions) = positions.get(..needed as usize) else {
@@ -269,7 +269,7 @@ impl Scene {
             in_depth,
             excluded: Vec::new(),
             occluders: Vec::new(),
-            hidden: Vec::new(),
+            occluded: Vec::new(),
             placement,
             is_moved: false,
             version: 0,
@@ -325,8 +325,8 @@ impl Scene {
     /// [`ModelBounds`](crate::ModelBounds) computes boxes of poses. [`Self::set_pose`] states the boxes of instances.
     ///
     /// # Errors
-    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], [`ShadowError::Bounds`] for a box that is none, or
-    /// an error of the handle.
+    /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], [`ShadowError::Bounds`] for a box that
+    /// is none, or an error of the handle.
     pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), ShadowError> {
         let (key, entry) = self.entry_in_buffer(caster)?;
         if let Some([low, high]) = bounds
@@ -464,7 +464,8 @@ impl Scene {
     /// caster and light.
     ///
     /// # Errors
-    /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of the handle.
+    /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of
+    /// the handle.
     pub fn set_occluders(&mut self, caster: CasterHandle, polygons: &[&[[f32; 3]]]) -> Result<(), ShadowError> {
         let key = caster.key_in(self.id)?;
         let entry = self.content.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;

@@ -13,10 +13,10 @@ use crate::gpu::shadow;
 use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::mesh::EdgeCounts;
 use crate::method::Predicate;
-use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
+use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, CULL_LIGHTS, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
 use crate::turns::{SCENE_ITEMS, scene_exact_items};
 
-/// The number of invocations in a workgroup of `reach`.
+/// The number of invocations in a workgroup of `cull_lights`.
 const SMALL_WORKGROUP: u64 = 64;
 
 /// The items of a stage, for a group and batch.
@@ -48,7 +48,7 @@ fn stages(predicate: Predicate) -> Vec<(Program, Items)> {
     let plain = |stage| Program::of(stage, &[]);
     let facing = [("PLANE", switch(predicate.is_plane())), ("EXACT", switch(is_exact))];
     let mut stages = vec![
-        (plain(&REACH), Items::Pairs),
+        (plain(&CULL_LIGHTS), Items::Pairs),
         (plain(&CLUSTERS), Items::FaceChunks),
         (plain(&CHUNKS), Items::EdgeChunks),
         (Program::of(&SCENE_FACING, &facing), Items::Faces),

@@ -142,7 +142,7 @@ impl<B> VolumeBuffers<B> {
                 })
                 .collect(),
             piece_draws: (0..sizes.groups.len())
-                .map(|group| sizes.pieces_of(group).then(|| make(piece_draws)))
+                .map(|group| sizes.group_has_pieces(group).then(|| make(piece_draws)))
                 .collect(),
             twisted_lights: make(Wanted::new("twisted lights", 4 * sizes.rooms.len() as u64).free()),
             statistics: make(Wanted::new("shadow statistics", size_of::<ShadowStatistics>() as u64).free()),

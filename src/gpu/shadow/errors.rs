@@ -182,22 +182,22 @@ pub enum ShadowError {
         /// The number of casters.
         casters: usize,
     },
-    /// Hidden faces of a list of casters, and another number of casters.
+    /// Occluded faces of a list of casters, and another number of casters.
     #[error(
-        "the hidden faces are those of {found} casters, and {given} casters are given; give those that were searched"
+        "the occluded faces are those of {found} casters, and {given} casters are given; give those that were searched"
     )]
-    HiddenCasters {
+    OcclusionCasters {
         /// Casters given.
         given: usize,
         /// Casters that were searched.
         found: usize,
     },
-    /// Hidden faces of another mesh, or of a caster given twice.
+    /// Occluded faces of another mesh, or of a caster given twice.
     #[error(
-        "caster {caster} of the list has {faces} faces or stands in the list twice, and hidden faces are those of a mesh with \
+        "caster {caster} of the list has {faces} faces or stands in the list twice, and occluded faces are those of a mesh with \
          {found} faces; give the casters once and in the order of the search"
     )]
-    HiddenCaster {
+    OcclusionCaster {
         /// Number of the caster in the list.
         caster: usize,
         /// Faces of its mesh.

@@ -4,8 +4,8 @@ use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
 
 /// The attachments that volumes are drawn into. [`Self::of_pass`] takes them from the descriptor of a pass.
 ///
-/// wgpu panics, or reports a validation error, where pipelines draw into a pass of other attachments, and a pass does not tell
-/// its attachments. [`Self::begin_pass`] compares before it begins a pass.
+/// wgpu panics, or reports a validation error, where pipelines draw into a pass of other attachments, and a pass does
+/// not tell its attachments. [`Self::begin_pass`] compares before it begins a pass.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ShadowFormat {
     /// The format of the depth-stencil attachment. It must have both depth and stencil.
@@ -89,8 +89,8 @@ impl ShadowFormat {
         Self { colors, ..self.clone() }
     }
 
-    /// The depth-stencil attachment of a light's pass: it keeps the depths of the depth pass, and clears the stencil to 0, where
-    /// counts begin.
+    /// The depth-stencil attachment of a light's pass: it keeps the depths of the depth pass, and clears the stencil to
+    /// 0, where counts begin.
     pub fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
         let store = wgpu::StoreOp::Store;
         wgpu::RenderPassDepthStencilAttachment {
@@ -117,14 +117,15 @@ impl ShadowFormat {
     /// draws the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
     /// which is the reference that passes begin with. It writes neither depth nor stencil.
     ///
-    /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). For a light pass that draws no
-    /// surfaces take [`Self::full_screen_depth_stencil`].
+    /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). For a light pass that
+    /// draws no surfaces take [`Self::full_screen_depth_stencil`].
     pub fn light_pass_depth_stencil(&self) -> wgpu::DepthStencilState {
         self.where_lit(wgpu::CompareFunction::Equal)
     }
 
-    /// The same for a pipeline that adds a light by a triangle over the whole picture, or by a box around the light, at any depth,
-    /// as deferred renderers do. The stencil alone says where there is light. The background is lit, too, where it has no shadow.
+    /// The same for a pipeline that adds a light by a triangle over the whole picture, or by a box around the light, at
+    /// any depth, as deferred renderers do. The stencil alone says where there is light. The background is lit, too,
+    /// where it has no shadow.
     pub fn full_screen_depth_stencil(&self) -> wgpu::DepthStencilState {
         self.where_lit(wgpu::CompareFunction::Always)
     }

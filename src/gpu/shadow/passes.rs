@@ -8,12 +8,12 @@ impl ShadowFormat {
     /// The format for passes like this one, and cameras like this one: the formats and samples of its attachments, and what
     /// [`Self::of_camera`] gives.
     ///
-    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear texture is,
-    /// set [`Self::colors`].
+    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear
+    /// texture is, set [`Self::colors`].
     ///
     /// # Errors
-    /// [`ShadowError::NoDepthStencil`] if the pass has no depth-stencil attachment, [`ShadowError::Camera`] if no shadow volumes
-    /// can be drawn for the camera.
+    /// [`ShadowError::NoDepthStencil`] if the pass has no depth-stencil attachment, [`ShadowError::Camera`] if no
+    /// shadow volumes can be drawn for the camera.
     pub fn of_pass(pass: &wgpu::RenderPassDescriptor<'_>, camera: &ShadowCamera) -> Result<Self, ShadowError> {
         Self::of_camera(camera)?.with_attachments(pass)
     }
@@ -25,8 +25,8 @@ impl ShadowFormat {
         Ok(Self { depth_stencil: depth_stencil.format(), samples: depth_stencil.sample_count(), colors, ..self })
     }
 
-    /// Begins a pass for the volumes of one light, into which pipelines of this format draw. The pass clears its stencil to 0, as
-    /// [`Self::attachment`] does. Begin a pass that counts on from an earlier one by the encoder.
+    /// Begins a pass for the volumes of one light, into which pipelines of this format draw. The pass clears its
+    /// stencil to 0, as [`Self::attachment`] does. Begin a pass that counts on from an earlier one by the encoder.
     ///
     /// Colour formats that differ only in sRGB are taken, because a view does not tell its own format. wgpu reports them.
     ///

@@ -12,7 +12,7 @@ use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
 use crate::shadow::{Counting, DepthDirection};
-use crate::stages::{CAP_FACES, PIECES, SIDES};
+use crate::stages::{CAP_FACES, PIECE_VOLUMES, SIDES};
 
 /// The kind of the first list of light and dark caps in `wgsl/shadow/draw_lists.wgsl`. Near caps begin at 0.
 const FAR: u32 = 2;
@@ -301,7 +301,7 @@ impl VolumePipelines {
         let (stage, data) = match polygons {
             Polygons::Sides => (&SIDES, side_data),
             Polygons::Caps => (&CAP_FACES, cap_data),
-            Polygons::Pieces => (&PIECES, piece_data),
+            Polygons::Pieces => (&PIECE_VOLUMES, piece_data),
         };
         let module = self.shared.module(stage.name, &stage.wgsl());
         let unclipped_depth = count == Count::Behind && format.has_far_plane;

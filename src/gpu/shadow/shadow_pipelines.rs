@@ -49,8 +49,8 @@ impl ShadowPipelines {
     }
 
     /// Makes the pipelines for scenes whose casters are counted in several batches
-    /// ([`StencilCounts::count_batches`](crate::gpu::StencilCounts::count_batches)). The highest of [`ShadowFormat::count_bits`]
-    /// is set where earlier batches darken.
+    /// ([`StencilCounts::count_batches`](crate::gpu::StencilCounts::count_batches)). The highest of
+    /// [`ShadowFormat::count_bits`] is set where earlier batches darken.
     ///
     /// # Errors
     /// The errors of [`Self::new`].

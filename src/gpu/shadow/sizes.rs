@@ -12,15 +12,16 @@ const SIDE_COUNTS: u64 = 4 * 64;
 const CAP_COUNTS: u64 = 4 * 128;
 /// Bytes of the choices of a caster for a batch of lights.
 const CHOICES: u64 = 32;
-/// Bytes of its measures for a light.
+/// Bytes of the measures of a caster for a light.
 const MEASURES: u64 = 8;
-/// Bytes of the row of a pencil for a batch of casters.
+/// Bytes of the counts of crossings of a pencil's half planes, for a batch of casters.
 const CROSSINGS: u64 = 4 * 1028;
 /// Bytes of the versions that the lists of a group, batch and view were made from: two words for each light.
 const LIST_VERSIONS: u64 = 8 * 32;
 /// Bytes of the box of a caster.
 const BOX: u64 = 28;
-/// Whether `choose` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind
+
+/// Whether `counting_methods` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind
 /// which volumes end.
 fn has_measures(options: &SceneOptions, has_receivers: bool) -> bool {
     options.end_at_range || has_receivers || options.counting.is_zp_plus_2005()
@@ -53,7 +54,7 @@ pub(crate) struct GroupSize {
     pub(crate) edge_chunks_offset: u32,
 }
 
-/// Entries of the lists of each light of a group and a batch of lights.
+/// The capacity of the lists of each light, for a group and a batch of lights, in entries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room {
     /// Lights of the batch.
@@ -74,12 +75,12 @@ pub(crate) struct Room {
 
 impl Room {
     /// Sides have room for all silhouettes that fit one binding. Capacities of caps are those of the options. By default
-    /// near caps have room for `few` and sixteen times the square root of the faces, other caps for all faces that may have
+    /// near caps have room for `few_caps` and sixteen times the square root of the faces, other caps for all faces that may have
     /// one; both shrink in proportion if they do not fit one binding.
     pub(crate) fn new(
         options: &SceneOptions,
         group: &GroupSize,
-        few: u32,
+        few_caps: u32,
         silhouettes: u32,
         lights: u32,
         limits: &DispatchLimits,
@@ -90,7 +91,7 @@ impl Room {
         };
         let near = match options.counting {
             Counting::ZPass | Counting::ZFail => 1,
-            Counting::Auto | Counting::ZpPlus => faces.min(few + 16 * faces.isqrt()),
+            Counting::Auto | Counting::ZpPlus => faces.min(few_caps + 16 * faces.isqrt()),
             Counting::ZpPlus2005 => faces,
         };
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };
@@ -158,8 +159,8 @@ impl VolumeSizes {
         32 * last + self.rooms.get(last).map_or(0, |room| room.lights as usize)
     }
 
-    /// Whether a group has polygons, and so pieces of twisted ones.
-    pub(crate) fn pieces_of(&self, group: usize) -> bool {
+    /// Whether a group has polygons, and so may have pieces of twisted ones.
+    pub(crate) fn group_has_pieces(&self, group: usize) -> bool {
         self.rooms.get(group * self.batches()).is_some_and(|room| room.pieces > 0)
     }
 

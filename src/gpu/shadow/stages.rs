@@ -1,5 +1,5 @@
-//! The compute passes before the draws: `bounds`, `choose`, `caps`, `list_sides`, `shadow_arguments`, and four optional
-//! ones. And the bind groups of the draws.
+//! The compute passes before the draws: `bounds`, `counting_methods`, `caps`, `list_sides`, `shadow_arguments`, and
+//! four optional ones. And the bind groups of the draws.
 
 use wgpu::BindingResource;
 
@@ -17,8 +17,8 @@ use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::scene::options::SceneOptions;
 use crate::layout::{CHUNK, ExtractionStatistics, LANES, PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ViewLight};
 use crate::stages::{
-    BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
-    STENCIL_CROSSINGS, STENCIL_PENCIL, ZP_PLUS_2005_CASES,
+    BOUNDS, CAPS, COUNTING_METHODS, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS,
+    STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL, ZP_PLUS_2005_CASES,
 };
 use crate::turns::{BOUND_CHUNKS, LISTED_ITEMS};
 
@@ -47,7 +47,7 @@ fn stages(has_pieces: bool, options: &SceneOptions) -> Vec<(Program, Over)> {
     let stages = [
         (true, of(&RELIST, Over::One)),
         (true, of(&BOUNDS, Over::Boxes)),
-        (true, of(&CHOOSE, Over::Pairs)),
+        (true, of(&COUNTING_METHODS, Over::Pairs)),
         (options.counting.is_zp_plus_2005(), of(&ZP_PLUS_2005_CASES, Over::Edges)),
         (true, of(&CAPS, Over::Faces)),
         (true, of(&LIST_SIDES, Over::Sides)),
@@ -249,7 +249,7 @@ impl<'a> Binder<'a> {
             _ => {
                 let is_of_pieces = matches!(over, Over::Pieces | Over::OneOfPieces);
                 let parts = numbered().zip(rooms.chunks(batches.max(1)));
-                let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.pieces_of(*group));
+                let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.group_has_pieces(*group));
                 let parts = parts.flat_map(|(group, rooms)| rooms.iter().enumerate().map(move |room| (group, room)));
                 let scopes = parts.flat_map(|((group, size), (batch, room))| {
                     let workgroups = self.workgroups_of(over, size, room);
@@ -283,7 +283,8 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// For each group and batch with polygons, a copy of the lights for which they are twisted to where `choose` reads them.
+    /// For each group and batch with polygons, a copy of the lights for which they are twisted to where
+    /// `counting_methods` reads them.
     fn twisted(&self) -> Vec<Step> {
         let parts = self.source.groups.iter().flat_map(|group| &group.batches).enumerate();
         let copy = |(part, batch): (usize, &Named<'_>)| {
@@ -300,7 +301,7 @@ impl<'a> Binder<'a> {
     fn steps(&self) -> Vec<Step> {
         let mut steps = Vec::new();
         for (pipeline, over) in &self.pipelines.stages {
-            if pipeline.label == CHOOSE.name {
+            if pipeline.label == COUNTING_METHODS.name {
                 steps.extend(self.twisted());
             }
             if pipeline.label == LIST_SIDES.name {

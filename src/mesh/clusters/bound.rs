@@ -7,8 +7,8 @@ use super::order::Order;
 use super::plane::{Kind, Plane};
 use crate::cpu::Threads;
 
-/// The widening of bounds, as a part of the largest component: 14 units in the last place. It pays for all rounding, here and
-/// where a light is decided.
+/// The widening of bounds, as a part of the largest component: 14 units in the last place. It pays for all rounding,
+/// here and where a light is decided.
 pub const WIDENING: f64 = 14.0 / 8_388_608.0;
 
 /// Kinds of clusters, by the decisions that their bounds allow.

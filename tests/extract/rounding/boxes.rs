@@ -1,5 +1,5 @@
-//! The box test of the shadow depth query, `misses_box` in `wgsl/query/shadow_segments.wgsl`, in any arithmetic that WGSL
-//! allows: a box that the segment passes through is never left out. docs/numerics/query.md.
+//! The box test of queries of occluder counts, `misses_box` in `wgsl/query/shadow_segments.wgsl`, in any arithmetic
+//! that WGSL allows: a box that the segment passes through is never left out. docs/numerics/query.md.
 
 use rimline::Light;
 use rimline::internals::layout::LightBatch;

@@ -28,7 +28,7 @@ struct Terms {
     tiny_w: bool,
 }
 
-const OWN: Terms = Terms { widening: 1.0, product: PRODUCT, least: LEAST, tiny_w: true };
+const USED: Terms = Terms { widening: 1.0, product: PRODUCT, least: LEAST, tiny_w: true };
 
 /// The height and the spread of `wgsl/scene/clusters.wgsl`, in some arithmetic.
 fn modelled(with: &mut RoundingModels, bound: &ClusterBound, light: Light, terms: Terms) -> [f32; 2] {
@@ -137,17 +137,17 @@ fn holds(seed: u64, rounds: usize, terms: Terms) -> Outcome {
 #[test]
 fn clusters_are_decided_rightly_for_any_rounding() -> Outcome {
     let (seed, rounds) = (107, if is_long() { 5_000_000 } else { 100_000 });
-    holds(seed, rounds, OWN)?;
+    holds(seed, rounds, USED)?;
     let is_wrong = |what: &str, terms| {
         let found = trials(seed, rounds, terms)?;
         println!("without {what}: {found:?}");
         if found.wrong == 0 || (found.apart == 0) { Err(format!("nothing is wrong without {what}")) } else { Ok(()) }
     };
-    is_wrong("most of the widening", Terms { widening: 0.1, ..OWN })?;
-    is_wrong("the rounding of w·centre", Terms { product: 0.0, ..OWN })?;
-    is_wrong("underflow", Terms { least: 0.0, ..OWN })?;
-    is_wrong("what a tiny w loses", Terms { tiny_w: false, ..OWN })?;
-    must_fail("a tenth of the widening", &holds(seed, rounds, Terms { widening: 0.1, ..OWN }))
+    is_wrong("most of the widening", Terms { widening: 0.1, ..USED })?;
+    is_wrong("the rounding of w·centre", Terms { product: 0.0, ..USED })?;
+    is_wrong("underflow", Terms { least: 0.0, ..USED })?;
+    is_wrong("what a tiny w loses", Terms { tiny_w: false, ..USED })?;
+    must_fail("a tenth of the widening", &holds(seed, rounds, Terms { widening: 0.1, ..USED }))
 }
 
 /// The constants are what the derivation asks for, and no more than a quarter above it. The shader has them.

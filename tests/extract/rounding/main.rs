@@ -1,5 +1,5 @@
-//! The band and the filter's bounds of docs/numerics hold for any arithmetic that WGSL allows: every rounding up, down, towards
-//! zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
+//! The band and the filter's bounds of docs/numerics hold for any arithmetic that WGSL allows: every rounding up, down,
+//! towards zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
 
 mod boxes;
 mod cluster_cases;
@@ -127,8 +127,8 @@ fn wgsl_constant(stage: &Stage, name: &str) -> Option<f32> {
     }
 }
 
-/// The constants are what the derivation in docs/numerics/facing.md, "Filter", asks for, in shader and on the CPU, and no more than a
-/// fifth above it. Trials cannot tell so small a change: rounding seldom does its worst.
+/// The constants are what the derivation in docs/numerics/facing.md, "Filter", asks for, in shader and on the CPU, and
+/// no more than a fifth above it. Trials cannot tell so small a change: rounding seldom does its worst.
 #[test]
 fn the_filters_constants_are_those_of_the_derivation() {
     for stage in [FACING, EXACT_FACING] {

@@ -21,10 +21,7 @@ pub(super) const TESTS: &[Test] = &[
 
 /// Or miss it by a few ulps: what is seen is decided by the rasteriser's near plane, which rounding moves that far.
 fn touching_near_rectangle() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 201;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(201)?;
     let (mut touching, mut apart) = (0, 0);
     let (mut cases, mut expected) = (Vec::new(), Vec::new());
     for number in 0..if is_long() { 60_000 } else { 3000 } {
@@ -52,7 +49,7 @@ fn touching_near_rectangle() -> Result<(), String> {
         cases.push((camera, light, vec![low, high]));
         expected.push((touches, [near_low, near_high]));
     }
-    let found = chosen(gpu, options(COUNT_AUTO, true), &cases)?;
+    let found = chosen(&gpu, options(COUNT_AUTO, true), &cases)?;
     for (((_, light), (touches, near)), case) in found.iter().zip(expected).zip(&cases) {
         if touches {
             touching += 1;
@@ -68,10 +65,7 @@ fn touching_near_rectangle() -> Result<(), String> {
 
 /// By products of two `f32`, which `f64` holds exactly.
 fn lights_in_box() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 202;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(202)?;
     let (mut within, mut at_the_edge, mut apart) = (0, 0, 0);
     let (mut cases, mut expected) = (Vec::new(), Vec::new());
     for number in 0..if is_long() { 60_000 } else { 3000 } {
@@ -105,7 +99,7 @@ fn lights_in_box() -> Result<(), String> {
         cases.push((camera, light, vec![low, high]));
         expected.push((is_within, is_free));
     }
-    let found = chosen(gpu, options(COUNT_AUTO, true), &cases)?;
+    let found = chosen(&gpu, options(COUNT_AUTO, true), &cases)?;
     for (((_, light), (is_within, is_free)), (_, given, corners)) in found.iter().zip(expected).zip(&cases) {
         if is_within {
             within += 1;
@@ -125,10 +119,7 @@ fn lights_in_box() -> Result<(), String> {
 
 /// The published ZP+ clips nothing of the caster: the near end of the light's frustum is before it.
 fn published_frustum() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 203;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(203)?;
     let (mut seen, mut near) = (0, 0);
     let mut cases = Vec::new();
     for number in 0..if is_long() { 60_000 } else { 3000 } {
@@ -148,12 +139,12 @@ fn published_frustum() -> Result<(), String> {
         let corners = [0, 1, 2].map(|_: i32| (point + direction(&mut random) * size).as_vec3().to_array());
         cases.push((camera, Light::point(light.to_array()), corners.to_vec()));
     }
-    let lights = chosen(gpu, options(COUNT_ZP_PLUS_2005, false), &cases)?;
+    let lights = chosen(&gpu, options(COUNT_ZP_PLUS_2005, false), &cases)?;
     let probe =
-        Probe::of(gpu, &CAP_FACES, [1, 1], "out[0] = frustum_to_clip(own.view, own.light, input_position(0u));")?;
+        Probe::of(&gpu, &CAP_FACES, [1, 1], "out[0] = frustum_to_clip(pair.view, pair.light, input_position(0u));")?;
     let corners = (0..).zip(&cases).flat_map(|(number, case)| case.2.iter().map(move |&corner| (number, [corner])));
     let corners: Vec<_> = corners.collect();
-    for ((number, [corner]), clip) in corners.iter().zip(probe.run(gpu, &[], &lights, &corners)?) {
+    for ((number, [corner]), clip) in corners.iter().zip(probe.run(&gpu, &[], &lights, &corners)?) {
         let (camera, light, _) = &cases[*number as usize];
         let given = DVec3::from(light.xyz.map(f64::from));
         let ([x, y], part) = Eye::new(camera).seen_from_light(given, DVec3::from(corner.map(f64::from)));

@@ -9,13 +9,13 @@ use rimline::internals::cpu::{self, Threads};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY};
 use rimline::mesh::EdgeKind;
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Light, Predicate};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{is_long, must_fail};
+use rimline_testkit::{IDENTITY, is_long, must_fail};
 
 use crate::scene::Eye;
 use crate::sides::box_of;
@@ -69,7 +69,7 @@ struct Case {
 
 impl Case {
     fn new(shape: Shape, light: Light) -> Self {
-        let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a good mesh");
+        let mesh = shape.mesh().expect("a good mesh");
         let lights = [light];
         let found = cpu::extract(&shape.positions, &mesh, &lights, Predicate::Exact, Threads::ONE).expect("good");
         let silhouettes = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
@@ -184,7 +184,8 @@ impl Case {
     }
 }
 
-/// The bound for casters with one light, in a scene that skips nothing, seen from far away. Which faces cast is chosen there.
+/// The bound for casters with one light, in a scene that skips nothing, seen from far away. Which faces cast is chosen
+/// there.
 fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String> {
     let mut measuring = Measuring::CULLED_BY_VIEW;
     measuring.set(Measuring::EVERY_FACE, every_face);
@@ -193,10 +194,9 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
     let options = SceneOptions { max_lights: 1, stencil, capacities, measuring, ..SceneOptions::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let insert = |case: &Case| {
-        let mesh = Mesh::from_faces(case.shape.positions.len(), case.shape.faces.clone()).map_err(text)?;
+        let mesh = case.shape.mesh().map_err(text)?;
         let mesh = scene.add_mesh(&mesh, &case.shape.positions).map_err(text)?;
-        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        scene.insert(Caster::rigid(mesh, rows)).map_err(text)
+        scene.insert(Caster::rigid(mesh, IDENTITY)).map_err(text)
     };
     let casters = cases.iter().map(insert).collect::<Result<Vec<_>, String>>()?;
     scene.add_light(cases[0].light).map_err(text)?;
@@ -217,10 +217,7 @@ fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String>
 }
 
 fn stacks() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 231;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(231)?;
     let (mut deepest, mut back_facing) = (0, 0);
     let rounds = if is_long() { 6000 } else { 300 };
     for number in 0..rounds {
@@ -234,7 +231,7 @@ fn stacks() -> Result<(), String> {
         };
         let every_face = random.below(3) < 2;
         let mut case = [Case::new(shape, light)];
-        let bound = bound(gpu, &mut case, every_face)?;
+        let bound = bound(&gpu, &mut case, every_face)?;
         let [case] = case;
         back_facing += usize::from(case.casting == CAST_BACK_FACING);
         let what = |error: String| format!("number {number}, w {w}, casting {}: {error}", case.casting);
@@ -272,10 +269,7 @@ fn near_the_end() -> Result<(), String> {
 /// Rays from a light among many casters: piles of blocks in directions at random or along coordinate axes, blocks around it,
 /// one that it is in, and blocks that its axes pass.
 fn among_casters() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 232;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(232)?;
     let (mut deepest, mut sharp) = (0, 0);
     let rounds = if is_long() { 3000 } else { 150 };
     for number in 0..rounds {
@@ -306,7 +300,7 @@ fn among_casters() -> Result<(), String> {
         if random.below(4) == 0 {
             add(light_position, DVec3::splat(6.0), &mut random);
         }
-        let bound = bound(gpu, &mut cases, every_face)?;
+        let bound = bound(&gpu, &mut cases, every_face)?;
         let mut count = 0;
         for case in &cases {
             for face in &case.shape.faces {

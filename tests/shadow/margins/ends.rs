@@ -18,10 +18,7 @@ use rimline_testkit::stage_probe::Probe;
 pub(super) const TESTS: &[Test] = &[("volumes_end_beyond_the_range_and_hardly_later", volumes_end)];
 
 fn volumes_end() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 211;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(211)?;
     let (mut ended, mut cases) = (0, [Vec::new(), Vec::new()]);
     for number in 0..if is_long() { 60_000 } else { 3000 } {
         let scale = [1.0, 1e-3, 1e4][number % 3];
@@ -37,12 +34,12 @@ fn volumes_end() -> Result<(), String> {
         let range = (distance + scale * f64::from(random.between(-0.5, 20.0))).max(0.1 * scale) as f32;
         cases[random.below(2)].push((camera, light.with_range(range), positions.to_vec()));
     }
-    let probe = Probe::of(gpu, &SIDES, [1, 1], "out[0] = far_vertex(own.view, own.light, input_position(0u));")?;
+    let probe = Probe::of(&gpu, &SIDES, [1, 1], "out[0] = far_vertex(pair.view, pair.light, input_position(0u));")?;
     for (cases, counting) in cases.iter().zip([COUNT_Z_PASS, COUNT_Z_FAIL]) {
-        let lights = chosen(gpu, ShadowShape { end_at_range: 1, ..options(counting, false) }, cases)?;
+        let lights = chosen(&gpu, ShadowShape { end_at_range: 1, ..options(counting, false) }, cases)?;
         let corners = (0..).zip(cases).flat_map(|(number, case)| case.2.iter().map(move |&corner| (number, [corner])));
         let corners: Vec<_> = corners.collect();
-        let found = probe.run(gpu, &[], &lights, &corners)?;
+        let found = probe.run(&gpu, &[], &lights, &corners)?;
         for ((case, (_, light)), found) in cases.iter().zip(&lights).zip(found.chunks(3)) {
             ended += usize::from(check(case, light, found));
         }

@@ -5,7 +5,7 @@ mod boxes;
 mod counts;
 mod ends;
 mod near_plane;
-mod view;
+pub(crate) mod view;
 
 use rimline_testkit::harness::Test;
 

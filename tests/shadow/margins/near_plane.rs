@@ -1,19 +1,17 @@
 //! Vertices next to the near plane, and seen from the light on it.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 use rimline::Light;
-use rimline::internals::layout::ShadowLight;
 use rimline::internals::shadow;
 use rimline::internals::stages::{CAPS, SIDES};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{PROJECTIONS, Pose, direction};
 
 use super::view::{Eye, stepped};
-use crate::vertices::OfEdge;
+use crate::vertices::{ExactView, OfEdge, Star};
 use rimline_testkit::stage_probe::Probe;
 
 pub(super) const TESTS: &[Test] = &[
@@ -24,10 +22,7 @@ pub(super) const TESTS: &[Test] = &[
 
 /// A vertex of a side that is behind the near plane by its height is not before it by its depth.
 fn sides_begin_behind() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 221;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(221)?;
     let (mut near, mut would_be_cut) = (0, 0);
     let (mut seen, mut edges) = (Vec::new(), Vec::new());
     for number in 0..if is_long() { 200_000 } else { 6000 } {
@@ -47,18 +42,18 @@ fn sides_begin_behind() -> Result<(), String> {
         edges.push((seen.len() as u32, [first, second]));
         seen.push((view, light));
     }
-    let of_edges = OfEdge::of(gpu, &seen, &edges)?;
+    let of_edges = OfEdge::of(&gpu, &seen, &edges)?;
     // The strip in both directions.
     let probe = Probe::of(
-        gpu,
+        &gpu,
         &SIDES,
         [2, 10],
         "for (var vertex = 0u; vertex < 5u; vertex++) {
-      out[vertex] = clipped_side_vertex(own.view, own.light, input_position(0u), input_position(1u), true, vertex);
-      out[vertex + 5u] = clipped_side_vertex(own.view, own.light, input_position(1u), input_position(0u), false, vertex);
+      out[vertex] = clipped_side_vertex(pair.view, pair.light, input_position(0u), input_position(1u), true, vertex);
+      out[vertex + 5u] = clipped_side_vertex(pair.view, pair.light, input_position(1u), input_position(0u), false, vertex);
     }",
     )?;
-    for (number, (of_edge, strips)) in of_edges.iter().zip(probe.run(gpu, &[], &seen, &edges)?).enumerate() {
+    for (number, (of_edge, strips)) in of_edges.iter().zip(probe.run(&gpu, &[], &seen, &edges)?).enumerate() {
         let (view, _) = seen[number];
         let (corner, height) = (of_edge.near()[0], of_edge.heights()[0]);
         if height < 0.0 {
@@ -78,44 +73,8 @@ fn sides_begin_behind() -> Result<(), String> {
     Ok(())
 }
 
-/// Bound on the errors of a vertex that is seen from the light on the near plane, by the terms of `q` or of `d`:
-/// docs/numerics/shadow-volumes.md, "Rounding of vertices", of which the better holds.
-struct Bounds {
-    exact: DVec2,
-    by_vertex: f64,
-    by_light: f64,
-}
-
-const ROUNDINGS: f64 = 12.0 / 8_388_608.0;
-
-fn bounds(camera: &rimline::ShadowCamera, plane: [f32; 4], light: &ShadowLight, position: [f32; 3]) -> Bounds {
-    let matrix = glam::Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
-    let plane = DVec4::from_array(plane.map(f64::from));
-    let [x, y, z, w] = light.light.map(f64::from);
-    let from_origin = (DVec3::new(x, y, z) - w * DVec3::from_array(camera.origin.map(f64::from))).extend(w);
-    let q = (DVec3::from(position.map(f64::from)) - DVec3::from_array(camera.origin.map(f64::from))).extend(1.0);
-    let d = (w * q.truncate() - from_origin.truncate()).extend(0.0);
-    let xy = |p: DVec4| DVec2::new(matrix.row(0).dot(p), matrix.row(1).dot(p));
-    let size = |p: DVec4| {
-        let of = |row: usize| matrix.row(row).abs().dot(p.abs());
-        of(0).max(of(1))
-    };
-    let (height, at_height, far_height) = (plane.dot(q), plane.dot(from_origin), plane.dot(d));
-    let (height_size, rise_size) = (plane.abs().dot(q.abs()), plane.abs().dot(d.abs()));
-    let at_light = xy(from_origin);
-    let exact = (xy(q) * at_height - at_light * height) / -far_height;
-    let light_size = at_light.abs().max_element();
-    let common = exact.abs().max_element() * rise_size;
-    let by =
-        |size: f64, slope: f64| ROUNDINGS * (size * at_height.abs() + light_size * slope + common) / far_height.abs();
-    Bounds { exact, by_vertex: by(size(q), height_size), by_light: by(size(d), rise_size) / w }
-}
-
 fn exact_near_caps() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 222;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(222)?;
     let (mut by_vertex, mut by_light) = (0, 0);
     let (mut seen, mut positions, mut cameras) = (Vec::new(), Vec::new(), Vec::new());
     for number in 0..if is_long() { 200_000 } else { 12_000 } {
@@ -139,13 +98,15 @@ fn exact_near_caps() -> Result<(), String> {
         seen.push((view, light));
         cameras.push((camera, far, part));
     }
-    let of_edges = OfEdge::of(gpu, &seen, &positions)?;
+    let of_edges = OfEdge::of(&gpu, &seen, &positions)?;
     for (number, (of_edge, (camera, far, part))) in of_edges.iter().zip(cameras).enumerate() {
         let ((view, light), (_, [position, _])) = (&seen[number], positions[number]);
         if (of_edge.heights()[0] >= 0.0) == (of_edge.far_heights()[0] >= 0.0) {
             continue;
         }
-        let Bounds { exact, by_vertex: vertex, by_light: nearer } = bounds(&camera, view.near_plane, light, position);
+        let exact_view = ExactView::new(&camera, view, light);
+        let Star { exact, by_vertex: vertex, by_light: nearer } = exact_view.star(&exact_view.vertex(position));
+        let [vertex, nearer] = [vertex, nearer].map(DVec2::max_element);
         let near_w = f64::from(view.near_w);
         let [x, y, _, w] = of_edge.stars()[0].map(f64::from);
         let found = DVec2::new(x, y) * (near_w / w);
@@ -166,10 +127,7 @@ fn exact_near_caps() -> Result<(), String> {
 
 /// A face that reaches into the pyramid of light and near rectangle by next to nothing has its cap.
 fn grazing_faces() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 223;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(223)?;
     let (mut grazing, mut listed) = (0, [0; 2]);
     let (mut seen, mut faces, mut expected) = (Vec::new(), Vec::new(), Vec::new());
     for number in 0..if is_long() { 200_000 } else { 12_000 } {
@@ -202,12 +160,12 @@ fn grazing_faces() -> Result<(), String> {
         expected.push((inside, part));
     }
     let probe = Probe::of(
-        gpu,
+        &gpu,
         &CAPS,
         [3, 1],
-        "out[0].x = select(1.0, 0.0, is_outside_pyramid(own.view, own.light, input_position(0u), input_position(1u), input_position(2u)));",
+        "out[0].x = select(1.0, 0.0, is_outside_pyramid(pair.view, pair.light, input_position(0u), input_position(1u), input_position(2u)));",
     )?;
-    for (number, (found, (inside, part))) in probe.run(gpu, &[], &seen, &faces)?.iter().zip(expected).enumerate() {
+    for (number, (found, (inside, part))) in probe.run(&gpu, &[], &seen, &faces)?.iter().zip(expected).enumerate() {
         let is_listed = found[0][0] == 1.0;
         if inside < 1.0 - 1e-12 && part > 0.0 && part < 1.0 {
             grazing += 1;

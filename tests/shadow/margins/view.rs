@@ -4,7 +4,7 @@ use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};
 use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
 use rimline::internals::shadow;
-use rimline::internals::stages::CHOOSE;
+use rimline::internals::stages::COUNTING_METHODS;
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
@@ -15,11 +15,11 @@ use rimline_testkit::stage_probe::Probe;
 
 /// The camera's matrix and near plane, about its origin.
 pub(crate) struct Eye {
-    matrix: DMat4,
+    pub(crate) matrix: DMat4,
     inverse: DMat4,
-    origin: DVec3,
+    pub(crate) origin: DVec3,
     /// Height over the near plane, up to a factor.
-    plane: DVec4,
+    pub(crate) plane: DVec4,
     near_z: f64,
 }
 
@@ -39,15 +39,25 @@ impl Eye {
         }
     }
 
-    /// The point of the near plane at these coordinates of the picture, from −1 to 1 within it.
-    pub(crate) fn on_near_plane(&self, [x, y]: [f64; 2]) -> DVec3 {
+    /// The point of the near plane at these coordinates of the picture, from −1 to 1 within it, about the origin.
+    pub(crate) fn near_point(&self, [x, y]: [f64; 2]) -> DVec4 {
         let p = self.inverse * DVec4::new(x, y, self.near_z, 1.0);
-        p.truncate() / p.w + self.origin
+        p / p.w
+    }
+
+    /// The same in world space.
+    pub(crate) fn on_near_plane(&self, at: [f64; 2]) -> DVec3 {
+        self.near_point(at).truncate() + self.origin
+    }
+
+    /// Corners of the near rectangle, in order around it, about the origin.
+    pub(crate) fn corners(&self) -> [DVec4; 4] {
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|corner| self.near_point(corner))
     }
 
     /// Lowest and highest corner of the near rectangle's box.
     pub(crate) fn near_box(&self) -> [DVec3; 2] {
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|corner| self.on_near_plane(corner));
+        let corners = self.corners().map(|corner| corner.truncate() + self.origin);
         corners.into_iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
     }
 
@@ -81,9 +91,9 @@ pub(crate) fn options(counting: u32, is_closed: bool) -> ShadowShape {
 pub(crate) fn chosen(gpu: &Gpu, shape: ShadowShape, cases: &[Case]) -> Result<Vec<(ShadowView, ShadowLight)>, String> {
     let probe = Probe::of(
         gpu,
-        &CHOOSE,
+        &COUNTING_METHODS,
         [2, 1],
-        "let light = choose_by_box(own.view, own.light, 1.0, CLOSED, input_position(0u), input_position(1u), false, false);
+        "let light = choose_by_box(pair.view, pair.light, 1.0, CLOSED, input_position(0u), input_position(1u), false, false);
     out[0] = vec4<f32>(f32(light.casting), f32(light.counting), light.end, light.frustum_near);",
     )?;
     let given = |(camera, light, _): &Case| {

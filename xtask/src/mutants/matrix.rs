@@ -20,15 +20,15 @@ pub(super) fn outcome(outcome: &Outcome) -> String {
 
 /// The mutations with a number each, then a row for each test, with an `x` below the mutations that it notices.
 pub(super) fn shown(tests: &[Test], columns: &[(&Mutation, Outcome)]) -> String {
-    let legend = columns.iter().map(|(mutation, own)| format!("{}: {}", mutation.name, outcome(own)));
+    let legend = columns.iter().map(|(mutation, result)| format!("{}: {}", mutation.name, outcome(result)));
     let mut lines: Vec<_> = (1..).zip(legend).map(|(number, line)| format!("{number:3}  {line}")).collect();
     lines.push((1..=columns.len()).fold("\n".into(), |line, number| format!("{line}{number:3}")));
     // Tests, and programs that ended early or had to be ended.
-    let failed = columns.iter().filter_map(|(_, own)| own.as_ref().ok()).flatten();
+    let failed = columns.iter().filter_map(|(_, result)| result.as_ref().ok()).flatten();
     let rows: BTreeSet<_> = tests.iter().chain(failed).collect();
     lines.extend(rows.into_iter().map(|test| {
-        let is_noticed = |own: &Outcome| own.as_ref().is_ok_and(|failed| failed.contains(test));
-        let marks: String = columns.iter().map(|(_, own)| if is_noticed(own) { "  x" } else { "  ." }).collect();
+        let is_noticed = |result: &Outcome| result.as_ref().is_ok_and(|failed| failed.contains(test));
+        let marks: String = columns.iter().map(|(_, result)| if is_noticed(result) { "  x" } else { "  ." }).collect();
         format!("{marks}  {} {}", test.0.trim_start_matches("--test "), test.1)
     }));
     lines.join("\n") + "\n"

@@ -1,5 +1,6 @@
-//! `cargo xtask mutants`: which tests notice changes that make the code wrong. Nothing here is touched. A shader is changed in a
-//! copy of `wgsl`, which tests that are built already read. Other code is changed, and built, in a copy of the repository.
+//! `cargo xtask mutants`: which tests notice changes that make the code wrong. Nothing here is touched. A shader is
+//! changed in a copy of `wgsl`, which tests that are built already read. Other code is changed, and built, in a copy of
+//! the repository.
 
 mod matrix;
 mod mutation;
@@ -27,25 +28,25 @@ pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
     if !wrong.is_empty() {
         return Err(format!("mutations that do not fit the code:\n{}", wrong.join("\n")));
     }
-    let places = [(true, "mutants/shaders"), (false, "mutants/tree")]
-        .map(|(is_of_shaders, name)| Place { is_of_shaders, files: process::target().join(name) });
+    let copies = [(true, "mutants/shaders"), (false, "mutants/tree")]
+        .map(|(is_of_shaders, name)| WorkingCopy { is_of_shaders, files: process::target().join(name) });
     let (mut report, mut noticed) = (String::new(), 0);
-    for own in mutations.chunk_by(|a, b| a.subject() == b.subject()) {
-        println!("\n{}: without a mutation", own[0].subject());
+    for of_subject in mutations.chunk_by(|a, b| a.subject() == b.subject()) {
+        println!("\n{}: without a mutation", of_subject[0].subject());
         let mut tests = Vec::new();
-        for place in &places {
-            if own.iter().all(|mutation| mutation.is_shader() != place.is_of_shaders) {
+        for copy in &copies {
+            if of_subject.iter().all(|mutation| mutation.is_shader() != copy.is_of_shaders) {
                 continue;
             }
-            place.renew()?;
-            tests = place.tests(&own[0])?;
-            if let [(target, name), ..] = &*place.failures(&own[0])? {
+            copy.renew()?;
+            tests = copy.tests(&of_subject[0])?;
+            if let [(target, name), ..] = &*copy.failures(&of_subject[0])? {
                 return Err(format!("without a mutation, a test of `{target}` fails: {name}"));
             }
         }
         let (mut columns, mut part) = (Vec::new(), String::new());
-        for mutation in own {
-            let outcome = places[usize::from(!mutation.is_shader())].attempt(mutation)?;
+        for mutation in of_subject {
+            let outcome = copies[usize::from(!mutation.is_shader())].attempt(mutation)?;
             println!("{}: {}", mutation.name, matrix::outcome(&outcome));
             noticed += usize::from(outcome.as_ref().is_ok_and(|failed| !failed.is_empty()));
             columns.push((mutation, outcome));
@@ -61,13 +62,13 @@ pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
 }
 
 /// Where mutations of one kind are made.
-struct Place {
+struct WorkingCopy {
     is_of_shaders: bool,
     /// A copy of the repository, or of its shaders.
     files: PathBuf,
 }
 
-impl Place {
+impl WorkingCopy {
     /// Makes or renews the copy. Files that are as they were keep their time, so that cargo builds little.
     fn renew(&self) -> Result<(), String> {
         let mut git = Command::new("git");

@@ -10,7 +10,7 @@ use crate::text::grouped;
 /// The class of the meshes that are not hard.
 pub(crate) const ORDINARY: &str = "ordinary";
 /// The class of the user's own model.
-pub(crate) const OWN: &str = "own";
+pub(crate) const OF_USER: &str = "own";
 
 /// A mesh to be measured.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub(crate) enum Subject {
     Torus(usize),
     /// A stress scene, by name.
     Scene(&'static str, usize),
-    Own(Box<Model>),
+    OfUser(Box<Model>),
 }
 
 /// A model of the user.
@@ -64,14 +64,14 @@ impl Subject {
                 let lights = move |count| scene.lights(count);
                 Ok(Made { name: (*name).to_owned(), class, mesh, positions, lights: Box::new(lights) })
             }
-            Self::Own(model) => {
+            Self::OfUser(model) => {
                 let Model { name, positions, mesh, lights } = (**model).clone();
                 let ([x, y, z], size) = extent(&positions);
                 let lights = move |count| {
                     let all_around = |count| (0..count).map(|index| around([x, y, z], size, index)).collect();
                     if lights.is_empty() { all_around(count) } else { lights.clone() }
                 };
-                Ok(Made { name, class: OWN, mesh, positions, lights: Box::new(lights) })
+                Ok(Made { name, class: OF_USER, mesh, positions, lights: Box::new(lights) })
             }
         }
     }
@@ -81,7 +81,7 @@ impl Subject {
         match self {
             Self::Torus(faces) => format!("torus of {} faces", grouped(*faces)),
             Self::Scene(name, _) => (*name).to_owned(),
-            Self::Own(model) => model.name.clone(),
+            Self::OfUser(model) => model.name.clone(),
         }
     }
 }

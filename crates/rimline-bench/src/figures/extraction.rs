@@ -4,16 +4,16 @@ use super::{Parts, Quotient, cloud, curves, ms, over, ratio_cells, ratios, table
 use crate::chart::{Point, Scale, Series};
 use crate::engine::{Metric, Summary};
 use crate::extraction::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
-use crate::extraction::subject::{ORDINARY, OWN};
+use crate::extraction::subject::{OF_USER, ORDINARY};
 use crate::page::{Figure, Section as Part, Table};
 use crate::row::{Entry, Mark, Row};
-use crate::text::{figures, grouped, lights_text, times};
+use crate::text::{grouped, lights_text, three_digits, times};
 
 pub(super) const TIME: Metric = Metric::Time("time");
 
 /// Each class in the order of the scenes, with what makes it hard.
 const CLASSES: [(&str, &str); 12] = [
-    (OWN, "Your own model."),
+    (OF_USER, "Your own model."),
     (ORDINARY, "Smooth closed meshes (tori), lights all around. Nothing is hard here."),
     (
         "translation",
@@ -148,7 +148,7 @@ fn time_against_error(rows: &[&Row], lights: usize) -> Figure {
             points.push(Point { x: ns, y: in_a_million, quartiles: [in_a_million; 2] });
             let [wrong, open] = [wrong, open].map(|count| grouped(count as usize));
             let name = format!("{}: {class}", variant.name);
-            found.rows.push(vec![name, figures(ns), figures(in_a_million), wrong, open]);
+            found.rows.push(vec![name, three_digits(ns), three_digits(in_a_million), wrong, open]);
         }
         series.push(Series { name: variant.name.clone(), mark: variant.mark, points });
     }
@@ -353,7 +353,7 @@ fn share_of_undecided(row: &Row) -> String {
     entry.map_or_else(String::new, |entry| match entry.count("undecided_pairs") / pairs * 100.0 {
         0.0 => "0".to_owned(),
         share if share < 0.01 => "under 0.01 %".to_owned(),
-        share => format!("{} %", figures(share)),
+        share => format!("{} %", three_digits(share)),
     })
 }
 
@@ -363,7 +363,7 @@ mod tests {
 
     #[test]
     fn every_class_is_explained_in_the_order_of_the_scenes() {
-        let mut there = vec![OWN, ORDINARY];
+        let mut there = vec![OF_USER, ORDINARY];
         there.extend(crate::stress::scenes(1).map(|scene| scene.class));
         there.dedup();
         assert_eq!(CLASSES.map(|(class, _)| class).as_slice(), there);

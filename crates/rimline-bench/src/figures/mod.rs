@@ -9,7 +9,7 @@ use crate::chart::{Axis, Bar, Chart, Point, Scale, Series};
 use crate::engine::{Metric, Summary};
 use crate::page::{Figure, Section as Part, Table};
 use crate::row::{Entry, Mark, Row, Section};
-use crate::text::{figures, grouped, or_dash, tick, times};
+use crate::text::{grouped, or_dash, three_digits, tick, times};
 
 pub(crate) use extraction::usual_lights;
 
@@ -47,7 +47,7 @@ pub(crate) fn sections(rows: &[Row]) -> Vec<Part> {
 
 /// `8 ms`.
 fn ms(summary: Option<Summary>) -> String {
-    summary.map_or_else(|| "–".to_owned(), |summary| format!("{} ms", figures(summary.median)))
+    summary.map_or_else(|| "–".to_owned(), |summary| format!("{} ms", three_digits(summary.median)))
 }
 
 /// A ratio as two cells: median, quartiles.
@@ -189,9 +189,9 @@ impl Parts {
     fn push(&mut self, [group, name]: [&str; 2], amounts: &[f64], unit: f64) {
         let sum: f64 = amounts.iter().sum();
         let mut cells = vec![if group.is_empty() { name.to_owned() } else { format!("{group}: {name}") }];
-        cells.extend(amounts.iter().chain([&sum]).map(|ms| figures(*ms)));
+        cells.extend(amounts.iter().chain([&sum]).map(|ms| three_digits(*ms)));
         self.table.rows.push(cells);
-        let remark = format!("{} ms", figures(sum));
+        let remark = format!("{} ms", three_digits(sum));
         let bar = Bar { name: name.to_owned(), is_heading: false, values: Vec::new(), remark };
         self.bars.push((bar, amounts.iter().map(|ms| ms / unit).collect()));
     }

@@ -6,7 +6,7 @@ use crate::engine::Metric;
 use crate::page::{Figure, Section as Part, Table};
 use crate::row::{Mark, Row};
 use crate::shadows::Z_PASS;
-use crate::text::{figures, grouped};
+use crate::text::{grouped, three_digits};
 
 pub(super) fn section(rows: &[&Row]) -> Part {
     let [size, frames] = ["size", "frames"].map(|fact| rows[0].number(fact));
@@ -37,7 +37,7 @@ fn time_against_error(rows: &[&Row]) -> Figure {
             let ms = entry.median(Metric::Time("stencil")).unwrap_or(f64::NAN);
             points.push(Point { x: ms, y: share, quartiles: [share; 2] });
             let name = format!("{}: {}, {}", variant.name, row.group, row.title);
-            table.rows.push(vec![name, figures(ms), figures(share), grouped(wrong.len())]);
+            table.rows.push(vec![name, three_digits(ms), three_digits(share), grouped(wrong.len())]);
         }
         series.push(Series { name: variant.name.clone(), mark: variant.mark, points });
     }

@@ -5,15 +5,15 @@ use crate::engine::Metric;
 use crate::page::{Figure, Section as Part, Table};
 use crate::row::{Entry, Mark, Row};
 use crate::skipping::{COUNTERS, PARTS};
-use crate::text::{figures, grouped, or_dash};
+use crate::text::{grouped, or_dash, three_digits};
 
 /// A colour of the chart: what is done in some stages, in the order of the frame.
 const WORKS: [(&str, usize, &[&str]); 6] = [
     ("deforming", 0, &["deform"]),
-    ("what is needed", 6, &["reach", "chunks"]),
+    ("what is needed", 6, &["cull_lights", "chunks"]),
     ("facing", 3, &["facing", "exact_facing"]),
     ("edges", 1, &["edges", "arguments"]),
-    ("choices", 5, &["receiver_depth", "receiver_pyramid", "relist", "bounds", "choose"]),
+    ("choices", 5, &["receiver_depth", "receiver_pyramid", "relist", "bounds", "counting_methods"]),
     ("caps and sides", 4, &["caps", "list_sides", "shadow_arguments"]),
 ];
 
@@ -129,7 +129,7 @@ fn counters(rows: &[&Row]) -> Figure {
         let ratio = row.ratio(Metric::Count("fragments"), &entry.variant.id, "all-on").map(|ratio| ratio.median);
         let mut cells = vec![
             fragments.map_or_else(|| "–".to_owned(), |fragments| grouped(*fragments as usize)),
-            ratio.map_or_else(|| "–".to_owned(), figures),
+            ratio.map_or_else(|| "–".to_owned(), three_digits),
         ];
         cells.extend(COUNTERS.iter().map(|(name, _)| grouped(entry.count(name) as usize)));
         cells

@@ -1,7 +1,8 @@
 //! Counts the fragments of shadow volumes.
 //!
 //! An occlusion query counts the samples that pass the depth test. Against a depth buffer without any surface all do, but
-//! for those at infinity. WebGPU promises only whether there are any, so the count is first tried on a drawing that is known.
+//! for those at infinity. WebGPU promises only whether there are any, so the count is first tried on a drawing that is
+//! known.
 
 use wgpu::{BufferUsages, LoadOp};
 

@@ -70,7 +70,7 @@ impl OneCasterOptions {
 }
 
 /// A place in a position buffer.
-type Place = (wgpu::Buffer, u64, u64);
+type BufferRange = (wgpu::Buffer, u64, u64);
 
 /// A caster whose positions are in a buffer, in world space.
 #[derive(Debug)]
@@ -78,7 +78,7 @@ pub struct OneCaster {
     pub scene: Scene,
     mesh: MeshHandle,
     in_depth: bool,
-    caster: Option<(CasterHandle, Place)>,
+    caster: Option<(CasterHandle, BufferRange)>,
     lights: Vec<LightHandle>,
 }
 
@@ -110,16 +110,16 @@ impl OneCaster {
         camera: Option<&ShadowCamera>,
         timer: Option<&mut StageTimer>,
     ) -> Result<OneFrame, ShadowError> {
-        let place = (positions.buffer.clone(), positions.offset, positions.stride);
+        let range = (positions.buffer.clone(), positions.offset, positions.stride);
         match &mut self.caster {
-            Some((_, at)) if *at == place => {}
+            Some((_, at)) if *at == range => {}
             Some((caster, at)) => {
                 self.scene.set_positions(*caster, positions)?;
-                *at = place;
+                *at = range;
             }
             None => {
                 let caster = Caster { in_depth: self.in_depth, ..Caster::in_buffer(self.mesh, positions) };
-                self.caster = Some((self.scene.insert(caster)?, place));
+                self.caster = Some((self.scene.insert(caster)?, range));
             }
         }
         while self.lights.len() > lights.len() {

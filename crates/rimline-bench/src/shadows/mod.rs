@@ -68,7 +68,8 @@ pub(crate) fn measure(
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = METHODS.map(|(_, _, counting, ..)| ShadowPipelines::new(&gpu.pipelines, &format, counting));
     let pipelines = pipelines.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let mut drawn = pipelines.iter().map(|own| Drawn::new(gpu, &stage, own, light)).collect::<Result<Vec<_>, _>>()?;
+    let mut drawn =
+        pipelines.iter().map(|pipelines| Drawn::new(gpu, &stage, pipelines, light)).collect::<Result<Vec<_>, _>>()?;
     let mut wrong = vec![Vec::new(); METHODS.len()];
     let truth = Truth::new(&stage, light);
     // About four of each path are held against rays.
@@ -142,7 +143,8 @@ impl<'a> Drawn<'a> {
         surfaces.set(self.stopwatch.gpu, &camera.shadow(), Some(*light));
     }
 
-    /// Draws a frame and waits for it. Returns milliseconds of the stencil pass, and of the whole: stages, depth, stencil, light.
+    /// Draws a frame and waits for it. Returns milliseconds of the stencil pass, and of the whole: stages, depth,
+    /// stencil, light.
     fn frame(&mut self, camera: &Camera) -> Result<[f64; 2], Error> {
         self.look(camera);
         let Self { stopwatch, parts } = self;

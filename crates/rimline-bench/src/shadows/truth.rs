@@ -77,13 +77,13 @@ impl Truth {
     }
 
     fn pixel(&self, ray: (DVec3, DVec3)) -> Option<bool> {
-        let (point, own) = self.tracer.first(ray)?;
-        if own.of.faces_light != own.is_front(ray.1) {
+        let (point, receiver) = self.tracer.first(ray)?;
+        if receiver.of.faces_light != receiver.is_front(ray.1) {
             return None;
         }
         // The light is at 1; the point's own face is not between.
         let mut faces = self.tracer.meetings((point, self.light - point));
-        Some(!faces.any(|(t, face)| face.of.casts && !std::ptr::eq(face, own) && t > 1e-9 && t < 1.0))
+        Some(!faces.any(|(t, face)| face.of.casts && !std::ptr::eq(face, receiver) && t > 1e-9 && t < 1.0))
     }
 }
 
@@ -94,12 +94,12 @@ impl Seen {
         let at = |x: i64, y: i64| (0..size).contains(&x).then(|| self.pixels.get((y * size + x) as usize)).flatten();
         let is_near =
             |x: i64, y: i64, lit: bool| (-1..=1).any(|dy| (-1..=1).any(|dx| at(x + dx, y + dy) == Some(&Some(lit))));
-        let places = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
+        let pixels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
         let wrong = |((&seen, &count), (x, y)): ((&Option<bool>, &u8), (i64, i64))| {
             let lit = count == 0;
             seen.is_some_and(|right| right != lit) && !is_near(x, y, lit)
         };
-        self.pixels.iter().zip(counts).zip(places).filter(|&item| wrong(item)).count()
+        self.pixels.iter().zip(counts).zip(pixels).filter(|&item| wrong(item)).count()
     }
 }
 
@@ -115,7 +115,7 @@ mod tests {
             let seen = Truth::new(&stage, path.light()).seen(&path.camera(0.3));
             let right: Vec<u8> = seen.pixels.iter().map(|pixel| u8::from(*pixel == Some(false))).collect();
             assert_eq!(seen.wrong(&right), 0);
-            // Looking at the occluder from its shadow, only its averted side is dark.
+            // Looking at the occluder from its shadow, only its back-facing side is dark.
             let dark = seen.pixels.iter().filter(|pixel| **pixel != Some(true)).count();
             assert!(dark > 10, "{path:?}: {dark}");
             let inverse: Vec<u8> = right.iter().map(|count| 1 - count).collect();

@@ -60,8 +60,8 @@ impl Shape {
 
     /// The same shape with other positions, in the same order.
     #[must_use]
-    pub fn placed(mut self, place: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
-        self.positions.iter_mut().for_each(|position| *position = place(*position));
+    pub fn placed(mut self, transform: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
+        self.positions.iter_mut().for_each(|position| *position = transform(*position));
         self
     }
 
@@ -105,8 +105,8 @@ pub fn torus(rings: u32, segments: u32, major: f32, minor: f32) -> Shape {
     shape
 }
 
-/// A closed unit sphere of meridians and parallels around the Z axis, as modelling tools make it: `2·segments·(rings − 1)` faces, at
-/// least 3 segments and 2 rings.
+/// A closed unit sphere of meridians and parallels around the Z axis, as modelling tools make it: `2·segments·(rings −
+/// 1)` faces, at least 3 segments and 2 rings.
 #[must_use]
 pub fn globe(segments: u32, rings: u32) -> Shape {
     let (segments, rings) = (segments.clamp(3, MAX_COUNT), rings.clamp(2, MAX_COUNT));

@@ -7,10 +7,10 @@ use super::{MAX_COUNT, Shape, turn};
 #[must_use]
 pub fn plane_grid(n: u32, m: u32) -> Shape {
     let (n, m) = (n.clamp(1, MAX_COUNT), m.clamp(1, MAX_COUNT));
-    let place = |step: u32, steps: u32| 2.0 * step as f32 / steps as f32 - 1.0;
+    let coordinate = |step: u32, steps: u32| 2.0 * step as f32 / steps as f32 - 1.0;
     let mut shape = Shape::default();
     for i in 0..=n {
-        shape.positions.extend((0..=m).map(|j| [place(i, n), 0.0, place(j, m)]));
+        shape.positions.extend((0..=m).map(|j| [coordinate(i, n), 0.0, coordinate(j, m)]));
     }
     for i in 0..n {
         let (here, there) = (i * (m + 1), (i + 1) * (m + 1));

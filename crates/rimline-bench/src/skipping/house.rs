@@ -8,11 +8,11 @@ use crate::record::{Camera, Setting};
 use crate::shapes;
 
 /// The most figures in a room.
-const FIGURES: usize = 12;
+const CASTERS_A_ROOM: usize = 12;
 /// Rooms along a side of the house. Each has a lamp. The sides of all walls are as many as a scene tries as occluders.
 const ROOMS: usize = 3;
 /// The most figures.
-pub(super) const MOST: usize = FIGURES * ROOMS * ROOMS;
+pub(super) const MOST: usize = CASTERS_A_ROOM * ROOMS * ROOMS;
 /// From the middle of a room to that of the next, and from the floor to the ceiling, in metres.
 const PITCH: f32 = 8.0;
 const HEIGHT: f32 = 3.0;
@@ -20,7 +20,7 @@ const HEIGHT: f32 = 3.0;
 const THICK: f32 = 0.1;
 
 /// A house of square rooms with so many figures of 4,000 faces, seen from its middle room.
-pub(super) fn setting(figures: usize) -> Setting {
+pub(super) fn setting(casters: usize) -> Setting {
     let line = |index: usize| PITCH * (index as f32 - 0.5 * (ROOMS - 1) as f32);
     let middles: Vec<Vec3> =
         (0..ROOMS * ROOMS).map(|room| Vec3::new(line(room % ROOMS), 0.0, line(room / ROOMS))).collect();
@@ -33,10 +33,10 @@ pub(super) fn setting(figures: usize) -> Setting {
             placed.push((0, slab([along, across], [0.5 * PITCH, THICK])));
         }
     }
-    placed.extend((0..figures).map(|figure| {
-        let (room, place) = (figure % middles.len(), figure / middles.len());
+    placed.extend((0..casters).map(|caster| {
+        let (room, slot) = (caster % middles.len(), caster / middles.len());
         // Four side by side.
-        let [x, z] = [(place % 4) as f32, (place / 4) as f32];
+        let [x, z] = [(slot % 4) as f32, (slot / 4) as f32];
         let at = middles[room] + Vec3::new(1.5 * x - 2.25, 1.0, 1.5 * z - 1.5);
         (1, [[0.3, 0.0, 0.0, at.x], [0.0, 0.3, 0.0, at.y], [0.0, 0.0, 0.3, at.z]])
     }));
@@ -44,7 +44,7 @@ pub(super) fn setting(figures: usize) -> Setting {
     let lights = middles.iter().map(|at| Light::point([at.x + 0.3, HEIGHT - 0.5, at.z + 0.2])).collect();
     let eye = middles[middles.len() / 2] + Vec3::new(-3.0, 1.7, 3.0);
     let camera = Camera::level(eye, Vec3::new(1.0, -0.2, -1.0), 1.5, 0.1);
-    let setting = Setting::rigid(vec![shapes::cube(), CasterMesh::Figure.shape()], placed, lights, &camera);
+    let setting = Setting::rigid(vec![shapes::cube(), CasterMesh::Character.shape()], placed, lights, &camera);
     Setting { ground: Some(0.0), occluders: Some((0, sides())), ..setting }
 }
 

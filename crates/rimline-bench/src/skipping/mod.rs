@@ -26,8 +26,8 @@ use scenes::SkipScene;
 const SETTLED: usize = 2;
 /// The stage that deforms, as the timer has it.
 const DEFORM: &str = "deform";
-/// The parts of a frame: deforming and compute stages by timestamps, the stencil passes of all lights, the whole frame by the
-/// clock, and time of the CPU for recording.
+/// The parts of a frame: deforming and compute stages by timestamps, the stencil passes of all lights, the whole frame
+/// by the clock, and time of the CPU for recording.
 pub(crate) const PARTS: [&str; 5] = ["deform", "compute", "stencil", "frame", "recording"];
 
 /// A counter of the stages, by its name in the data.
@@ -51,7 +51,7 @@ pub(crate) const COUNTERS: [Counter; 14] = [
 ];
 
 /// Measures a scene with each choice of levels. Stages and whole frames take turns, so that a drift of the machine's speed
-/// hits both alike.
+/// hits both.
 pub(crate) fn measure(
     rounds: Rounds,
     devices: &mut Devices<'_>,
@@ -143,8 +143,8 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
     Ok(sample)
 }
 
-/// Runs a frame: deforms, draws depths, then runs stages and stencil passes. Depths are the caller's in any case, so they are
-/// not timed.
+/// Runs a frame: deforms, draws depths, then runs stages and stencil passes. Depths are the caller's in any case, so
+/// they are not timed.
 fn frame(recorder: &mut SceneRecorder<'_>, seen: &Seen, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
     let (gpu, depth) = (stopwatch.gpu, &seen.depth);
     let (mut frame_ms, mut recording_ms) = (0.0, 0.0);
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn counters_have_names_of_their_own() {
+    fn counters_have_distinct_names() {
         let mut ids: Vec<&str> = COUNTERS.iter().map(|counter| counter.0).collect();
         ids.sort_unstable();
         ids.dedup();

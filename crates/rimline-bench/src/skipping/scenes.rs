@@ -134,7 +134,7 @@ impl SkipScene {
 
     pub(super) fn setting(self, casters: usize) -> Result<Setting, ModelError> {
         match self {
-            Self::Still => Ok(field(CasterMesh::Figure.shape(), casters)),
+            Self::Still => Ok(field(CasterMesh::Character.shape(), casters)),
             Self::CityAlong => Ok(city::setting(casters, city::ALONG)),
             Self::CityOblique => Ok(city::setting(casters, city::OBLIQUE)),
             Self::Crowd => crowd::setting(casters, View::Whole),
@@ -167,7 +167,7 @@ const PITCH: f32 = 6.0;
 /// costs where it spares nothing.
 fn moving(casters: usize) -> Setting {
     // 4,000 faces, and 5,780, which are in clusters.
-    let shapes = vec![CasterMesh::Figure.shape(), shapes::blob(27, 0.4, 3)];
+    let shapes = vec![CasterMesh::Character.shape(), shapes::blob(27, 0.4, 3)];
     let columns = (casters as f32).sqrt().ceil().max(1.0) as usize;
     let rows = casters.div_ceil(columns);
     let line = |index: usize, count: usize| PITCH * (index as f32 - 0.5 * (count - 1) as f32);

@@ -28,8 +28,8 @@ pub(super) fn pose(walkers: &[Walker], frame: usize) -> Result<Pose, ModelError>
         let turn = Quat::from_rotation_y(walker.heading);
         let at = walker.at + turn * Vec3::Z * SPEED * seconds;
         let palette = joints(walker.phase + STEPS * seconds);
-        let place = Affine3A::from_rotation_translation(turn, at);
-        InstancePose::new(palette.map(|joint| place * joint), Vec::new())
+        let transform = Affine3A::from_rotation_translation(turn, at);
+        InstancePose::new(palette.map(|joint| transform * joint), Vec::new())
     };
     Ok(Pose::new(walkers.iter().map(pose).collect::<Result<_, _>>()?))
 }
@@ -74,7 +74,7 @@ fn tubes() -> Vec<Tube> {
 }
 
 /// The figure at rest, facing +Z.
-pub(super) fn figure() -> Result<Geometry, ModelError> {
+pub(super) fn walker_mesh() -> Result<Geometry, ModelError> {
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     let (mut offsets, mut joints, mut weights) = (vec![0], Vec::new(), Vec::new());
     for Tube { ends, radius, joints: [upper, lower] } in tubes() {
@@ -141,27 +141,27 @@ mod tests {
     use crate::shapes::Shape;
 
     #[test]
-    fn a_figure_is_closed_and_wound_outwards_however_it_walks() {
-        let figure = figure().expect("a figure");
-        let mesh = figure.mesh().expect("a mesh");
+    fn a_walker_is_closed_and_wound_outwards_however_it_walks() {
+        let walker_mesh = walker_mesh().expect("a figure");
+        let mesh = walker_mesh.mesh().expect("a mesh");
         assert!(mesh.is_closed());
-        assert_eq!(figure.faces().len(), 4032);
+        assert_eq!(walker_mesh.faces().len(), 4032);
         let walkers = [0.0, 1.0, 2.0].map(|way| Walker { at: Vec3::X * way, heading: 2.0 * way, phase: 0.3 * way });
-        let model = rimline::Model::new(vec![figure.clone()], vec![Instance::new(0, None); 3]).expect("a model");
+        let model = rimline::Model::new(vec![walker_mesh.clone()], vec![Instance::new(0, None); 3]).expect("a model");
         let begin = pose(&walkers, 0).expect("a pose");
         for frame in 0..40 {
             let pose = pose(&walkers, frame).expect("a pose");
             assert_eq!(begin == pose, frame == 0, "they walk");
             let deformed = rimline::cpu::deform(&model, &pose, 0.0, None, Threads::default()).expect("it fits");
             for (number, walker) in walkers.iter().enumerate() {
-                let count = figure.positions().len();
+                let count = walker_mesh.positions().len();
                 let positions = deformed[number * count..][..count].to_vec();
                 let seconds = frame as f32 / FRAMES;
                 let at = walker.at + Quat::from_rotation_y(walker.heading) * Vec3::Z * SPEED * seconds;
                 for &position in &positions {
                     assert!((Vec3::from(position) - at - MIDDLE).length() < RADIUS, "{position:?} of frame {frame}");
                 }
-                let shape = Shape { positions, faces: figure.faces().to_vec() };
+                let shape = Shape { positions, faces: walker_mesh.faces().to_vec() };
                 assert!(volume(&shape) > 0.1, "{}", volume(&shape));
             }
         }

@@ -15,7 +15,8 @@ pub(crate) fn write_lights(npz: &mut NpzWriter<impl Write + Seek>, lights: &[Lig
     npz.slice("lights", ElementType::F32, &[lights.len(), 4], &components)
 }
 
-/// Writes all arrays; positions and lights are relative to the origin. Nothing is copied whole: what needs another form is converted piece by piece.
+/// Writes all arrays; positions and lights are relative to the origin. Nothing is copied whole: what needs another form
+/// is converted piece by piece.
 pub(crate) fn write(
     file: impl Write + Seek,
     mesh: &Mesh,

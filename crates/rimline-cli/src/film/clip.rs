@@ -25,8 +25,9 @@ impl Format {
     /// The format that a name ends in, unless it is that of a folder.
     pub(super) fn of(out: &Path) -> Option<Self> {
         let ending = out.extension()?.to_str()?.to_lowercase();
-        let found =
-            [("gif", Self::Gif), ("apng", Self::Apng), ("mp4", Self::Mp4)].into_iter().find(|(own, _)| *own == ending);
+        let found = [("gif", Self::Gif), ("apng", Self::Apng), ("mp4", Self::Mp4)]
+            .into_iter()
+            .find(|(name, _)| *name == ending);
         found.filter(|_| !out.is_dir()).map(|(_, format)| format)
     }
 }
@@ -227,7 +228,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_are_told_by_their_names() {
+    fn formats_follow_from_names() {
         let of = |name: &str| Format::of(Path::new(name));
         assert_eq!(
             (of("a.GIF"), of("a.apng"), of("a/b.mp4")),

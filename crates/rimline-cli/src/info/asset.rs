@@ -57,8 +57,8 @@ pub(super) fn text(asset: &Asset, lights: &[NamedLight], text: &mut Text) {
         let Some(light) = light else { return format!("{}, damaged", shown(name)) };
         let is_far = light.kind == SceneLightKind::Directional;
         let at = if is_far { "towards" } else { "at" };
-        let place = point(light.light.xyz, if is_far { Origin::ZERO } else { asset.origin() });
-        format!("{}, {}, {at} {place}", shown(name), kind_name(light.kind))
+        let position = point(light.light.xyz, if is_far { Origin::ZERO } else { asset.origin() });
+        format!("{}, {}, {at} {position}", shown(name), kind_name(light.kind))
     });
     list(text, "lights", lights.collect());
     if asset.hidden_nodes() > 0 {

@@ -23,7 +23,7 @@ pub(super) struct PolygonReport {
 #[derive(Clone, Debug, Default)]
 struct SeenCounts {
     facing: usize,
-    averted: usize,
+    back_facing: usize,
     in_plane: usize,
     twisted: usize,
 }
@@ -51,7 +51,7 @@ impl PolygonReport {
             for (counts, light) in report.seen.iter_mut().zip(lights) {
                 *match boundary.orientation(light.to_array()).0 {
                     Orientation::FrontFacing => &mut counts.facing,
-                    Orientation::BackFacing => &mut counts.averted,
+                    Orientation::BackFacing => &mut counts.back_facing,
                     Orientation::InPlane => &mut counts.in_plane,
                     Orientation::Twisted => &mut counts.twisted,
                 } += 1;
@@ -62,8 +62,8 @@ impl PolygonReport {
 
     pub(super) fn json(&self) -> Value {
         let seen = |counts: &SeenCounts| {
-            let SeenCounts { facing, averted, in_plane, twisted } = counts;
-            json!({ "facing": facing, "averted": averted, "in_plane": in_plane, "twisted": twisted })
+            let SeenCounts { facing, back_facing, in_plane, twisted } = counts;
+            json!({ "facing": facing, "averted": back_facing, "in_plane": in_plane, "twisted": twisted })
         };
         json!({
             "triangles": self.triangles,
@@ -89,10 +89,12 @@ impl PolygonReport {
         if *non_finite > 0 {
             text.more(format_args!("{non_finite} with a corner that is not finite"));
         }
-        for (number, SeenCounts { facing, averted, in_plane, twisted }) in self.seen.iter().enumerate() {
+        for (number, SeenCounts { facing, back_facing, in_plane, twisted }) in self.seen.iter().enumerate() {
             text.line(
                 &format!("light {number}"),
-                format_args!("{facing} facing, {averted} averted, {in_plane} in a plane with it, {twisted} twisted"),
+                format_args!(
+                    "{facing} facing, {back_facing} averted, {in_plane} in a plane with it, {twisted} twisted"
+                ),
             );
         }
     }

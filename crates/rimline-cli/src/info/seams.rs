@@ -42,9 +42,9 @@ impl Seams {
             let before = mesh.edges().counts().boundary;
             Some((before.saturating_sub(after.edges().counts().boundary), counts.collapsed))
         };
-        let (own, across) = (closed(Weld::Distance(by))?, closed(Weld::Distance(by.across_data()))?);
-        let across_data = across.0 > own.0;
-        let (closes, collapses) = if across_data { across } else { own };
+        let (within, across) = (closed(Weld::Distance(by))?, closed(Weld::Distance(by.across_data()))?);
+        let across_data = across.0 > within.0;
+        let (closes, collapses) = if across_data { across } else { within };
         let by_position = closes > 0 && gap == 0.0 && closed(Weld::Position)?.0 == closes;
         Some(Self { edges, gap, distance, closes, collapses, across_data, by_position })
     }
@@ -119,9 +119,9 @@ fn pairs(positions: &[[f32; 3]], edges: &[[u32; 2]], distance: f32) -> Option<(u
 /// How many vertices of boundary edges lie on another boundary edge, between its ends, as near as rounding leaves them.
 pub(super) fn t_junctions(mesh: &Mesh, positions: &[[f32; 3]]) -> usize {
     let Some(tolerance) = tolerance(positions).map(f64::from) else { return 0 };
-    let place = |v: u32| double(positions[v as usize]);
+    let position = |v: u32| double(positions[v as usize]);
     let edges: Vec<[DVec3; 2]> = boundary(mesh)
-        .map(|edge| edge.vertices.map(place))
+        .map(|edge| edge.vertices.map(position))
         .filter(|ends| ends.iter().all(|end| end.is_finite()))
         .collect();
     let mut points: Vec<DVec3> = edges.iter().flatten().copied().collect();

@@ -34,7 +34,7 @@ impl Text {
     }
 
     pub(super) fn mesh(&mut self, report: &MeshReport) {
-        let at = |place| point(place, report.origin);
+        let at = |position| point(position, report.origin);
         let weld = report.vertices;
         let mut vertices = format!("{}", weld.after);
         if weld.before != weld.after {

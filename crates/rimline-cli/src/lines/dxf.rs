@@ -1,5 +1,5 @@
-//! DXF R12 as text, which every CAD program reads: a layer a class, polylines, millimetres of the page or the files' unit. The
-//! crate `dxf` 0.6 writes dates and random ids, and brings 26 crates.
+//! DXF R12 as text, which every CAD program reads: a layer a class, polylines, millimetres of the page or the files'
+//! unit. The crate `dxf` 0.6 writes dates and random ids, and brings 26 crates.
 
 use std::io::{self, Write};
 

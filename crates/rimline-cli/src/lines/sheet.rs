@@ -112,8 +112,8 @@ impl Sheet {
         Ok(sheet)
     }
 
-    /// A drawing in the unit of the files, with their coordinates: `offset` is what the page's lack. On a page it would have this
-    /// scale.
+    /// A drawing in the unit of the files, with their coordinates: `offset` is what the page's lack. On a page it would
+    /// have this scale.
     fn in_units(
         args: &LinesArgs,
         style: &Style,
@@ -214,7 +214,8 @@ impl Sheet {
     }
 }
 
-/// The part of the view's page from which lines are taken. An eye within a model sees lines at any angle, so there is a limit.
+/// The part of the view's page from which lines are taken. An eye within a model sees lines at any angle, so there is a
+/// limit.
 pub(crate) fn taken(args: &LinesArgs) -> Option<PageBox> {
     const MOST: f64 = 1.19; // The tangent of 50 degrees.
     let most = PageBox { low: [-MOST; 2], high: [MOST; 2] };
@@ -251,11 +252,12 @@ impl Extent {
                 .all(|&corner| object.positions.get(corner as usize).is_some_and(|p| p.iter().all(|c| c.is_finite())))
         };
         let is_face = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
-        let place =
+        let corners_of =
             |object: &Object<'_>, face: &[u32; 3]| face.map(|vertex| object.positions[vertex as usize].map(f64::from));
         let faces = || {
             let objects = objects.iter().filter(is_finite);
-            objects.flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| place(object, face)))
+            objects
+                .flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| corners_of(object, face)))
         };
         let near = if view.is_perspective() {
             // Lines begin this way by default.

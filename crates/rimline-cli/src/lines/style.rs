@@ -88,41 +88,41 @@ fn parse(text: &str) -> Result<Style, String> {
     })?;
     let mut style = Style::default();
     for (key, value) in &table {
-        let place = format!("[{key}]");
+        let heading = format!("[{key}]");
         if key != "hidden" {
-            style.visible.push((class(key, &place)?, strokes(as_table(value, &place)?, &place)?));
+            style.visible.push((class(key, &heading)?, strokes(as_table(value, &heading)?, &heading)?));
             continue;
         }
         let mut all = Table::new();
-        for (key, value) in as_table(value, &place)? {
+        for (key, value) in as_table(value, &heading)? {
             if let Value::Table(table) = value {
-                let place = format!("[hidden.{key}]");
-                style.hidden_classes.push((class(key, &place)?, strokes(table, &place)?));
+                let heading = format!("[hidden.{key}]");
+                style.hidden_classes.push((class(key, &heading)?, strokes(table, &heading)?));
             } else {
                 all.insert(key.clone(), value.clone());
             }
         }
-        style.hidden = strokes(&all, &place)?;
+        style.hidden = strokes(&all, &heading)?;
     }
     Ok(style)
 }
 
-fn as_table<'a>(value: &'a Value, place: &str) -> Result<&'a Table, String> {
-    value.as_table().ok_or_else(|| format!("{place} is no table; write it in a line of its own and keys below it"))
+fn as_table<'a>(value: &'a Value, heading: &str) -> Result<&'a Table, String> {
+    value.as_table().ok_or_else(|| format!("{heading} is no table; write it in a line of its own and keys below it"))
 }
 
-fn class(key: &str, place: &str) -> Result<LineClass, String> {
+fn class(key: &str, heading: &str) -> Result<LineClass, String> {
     let classes = || LineClass::ALL.into_iter().filter(|class| *class != LineClass::Marked);
     classes().find(|class| class.name() == key).ok_or_else(|| {
         let names: Vec<_> = classes().map(LineClass::name).collect();
-        format!("{place} is no class of lines; tables are {}, hidden, or hidden.CLASS", names.join(", "))
+        format!("{heading} is no class of lines; tables are {}, hidden, or hidden.CLASS", names.join(", "))
     })
 }
 
-fn strokes(table: &Table, place: &str) -> Result<Strokes, String> {
+fn strokes(table: &Table, heading: &str) -> Result<Strokes, String> {
     let mut strokes = Strokes::default();
     for (key, value) in table {
-        let wrong = |what: &str| format!("{place} {key}: {what}");
+        let wrong = |what: &str| format!("{heading} {key}: {what}");
         match key.as_str() {
             "width" => {
                 let width = length(value).filter(|&width| width > 0.0);

@@ -10,8 +10,8 @@ use clap::{Arg, CommandFactory};
 
 use super::*;
 
-/// A number of an option's value: the option, how the value is written with `{}` for the number, numbers that are taken, and
-/// numbers that are refused besides those that every number refuses.
+/// A number of an option's value: the option, how the value is written with `{}` for the number, numbers that are valid, and
+/// numbers that are refused. Numbers that every option refuses are not listed.
 type Number = (&'static str, &'static str, &'static [&'static str], &'static [&'static str]);
 
 /// No option takes these.

@@ -13,19 +13,20 @@ pub(crate) struct QueryArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// An .npz file with `points` (P,3) float32 or float64 in world space, or - for standard input. With `origin` (3) they are
-    /// relative to it. With `on_face` (P) integers each point names the face that it is on, which does not count for it: a row of
-    /// `faces` as `extract` writes them, or -1
+    /// An .npz file with `points` (P,3) float32 or float64 in world space, or - for standard input. With `origin` (3)
+    /// they are relative to it. With `on_face` (P) integers each point names the face that it is on, which does not
+    /// count for it: a row of `faces` as `extract` writes them, or -1
     #[arg(long, value_name = "FILE.npz")]
     pub(crate) points: PathBuf,
 
     /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous, w not negative),
-    /// file:NAME, file:INDEX (from 0) or file:all (lights of the model file, as `info` lists them). The option can be repeated
+    /// file:NAME, file:INDEX (from 0) or file:all (lights of the model file, as `info` lists them). The option can be
+    /// repeated
     #[arg(long = "light", value_name = "SPEC", required = true, allow_hyphen_values = true, value_parser = spec::light)]
     pub(crate) lights: Vec<LightSpec>,
 
-    /// Move each point towards each light by D, in units of the file, and not beyond the light: computed in float64, rounded once.
-    /// For points on a surface whose faces are not known
+    /// Move each point towards each light by D, in units of the file, and not beyond the light: computed in float64,
+    /// rounded once. For points on a surface whose faces are not known
     #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = spec::lift)]
     pub(crate) lift: Option<f64>,
 

@@ -85,5 +85,5 @@ fn count(
     let bound = QueryPoints { points: points_at, on_face: on_face.map(|_| POINT - 4) };
     query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, lights)?;
     gpu.submit(encoder);
-    Ok(query.read_depths(&gpu.queue)?)
+    Ok(query.read_occluder_counts(&gpu.queue)?)
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ops::{ControlFlow, Range};
 
-use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
+use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
 use rimline::internals::layout::ExtractionStatistics;
 use rimline::{Light, LightError, Mesh, Predicate, ShadowCamera, wgpu};
@@ -111,7 +111,7 @@ pub(crate) struct CoveredFaces {
     files: Vec<File>,
     lights: Vec<Light>,
     /// For each light.
-    pub(super) found: Vec<HiddenFaces>,
+    pub(super) found: Vec<OccludedFaces>,
 }
 
 struct File {
@@ -138,11 +138,11 @@ impl CoveredFaces {
             first += instances.len();
             files.push(File { meshes, first: first - instances.len(), instances });
         }
-        let casters: Vec<HiddenCaster<'_>> =
+        let casters: Vec<OcclusionCaster<'_>> =
             files.iter().zip(bodies).flat_map(|(file, body)| file.casters(body)).collect();
-        let options = HiddenOptions::default();
+        let options = OcclusionOptions::default();
         let search = |&light: &Light| {
-            HiddenFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(())).map_err(UsageError::Covered)
+            OccludedFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(())).map_err(UsageError::Covered)
         };
         let found = lights.iter().map(search).collect::<Result<Vec<_>, _>>()?;
         drop(casters);
@@ -158,7 +158,7 @@ impl CoveredFaces {
             return Ok(None);
         };
         let mut faces = Vec::new();
-        for (number, (HiddenCaster { mesh, positions, .. }, (_, vertices))) in
+        for (number, (OcclusionCaster { mesh, positions, .. }, (_, vertices))) in
             (of.first..).zip(of.casters(body).zip(&of.instances))
         {
             let extracted = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::default());
@@ -176,8 +176,8 @@ impl CoveredFaces {
 }
 
 impl File {
-    fn casters<'a>(&'a self, body: &'a PosedModel<'_>) -> impl Iterator<Item = HiddenCaster<'a>> {
-        self.instances.iter().map(|(topology, vertices)| HiddenCaster {
+    fn casters<'a>(&'a self, body: &'a PosedModel<'_>) -> impl Iterator<Item = OcclusionCaster<'a>> {
+        self.instances.iter().map(|(topology, vertices)| OcclusionCaster {
             mesh: &self.meshes[topology],
             positions: &body.world[vertices.clone()],
             version: Some(VERSION),

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use rimline::Origin;
-use rimline::cpu::{HiddenFaces, HiddenStatistics};
+use rimline::cpu::{OccludedFaces, OcclusionStatistics};
 use rimline::internals::layout::ShadowStatistics;
 use serde_json::{Value, json};
 
@@ -44,17 +44,17 @@ pub(super) struct Report {
     lights: Vec<(Value, f32, [f32; 3])>,
     samples: usize,
     /// Statistics of occluded faces for each light, if they were asked for.
-    covered: Option<Vec<HiddenStatistics>>,
+    covered: Option<Vec<OcclusionStatistics>>,
     left_out: usize,
     /// If maps of the lights cast.
     depth: Option<DepthsFound>,
 }
 
-fn covered_json(covered: &HiddenStatistics) -> Value {
-    let HiddenStatistics { tried, hidden, left_out, undecided, without_room, sides, sides_left, .. } = covered;
+fn covered_json(covered: &OcclusionStatistics) -> Value {
+    let OcclusionStatistics { tried, occluded, left_out, undecided, without_room, sides, sides_left, .. } = covered;
     json!({
         "tried": tried,
-        "hidden": hidden,
+        "hidden": occluded,
         "undecided": undecided,
         "without_room": without_room,
         "left_out": left_out,
@@ -88,7 +88,7 @@ impl Report {
                 .map(|shaded| (coordinates::light(&shaded.light, origin), shaded.range, shaded.color))
                 .collect(),
             samples: samples / set.shaded_lights.len().max(1),
-            covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
+            covered: covered.map(|covered| covered.found.iter().map(OccludedFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
             depth: casters.shadows.depths_found()?,
         })
@@ -212,9 +212,9 @@ impl Report {
             lines.line("depth map", value);
         }
         for covered in self.covered.iter().flatten() {
-            let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;
+            let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = covered;
             let value = format!(
-                "{hidden} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} \
+                "{occluded} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} \
                  after"
             );
             lines.line("covered", value);

@@ -4,7 +4,7 @@
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
-use rimline::cpu::HiddenFaces;
+use rimline::cpu::OccludedFaces;
 use rimline::gpu::{
     Capacities, Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions,
     ShadowError, StageTimer,
@@ -249,7 +249,7 @@ impl Shadows for SceneShadows<'_> {
     }
 
     fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
-        let lights: Vec<Light> = covered.found.iter().map(HiddenFaces::light).collect();
+        let lights: Vec<Light> = covered.found.iter().map(OccludedFaces::light).collect();
         set_lights(&mut self.scene, &mut self.lights, &lights)?;
         let casters: Vec<CasterHandle> =
             self.files.iter().flat_map(|file| file.casters.iter().map(|&(_, caster)| caster)).collect();
@@ -257,13 +257,13 @@ impl Shadows for SceneShadows<'_> {
             self.scene.set_position_version(caster, Some(VERSION))?;
         }
         for (&light, found) in self.lights.iter().zip(&covered.found) {
-            self.scene.set_hidden_faces(light, &casters, Some(found))?;
+            self.scene.set_occluded_faces(light, &casters, Some(found))?;
         }
         Ok(())
     }
 
     fn left_out(&self) -> usize {
-        self.frame().map_or(0, |frame| frame.hidden().faces)
+        self.frame().map_or(0, |frame| frame.occluded_faces().faces)
     }
 }
 

@@ -11,7 +11,7 @@ use super::{Outcome, Test, ensure, plot_labels};
 pub(crate) const TESTS: &[Test] = &[
     ("bench::report_and_data_are_as_described", report),
     ("bench::one_device_and_many_lights", on_the_cpu),
-    ("bench::a_model_and_lights_of_the_user", own_model),
+    ("bench::a_model_and_lights_of_the_user", user_model),
     ("bench::scenes_of_many_casters", many_casters),
     ("bench::scenes_that_measure_skipping", skipping),
     ("bench::times_of_depth_maps_are_shown", depth_maps),
@@ -201,7 +201,7 @@ fn check_report(folder: &Path) -> Result<String, String> {
     for outside in ["http", "//", "src=", "href=", "@import", "url(", "<script", "<link", "<iframe"] {
         ensure!(!html.contains(outside), "the page refers to elsewhere: {outside}");
     }
-    let plots: Vec<&str> = html.split("<figure id=\"").skip(1).filter(|figure| figure.contains("<svg")).collect();
+    let plots: Vec<&str> = html.split("<figure id=\"").skip(1).filter(|plot| plot.contains("<svg")).collect();
     ensure!(!plots.is_empty(), "no plots");
     for plot in &plots {
         let id = plot.split('"').next().unwrap_or_default();
@@ -232,8 +232,8 @@ fn report() -> Outcome {
     let (report, json) = (folder.path().join("a/report"), folder.path().join("data.json"));
     let line = "bench --quick --meshes 1024,2048 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 \
                 --rounds 2 --frames 1";
-    let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
-    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
+    let files = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
+    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(files));
     run.expect(0, &["12/12"])?;
     is_short(&run.stdout, &["Against the method of 2003", "Price of exactness", "Wrong silhouette bits", "auto"])?;
     let data = read_json(&json)?;
@@ -305,7 +305,7 @@ fn is_short(stdout: &str, parts: &[&str]) -> Outcome {
 }
 
 /// The user's own model and lights, instead of all that is made by code.
-fn own_model() -> Outcome {
+fn user_model() -> Outcome {
     let folder = folder();
     let (model, json) = (folder.path().join("own.obj"), folder.path().join("data.json"));
     write_file(&model, "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")?;
@@ -344,8 +344,8 @@ fn many_casters() -> Outcome {
     let folder = folder();
     let (report, json) = (folder.path().join("report"), folder.path().join("data.json"));
     let line = "bench --scene casters --casters 1,3 --meshes none --frames 0 --rounds 1 --quick";
-    let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
-    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
+    let files = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
+    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(files));
     run.expect(0, &["6/6"])?;
     is_short(&run.stdout, &["Recording a frame of 3 figures", "Scene of 3 boxes"])?;
     let data = read_json(&json)?;
@@ -390,8 +390,8 @@ fn skipping() -> Outcome {
     let folder = folder();
     let (report, json) = (folder.path().join("report"), folder.path().join("data.json"));
     let line = "bench --scene still,city,crowd,moving,big --casters 3 --meshes none --frames 0 --rounds 1 --quick";
-    let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
-    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
+    let files = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
+    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(files));
     run.expect(0, &["7/7"])?;
     is_short(&run.stdout, &["Without skipping, city, 3 buildings, obliquely", "frame"])?;
     let data = read_json(&json)?;
@@ -468,8 +468,8 @@ fn depth_maps() -> Outcome {
     let (times, report) = (folder.path().join("times.json"), folder.path().join("report"));
     let line = "bench --meshes none --scenes none --device cpu --depth-maps";
     let bench = || {
-        let places = [times.as_os_str(), "--report".as_ref(), report.as_os_str()];
-        rimline(line.split(' ').map(AsRef::as_ref).chain(places))
+        let files = [times.as_os_str(), "--report".as_ref(), report.as_os_str()];
+        rimline(line.split(' ').map(AsRef::as_ref).chain(files))
     };
     let rounds = |ms: f64| json!({ "rounds": [ms, 2.0 * ms, 3.0 * ms] });
     let row = |faces: u64, ms: f64| {
@@ -563,8 +563,8 @@ fn wrong_options() -> Outcome {
     let file = folder.path().join("file");
     write_file(&file, "in the way")?;
     for option in ["--report", "--json"] {
-        let place = file.join("below").to_string_lossy().into_owned();
-        rimline(["bench", option, &place]).expect(4, &["cannot be written"])?;
+        let path = file.join("below").to_string_lossy().into_owned();
+        rimline(["bench", option, &path]).expect(4, &["cannot be written"])?;
     }
     Ok(())
 }

@@ -31,8 +31,8 @@ pub(crate) fn trials() -> Vec<Trial> {
 /// The manifest of `SwiftShader`.
 fn manifest() -> Option<String> {
     let elsewhere = std::env::var("RIMLINE_SWIFTSHADER").ok();
-    let places = ["/usr/lib/chromium/vk_swiftshader_icd.json", "/usr/lib/chromium-browser/vk_swiftshader_icd.json"];
-    elsewhere.into_iter().chain(places.map(str::to_owned)).find(|place| std::path::Path::new(place).exists())
+    let manifests = ["/usr/lib/chromium/vk_swiftshader_icd.json", "/usr/lib/chromium-browser/vk_swiftshader_icd.json"];
+    elsewhere.into_iter().chain(manifests.map(str::to_owned)).find(|path| std::path::Path::new(path).exists())
 }
 
 /// Name and wrong pixels of each adapter.
@@ -56,8 +56,8 @@ fn named() -> Outcome {
     let driver = manifest().ok_or("no SwiftShader")?;
     let variables = [("VK_DRIVER_FILES", driver.as_str())];
     let found = clipping(&rimline_with(["devices", "--json"], &variables).json()?);
-    let own = found.iter().find(|(name, _)| name.contains("SwiftShader"));
-    let (name, Some(wrong)) = own.ok_or_else(|| format!("no SwiftShader in {found:?}"))? else {
+    let swift_shader = found.iter().find(|(name, _)| name.contains("SwiftShader"));
+    let (name, Some(wrong)) = swift_shader.ok_or_else(|| format!("no SwiftShader in {found:?}"))? else {
         return Err(format!("not tried: {found:?}"));
     };
     println!("{name}: {wrong} pixels of the trial are wrong");
@@ -68,8 +68,8 @@ fn named() -> Outcome {
     Ok(())
 }
 
-/// A point light, and volumes that leave the picture on all sides: pixels that differ from lavapipe's lie at borders of shadow,
-/// where the rasterisers' grids tell, and a few beside them.
+/// A point light, and volumes that leave the picture on all sides: pixels that differ from lavapipe's lie at borders of
+/// shadow, where the rasterisers' grids tell, and a few beside them.
 fn specks(model: &Path) -> Outcome {
     let driver = manifest().ok_or("no SwiftShader")?;
     let most = if is_long() { 10 } else { 6 };
@@ -92,8 +92,8 @@ fn specks(model: &Path) -> Outcome {
     let found = mask("found", &[("VK_DRIVER_FILES", driver.as_str())])?;
     let is_inner =
         |x: usize, y: usize| (x - 1..x + 2).all(|i| (y - 1..y + 2).all(|j| right.at(i, j) == right.at(x, y)));
-    let places = (1..399).flat_map(|x| (1..299).map(move |y| (x, y)));
-    let wrong: Vec<_> = places.filter(|&(x, y)| right.at(x, y) != found.at(x, y)).collect();
+    let pixels = (1..399).flat_map(|x| (1..299).map(move |y| (x, y)));
+    let wrong: Vec<_> = pixels.filter(|&(x, y)| right.at(x, y) != found.at(x, y)).collect();
     let lone = wrong.iter().filter(|&&(x, y)| is_inner(x, y)).count();
     println!("{} of {} pixels differ, {lone} of them alone", wrong.len(), right.bytes.len());
     ensure!(wrong.len() < 60 && lone < most, "{} pixels differ, {lone} of them alone", wrong.len());

@@ -139,8 +139,9 @@ fn of_row(folder: &Folder, steps: &[&str], shared: &[&str], row: &[&str]) -> Res
     let words = head.split_once(' ').map_or("", |(_, words)| words);
     let steps: Vec<String> = steps.iter().map(|line| line.replace("{}", words)).collect();
     let lines_of = |sign: char| row[1..].iter().filter_map(move |line| line.strip_prefix(sign)).map(str::trim);
-    let own: Vec<&str> = row[1..].iter().filter(|line| !line.starts_with(['!', '>'])).copied().collect();
-    let facts = || shared.iter().chain(&own).filter(|line| !line.starts_with('#')).flat_map(|line| line.split("; "));
+    let lines_of_row: Vec<&str> = row[1..].iter().filter(|line| !line.starts_with(['!', '>'])).copied().collect();
+    let facts =
+        || shared.iter().chain(&lines_of_row).filter(|line| !line.starts_with('#')).flat_map(|line| line.split("; "));
     let mut found = Vec::new();
     for at in 0..steps.len() {
         let Some(command) = steps[at].strip_prefix(['$', '%']) else {
@@ -168,7 +169,7 @@ fn of_row(folder: &Folder, steps: &[&str], shared: &[&str], row: &[&str]) -> Res
             facts::check(folder, &run.stdout, &new, fact)
                 .map_err(|error| format!("{command}\n{fact}: {error}\n{}{}", run.stdout, run.stderr))?;
         }
-        lines.extend(own.iter().map(|fact| (*fact).to_owned()));
+        lines.extend(lines_of_row.iter().map(|fact| (*fact).to_owned()));
         // A line that is wrong for one of the commands is shown as that one has it.
         if found.is_empty() || differences(&row.join("\n"), &found.join("\n")).is_ok() {
             found = lines;

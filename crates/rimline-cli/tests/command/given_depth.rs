@@ -61,11 +61,11 @@ fn round_trip() -> Outcome {
     let mut masks = Vec::new();
     // Among the models there are six maps.
     for (light, maps) in [(LIGHT, 1), ("point:1.2,2.4,0.9", 6), ("dir:-1,2,0.5", 1)] {
-        let (said, own) = save(&folder, light, 128)?;
-        let dark: usize = own.iter().map(|value| usize::from(*value == 0)).sum();
+        let (said, rendered) = save(&folder, light, 128)?;
+        let dark: usize = rendered.iter().map(|value| usize::from(*value == 0)).sum();
         ensure!(dark > 1000, "{light}: {dark} are dark");
         let (again, given) = of_map(&folder, "map.0", &format!("--light {light}"))?;
-        ensure!(own == given, "{light}: {} pixels differ", apart([&own, &given], 1, 0)?);
+        ensure!(rendered == given, "{light}: {} pixels differ", apart([&rendered, &given], 1, 0)?);
         let of_light = &again["lights"][0];
         ensure!(of_light == &said["lights"][0] && again["method"] == "parity", "{light}: {said:#} {again:#}");
         ensure!(of_light["depth_map"]["maps"] == maps, "{again:#}");
@@ -73,11 +73,11 @@ fn round_trip() -> Outcome {
         // The light's place follows from the matrix, but for rounding.
         let (_, derived) = of_map(&folder, "map.0", "")?;
         ensure!(
-            apart([&own, &derived], 1, 0)? < 20,
+            apart([&rendered, &derived], 1, 0)? < 20,
             "{light}: {} pixels differ without --light",
-            apart([&own, &derived], 1, 0)?
+            apart([&rendered, &derived], 1, 0)?
         );
-        masks.push(own);
+        masks.push(rendered);
     }
     // Negative controls: other lights, and a map that is moved.
     ensure!(
@@ -96,7 +96,7 @@ fn round_trip() -> Outcome {
 fn types() -> Outcome {
     const SIDE: usize = 128;
     let folder = models()?;
-    let (_, own) = save(&folder, LIGHT, SIDE as u32)?;
+    let (_, rendered) = save(&folder, LIGHT, SIDE as u32)?;
     let saved = entries(&folder)?;
     let names: Vec<_> = saved.iter().map(|entry| entry.name.as_str()).collect();
     ensure!(names == ["depth.npy", "view_projection.npy", "origin.npy", "reversed.npy"], "{names:?}");
@@ -106,7 +106,7 @@ fn types() -> Outcome {
     let same = |name: &str, depth: Entry, matrix: Entry, reversed: Entry, most: usize| {
         folder.write("other.npz", write_zip(&[reversed, saved[2].clone(), matrix, depth]))?;
         let (_, given) = of_map(&folder, "other", &format!("--light {LIGHT}"))?;
-        let differing = apart([&own, &given], 1, 0)?;
+        let differing = apart([&rendered, &given], 1, 0)?;
         ensure!(differing <= most, "{name}: {differing} pixels differ");
         Ok(())
     };
@@ -114,8 +114,8 @@ fn types() -> Outcome {
     let packed = Entry { method: 8, ..saved[0].clone() };
     same("deflated", packed, saved[1].clone(), array("reversed", "|u1", "False", "(1,)", &[1]), 0)?;
     let turned = |values: &[f32], side: usize| -> Vec<u8> {
-        let places = (0..side * side).map(|at| at % side * side + at / side);
-        places.flat_map(|at| values[at].to_be_bytes()).collect()
+        let texels = (0..side * side).map(|at| at % side * side + at / side);
+        texels.flat_map(|at| values[at].to_be_bytes()).collect()
     };
     let columns = array("depth", ">f4", "True", &square, &turned(&depths, SIDE));
     let doubles: Vec<u8> = matrix.iter().flat_map(|&value| f64::from(value).to_le_bytes()).collect();
@@ -176,7 +176,7 @@ fn objects() -> Outcome {
         let line = format!("shadow @ball.npz {VIEW} --light {LIGHT} {options} --mask @{name} --json");
         Ok::<_, String>((folder.run(&line).json()?, mask(&folder, name)?))
     };
-    let (every, own) = draw("--from-depth 128 --detector every --save-depth @map", "own")?;
+    let (every, rendered) = draw("--from-depth 128 --detector every --save-depth @map", "own")?;
     let saved = entries(&folder)?;
     let with_objects = |number: fn(usize) -> u16| {
         let objects: Vec<u8> = (0..128 * 128).flat_map(|texel| number(texel).to_le_bytes()).collect();
@@ -187,18 +187,18 @@ fn objects() -> Outcome {
     with_objects(|_| 7)?;
     let (found, given) = draw("--depth @objects.npz --detector differences=1", "given")?;
     let cells = |json: &serde_json::Value| json["lights"][0]["depth_map"]["cells"].as_u64().unwrap_or(0);
-    ensure!(apart([&own, &given], 1, 0)? < 30, "{} pixels differ", apart([&own, &given], 1, 0)?);
+    ensure!(apart([&rendered, &given], 1, 0)? < 30, "{} pixels differ", apart([&rendered, &given], 1, 0)?);
     ensure!(cells(&found) > 100 && 10 * cells(&found) < cells(&every), "{} and {}", cells(&found), cells(&every));
     // Halves of the ball are two objects: more edges, the same shadow.
     with_objects(|texel| u16::from(texel % 128 < 64))?;
     let (halves, given) = draw("--depth @objects.npz --detector differences=1", "given")?;
-    ensure!(apart([&own, &given], 1, 0)? < 30 && cells(&halves) > cells(&found) + 20, "{} cells", cells(&halves));
+    ensure!(apart([&rendered, &given], 1, 0)? < 30 && cells(&halves) > cells(&found) + 20, "{} cells", cells(&halves));
     // Beside a threshold they are taken, too; with every edge there is nothing to add.
     let (both, _) = draw("--depth @objects.npz --detector differences=0.01", "given")?;
     let (steps, _) = draw("--depth @map.0.npz --detector differences=0.01", "given")?;
     ensure!(cells(&both) > cells(&steps) + 20, "{} and {}", cells(&both), cells(&steps));
     let (all, given) = draw("--depth @objects.npz", "given")?;
-    ensure!(given == own && cells(&all) == cells(&every), "with every edge objects make a difference");
+    ensure!(given == rendered && cells(&all) == cells(&every), "with every edge objects make a difference");
     Ok(())
 }
 
@@ -264,15 +264,15 @@ fn as_distances(
         let inverse = matrix.inverse();
         for (texel, &depth) in depths.iter().enumerate() {
             let [column, row] = [texel % side, texel / side].map(|at| (at as f64 + 0.5) / side as f64);
-            let place = |depth: f64| inverse.project_point3(DVec3::new(2.0 * column - 1.0, 1.0 - 2.0 * row, depth));
-            let at = place(depth.into());
+            let point_at = |depth: f64| inverse.project_point3(DVec3::new(2.0 * column - 1.0, 1.0 - 2.0 * row, depth));
+            let at = point_at(depth.into());
             // From the light, or from the near plane of a light at infinity, whose rays are at right angles to it.
             let [axis, ray] = match light {
                 Some(light) => {
                     let w = matrix.row(3);
                     [w.dot(at.extend(1.0)) / w.truncate().length(), (at + origin - light).length()]
                 }
-                None => [(at - place(1.0)).length(); 2],
+                None => [(at - point_at(1.0)).length(); 2],
             };
             for (found, distance) in found.iter_mut().zip([axis, ray]) {
                 let distance = if depth == 0.0 { f32::INFINITY } else { distance as f32 };
@@ -292,30 +292,31 @@ fn as_distances(
 fn distances() -> Outcome {
     const SIDE: usize = 128;
     let folder = models()?;
-    for (light, place, maps) in [
+    for (light, light_position, maps) in [
         (LIGHT, Some(DVec3::new(6.0, 12.0, 3.0)), 1),
         ("dir:-1,2,0.5", None, 1),
         ("point:1.2,2.4,0.9", Some(DVec3::new(1.2_f32.into(), 2.4_f32.into(), 0.9_f32.into())), 6),
     ] {
-        let (_, own) = save(&folder, light, SIDE as u32)?;
-        let archives = as_distances(&entries(&folder)?, (SIDE, maps), place)?;
+        let (_, rendered) = save(&folder, light, SIDE as u32)?;
+        let archives = as_distances(&entries(&folder)?, (SIDE, maps), light_position)?;
         for (archive, metric) in archives.iter().zip(1..) {
             folder.write("distances.npz", write_zip(archive))?;
             let (said, given) = of_map(&folder, "distances", &format!("--light {light}"))?;
             ensure!(said["lights"][0]["depth_map"]["maps"] == maps, "{light}: {said:#}");
-            let differing = apart([&own, &given], 1, 0)?;
+            let differing = apart([&rendered, &given], 1, 0)?;
             ensure!(differing < 30, "{light}, metric {metric}: {differing} pixels differ");
         }
-        // Negative controls: distances are taken for depths, and those along the axis for the longer ones along rays. (The other
-        // way round surfaces move away from the light, and most of the mask stays.) At infinity both are the same.
+        // Negative controls: distances are taken for depths, and those along the axis for the longer ones along rays.
+        // (The other way round surfaces move away from the light, and most of the mask stays.) At infinity both are the
+        // same.
         let wrongs = [(1, 2), (2, 0)];
-        for (metric, wrong) in wrongs.into_iter().skip(usize::from(place.is_none())) {
+        for (metric, wrong) in wrongs.into_iter().skip(usize::from(light_position.is_none())) {
             let mut other = archives[metric - 1].clone();
             other.pop();
             other.push(array("metric", "|u1", "False", "()", &[wrong]));
             folder.write("wrong.npz", write_zip(&other))?;
             let (_, given) = of_map(&folder, "wrong", &format!("--light {light}"))?;
-            let differing = apart([&own, &given], 1, 0)?;
+            let differing = apart([&rendered, &given], 1, 0)?;
             ensure!(differing >= 30, "{light}, {metric} as {wrong}: {differing} pixels differ");
         }
     }

@@ -7,8 +7,8 @@ use std::process::Command;
 
 use super::archive::write_zip;
 use super::makers::{rows, tetrahedron};
-use super::own_gltf;
 use super::run::{HIDDEN, Run, folder, rimline, rimline_with, write_file};
+use super::small_gltf;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -43,11 +43,11 @@ fn is_tame(run: &Run, what: &str) -> Outcome {
 
 fn names() -> Outcome {
     let folder = folder();
-    let mut value = own_gltf::value();
+    let mut value = small_gltf::value();
     for named in ["/meshes/0", "/animations/0", "/extensions/KHR_lights_punctual/lights/0"] {
         value.pointer_mut(named).ok_or("it has a name")?["name"] = HOSTILE.into();
     }
-    own_gltf::write(&folder, "body.gltf", &value)?;
+    small_gltf::write(&folder, "body.gltf", &value)?;
     let model = folder.path().join("body.gltf");
     let out = folder.path().join("out");
     let lines = [

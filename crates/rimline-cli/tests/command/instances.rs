@@ -49,7 +49,7 @@ const HEIGHT: f64 = 120.0;
 /// The field of view in degrees.
 const FOV: f64 = 16.0;
 
-fn place(instance: usize) -> [f64; 3] {
+fn position(instance: usize) -> [f64; 3] {
     [2.0 * (instance % COLUMNS) as f64 - 19.0, 1.0, 2.0 * (instance / COLUMNS) as f64 - 14.0]
 }
 
@@ -62,7 +62,7 @@ fn wrong(mask: &Image, side: f64) -> Vec<usize> {
         mask.at(pixel(SIZE[0], x), pixel(SIZE[1], z))
     };
     let is_wrong = |instance: &usize| {
-        let [x, y, z] = place(*instance);
+        let [x, y, z] = position(*instance);
         let [shadow, beside] = [z, z + 1.0].map(|z| at([x + side, 0.0, z]));
         (shadow, beside, at([x, y + 0.2, z])) != (0, 255, 255)
     };
@@ -78,7 +78,7 @@ fn crowd() -> Outcome {
         (0..COLUMNS * ROWS).map(|instance| {
             let flip = if instance % 2 == 0 { 0.2 } else { -0.2 };
             let mesh = usize::from([70, 211].contains(&instance));
-            json!({ "mesh": mesh, "translation": place(instance), "scale": [flip, 0.2, 0.2] })
+            json!({ "mesh": mesh, "translation": position(instance), "scale": [flip, 0.2, 0.2] })
         })
     };
     // The last of the lights is in the second batch, and shines the other way.
@@ -111,12 +111,12 @@ fn crowd() -> Outcome {
 /// moments end, so the box lets a film and its moments have the same ground.
 fn corners() -> Shape {
     let cube = shapes::cube();
-    let places = (0..8).map(|corner| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 }));
+    let centres = (0..8).map(|corner| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 }));
     let moved = |[a, b, c]: [f32; 3]| {
         cube.positions.iter().map(move |&[x, y, z]| [9.0 * a + 0.01 * x, 2.6 + 2.5 * b + 0.01 * y, 9.0 * c + 0.01 * z])
     };
     let faces = (0..8).flat_map(|corner| cube.faces.iter().map(move |face| face.map(|v| v + 8 * corner)));
-    Shape { positions: places.flat_map(moved).collect(), faces: faces.collect() }
+    Shape { positions: centres.flat_map(moved).collect(), faces: faces.collect() }
 }
 
 /// Each picture of the film is that of its moment by itself.

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use super::archive::{array, write_zip};
 use super::makers::tetrahedron;
-use super::own_gltf;
 use super::run::{folder, read_file, rimline, write_file};
+use super::small_gltf;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[("keys::every_key_is_described", described)];
@@ -49,7 +49,7 @@ fn described() -> Outcome {
     let corners = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 1 2 0\nv 1 1 1\nv 0 2 1\n";
     let faces = "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
     write_file(at("box.obj"), format!("{corners}{faces}"))?;
-    own_gltf::write(&folder, "body.gltf", &own_gltf::value())?;
+    small_gltf::write(&folder, "body.gltf", &small_gltf::value())?;
     let gltf = at("body.gltf");
     let model = at("model.npz");
     // One that differs, so that differences are listed, too.
@@ -106,11 +106,11 @@ fn described() -> Outcome {
         let (_, listed) =
             help.rsplit_once(&format!("Keys of {option}: ")).ok_or(format!("{} lists no keys", line[0]))?;
         let listed: BTreeSet<&str> = listed.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-        let (own, times) = (section(&format!("`{} {option}`", line[0]))?, section("Times")?);
+        let (described, times) = (section(&format!("`{} {option}`", line[0]))?, section("Times")?);
         for key in &found {
             ensure!(listed.contains(key.as_str()), "the help of {} lacks {key}", line[0]);
             let word = format!("`{key}`");
-            let is_there = own.contains(&word) || key.ends_with("milliseconds") && times.contains(&word);
+            let is_there = described.contains(&word) || key.ends_with("milliseconds") && times.contains(&word);
             ensure!(is_there, "docs/formats.md lacks {key} of {}", line[0]);
         }
         for stage in stages {

@@ -32,7 +32,6 @@ mod models_of_code;
 mod mutated;
 mod origin;
 mod outlines;
-mod own_gltf;
 mod pictures;
 #[cfg(feature = "bench")]
 mod plot_labels;
@@ -45,6 +44,7 @@ mod seams;
 mod shadow;
 #[cfg(unix)]
 mod signals;
+mod small_gltf;
 mod soft;
 mod verify;
 mod words;

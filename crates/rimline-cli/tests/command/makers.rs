@@ -19,7 +19,7 @@ use rimline_testkit::shapes::{self, Shape};
 use super::archive::{Entry, array, read_zip, write_zip};
 use super::facts::json;
 use super::run::Folder;
-use super::{Outcome, ensure, models_of_code, own_gltf};
+use super::{Outcome, ensure, models_of_code, small_gltf};
 
 const STEPS: [&str; 9] = ["text", "npz", "gltf", "make", "folder", "copy", "cut", "flip", "claim"];
 
@@ -29,17 +29,17 @@ pub(crate) fn is_one(line: &str) -> bool {
 
 /// Makes what the first of these lines says; those that follow belong to it if they are indented.
 pub(crate) fn step(folder: &Folder, lines: &[String]) -> Outcome {
-    let own: Vec<&str> = lines[1..].iter().map_while(|line| line.strip_prefix("  ")).collect();
+    let indented: Vec<&str> = lines[1..].iter().map_while(|line| line.strip_prefix("  ")).collect();
     let Some((step, rest)) = lines[0].split_once(' ').filter(|(step, _)| STEPS.contains(step)) else { return Ok(()) };
     let (file, rest) = rest.split_once(' ').unwrap_or((rest, ""));
     let words: Vec<&str> = rest.split_whitespace().collect();
     let failed = |error: String| format!("{}: {error}", lines[0]);
     let number = |at: usize| words.get(at).and_then(|word| word.parse::<usize>().ok()).ok_or("a number is missing");
     match step {
-        "text" if own.is_empty() => folder.write(file, escaped(rest)),
-        "text" => folder.write(file, escaped(&own.join("\\n"))),
-        "npz" => archive(folder, file, rest.strip_prefix("from "), &own).map_err(failed),
-        "gltf" => gltf(folder, file, rest, &own).map_err(failed),
+        "text" if indented.is_empty() => folder.write(file, escaped(rest)),
+        "text" => folder.write(file, escaped(&indented.join("\\n"))),
+        "npz" => archive(folder, file, rest.strip_prefix("from "), &indented).map_err(failed),
+        "gltf" => gltf(folder, file, rest, &indented).map_err(failed),
         "make" => shape(folder, file, rest).map_err(failed),
         "folder" => folder.inner(file).map(drop),
         "copy" => {
@@ -65,9 +65,9 @@ pub(crate) fn step(folder: &Folder, lines: &[String]) -> Outcome {
         _ => {
             let mut bytes = folder.read(file)?;
             let [old, new] = [number(0)?, number(1)?].map(|number| (number as u32).to_le_bytes());
-            let places: Vec<usize> = (0..bytes.len() - 4).filter(|&at| bytes[at..at + 4] == old).collect();
-            ensure!(places.len() == 2, "the number stands at {places:?}");
-            for at in places {
+            let offsets: Vec<usize> = (0..bytes.len() - 4).filter(|&at| bytes[at..at + 4] == old).collect();
+            ensure!(offsets.len() == 2, "the number stands at {offsets:?}");
+            for at in offsets {
                 bytes[at..at + 4].copy_from_slice(&new);
             }
             folder.write(file, bytes)
@@ -106,10 +106,11 @@ pub(crate) fn escaped(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// Arrays, one a line: `NAME TYPE SHAPE NUMBERS`, where `V*N` is N times V. Before the name may stand `deflate`, `fortran`, or
-/// another word for the order, `cut=N` and `more=N` for other lengths than the shape's. `NAME raw TEXT` is an entry of these
-/// bytes, whose name may be `escaped` and have another ending. From another archive, arrays of its names are replaced, `- NAME`
-/// takes one out, `NAME flip N MASK` flips bits of the N-th byte of the data, and `NAME put N TYPE NUMBERS` writes numbers there.
+/// Arrays, one a line: `NAME TYPE SHAPE NUMBERS`, where `V*N` is N times V. Before the name may stand `deflate`,
+/// `fortran`, or another word for the order, `cut=N` and `more=N` for other lengths than the shape's. `NAME raw TEXT`
+/// is an entry of these bytes, whose name may be `escaped` and have another ending. From another archive, arrays of its
+/// names are replaced, `- NAME` takes one out, `NAME flip N MASK` flips bits of the N-th byte of the data, and `NAME
+/// put N TYPE NUMBERS` writes numbers there.
 fn archive(folder: &Folder, file: &str, source: Option<&str>, lines: &[&str]) -> Outcome {
     let mut entries = source.map_or(Ok(Vec::new()), |source| read_zip(&folder.read(source)?))?;
     for line in lines {
@@ -125,14 +126,14 @@ fn archive(folder: &Folder, file: &str, source: Option<&str>, lines: &[&str]) ->
         match (kind, at) {
             (_, Some(at)) if name == "-" => _ = entries.remove(at),
             ("flip", Some(at)) => {
-                let [place, mask] =
+                let [offset, mask] =
                     [words.next(), words.next()].map(|word| word.and_then(|word| word.parse::<usize>().ok()));
-                entries[at].bytes[128 + place.ok_or("no place")?] ^= mask.ok_or("no mask")? as u8;
+                entries[at].bytes[128 + offset.ok_or("no place")?] ^= mask.ok_or("no mask")? as u8;
             }
             ("put", Some(at)) => {
-                let place = 128 + words.next().and_then(|word| word.parse::<usize>().ok()).ok_or("no place")?;
+                let offset = 128 + words.next().and_then(|word| word.parse::<usize>().ok()).ok_or("no place")?;
                 let data = numbers(words.next().ok_or("no type")?, words)?;
-                entries[at].bytes[place..place + data.len()].copy_from_slice(&data);
+                entries[at].bytes[offset..offset + data.len()].copy_from_slice(&data);
             }
             _ => {
                 let made = entry(name, kind, &flags, &words.collect::<Vec<_>>(), line)?;
@@ -193,10 +194,10 @@ fn numbers<'a>(kind: &str, words: impl Iterator<Item = &'a str>) -> Result<Vec<u
 fn gltf(folder: &Folder, file: &str, body: &str, lines: &[&str]) -> Outcome {
     let words: Vec<&str> = body.split_whitespace().collect();
     let mut value = match words[..] {
-        [] => own_gltf::value(),
-        ["inline"] => own_gltf::inline(),
+        [] => small_gltf::value(),
+        ["inline"] => small_gltf::inline(),
         ["triangle"] => models_of_code::lit_triangle(),
-        ["house", at] => models_of_code::house_gltf(place(at)?),
+        ["house", at] => models_of_code::house_gltf(position(at)?),
         _ => return Err("there is no such body".into()),
     };
     for line in lines {
@@ -217,10 +218,10 @@ fn gltf(folder: &Folder, file: &str, body: &str, lines: &[&str]) -> Outcome {
             None => *at = new,
         }
     }
-    own_gltf::write(folder, file, &value)
+    small_gltf::write(folder, file, &value)
 }
 
-fn place(text: &str) -> Result<[f64; 3], String> {
+fn position(text: &str) -> Result<[f64; 3], String> {
     let numbers: Vec<f64> = text.split(',').filter_map(|number| number.parse().ok()).collect();
     numbers.try_into().map_err(|_| format!("{text}: no place"))
 }
@@ -236,19 +237,19 @@ fn shape(folder: &Folder, file: &str, text: &str) -> Outcome {
         ("sphere", &[n]) => shapes::sphere(n),
         ("torus", &[rings, segments, ..]) => shapes::torus(rings, segments, real[2], real[3]),
         ("plane", &[n, m]) => shapes::plane_grid(n, m),
-        _ => match models_of_code::of(name, &whole, words, place(at)?)? {
+        _ => match models_of_code::of(name, &whole, words, position(at)?)? {
             models_of_code::Made::Shape(shape) => shape,
             models_of_code::Made::File(bytes) => return folder.write(file, bytes),
         },
     };
-    let at = place(at)?.map(|c| c as f32);
+    let at = position(at)?.map(|c| c as f32);
     folder.write(file, npz_model(&shape, scale.parse().map_err(|_| "no scale")?, at))
 }
 
 /// A shape, scaled and moved, as an .npz.
 pub(crate) fn npz_model(shape: &Shape, scale: f32, [x, y, z]: [f32; 3]) -> Vec<u8> {
-    let place = |p: &[f32; 3]| [scale * p[0] + x, scale * p[1] + y, scale * p[2] + z];
-    npz_mesh(&shape.positions.iter().map(place).collect::<Vec<_>>(), &shape.faces)
+    let transform = |p: &[f32; 3]| [scale * p[0] + x, scale * p[1] + y, scale * p[2] + z];
+    npz_mesh(&shape.positions.iter().map(transform).collect::<Vec<_>>(), &shape.faces)
 }
 
 /// Triangles as an .npz.
@@ -268,7 +269,7 @@ pub(crate) fn rows(name: &str, points: &[[f32; 3]]) -> Entry {
 
 /// A tetrahedron at the origin, as an archive.
 pub(crate) fn tetrahedron() -> Vec<u8> {
-    npz_mesh(&own_gltf::CORNERS, &own_gltf::FACES)
+    npz_mesh(&small_gltf::CORNERS, &small_gltf::FACES)
 }
 
 /// An OBJ of these vertices and faces.

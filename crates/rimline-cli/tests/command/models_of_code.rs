@@ -69,8 +69,8 @@ fn rounded(point: [f64; 3], to: f64) -> [f64; 3] {
     point.map(|c| (c * to).round() / to)
 }
 
-/// A bar of two by three that is twisted once around as it rises: its quadrilaterals are not planar. Each is also turned over
-/// if `is_double`. Written as polygons, or as the triangles of fans.
+/// A bar of two by three that is twisted once around as it rises: its quadrilaterals are not planar. Each is also
+/// turned over if `is_double`. Written as polygons, or as the triangles of fans.
 pub(crate) fn bar(is_double: bool, are_triangles: bool) -> String {
     const LAYERS: usize = 18;
     let vertices = (0..=LAYERS).flat_map(|layer| {

@@ -33,7 +33,7 @@ fn houses() -> Result<Folder, String> {
 }
 
 /// `x,y,z` of a point beside the house, for either.
-fn place(name: &str, point: [f64; 3]) -> String {
+fn beside_house(name: &str, point: [f64; 3]) -> String {
     let at = if name == "far" { FAR } else { [0.0; 3] };
     let [x, y, z] = [0, 1, 2].map(|axis| point[axis] + at[axis]);
     format!("{x:.3},{y:.3},{z:.3}")
@@ -63,7 +63,7 @@ fn singles(entries: &[Entry], name: &str) -> Result<Vec<f64>, String> {
 fn archives() -> Outcome {
     let folder = houses()?;
     let lights = |name: &str| {
-        let (point, corner) = (place(name, [7.0, 6.0, 5.0]), place(name, [5.0, 2.0, 4.0]));
+        let (point, corner) = (beside_house(name, [7.0, 6.0, 5.0]), beside_house(name, [5.0, 2.0, 4.0]));
         format!("--light point:{point} --light dir:1,2,0.5 --light point:{corner}")
     };
     let line =
@@ -133,9 +133,10 @@ fn doubles(name: &str, shape: &str, values: &[f64]) -> Entry {
 
 fn depth_maps() -> Outcome {
     let folder = houses()?;
-    let lamp = |name: &str| place(name, [7.0, 6.0, 5.0]);
+    let lamp = |name: &str| beside_house(name, [7.0, 6.0, 5.0]);
     let line = |name: &str, rest: &str| {
-        let view = format!("--eye {} --target {}", place(name, [9.0, 4.0, 8.0]), place(name, [2.5, 1.0, 2.0]));
+        let view =
+            format!("--eye {} --target {}", beside_house(name, [9.0, 4.0, 8.0]), beside_house(name, [2.5, 1.0, 2.0]));
         format!("shadow @{name}.obj --size 160x120 {view} {rest}")
     };
     for name in ["near", "far"] {
@@ -175,7 +176,7 @@ fn depth_maps() -> Outcome {
         "another shadow by a matrix for the world"
     );
     // A light that is not the map's is told in the file's coordinates.
-    let other = format!("--light point:{} --depth @far.0.npz --mask @x", place("far", [7.5, 6.0, 5.0]));
+    let other = format!("--light point:{} --depth @far.0.npz --mask @x", beside_house("far", [7.5, 6.0, 5.0]));
     folder.run(&line("far", &other)).expect(2, &["point:392151.017,40.128,-5820462.702", "point:392150.5"])
 }
 

@@ -138,19 +138,19 @@ fn expected() -> Vec<([f64; 2], Seen)> {
     for [a, b] in silhouette(&boxes) {
         let ([ax, ay], [bx, by]) = (project(a), project(b));
         let count = (4.0 * (bx - ax).hypot(by - ay)).ceil() as usize;
-        let places: Vec<DVec3> = (0..=count).map(|n| a.lerp(b, n as f64 / count as f64)).collect();
-        let seen: Vec<Seen> = places
+        let samples: Vec<DVec3> = (0..=count).map(|n| a.lerp(b, n as f64 / count as f64)).collect();
+        let seen: Vec<Seen> = samples
             .iter()
-            .map(|&place| match cover(place, &faces) {
+            .map(|&sample| match cover(sample, &faces) {
                 gap if gap <= HOLDS => Seen::Visible,
                 gap if gap >= HIDES => Seen::Hidden,
                 _ => Seen::Undecided,
             })
             .collect();
-        for n in 4..places.len().saturating_sub(4) {
+        for n in 4..samples.len().saturating_sub(4) {
             let around = &seen[n.saturating_sub(12)..(n + 13).min(seen.len())];
             let is_alike = around.iter().all(|&other| other == seen[n]);
-            points.push((project(places[n]), if is_alike { seen[n] } else { Seen::Undecided }));
+            points.push((project(samples[n]), if is_alike { seen[n] } else { Seen::Undecided }));
         }
     }
     points
@@ -221,14 +221,14 @@ fn gaps(picture: &Image) -> Vec<[usize; 2]> {
     let [width, height] = picture.size;
     let (is_body, is_background) =
         (|[red, _, blue]: [u8; 3]| blue > red.saturating_add(8), |[red, _, blue]: [u8; 3]| red >= blue && red > 150);
-    let places = (0..height - 1).flat_map(|y| (0..width - 1).map(move |x| [x, y]));
+    let pixels = (0..height - 1).flat_map(|y| (0..width - 1).map(move |x| [x, y]));
     let meets = |[x, y]: &[usize; 2]| {
         let here = picture.pixels()[y * width + x];
         [picture.pixels()[y * width + x + 1], picture.pixels()[(y + 1) * width + x]]
             .into_iter()
             .any(|next| (is_body(here) && is_background(next)) || (is_body(next) && is_background(here)))
     };
-    places.filter(meets).collect()
+    pixels.filter(meets).collect()
 }
 
 /// At the border of a smooth body many faces are seen edge-on, thinner than rounding tells: they hide nothing.

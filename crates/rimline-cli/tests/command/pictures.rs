@@ -64,8 +64,8 @@ pub(crate) fn is_orange([red, _, blue]: [u8; 3]) -> bool {
     red > 120 && red > blue.saturating_add(80)
 }
 
-/// How many pixels of `channels` values differ in two pictures: any of their values by more than `by`. With one channel, how many
-/// values do.
+/// How many pixels of `channels` values differ in two pictures: any of their values by more than `by`. With one
+/// channel, how many values do.
 pub(crate) fn apart([one, other]: [&[u8]; 2], channels: usize, by: u8) -> Result<usize, String> {
     ensure!(one.len() == other.len(), "pictures of {} and {} values", one.len(), other.len());
     let is_apart = |(p, q): &(&[u8], &[u8])| p.iter().zip(*q).any(|(p, q)| p.abs_diff(*q) > by);

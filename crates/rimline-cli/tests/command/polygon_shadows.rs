@@ -114,8 +114,8 @@ fn bow_ties(rows: std::ops::Range<usize>) -> String {
 
 const COLUMNS: usize = 84;
 
-/// A scene has room for 1,048,576 pieces of 32 lights and one for each sixteenth edge: 34,532 a light. There are 42,336. In two files
-/// there is room.
+/// A scene has room for 1,048,576 pieces of 32 lights and one for each sixteenth edge: 34,532 a light. There are
+/// 42,336. In two files there is room.
 fn many_pieces() -> Outcome {
     let folder = folder();
     folder.write("all.obj", bow_ties(0..COLUMNS))?;

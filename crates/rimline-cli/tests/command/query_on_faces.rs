@@ -52,7 +52,7 @@ fn sphere() -> Outcome {
     let folder = folder();
     let shape = shapes::globe(48, 24);
     let points = rows("points", &centres(&shape));
-    let own: Vec<i64> = (0..2208).collect();
+    let named_faces: Vec<i64> = (0..2208).collect();
     let none = |kind: &str| vec![if kind == "<u4" { i64::from(u32::MAX) } else { -1 }; 2208];
     let mut outputs = Vec::new();
     for device in ["cpu", "gpu"] {
@@ -69,7 +69,7 @@ fn sphere() -> Outcome {
         ensure!(plain > 1300 && named == Some(0), "{device}: {plain} in shadow without faces");
         outputs.push(result);
         for kind in ["<i2", "<i4", "<u4", "<i8"] {
-            let (dark, named, result) = in_shadow(&[points.clone(), faces(kind, &own)], "")?;
+            let (dark, named, result) = in_shadow(&[points.clone(), faces(kind, &named_faces)], "")?;
             ensure!(dark == 1104 && named == Some(2208), "{device}, {kind}: {dark} in shadow");
             outputs.push(result);
             let (dark, named, _) = in_shadow(&[points.clone(), faces(kind, &none(kind))], "")?;
@@ -82,7 +82,8 @@ fn sphere() -> Outcome {
     let (cpu, gpu) = outputs.split_at(outputs.len() / 2);
     ensure!(cpu == gpu, "devices differ");
     ensure!(cpu[1..5].iter().all(|result| *result == cpu[1]), "types differ");
-    let (run, _) = query(folder.path(), &shape, &[points, faces("<i4", &own)], "--light dir:0,0,1 --device cpu")?;
+    let (run, _) =
+        query(folder.path(), &shape, &[points, faces("<i4", &named_faces)], "--light dir:0,0,1 --device cpu")?;
     run.expect(0, &[])?;
     ensure!(run.stdout.contains("2208 name their face"), "{}", run.stdout);
     Ok(())

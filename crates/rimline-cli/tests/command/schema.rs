@@ -264,7 +264,7 @@ fn bench_negative() -> Outcome {
         *changed.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
         ensure!(validate(&schema, &changed).is_err(), "a wrong {pointer} passed");
     }
-    for place in [
+    for object in [
         "",
         "/machine",
         "/rows/0",
@@ -276,8 +276,8 @@ fn bench_negative() -> Outcome {
         "/casters/one_mesh/0",
     ] {
         let mut changed = data.clone();
-        changed.pointer_mut(place).ok_or("nothing is there")?["unheard_of"] = json!(0);
-        ensure!(validate(&schema, &changed).is_err(), "a key that is not described passed at `{place}`");
+        changed.pointer_mut(object).ok_or("nothing is there")?["unheard_of"] = json!(0);
+        ensure!(validate(&schema, &changed).is_err(), "a key that is not described passed at `{object}`");
     }
     Ok(())
 }

@@ -76,21 +76,21 @@ fn scale() -> Outcome {
         folder.write("cube.npz", npz_model(&shapes::cube(), scale, [0.0, 2.0 * scale, 0.0]))?;
         let mut images = Vec::new();
         let light = format!("--light point:{},{},{},range={}", 3.0 * scale, 6.0 * scale, 4.0 * scale, 9.0 * scale);
-        for (place, options) in
+        for (picture, options) in
             ["", &format!("{light} --light dir:1,2,1 --volumes"), "--area disc --samples 2"].iter().enumerate()
         {
             folder
                 .run(&format!("shadow @cube.npz --size 96x72 {options} --out @p.png"))
                 .expect(0, &[])
-                .map_err(|error| format!("{scale:e}, {place}: {error}"))?;
+                .map_err(|error| format!("{scale:e}, {picture}: {error}"))?;
             images.push(folder.image("p.png")?.bytes);
         }
         drawn.push(images);
     }
     for (scale, images) in scales.iter().zip(&drawn) {
-        for (place, (image, first)) in images.iter().zip(&drawn[0]).enumerate() {
+        for (picture, (image, first)) in images.iter().zip(&drawn[0]).enumerate() {
             let different = apart([image, first], 1, 2)?;
-            ensure!(different <= 60, "{scale:e}, {place}: {different} bytes differ");
+            ensure!(different <= 60, "{scale:e}, {picture}: {different} bytes differ");
         }
     }
     // The comparison can fail.

@@ -86,9 +86,9 @@ fn expected() -> Vec<Option<(f64, f64)>> {
         .collect();
     let pixels = (0..SIZE[0] * SIZE[1]).map(|n| [n % SIZE[0], n / SIZE[0]]);
     let light = |[x, y]: [usize; 2]| {
-        let place = ground(CORNER, x, y).filter(|&place| !meets_box(CORNER.0, place))?;
+        let point = ground(CORNER, x, y).filter(|&point| !meets_box(CORNER.0, point))?;
         let open: Vec<f64> =
-            lamps.iter().filter(|&&lamp| !meets_box(place, lamp)).map(|&lamp| (lamp - place).normalize().y).collect();
+            lamps.iter().filter(|&&lamp| !meets_box(point, lamp)).map(|&lamp| (lamp - point).normalize().y).collect();
         let count = lamps.len() as f64;
         Some((open.iter().sum::<f64>() / count, open.len() as f64 / count))
     };
@@ -135,15 +135,15 @@ fn penumbra() -> Outcome {
 fn low_sun() -> Outcome {
     let sun = DVec3::new(-1.0, 0.1, 0.0);
     let picture = draw(WIDE, &format!("--light dir:{}", list(sun)))?;
-    let is_dark = |place: DVec3| meets_box(place, place + 40.0 * sun);
+    let is_dark = |point: DVec3| meets_box(point, point + 40.0 * sun);
     let contrast = |from: f64, to: f64| {
         let (mut dark, mut lit) = (Vec::new(), Vec::new());
         for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
-            let Some(place) = ground(WIDE, x, y) else { continue };
-            if meets_box(WIDE.0, place) || place.x < from || place.x > to || place.z.abs() > 1.0 {
+            let Some(point) = ground(WIDE, x, y) else { continue };
+            if meets_box(WIDE.0, point) || point.x < from || point.x > to || point.z.abs() > 1.0 {
                 continue;
             }
-            let to = if is_dark(place) { &mut dark } else { &mut lit };
+            let to = if is_dark(point) { &mut dark } else { &mut lit };
             to.push(f64::from(picture.pixels()[y * SIZE[0] + x][1]));
         }
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

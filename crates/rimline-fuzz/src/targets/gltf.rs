@@ -55,12 +55,12 @@ impl Seeds {
 fn animated() -> Maker {
     let mut maker = Maker::square();
     let times = maker.floats("SCALAR", &[0.0, 0.5, 2.0]);
-    let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
+    let translations = maker.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
     let turns = maker.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.5, 0.5, 0.5, 0.5]);
     let sampler = |output: usize, kind: &str| json!({ "input": times, "output": output, "interpolation": kind });
     let channel = |sampler: u32, path: &str| json!({ "sampler": sampler, "target": { "node": 0, "path": path } });
     let animation = json!({
-        "samplers": [sampler(places, "LINEAR"), sampler(turns, "STEP")],
+        "samplers": [sampler(translations, "LINEAR"), sampler(turns, "STEP")],
         "channels": [channel(0, "translation"), channel(1, "rotation"), channel(0, "scale")],
     });
     maker.push("animations", animation);
@@ -69,9 +69,9 @@ fn animated() -> Maker {
 
 fn instanced() -> Maker {
     let mut maker = Maker::square();
-    let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0]);
+    let translations = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0]);
     maker.json["nodes"][0]["extensions"] =
-        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } } });
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translations } } });
     maker.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
     maker
 }

@@ -241,9 +241,9 @@ fn check_points(arrays: npz::PointArrays) -> Result<(), String> {
     let few = points.len().min(FEW);
     let mesh = Mesh::from_faces(POSITIONS.len(), faces).map_err(|error| error.to_string())?;
     let lights = [Light::point([0.5, 0.25, 2.0]), Light::directional([0.0, 1.0, 0.0])];
-    let own = on_face.as_ref().map(|on_face| &on_face[..few]);
-    let is_found = own.is_none_or(|own| own.iter().all(is_face));
-    let depths = cpu::shadow_depth_on_faces(&POSITIONS, &mesh, &points[..few], own, &lights, Threads::ONE);
+    let few_faces = on_face.as_ref().map(|on_face| &on_face[..few]);
+    let is_found = few_faces.is_none_or(|few_faces| few_faces.iter().all(is_face));
+    let depths = cpu::shadow_depth_on_faces(&POSITIONS, &mesh, &points[..few], few_faces, &lights, Threads::ONE);
     match depths {
         Ok(depths) if is_found && depths.len() == few * lights.len() => Ok(()),
         Err(_) if !is_found => Ok(()),

@@ -60,9 +60,9 @@ fn drawn(shapes: &[Shape], view: &View) -> Drawing {
 
 fn oracle(shapes: &[Shape], view: &View) -> Oracle {
     let (mut positions, mut faces, mut polygons) = (Vec::new(), Vec::new(), 0);
-    for Shape { positions: own, mesh } in shapes {
+    for Shape { positions: shape_positions, mesh } in shapes {
         let first = positions.len() as u32;
-        positions.extend_from_slice(own);
+        positions.extend_from_slice(shape_positions);
         let of = mesh.polygons().map(rimline::mesh::Polygons::triangle_polygons);
         for (number, face) in mesh.faces().iter().enumerate() {
             let polygon = of.as_ref().map_or(number, |of| of[number] as usize);
@@ -149,15 +149,15 @@ fn compare_meetings(shapes: &[Shape], view: &View, random: &mut Random) -> Found
         let axis = axis.expect("an axis");
         let [low, high] = [from, to].map(|end| end.double()[axis]);
         let along = f64::from(random.between(0.05, 0.95));
-        let place = [0, 1, 2].map(|axis| span.ends[0][axis] + along * (span.ends[1][axis] - span.ends[0][axis]));
+        let point = [0, 1, 2].map(|axis| span.ends[0][axis] + along * (span.ends[1][axis] - span.ends[0][axis]));
         if (span.ends[1][axis] - span.ends[0][axis]).abs() < TOLERANCE {
             found.aside += 1;
             continue;
         }
-        let share = ((place[axis] - low) / (high - low) * SHARES as f64) as i64;
+        let share = ((point[axis] - low) / (high - low) * SHARES as f64) as i64;
         let exact = Point::between(from, to, share);
-        let distance = (0..3).map(|axis| (exact.double()[axis] - place[axis]).abs()).fold(0.0, f64::max);
-        let expected = oracle.count(&exact, (found.points % 16 != 0).then_some(place));
+        let distance = (0..3).map(|axis| (exact.double()[axis] - point[axis]).abs()).fold(0.0, f64::max);
+        let expected = oracle.count(&exact, (found.points % 16 != 0).then_some(point));
         found.points += 1;
         found.hidden += usize::from(expected > 0);
         if expected != span.faces_in_front || distance > 1e-9 {

@@ -176,10 +176,10 @@ fn silhouettes_close() {
         let eye: Light = view.eye();
         let found = rimline::cpu::extract(&shape.positions, &shape.mesh, &[eye], Predicate::Exact, Threads::ONE);
         let silhouette = found.expect("extracted").silhouette(&shape.mesh, 0);
-        let mut own: Vec<u32> = drawing.spans.iter().filter_map(|span| span.edge).collect();
-        own.sort_unstable();
-        own.dedup();
-        assert_eq!(own, silhouette.edges().iter().map(|edge| edge.record).collect::<Vec<_>>());
+        let mut records: Vec<u32> = drawing.spans.iter().filter_map(|span| span.edge).collect();
+        records.sort_unstable();
+        records.dedup();
+        assert_eq!(records, silhouette.edges().iter().map(|edge| edge.record).collect::<Vec<_>>());
         for chain in &drawing.chains {
             let spans = &drawing.spans[chain.spans.clone()];
             assert!(

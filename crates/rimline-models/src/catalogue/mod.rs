@@ -12,12 +12,13 @@ pub use good::GOOD;
 
 use crate::maker::Maker;
 
-/// A file that loads. Its name ends as its form does: a binary, or JSON with its buffer in a data URI or in a file beside it.
+/// A file that loads. Its name ends as its form does: a binary, or JSON with its buffer in a data URI or in a file
+/// beside it.
 pub struct Good {
     pub name: &'static str,
     make: fn() -> Maker,
-    /// Over its meshes, welded by position: triangles; vertices, before and after welding; edges with one face, with more than two
-    /// and with two of one direction; degenerate and duplicate triangles; closed meshes; meshes.
+    /// Over its meshes, welded by position: triangles; vertices, before and after welding; edges with one face, with
+    /// more than two and with two of one direction; degenerate and duplicate triangles; closed meshes; meshes.
     pub counts: [usize; 10],
     /// Instances, joints of all skins, morph targets, animations.
     pub parts: [usize; 4],

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rimline_bench::shapes::{self, Shape};
 use serde_json::{Value, json};
 
-use super::still::{alone, place, quantized as in_integers};
+use super::still::{add_node, alone, quantized as in_integers};
 use crate::maker::{F32, Maker, U8, U16, U32, flat};
 
 const JOINTS: usize = 5;
@@ -40,8 +40,8 @@ pub(super) fn quantized() -> Maker {
     let ring = in_integers(&mut maker, &shapes::torus(16, 10, 0.7, 0.3), 32767.0, true);
     let ball = in_integers(&mut maker, &shapes::sphere(5), 5000.0, false);
     let nodes = [
-        place(&mut maker, std::slice::from_ref(&ring), json!({ "scale": [2, 2, 2] })),
-        place(&mut maker, &[ball, ring], json!({ "translation": [0, 3, 0], "scale": [2e-4, 2e-4, 2e-4] })),
+        add_node(&mut maker, std::slice::from_ref(&ring), json!({ "scale": [2, 2, 2] })),
+        add_node(&mut maker, &[ball, ring], json!({ "translation": [0, 3, 0], "scale": [2e-4, 2e-4, 2e-4] })),
         maker.push("nodes", json!({ "mesh": 0, "translation": [4, 0, 0] })),
         maker.push("nodes", json!({ "mesh": 0, "translation": [-4, 0, 0] })),
     ];
@@ -61,7 +61,7 @@ pub(super) fn interpolations() -> Maker {
     for (row, (path, keys)) in paths.into_iter().enumerate() {
         for (column, interpolation) in ["STEP", "LINEAR", "CUBICSPLINE"].into_iter().enumerate() {
             let cube = maker.primitive(&shapes::cube(), U8);
-            let node = place(&mut maker, &[cube], json!({ "translation": [4 * column, 4 * row, 0] }));
+            let node = add_node(&mut maker, &[cube], json!({ "translation": [4 * column, 4 * row, 0] }));
             animate(&mut maker, &format!("{path} {interpolation}"), node..node + 1, path, interpolation, keys);
         }
     }
@@ -91,7 +91,7 @@ pub(super) fn morphed() -> Maker {
             primitive
         })
         .collect();
-    let node = place(&mut maker, &primitives, json!({ "weights": [0.5, -0.5, 0.0, 1.0, 0.25, -2.0, 0.0, 1.0] }));
+    let node = add_node(&mut maker, &primitives, json!({ "weights": [0.5, -0.5, 0.0, 1.0, 0.25, -2.0, 0.0, 1.0] }));
     maker.json["meshes"][0]["weights"] = json!([1, 1, 1, 1, 1, 1, 1, 1]);
     maker.scene(&[node]);
     let keys: Vec<f32> = (0..24).map(|at| (at * 5 % 7) as f32 / 3.0 - 1.0).collect();
@@ -123,10 +123,10 @@ fn influenced(maker: &mut Maker, shape: &Shape, sets: usize) -> Value {
     for set in 0..sets {
         let (mut joints, mut weights) = (Vec::new(), Vec::new());
         for &position in &shape.positions {
-            let (mut own, mut shares) = influences(position);
-            own.rotate_right(set);
+            let (mut set_joints, mut shares) = influences(position);
+            set_joints.rotate_right(set);
             shares.rotate_right(set);
-            joints.extend(own);
+            joints.extend(set_joints);
             weights.extend(shares.map(|share| share / sets as f32));
         }
         let joints = maker.accessor(U8, "VEC4", shape.positions.len(), &joints);
@@ -159,7 +159,7 @@ fn skeleton(maker: &mut Maker, mut root: Value) -> usize {
 fn one_skin(make: impl FnOnce(&mut Maker) -> Value) -> Maker {
     let mut maker = Maker::new();
     let primitive = make(&mut maker);
-    place(&mut maker, &[primitive], json!({ "skin": 0 }));
+    add_node(&mut maker, &[primitive], json!({ "skin": 0 }));
     skeleton(&mut maker, json!({ "translation": [0, 2, 0] }));
     maker.scene(&[0, 1]);
     animate(&mut maker, "Survey", 2..2 + JOINTS, "rotation", "LINEAR", &TURNS);
@@ -171,7 +171,7 @@ fn one_skin(make: impl FnOnce(&mut Maker) -> Value) -> Maker {
 pub(super) fn skinned() -> Maker {
     let mut maker = one_skin(|maker| influenced(maker, &body(), 1));
     let cube = maker.primitive(&shapes::cube(), U8);
-    let thing = place(&mut maker, &[cube], json!({ "translation": [1, 0, 0], "scale": [0.25, 0.25, 0.25] }));
+    let thing = add_node(&mut maker, &[cube], json!({ "translation": [1, 0, 0], "scale": [0.25, 0.25, 0.25] }));
     maker.json["nodes"][4]["children"] = json!([5, thing]);
     maker
 }

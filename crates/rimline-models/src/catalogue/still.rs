@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::maker::{I16, Maker, U8, U16, U32, flat};
 
 /// Adds a mesh of these primitives at a node with these properties.
-pub(super) fn place(maker: &mut Maker, primitives: &[Value], mut node: Value) -> usize {
+pub(super) fn add_node(maker: &mut Maker, primitives: &[Value], mut node: Value) -> usize {
     node["mesh"] = json!(maker.push("meshes", json!({ "primitives": primitives })));
     maker.push("nodes", node)
 }
@@ -15,7 +15,7 @@ pub(super) fn place(maker: &mut Maker, primitives: &[Value], mut node: Value) ->
 pub(super) fn alone(shape: &Shape, indices: u32) -> Maker {
     let mut maker = Maker::new();
     let primitive = maker.primitive(shape, indices);
-    let node = place(&mut maker, &[primitive], json!({}));
+    let node = add_node(&mut maker, &[primitive], json!({}));
     maker.scene(&[node]);
     maker
 }
@@ -50,10 +50,10 @@ pub(super) fn modes() -> Maker {
     let mixed = [&mixed[..], &[of(corners[3], 4)]].concat();
     let lines = [0, 3, 0].map(|mode| of(corners[0], mode));
     let nodes = [
-        place(&mut maker, &mixed, json!({})),
-        place(&mut maker, &[of(corners[1], 5)], json!({ "translation": [0, 2, 0] })),
-        place(&mut maker, &[indexed], json!({ "translation": [0, 0, 3] })),
-        place(&mut maker, &lines, json!({})),
+        add_node(&mut maker, &mixed, json!({})),
+        add_node(&mut maker, &[of(corners[1], 5)], json!({ "translation": [0, 2, 0] })),
+        add_node(&mut maker, &[indexed], json!({ "translation": [0, 0, 3] })),
+        add_node(&mut maker, &lines, json!({})),
     ];
     maker.scene(&nodes);
     maker
@@ -79,12 +79,13 @@ pub(super) fn sheets() -> Maker {
         faces: [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [0, 4, 5], [0, 6, 4], [0, 5, 6], [4, 6, 5]].to_vec(),
     };
     let primitive = maker.primitive(&double, U8);
-    let node = place(&mut maker, &[primitive], json!({ "translation": [3, 0, 0] }));
+    let node = add_node(&mut maker, &[primitive], json!({ "translation": [3, 0, 0] }));
     maker.scene(&[0, node]);
     maker
 }
 
-/// Closed and open meshes: one of two primitives that share vertices and one across a seam, a folded cloth, a ball of facets.
+/// Closed and open meshes: one of two primitives that share vertices and one across a seam, a folded cloth, a ball of
+/// facets.
 pub(super) fn parts() -> Maker {
     let mut maker = Maker::new();
     let ring = shapes::torus(16, 10, 1.0, 0.4);
@@ -99,10 +100,10 @@ pub(super) fn parts() -> Maker {
     let facets = maker.primitive(&flat(&shapes::sphere(6)), U16);
     let cube = maker.primitive(&shapes::cube(), U8);
     let nodes = [
-        place(&mut maker, &[first, second, seam], json!({})),
-        place(&mut maker, &[cloth], json!({ "translation": [0, -1, 0], "scale": [3, 1, 2] })),
-        place(&mut maker, &[facets], json!({ "translation": [3, 1, 0] })),
-        place(&mut maker, &[cube], json!({ "translation": [-3, 0, 1], "rotation": [0.6, 0, 0, 0.8] })),
+        add_node(&mut maker, &[first, second, seam], json!({})),
+        add_node(&mut maker, &[cloth], json!({ "translation": [0, -1, 0], "scale": [3, 1, 2] })),
+        add_node(&mut maker, &[facets], json!({ "translation": [3, 1, 0] })),
+        add_node(&mut maker, &[cube], json!({ "translation": [-3, 0, 1], "rotation": [0.6, 0, 0, 0.8] })),
     ];
     maker.scene(&nodes);
     maker
@@ -116,8 +117,8 @@ pub(super) fn sparse() -> Maker {
     maker
 }
 
-/// Two scenes, of which the second is shown: meshes at several nodes, mirrored below mirrored ones, with degenerate faces and
-/// normals that are NaN.
+/// Two scenes, of which the second is shown: meshes at several nodes, mirrored below mirrored ones, with degenerate
+/// faces and normals that are NaN.
 pub(super) fn scenes() -> Maker {
     let mut maker = Maker::new();
     let mut shape = shapes::cube();
@@ -126,9 +127,9 @@ pub(super) fn scenes() -> Maker {
     cube["attributes"]["NORMAL"] = json!(maker.floats("VEC3", &[f32::NAN; 24]));
     let ring = maker.primitive(&shapes::torus(8, 6, 1.0, 0.4), U16);
     let hidden = maker.primitive(&shapes::moebius(8, 1), U8);
-    place(&mut maker, &[cube], json!({ "translation": [3, 0, 0] }));
-    place(&mut maker, &[ring], json!({ "rotation": [0, 0.6, 0, 0.8], "scale": [1, 1, 2] }));
-    let hidden = place(&mut maker, &[hidden], json!({}));
+    add_node(&mut maker, &[cube], json!({ "translation": [3, 0, 0] }));
+    add_node(&mut maker, &[ring], json!({ "rotation": [0, 0.6, 0, 0.8], "scale": [1, 1, 2] }));
+    let hidden = add_node(&mut maker, &[hidden], json!({}));
     let upright = maker.push("nodes", json!({ "mesh": 0, "translation": [0, 4, 0], "scale": [1, -1, 1] }));
     let root = maker.push("nodes", json!({ "scale": [-1, 1, 1], "children": [0, 1, upright] }));
     let alone = maker.push("nodes", json!({ "mesh": 1, "translation": [0, 0, 5], "scale": [1, 1, -0.5] }));

@@ -36,7 +36,7 @@ struct Grid(Vec<f32>);
 
 impl Grid {
     fn sample(field: &impl Fn(Vec3) -> f32) -> Self {
-        Self(points().map(|point| field(place(point))).collect())
+        Self(points().map(|point| field(grid_position(point))).collect())
     }
 
     fn at(&self, point: IVec3) -> f32 {
@@ -55,7 +55,7 @@ impl Grid {
             for (from, to) in cell_edges(cell) {
                 let (a, b) = (self.at(from), self.at(to));
                 if (a < 0.0) != (b < 0.0) {
-                    sum += place(from).lerp(place(to), a / (a - b));
+                    sum += grid_position(from).lerp(grid_position(to), a / (a - b));
                     crossings += 1.0;
                 }
             }
@@ -123,7 +123,7 @@ fn index(point: IVec3) -> usize {
     ((point.z * POINTS.y + point.y) * POINTS.x + point.x) as usize
 }
 
-fn place(point: IVec3) -> Vec3 {
+fn grid_position(point: IVec3) -> Vec3 {
     LOW + point.as_vec3() * CELL
 }
 

@@ -143,9 +143,9 @@ fn lowest(phase: f32) -> f32 {
 
 /// A smooth periodic curve through the ten values (Catmull and Rom).
 fn curve(values: &[f32; 10], phase: f32) -> f32 {
-    let place = phase.rem_euclid(1.0) * 10.0;
-    let first = place as usize;
-    let t = place - first as f32;
+    let key_time = phase.rem_euclid(1.0) * 10.0;
+    let first = key_time as usize;
+    let t = key_time - first as f32;
     let [a, b, c, d] = [9, 0, 1, 2].map(|step| values[(first + step) % 10]);
     let tangents = [(c - a) / 2.0, (d - b) / 2.0];
     let (bend, turn) = (3.0 * (c - b) - 2.0 * tangents[0] - tangents[1], 2.0 * (b - c) + tangents[0] + tangents[1]);

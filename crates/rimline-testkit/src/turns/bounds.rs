@@ -11,7 +11,7 @@ use super::Limits;
 /// The turns after which llvmpipe ends the loops of an invocation.
 pub const MOST_TURNS: u32 = 65_535;
 
-/// The names that the comments above loops use, besides constants of the WGSL. The names of sizes follow from the most that
+/// The names that the comments above loops use, except constants of the WGSL. The names of sizes follow from the most that
 /// one binding of llvmpipe holds, 128 MiB, and from its largest texture, 16,384 texels a side.
 pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
     BTreeMap::from([
@@ -46,8 +46,8 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
         ("TILE_NODES", 2 * (256 + 32)),
         ("TILE_WALLS", 2048),
         ("BOUNDARY_EDGES", 1024),
-        // An invocation takes all edges and triangles of a small boundary, 32 of each, and 64 of them share those of a large one: of
-        // 1,024 edges with 2,048 triangles 16 and 32. An edge has four turns and a triangle seven.
+        // An invocation takes all edges and triangles of a small boundary, 32 of each, and 64 of them share those of a
+        // large one: of 1,024 edges with 2,048 triangles 16 and 32. An edge has four turns and a triangle seven.
         ("CUT_ITEMS", 32 + 32),
         ("CUT_TESTS", 4 * 32 + 7 * 32),
     ])
@@ -56,19 +56,19 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 /// For each entry point with loops, by its module, the turns that these have at most.
 ///
 /// Why no input has more. "By shares": the CPU makes as many workgroups as it takes that no invocation has more items than
-/// the constant says, whatever the input is; all other loops have their bounds in their heads. "By a binding": the items lie
+/// the constant says, for any input; all other loops have their bounds in their heads. "By a binding": the items lie
 /// in one binding, of 128 MiB with llvmpipe.
 ///
 /// * `compact_count`, `compact_scatter`: 356 at most, 1/184 of the limit: an invocation has one edge, and a block has 256.
-/// * `compact_scan`: by a binding. Edges of 8 bytes in the largest buffer of WebGPU's default limits, 256 MiB, are 512 blocks
-///   an invocation and 1,044 turns, 1/62 of the limit. The bound is for 2³¹ edges. A test has as many blocks.
-/// * `reach`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32 lights. A test
-///   has a caster that the last of them hides.
+/// * `compact_scan`: by a binding. Edges of 8 bytes in the largest buffer of WebGPU's default limits, 256 MiB, are 512
+///   blocks an invocation and 1,044 turns, 1/62 of the limit. The bound is for 2³¹ edges. A test has as many blocks.
+/// * `cull_lights`: one pair of caster and light batch an invocation; 128 occluders, of 8 corners, are tried for 32
+///   lights. A test has a caster that the last of them hides.
 /// * `clusters`, `chunks`: by shares of 96 chunks, 1/5 of the limit.
 /// * `bounds`: by shares of 128 chunks of 64 faces, and by a binding: 8,192 views and batches of `ViewLight`. Tests have
 ///   both, and twice as many views.
-/// * `choose`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an axis: these would
-///   take 537 million, and a table in one binding has no more than 84 million.
+/// * `counting_methods`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an
+///   axis: these would take 537 million, and a table in one binding has no more than 84 million.
 /// * `caps`: by shares of 128 faces, or of 128 runs of 8, with 32 lights. A test has a workgroup of such shares.
 /// * `list_sides`, `stencil_crossings`: by shares of 4,096 edges or sides. Tests have a workgroup of such shares. No list of
 ///   sides has more entries than there are edges.
@@ -83,9 +83,10 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 ///   maps all of whose edges are open.
 /// * `depth_edges_count`, `depth_cells_list`: by shares of 128 blocks, 1/42 and 1/4 of the limit. `depth_cells_scan`: by the
 ///   largest texture, of 16,384² texels: 513 blocks an invocation, 1/63.
-/// * `contour_tiles_find`: one tile of 16 rows an invocation, 1/3,276 of the limit. `contour_crossings`: one row of a tile, 1/3.
-///   `contour_walls_trace`: two tiles, which a test fills with spirals. `contour_tiles_list`, `contour_walls_scan`: by a
-///   binding. Places of 4 bytes are those of 5,790² texels: 513 tiles an invocation, 1/57 and 1/11.
+/// * `contour_tiles_find`: one tile of 16 rows an invocation, 1/3,276 of the limit. `contour_crossings`: one row of a
+///   tile, 1/3. `contour_walls_trace`: two tiles, which a test fills with spirals. `contour_tiles_list`,
+///   `contour_walls_scan`: by a binding. Places of 4 bytes are those of 5,790² texels: 513 tiles an invocation, 1/57
+///   and 1/11.
 pub const TURNS: &[(&str, &str, u32)] = &[
     ("needs", "needs", 63_755),
     ("deform", "deform", 60_002),
@@ -106,7 +107,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("compact", "compact_scan", 64_016),
     ("compact", "compact_scatter", 355),
     ("arguments", "arguments", 17),
-    ("reach", "reach", 41_715),
+    ("cull_lights", "cull_lights", 41_715),
     ("clusters", "clusters", 13_157),
     ("chunks", "chunks", 12_482),
     ("scene_facing", "facing", 58_085),
@@ -117,7 +118,7 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("receiver_pyramid", "receiver_pyramid", 5_661),
     ("relist", "relist", 5),
     ("bounds", "bounds", 37_770),
-    ("choose", "choose", 14_734),
+    ("counting_methods", "counting_methods", 14_734),
     ("zp_plus_2005_cases", "zp_plus_2005_cases", 4_097),
     ("caps", "caps", 40_074),
     ("list_sides", "list_sides", 16_386),
@@ -130,11 +131,11 @@ pub const TURNS: &[(&str, &str, u32)] = &[
     ("cap_faces", "seen_light_cap", 86),
     ("cap_faces", "dark_cap", 84),
     ("cap_faces", "near_cap", 86),
-    ("pieces", "piece_side", 85),
-    ("pieces", "piece_side_clipped", 86),
-    ("pieces", "piece_near_cap", 86),
-    ("pieces", "piece_light_cap", 86),
-    ("pieces", "piece_dark_cap", 84),
+    ("piece_volumes", "piece_side", 85),
+    ("piece_volumes", "piece_side_clipped", 86),
+    ("piece_volumes", "piece_near_cap", 86),
+    ("piece_volumes", "piece_light_cap", 86),
+    ("piece_volumes", "piece_dark_cap", 84),
     ("outline_edges", "outline_silhouette", 6),
     ("outline_edges", "outline_feature", 12),
     ("outline_edges", "outline_ink", 3),

@@ -1,11 +1,12 @@
-//! How many turns the loops of an entry point have at most. llvmpipe ends all loops of an invocation after 65,535 turns. It counts
-//! for the lanes of a subgroup together, so a loop has as many turns as the lane with the most. It counts the turn in which a
-//! loop ends, and it walks into branches that no lane takes: there each loop has one turn (docs/numerics/loops.md).
+//! How many turns the loops of an entry point have at most. llvmpipe ends all loops of an invocation after 65,535
+//! turns. It counts for the lanes of a subgroup together, so a loop has as many turns as the lane with the most. It
+//! counts the turn in which a loop ends, and it walks into branches that no lane takes: there each loop has one turn
+//! (docs/numerics/loops.md).
 //!
 //! Each loop says how many turns it has whenever it is come to: by its head, where that tells, else by a comment above it,
-//! `// Turns: 8.` or `// Turns: CELLS + 1.` Names are constants of the module or limits that the caller states. With `in all`
-//! the turns are those of all times together, for all lanes of a subgroup. `// Turns: of one branch.` above an `if` says that all
-//! lanes take the same.
+//! `// Turns: 8.` or `// Turns: CELLS + 1.` Names are constants of the module or limits that the caller states. With
+//! `in all` the turns are those of all times together, for all lanes of a subgroup. `// Turns: of one branch.` above an
+//! `if` says that all lanes take the same.
 
 mod bounds;
 mod expression;
@@ -17,7 +18,7 @@ use naga::{Block, Function, Handle, Module, Span, Statement};
 pub use bounds::{MOST_TURNS, TURNS, limits};
 use expression::{head_turns, value};
 
-/// The names that comments may use besides the constants of the module.
+/// The names that comments may use in addition to the constants of the module.
 pub type Limits<'a> = BTreeMap<&'a str, u64>;
 
 /// The turns of each entry point of a module, in order.

@@ -1,10 +1,13 @@
 //! The list of lights, and the selected one.
 
+use std::ops::RangeInclusive;
+
 use super::style;
 use crate::state::event::Event;
 use crate::state::keys::{Action, key_of};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
+use rimline_picture::Bounds;
 
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     style::heading(ui, "Lights");
@@ -32,25 +35,30 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             }
         }
     });
-    let extent = viewer.bounds().extent();
+    let bounds = viewer.bounds();
     if let Some(lamp) = viewer.selected.and_then(|number| viewer.lamps.get_mut(number)) {
-        edit(ui, lamp, extent);
+        edit(ui, lamp, &bounds);
     }
     ui.colored_label(style::DIM, "Drag its handle. Shift: up and down. Ctrl: level.");
 }
 
-fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, extent: f32) {
+fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
+    let extent = bounds.extent();
     match &mut lamp.kind {
         LampKind::Point(at) => {
             numbers(ui, "at", &mut at.x, &mut at.y, &mut at.z, 0.01 * extent);
-            let mut has_range = lamp.range.is_some();
+            length(ui, "range", &mut lamp.range, 4.0 * extent, 0.05 * extent..=20.0 * extent);
+            length(ui, "radius", &mut lamp.radius, 0.1 * extent, 1e-3 * extent..=extent);
+            let mut is_spot = lamp.cone.is_some();
             ui.horizontal(|ui| {
-                if ui.checkbox(&mut has_range, "range").changed() {
-                    lamp.range = has_range.then_some(4.0 * extent);
+                if ui.checkbox(&mut is_spot, "spot").on_hover_text("drag the ring to aim it").changed() {
+                    lamp.set_spot(is_spot, bounds);
                 }
-                if let Some(range) = &mut lamp.range {
-                    let slider = egui::Slider::new(range, 0.05 * extent..=20.0 * extent).logarithmic(true);
-                    ui.add(slider.max_decimals(2));
+                if let Some((_, angle)) = &mut lamp.cone {
+                    let mut degrees = angle.to_degrees();
+                    if ui.add(egui::Slider::new(&mut degrees, 1.0..=89.0).suffix("°").max_decimals(1)).changed() {
+                        *angle = degrees.to_radians();
+                    }
                 }
             });
         }
@@ -60,8 +68,22 @@ fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, extent: f32) {
             if given != *towards {
                 *towards = given.normalize_or(*towards);
             }
+            length(ui, "radius", &mut lamp.radius, 0.05, 1e-3..=1.0);
         }
     }
+}
+
+/// A length that there may be, `usual` at first.
+fn length(ui: &mut egui::Ui, name: &str, value: &mut Option<f32>, usual: f32, range: RangeInclusive<f32>) {
+    let mut is_given = value.is_some();
+    ui.horizontal(|ui| {
+        if ui.checkbox(&mut is_given, name).changed() {
+            *value = is_given.then_some(usual);
+        }
+        if let Some(value) = value {
+            ui.add(egui::Slider::new(value, range).logarithmic(true).max_decimals(3));
+        }
+    });
 }
 
 fn numbers(ui: &mut egui::Ui, name: &str, x: &mut f32, y: &mut f32, z: &mut f32, speed: f32) {

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::style;
 use crate::state::camera::Camera;
+use crate::state::drag::Handle;
 use crate::state::event::{Button, Event, Modifiers};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
@@ -31,7 +32,10 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, texture: Option<egui:
         viewer.bodies.iter().for_each(|body| over.draw_box(&body.bounds()));
     }
     for (number, lamp) in viewer.lamps.iter().enumerate() {
-        over.lamp(lamp, viewer.selected == Some(number), viewer.hovered == Some(number));
+        over.lamp(lamp, viewer.selected == Some(number), viewer.hovered == Some(Handle::Lamp(number)));
+    }
+    if let Some(number) = viewer.selected {
+        over.target(&viewer.lamps[number], viewer.hovered == Some(Handle::Target(number)));
     }
     if viewer.hovered.is_some() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
@@ -133,7 +137,7 @@ impl Over {
                     self.painter.circle_filled(foot, 2.5, faint.color);
                 }
                 if let Some(range) = lamp.range.filter(|_| is_selected) {
-                    self.circle(handle, range, faint);
+                    self.circle(handle, Vec3::Y, range, faint);
                 }
             }
             LampKind::Sun(towards) => {
@@ -155,13 +159,27 @@ impl Over {
         }
     }
 
-    /// A level circle around a point.
-    fn circle(&self, centre: Vec3, radius: f32, stroke: Stroke) {
+    /// The point that a spot is aimed at: a ring, and the circle that it lights there.
+    fn target(&self, lamp: &Lamp, is_hovered: bool) {
+        let (LampKind::Point(from), Some((axis, angle))) = (lamp.kind, lamp.cone) else { return };
+        let Some(target) = lamp.target(&self.bounds) else { return };
+        let faint = Stroke::new(1.0, Color32::from_rgba_unmultiplied(20, 22, 26, 120));
+        self.line(from, target, faint);
+        self.circle(target, axis, from.distance(target) * angle.tan(), faint);
+        if let Some(at) = self.at(target) {
+            let color = if is_hovered { Color32::from_gray(230) } else { style::ACCENT };
+            self.painter.circle_stroke(at, 6.0, Stroke::new(2.0, color));
+        }
+    }
+
+    /// A circle around a point, across an axis.
+    fn circle(&self, centre: Vec3, axis: Vec3, radius: f32, stroke: Stroke) {
         const SEGMENTS: u32 = 64;
-        let place = |step: u32| {
+        let (x, z) = axis.any_orthonormal_pair();
+        let point = |step: u32| {
             let angle = std::f32::consts::TAU * step as f32 / SEGMENTS as f32;
-            centre + radius * Vec3::new(angle.cos(), 0.0, angle.sin())
+            centre + radius * (angle.cos() * x + angle.sin() * z)
         };
-        (0..SEGMENTS).for_each(|step| self.line(place(step), place(step + 1), stroke));
+        (0..SEGMENTS).for_each(|step| self.line(point(step), point(step + 1), stroke));
     }
 }

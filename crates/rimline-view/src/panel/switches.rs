@@ -9,7 +9,7 @@ use rimline_picture::Mode;
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     let options = &mut viewer.options;
     style::heading(ui, "Show");
-    let Overlays { silhouettes, light_silhouettes, volumes, caps, boundary, non_manifold, creases, boxes } =
+    let Overlays { silhouettes, light_silhouettes, volumes, caps, boundary, non_manifold, creases, exact, boxes } =
         &mut options.overlays;
     grid(
         ui,
@@ -22,6 +22,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             (boundary, "boundary", Action::Boundary),
             (non_manifold, "non-manifold", Action::NonManifold),
             (creases, "creases", Action::Creases),
+            (exact, "decided exactly", Action::Exact),
             (boxes, "boxes", Action::Boxes),
             (&mut options.ground, "ground", Action::Ground),
             (&mut options.shadows, "shadows", Action::Shadows),

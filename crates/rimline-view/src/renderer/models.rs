@@ -12,7 +12,6 @@ use super::error::RenderError;
 use super::gpu::Gpu;
 use super::skipping::measuring;
 use crate::state::body::Body;
-use crate::state::lamp::Lamp;
 use crate::state::options::{Counting, Skipping};
 use crate::state::viewer::Viewer;
 
@@ -22,12 +21,15 @@ pub(super) struct Made {
     generation: u64,
     counting: Counting,
     skipping: Skipping,
+    /// Batches of 32 points that shine.
+    batches: usize,
 }
 
 impl Made {
     pub(super) fn of(viewer: &Viewer) -> Self {
         let options = &viewer.options;
-        Self { generation: viewer.generation(), counting: options.counting, skipping: options.skipping }
+        let batches = viewer.sources().len().div_ceil(32).max(1);
+        Self { generation: viewer.generation(), counting: options.counting, skipping: options.skipping, batches }
     }
 }
 
@@ -40,7 +42,7 @@ pub(super) struct Models {
     pub(super) surfaces: Vec<Surface>,
     /// The frame of the last encode, unless surfaces are to be made anew.
     frame: Option<SceneFrame>,
-    /// The lights that are on, in the order of the viewer's.
+    /// The points that shine, in the order of the viewer's.
     pub(super) lights: Vec<LightHandle>,
 }
 
@@ -78,8 +80,12 @@ impl Models {
         viewer: &Viewer,
     ) -> Result<Self, RenderError> {
         let made = Made::of(viewer);
-        let options =
-            SceneOptions { counting: made.counting, measuring: measuring(made.skipping), ..SceneOptions::default() };
+        let options = SceneOptions {
+            max_lights: 32 * made.batches,
+            counting: made.counting,
+            measuring: measuring(made.skipping),
+            ..SceneOptions::default()
+        };
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
         let (placed, surfaces, lights) = (Vec::new(), Vec::new(), Vec::new());
         let mut models = Self { made, scene, placed, surfaces, frame: None, lights };
@@ -137,14 +143,14 @@ impl Models {
                 self.frame = None;
             }
         }
-        let lamps: Vec<&Lamp> = viewer.lamps.iter().filter(|lamp| lamp.is_on).collect();
-        while self.lights.len() > lamps.len() {
+        let sources = viewer.sources();
+        while self.lights.len() > sources.len() {
             self.lights.pop().map_or(Ok(()), |light| self.scene.remove_light(light))?;
         }
-        for (number, lamp) in lamps.iter().enumerate() {
+        for (number, (_, source)) in sources.iter().enumerate() {
             match self.lights.get(number) {
-                Some(&light) => self.scene.set_light(light, lamp.light())?,
-                None => self.lights.push(self.scene.add_light(lamp.light())?),
+                Some(&light) => self.scene.set_light(light, source.light())?,
+                None => self.lights.push(self.scene.add_light(source.light())?),
             }
         }
         let views = [camera.into()];

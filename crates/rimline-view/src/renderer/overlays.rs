@@ -1,7 +1,8 @@
 //! Edges over the picture: silhouettes, volumes, boundaries. They have extractions of their own.
 
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, Outline, OutlineInputs, OutlineSource, OutlineStyle};
-use rimline::{Light, ShadowCamera};
+use rimline::internals::facing::undecided_faces;
+use rimline::{Light, Mesh, ShadowCamera};
 use rimline_picture::{Resources, VolumeOverlay, filled};
 
 use super::canvas::Canvas;
@@ -9,20 +10,28 @@ use super::error::RenderError;
 use super::gpu::Gpu;
 use super::models::Models;
 use super::pipelines::Pipelines;
-use crate::state::body::non_manifold_bits;
-use crate::state::lamp::Lamp;
+use crate::state::body::{bits_of_faces, non_manifold_bits};
 use crate::state::viewer::{MAX_LAMPS, Viewer};
 
 /// Extractors of all models, for the lights and the eye.
 pub(super) struct Overlays {
     generation: u64,
-    bodies: Vec<(Extractor, wgpu::Buffer)>,
+    bodies: Vec<Extracted>,
     /// Results of the last encode.
     extractions: Vec<Extraction>,
 }
 
+/// A model's extractor, and bits of its edges that are marked.
+struct Extracted {
+    extractor: Extractor,
+    mesh: Mesh,
+    non_manifold: wgpu::Buffer,
+    exact: wgpu::Buffer,
+}
+
 const BOUNDARY: [f32; 4] = [0.86, 0.12, 0.10, 1.0];
 const NON_MANIFOLD: [f32; 4] = [0.72, 0.10, 0.78, 1.0];
+const EXACT: [f32; 4] = [0.95, 0.45, 0.05, 1.0];
 const CREASE: [f32; 4] = [0.12, 0.13, 0.16, 0.75];
 const SILHOUETTE: [f32; 4] = [0.04, 0.05, 0.07, 1.0];
 
@@ -36,8 +45,9 @@ impl Overlays {
             let mesh = body.model().mesh(&pose).map_err(|error| failed(&error))?;
             let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| failed(&error))?;
             let bits = non_manifold_bits(&mesh);
-            let marked = filled(gpu.on(), "non-manifold", bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE);
-            bodies.push((extractor, marked));
+            let [non_manifold, exact] = ["non-manifold", "exact"]
+                .map(|label| filled(gpu.on(), label, bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE));
+            bodies.push(Extracted { extractor, mesh, non_manifold, exact });
         }
         Ok(Self { generation: viewer.generation(), bodies, extractions: Vec::new() })
     }
@@ -49,30 +59,40 @@ impl Overlays {
     /// Extracts the silhouettes of all lights that are on, then of the eye, from positions that were encoded before.
     pub(super) fn encode(
         &mut self,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         models: &Models,
         viewer: &Viewer,
         camera: &ShadowCamera,
     ) -> Result<(), RenderError> {
-        let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(Lamp::light);
-        let lights: Vec<Light> = lamps.chain([Light::point(camera.origin)]).collect();
+        let mut sources = viewer.sources();
+        sources.dedup_by_key(|(number, _)| *number);
+        let lights = sources.iter().map(|(_, source)| source.light());
+        let lights: Vec<Light> = lights.chain([Light::point(camera.origin)]).collect();
         self.extractions.clear();
-        for (index, (extractor, _)) in self.bodies.iter_mut().enumerate() {
+        for (index, Extracted { extractor, mesh, exact, .. }) in self.bodies.iter_mut().enumerate() {
             self.extractions.push(extractor.encode(encoder, models.positions(index)?, &lights)?);
+            if viewer.options.overlays.exact {
+                let body = &viewer.bodies[index];
+                let positions = body.positions(viewer.clock.seconds);
+                let positions = positions.map_err(|error| RenderError::of_body(index, &body.name, &error))?;
+                let faces = undecided_faces(&positions, mesh.faces(), &lights[..lights.len() - 1]);
+                gpu.queue.write_buffer(exact, 0, bytemuck::cast_slice(&bits_of_faces(mesh, &faces)));
+            }
         }
         Ok(())
     }
 
-    /// Draws the volumes of a light.
+    /// Draws the volumes of a light, by a point of its that shines and its own number.
     pub(super) fn draw_volumes(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         volumes: &VolumeOverlay,
         resources: &Resources,
-        light: usize,
+        numbers: [usize; 2],
     ) -> Result<(), RenderError> {
         for extraction in &self.extractions {
-            volumes.draw(pass, resources, extraction, light)?;
+            volumes.draw(pass, resources, extraction, numbers)?;
         }
         Ok(())
     }
@@ -100,7 +120,7 @@ impl Overlays {
             ..OutlineStyle::default()
         };
         let mut outlines = Vec::new();
-        for (extraction, (_, marked)) in self.extractions.iter().zip(&self.bodies) {
+        for (extraction, body) in self.extractions.iter().zip(&self.bodies) {
             let prepare = |number, style, marked| {
                 let of = OutlineSource::Extraction(extraction, number);
                 let depth = &canvas.depth;
@@ -115,7 +135,17 @@ impl Overlays {
             }
             let is_shown = [eye.silhouette, eye.boundary, eye.crease, eye.marked].iter().any(Option::is_some);
             if is_shown {
-                outlines.push(prepare(lamps.len(), eye, eye.marked.map(|_| marked))?);
+                outlines.push(prepare(lamps.len(), eye, eye.marked.map(|_| &body.non_manifold))?);
+            }
+            if shown.exact {
+                let style = OutlineStyle {
+                    width,
+                    silhouette: None,
+                    boundary: None,
+                    marked: Some(EXACT),
+                    ..OutlineStyle::default()
+                };
+                outlines.push(prepare(lamps.len(), style, Some(&body.exact))?);
             }
         }
         Ok(outlines)

@@ -271,6 +271,18 @@ pub(crate) fn non_manifold_bits(mesh: &Mesh) -> Vec<u32> {
     bits
 }
 
+/// A bit for each edge record, in words, for edges of these faces.
+pub(crate) fn bits_of_faces(mesh: &Mesh, faces: &[bool]) -> Vec<u32> {
+    let mut bits = vec![0_u32; mesh.edges().len().div_ceil(32).max(1)];
+    for (number, edge) in mesh.edges().iter().enumerate() {
+        let is_of = |face: u32| faces.get(face as usize).is_some_and(|&is_marked| is_marked);
+        if is_of(edge.face_0) || edge.face_1.is_some_and(is_of) {
+            bits[number / 32] |= 1 << (number % 32);
+        }
+    }
+    bits
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

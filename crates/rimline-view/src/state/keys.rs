@@ -40,6 +40,7 @@ pub enum Action {
     Boundary,
     NonManifold,
     Creases,
+    Exact,
     Boxes,
     Ground,
     Shadows,
@@ -75,7 +76,7 @@ const fn shift(key: egui::Key, action: Action, what: &'static str) -> KeyBinding
 }
 
 /// All keys. W, A, S, D, Q and E fly besides while they are held.
-pub const KEYS: [KeyBinding; 46] = {
+pub const KEYS: [KeyBinding; 47] = {
     use egui::Key as K;
     [
         key(K::F1, Action::Help, "this list; ? too"),
@@ -113,7 +114,8 @@ pub const KEYS: [KeyBinding; 46] = {
         key(K::Num5, Action::Boundary, "boundary edges"),
         key(K::Num6, Action::NonManifold, "non-manifold edges"),
         key(K::Num7, Action::Creases, "creases"),
-        key(K::Num8, Action::Boxes, "boxes"),
+        key(K::Num8, Action::Exact, "faces decided in exact arithmetic"),
+        key(K::Num9, Action::Boxes, "boxes"),
         key(K::G, Action::Ground, "ground"),
         key(K::H, Action::Shadows, "shadows"),
         key(K::F, Action::Smooth, "smooth or flat faces"),

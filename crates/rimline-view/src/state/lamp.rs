@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use rimline::gltf::SceneLight;
-use rimline::{Cone, Light};
+use rimline::{AreaLight, AreaShape, Cone, Light};
 use rimline_picture::Bounds;
 
 /// Whether a light is at a point or at infinity.
@@ -25,11 +25,16 @@ pub struct Lamp {
     pub intensity: f32,
     /// The distance at which a light at a point ends. `None`: it does not.
     pub range: Option<f32>,
-    /// Where a spot shines, and the angle from there to where it has faded, in radians.
+    /// The direction in which a spot shines, of length 1, and the angle from there to where it has faded, in radians.
     pub cone: Option<(Vec3, f32)>,
+    /// The radius of the sphere that it shines from, for a light at infinity at distance 1. `None`: it shines from one point.
+    pub radius: Option<f32>,
     /// Whether it shines.
     pub is_on: bool,
 }
+
+/// Points of an area that shine in its place.
+pub(crate) const AREA_SAMPLES: usize = 16;
 
 /// Colours of the first lights; then from the beginning again.
 const COLORS: [[f32; 3]; 6] = [
@@ -61,6 +66,7 @@ impl Lamp {
             intensity: if number == 0 { 1.0 } else { 0.6 },
             range: None,
             cone: None,
+            radius: None,
             is_on: true,
         }
     }
@@ -70,7 +76,7 @@ impl Lamp {
         let xyz = Vec3::from(light.light.xyz);
         let kind = if light.light.w == 0.0 { LampKind::Sun(xyz.normalize_or(Vec3::Y)) } else { LampKind::Point(xyz) };
         let cone = light.cone.map(|cone| (Vec3::from(cone.direction), cone.outer_angle));
-        Self { kind, color: light.color, intensity, range: light.range, cone, is_on: true }
+        Self { kind, color: light.color, intensity, range: light.range, cone, radius: None, is_on: true }
     }
 
     /// The light as the library takes it.
@@ -87,6 +93,21 @@ impl Lamp {
         }
     }
 
+    /// Lights at points that shine together as this one does: itself, or samples of its area.
+    pub fn sources(&self) -> Vec<Self> {
+        let Some(radius) = self.radius else { return vec![self.clone()] };
+        let area = AreaLight { light: self.light(), shape: AreaShape::Sphere { radius }, normal: [0.0, 1.0, 0.0] };
+        let source = |light: Light| {
+            let xyz = Vec3::from(light.xyz);
+            let kind = match self.kind {
+                LampKind::Point(_) => LampKind::Point(xyz),
+                LampKind::Sun(towards) => LampKind::Sun(xyz.normalize_or(towards)),
+            };
+            Self { kind, intensity: self.intensity / AREA_SAMPLES as f32, radius: None, ..self.clone() }
+        };
+        area.samples(AREA_SAMPLES).into_iter().map(source).collect()
+    }
+
     /// Colour times intensity.
     pub fn shine(&self) -> Vec3 {
         Vec3::from(self.color) * self.intensity
@@ -97,6 +118,37 @@ impl Lamp {
         match self.kind {
             LampKind::Point(at) => at,
             LampKind::Sun(towards) => bounds.centre() + sun_distance(bounds) * towards,
+        }
+    }
+
+    /// The point that a spot is aimed at: on its axis, beside the middle of the models or at least a little ahead.
+    pub fn target(&self, bounds: &Bounds) -> Option<Vec3> {
+        let (LampKind::Point(at), Some((axis, _))) = (self.kind, self.cone) else { return None };
+        Some(at + (bounds.centre() - at).dot(axis).max(0.25 * bounds.extent()) * axis)
+    }
+
+    /// Aims a spot at a point. Others stay as they are.
+    pub fn aim(&mut self, target: Vec3) {
+        if let (LampKind::Point(at), Some((axis, _))) = (self.kind, &mut self.cone) {
+            *axis = (target - at).normalize_or(*axis);
+        }
+    }
+
+    /// Makes a light a spot that is aimed at the middle of the models, or lets it shine all around again.
+    pub fn set_spot(&mut self, is_spot: bool, bounds: &Bounds) {
+        self.cone = is_spot.then_some((Vec3::NEG_Y, 25.0_f32.to_radians()));
+        self.aim(bounds.centre());
+    }
+
+    /// Moves its handle. A spot stays aimed at the same point.
+    pub fn move_to(&mut self, handle: Vec3, bounds: &Bounds) {
+        let target = self.target(bounds);
+        self.kind = match self.kind {
+            LampKind::Point(_) => LampKind::Point(handle),
+            LampKind::Sun(towards) => LampKind::Sun((handle - bounds.centre()).normalize_or(towards)),
+        };
+        if let Some(target) = target {
+            self.aim(target);
         }
     }
 

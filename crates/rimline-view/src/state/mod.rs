@@ -1,9 +1,11 @@
 //! The state of the viewer: plain data, and the events that change it.
 
+mod act;
 pub(crate) mod body;
 pub(crate) mod camera;
 pub(crate) mod clock;
 pub(crate) mod command;
+pub(crate) mod drag;
 pub(crate) mod event;
 pub(crate) mod keys;
 pub(crate) mod lamp;

@@ -22,6 +22,8 @@ pub struct Overlays {
     pub non_manifold: bool,
     /// Edges between faces that meet at more than 30°.
     pub creases: bool,
+    /// Edges of faces whose side some light leaves to exact arithmetic.
+    pub exact: bool,
     /// The boxes of the models.
     pub boxes: bool,
 }
@@ -29,8 +31,8 @@ pub struct Overlays {
 impl Overlays {
     /// Whether any of them needs an extraction of its own.
     pub fn needs_edges(&self) -> bool {
-        let Self { silhouettes, light_silhouettes, volumes, boundary, non_manifold, creases, .. } = *self;
-        silhouettes || light_silhouettes || volumes || boundary || non_manifold || creases
+        let Self { silhouettes, light_silhouettes, volumes, boundary, non_manifold, creases, exact, .. } = *self;
+        silhouettes || light_silhouettes || volumes || boundary || non_manifold || creases || exact
     }
 }
 

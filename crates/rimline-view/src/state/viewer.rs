@@ -7,13 +7,14 @@ use rimline_picture::{Bounds, Mode};
 use super::body::Body;
 use super::camera::{Camera, Orbit};
 use super::clock::Clock;
-use super::event::{Button, Event, Modifiers};
-use super::keys::Action;
-use super::lamp::{Lamp, LampKind, sun_distance};
-use super::options::{COUNTINGS, Options};
+use super::drag::{Drag, Handle};
+use super::event::Event;
+use super::lamp::{AREA_SAMPLES, Lamp};
+use super::options::Options;
 
-/// Lights that there may be at a time.
+/// Lights that there may be at a time, and points that shine for all of them.
 pub(crate) const MAX_LAMPS: usize = 8;
+pub(crate) const MAX_SOURCES: usize = MAX_LAMPS * AREA_SAMPLES;
 
 /// Requests of the viewer to the shell that runs it.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +59,8 @@ pub struct Viewer {
     pub clock: Clock,
     /// The light that keys move.
     pub selected: Option<usize>,
-    /// The light whose handle the pointer is on.
-    pub hovered: Option<usize>,
+    /// The handle that the pointer is on.
+    pub hovered: Option<Handle>,
     /// A message for the user.
     pub message: Option<(Tone, String)>,
     /// Whether the panel is shown.
@@ -74,24 +75,11 @@ pub struct Viewer {
     pub requests: Vec<Request>,
     size: [u32; 2],
     generation: u64,
-    pointer: Vec2,
-    drag: Option<Drag>,
+    pub(super) pointer: Vec2,
+    pub(super) drag: Option<Drag>,
     /// Whether models of the viewer's own are shown, which those of files replace.
     is_built_in: bool,
 }
-
-/// The thing that the pointer drags.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Drag {
-    Turn,
-    Pan,
-    Lamp(usize, Modifiers),
-}
-
-/// Degrees for each pixel that the pointer moves.
-const TURN: f32 = 0.35;
-/// Degrees for each press of a key.
-const STEP: f32 = 6.0;
 
 impl Viewer {
     /// Shows these models, with three lights around them.
@@ -149,6 +137,15 @@ impl Viewer {
     /// The longest animation that plays, in seconds.
     pub fn duration(&self) -> f32 {
         self.bodies.iter().map(Body::duration).fold(0.0, f32::max)
+    }
+
+    /// The points that shine, each with the number of its light among those that are on. Only shadows that each take away the light
+    /// of a point of an area add up to a soft one; other ways to draw shadows take the middle.
+    pub fn sources(&self) -> Vec<(usize, Lamp)> {
+        let has_areas = self.options.shadows && self.options.mode == Mode::Additive;
+        let lamps = self.lamps.iter().filter(|lamp| lamp.is_on).enumerate();
+        let sources = |lamp: &Lamp| if has_areas { lamp.sources() } else { vec![lamp.clone()] };
+        lamps.flat_map(|(number, lamp)| sources(lamp).into_iter().map(move |source| (number, source))).collect()
     }
 
     /// Whether the picture changes by itself.
@@ -229,195 +226,13 @@ impl Viewer {
         self.reset_camera();
     }
 
-    fn reset_camera(&mut self) {
+    pub(super) fn reset_camera(&mut self) {
         let [width, height] = self.size.map(|side| side as f32);
         let bounds = self.bounds();
         // Handles are within reach, but those of lights far away would make the models small.
         let is_near = |handle: &Vec3| handle.distance(bounds.centre()) < 1.6 * bounds.extent();
         let handles: Vec<Vec3> = self.lamps.iter().map(|lamp| lamp.handle(&bounds)).filter(is_near).collect();
         self.orbit = Orbit::showing(&bounds, &handles, width / height);
-    }
-
-    fn zoom(&mut self, factor: f32) {
-        self.orbit.zoom(factor, self.bounds().extent());
-    }
-
-    /// Moves the camera so that the target follows the pointer.
-    fn pan(&mut self, pixels: Vec2) {
-        let length = self.camera().pixel() * self.orbit.distance;
-        self.orbit.shift(Vec3::new(-pixels.x, pixels.y, 0.0) * length);
-    }
-
-    fn pressed(&mut self, button: Button, modifiers: Modifiers) {
-        self.drag = Some(match (button, self.handle_at(self.pointer)) {
-            (Button::Primary, Some(lamp)) => {
-                self.selected = Some(lamp);
-                Drag::Lamp(lamp, modifiers)
-            }
-            (Button::Primary, None) if !modifiers.shift => Drag::Turn,
-            _ => Drag::Pan,
-        });
-    }
-
-    fn moved(&mut self, to: Vec2) {
-        let by = to - self.pointer;
-        self.pointer = to;
-        match self.drag {
-            Some(Drag::Turn) => self.orbit.turn(-TURN * by.x, TURN * by.y),
-            Some(Drag::Pan) => self.pan(by),
-            Some(Drag::Lamp(lamp, modifiers)) => self.drag_lamp(lamp, to, modifiers),
-            None => self.hovered = self.handle_at(to),
-        }
-    }
-
-    /// The light whose handle is at a pixel, the nearest one.
-    fn handle_at(&self, pixel: Vec2) -> Option<usize> {
-        let (camera, bounds) = (self.camera(), self.bounds());
-        let distance = |lamp: &Lamp| Some(camera.project(lamp.handle(&bounds))?.distance(pixel));
-        let all = self.lamps.iter().enumerate().filter_map(|(number, lamp)| Some((number, distance(lamp)?)));
-        let nearest = all.min_by(|(_, a), (_, b)| a.total_cmp(b));
-        nearest.filter(|(_, distance)| *distance <= self.handle_radius).map(|(number, _)| number)
-    }
-
-    /// Moves a light to where the pointer is: in a plane that faces the eye, at its height, or up and down.
-    fn drag_lamp(&mut self, number: usize, pixel: Vec2, modifiers: Modifiers) {
-        let (camera, bounds) = (self.camera(), self.bounds());
-        let Some(lamp) = self.lamps.get_mut(number) else { return };
-        let (ray, from) = (camera.ray(pixel), camera.eye);
-        let at = lamp.handle(&bounds);
-        // Where the ray meets a plane through the light, but not farther than can be worked with.
-        let meet = |normal: Vec3| {
-            let along = (at - from).dot(normal) / ray.dot(normal);
-            let most = 200.0 * bounds.extent();
-            (along.is_finite() && along > 0.0 && along < most).then(|| from + along * ray)
-        };
-        let moved = if modifiers.shift {
-            let level = Vec3::new(camera.forward.x, 0.0, camera.forward.z).normalize_or(camera.up);
-            meet(level).map(|there| Vec3::new(at.x, there.y, at.z))
-        } else if modifiers.control {
-            meet(Vec3::Y)
-        } else {
-            meet(camera.forward)
-        };
-        match &mut lamp.kind {
-            LampKind::Point(place) => *place = moved.unwrap_or(at),
-            LampKind::Sun(towards) => {
-                *towards = on_sphere(from, ray, bounds.centre(), sun_distance(&bounds), at).normalize_or(*towards);
-            }
-        }
-    }
-
-    fn act(&mut self, action: Action) {
-        let overlays = &mut self.options.overlays;
-        let flip = |switch: &mut bool| *switch = !*switch;
-        match action {
-            Action::Help => flip(&mut self.shows_help),
-            Action::Panel => flip(&mut self.shows_panel),
-            Action::OpenFile => self.requests.push(Request::OpenFiles),
-            Action::NextScene => self.requests.push(Request::NextScene),
-            Action::ResetCamera => self.reset_camera(),
-            Action::TurnLeft => self.orbit.turn(-STEP, 0.0),
-            Action::TurnRight => self.orbit.turn(STEP, 0.0),
-            Action::TurnUp => self.orbit.turn(0.0, STEP),
-            Action::TurnDown => self.orbit.turn(0.0, -STEP),
-            Action::Nearer => self.zoom(0.9),
-            Action::Farther => self.zoom(1.0 / 0.9),
-            Action::Play => flip(&mut self.clock.is_running),
-            Action::StepBack => self.step(-1.0 / 30.0),
-            Action::StepOn => self.step(1.0 / 30.0),
-            Action::Slower => self.clock.speed = (self.clock.speed * 0.5).max(0.125),
-            Action::Faster => self.clock.speed = (self.clock.speed * 2.0).min(8.0),
-            Action::NextAnimation => self.next_animation(),
-            Action::NextLight if !self.lamps.is_empty() => {
-                self.selected = Some(self.selected.map_or(0, |lamp| (lamp + 1) % self.lamps.len()));
-            }
-            Action::AddLight => self.add_lamp(),
-            Action::RemoveLight => self.remove_lamp(),
-            Action::SwitchLight => _ = self.lamp().map(|lamp| flip(&mut lamp.is_on)),
-            Action::ChangeLightKind => {
-                let bounds = self.bounds();
-                _ = self.lamp().map(|lamp| lamp.change_kind(&bounds));
-            }
-            Action::LightLeft => self.shift_lamp(Vec3::NEG_X),
-            Action::LightRight => self.shift_lamp(Vec3::X),
-            Action::LightUp => self.shift_lamp(Vec3::Y),
-            Action::LightDown => self.shift_lamp(Vec3::NEG_Y),
-            Action::LightAhead => self.shift_lamp(Vec3::Z),
-            Action::LightBack => self.shift_lamp(Vec3::NEG_Z),
-            Action::Silhouettes => flip(&mut overlays.silhouettes),
-            Action::LightSilhouettes => flip(&mut overlays.light_silhouettes),
-            Action::Volumes => flip(&mut overlays.volumes),
-            Action::Caps => flip(&mut overlays.caps),
-            Action::Boundary => flip(&mut overlays.boundary),
-            Action::NonManifold => flip(&mut overlays.non_manifold),
-            Action::Creases => flip(&mut overlays.creases),
-            Action::Boxes => flip(&mut overlays.boxes),
-            Action::Ground => flip(&mut self.options.ground),
-            Action::Shadows => flip(&mut self.options.shadows),
-            Action::Smooth => flip(&mut self.options.smooth),
-            Action::Colors => flip(&mut self.options.colors),
-            Action::NextMode => self.options.mode = Mode::ALL[(self.options.mode as usize + 1) % Mode::ALL.len()].0,
-            Action::NextCounting => {
-                let at = COUNTINGS.iter().position(|(of, _)| *of == self.options.counting).unwrap_or(0);
-                self.options.counting = COUNTINGS[(at + 1) % COUNTINGS.len()].0;
-            }
-            Action::Screenshot => self.requests.push(Request::Screenshot { scale: 1 }),
-            Action::LargeScreenshot => self.requests.push(Request::Screenshot { scale: 4 }),
-            Action::CopyCommand => self.requests.push(Request::Copy(self.command())),
-            Action::Close if self.shows_help => self.shows_help = false,
-            Action::Close => self.requests.push(Request::Close),
-            Action::NextLight => {}
-        }
-    }
-
-    /// Stops, and shows another moment.
-    fn step(&mut self, seconds: f32) {
-        self.clock.is_running = false;
-        let duration = self.duration();
-        if duration > 0.0 {
-            self.clock.seconds = (self.clock.seconds + seconds).rem_euclid(duration);
-        }
-    }
-
-    fn next_animation(&mut self) {
-        let Some(index) = self.bodies.iter().position(|body| !body.animations().is_empty()) else { return };
-        let count = self.bodies[index].animations().len();
-        let next = self.bodies[index].animation.map_or(0, |animation| (animation + 1) % count);
-        self.play(index, Some(next));
-        self.clock.seconds = 0.0;
-    }
-
-    fn lamp(&mut self) -> Option<&mut Lamp> {
-        self.lamps.get_mut(self.selected?)
-    }
-
-    fn add_lamp(&mut self) {
-        if self.lamps.len() >= MAX_LAMPS {
-            self.message = Some((Tone::Error, format!("the viewer has at most {MAX_LAMPS} lights; remove one first")));
-            return;
-        }
-        self.lamps.push(Lamp::around(&self.bounds(), self.lamps.len()));
-        self.selected = Some(self.lamps.len() - 1);
-    }
-
-    fn remove_lamp(&mut self) {
-        let Some(number) = self.selected.filter(|&number| number < self.lamps.len()) else { return };
-        self.lamps.remove(number);
-        self.hovered = None;
-        self.selected = self.lamps.len().checked_sub(1).map(|last| number.min(last));
-    }
-
-    /// Moves the selected light by a step: right and ahead as the eye sees it, on the level, and up.
-    fn shift_lamp(&mut self, by: Vec3) {
-        let (bounds, [right, _, forward]) = (self.bounds(), self.orbit.axes());
-        let ahead = Vec3::new(forward.x, 0.0, forward.z).normalize_or(Vec3::NEG_Z);
-        let by = (by.x * right + by.y * Vec3::Y + by.z * ahead) * 0.06 * bounds.extent();
-        let Some(lamp) = self.lamp() else { return };
-        let handle = lamp.handle(&bounds) + by;
-        lamp.kind = match lamp.kind {
-            LampKind::Point(_) => LampKind::Point(handle),
-            LampKind::Sun(towards) => LampKind::Sun((handle - bounds.centre()).normalize_or(towards)),
-        };
     }
 }
 
@@ -434,14 +249,4 @@ fn lamps_of(body: &Body, bounds: &Bounds) -> Vec<Lamp> {
     let brightest = lights.iter().map(illuminance).fold(0.0, f32::max);
     let lamp = |light| Lamp::of_file(light, if brightest > 0.0 { illuminance(light) / brightest } else { 1.0 });
     lights.iter().take(MAX_LAMPS).map(lamp).collect()
-}
-
-/// From the middle of a sphere to where a ray meets it, the meeting nearest to `at`; or to where the ray is nearest.
-fn on_sphere(from: Vec3, ray: Vec3, centre: Vec3, radius: f32, at: Vec3) -> Vec3 {
-    let (ray, to) = (ray.normalize(), centre - from);
-    let middle = to.dot(ray);
-    let half = (radius * radius - (to - middle * ray).length_squared()).max(0.0).sqrt();
-    let meetings = [middle - half, middle + half].map(|along| from + along * ray);
-    let [near, far] = meetings;
-    if near.distance_squared(at) <= far.distance_squared(at) { near - centre } else { far - centre }
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use egui::{Event as Heard, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use rimline_testkit::harness::Test;
-use rimline_view::{Event, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
+use rimline_view::{Event, Handle, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
 
 use crate::support::{Outcome, handle, hold, say, viewer};
 
@@ -96,7 +96,7 @@ fn the_pointer_drags_a_light() -> Outcome {
     let (from, to) = (pos2(at.x, at.y), pos2(at.x - 60.0, at.y + 25.0));
     let (orbit, before) = (stage.viewer.orbit, stage.viewer.lamps[1].clone());
     stage.run(vec![Heard::PointerMoved(from)]);
-    hold(stage.viewer.hovered == Some(1), "the pointer is on the handle")?;
+    hold(stage.viewer.hovered == Some(Handle::Lamp(1)), "the pointer is on the handle")?;
     stage.run(vec![button(from, true)]);
     stage.run(vec![Heard::PointerMoved(to)]);
     stage.run(vec![button(to, false)]);

@@ -1,16 +1,18 @@
 //! Pictures: shadows are where rays say, switches change nothing or what they are for, and nothing is drawn twice.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rimline::Light;
 use rimline::cpu::{Threads, shadow_depth};
 use rimline_files::{ReadOptions, read_bytes};
 use rimline_testkit::harness::Test;
-use rimline_view::{Action, Body, Counting, Event, Mode, Modifiers, Picture, Skipping, Viewer, scenes};
+use rimline_view::{Action, Body, Counting, Event, LampKind, Mode, Modifiers, Picture, Skipping, Viewer, scenes};
 
 use crate::support::{Outcome, drag, finish, gpu, handle, hold, on_ground, picture, say, viewer};
 
-pub(crate) const TESTS: [Test; 8] = [
+pub(crate) const TESTS: [Test; 10] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
+    ("a light with an area has soft shadows", soft_shadows),
+    ("a spot lights a circle that is dragged", spots),
     ("a still viewer draws nothing", a_still_viewer_draws_nothing),
     ("counting methods and levels of skipping change no picture", switches_change_no_picture),
     ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
@@ -23,36 +25,24 @@ pub(crate) const TESTS: [Test; 8] = [
 /// Pixels of the ground whose shadow the picture shows wrongly, and those that were looked at: far enough from models and borders
 /// of shadows that a pixel's width does not matter.
 fn wrong_on_ground(viewer: &Viewer, picture: &Picture, dark: &Picture) -> Result<[usize; 3], String> {
-    let seconds = viewer.clock.seconds;
     let lamps: Vec<Light> = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(rimline_view::Lamp::light).collect();
-    let [width, height] = viewer.size();
-    let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| [x, y]));
-    let points: Vec<_> = pixels.filter_map(|at| Some((at, on_ground(viewer, at)?))).collect();
+    let points = ground_pixels(viewer);
     let eye = Light::point(viewer.camera().eye.into());
     let (mut wrong, mut shadowed, mut lit) = (0, 0, 0);
-    let mut depths = vec![[0_i32; 2]; points.len() * 5];
     // Each point and four around it: where all five agree, no border is near.
     let near = 1.5 * viewer.camera().pixel() * viewer.orbit.distance;
     let around = [[0.0, 0.0], [near, 0.0], [-near, 0.0], [0.0, near], [0.0, -near]];
     let positions: Vec<[f32; 3]> =
         points.iter().flat_map(|(_, p)| around.map(|[x, z]| [p.x + x, p.y, p.z + z])).collect();
-    for body in &viewer.bodies {
-        let mesh = body.model().mesh(&body.pose(seconds).map_err(say)?).map_err(say)?;
-        let world = body.positions(seconds).map_err(say)?;
-        let found = shadow_depth(&world, &mesh, &positions, &[lamps[0], eye], Threads::all()).map_err(say)?;
-        for (sum, found) in depths.iter_mut().zip(found.chunks(2)) {
-            *sum = [sum[0] + found[0], sum[1] + found[1]];
-        }
-    }
+    let depths = counts_between(viewer, &positions, &[lamps[0], eye])?;
     for ((at, _), depths) in points.iter().zip(depths.chunks(5)) {
         let is_seen = depths.iter().all(|depth| depth[1] == 0);
         let is_dark = depths[0][0] != 0;
         if !is_seen || depths.iter().any(|depth| (depth[0] != 0) != is_dark) {
             continue;
         }
-        let sum = |picture: &Picture| picture.at(*at)[..3].iter().map(|&c| i32::from(c)).sum::<i32>();
         // Ambient light alone, or more.
-        let shows_dark = (sum(picture) - sum(dark)).abs() <= 6;
+        let shows_dark = (sum(picture, *at) - sum(dark, *at)).abs() <= 6;
         *(if is_dark { &mut shadowed } else { &mut lit }) += 1;
         wrong += usize::from(shows_dark != is_dark);
     }
@@ -83,11 +73,122 @@ fn a_light_dragged_moves_its_shadow() -> Outcome {
     hold(picture(&viewer, &mut renderer)? != before, "the picture did not change")
 }
 
+/// Brightness of a pixel.
+fn sum(picture: &Picture, at: [u32; 2]) -> i32 {
+    picture.at(at)[..3].iter().map(|&c| i32::from(c)).sum()
+}
+
+/// Pixels that show the ground, with the point there.
+fn ground_pixels(viewer: &Viewer) -> Vec<([u32; 2], Vec3)> {
+    let [width, height] = viewer.size();
+    let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| [x, y]));
+    pixels.filter_map(|at| Some((at, on_ground(viewer, at)?))).collect()
+}
+
+/// Faces of all models between each point and each light.
+fn counts_between(viewer: &Viewer, points: &[[f32; 3]], lights: &[Light]) -> Result<Vec<Vec<i32>>, String> {
+    let mut counts = vec![vec![0; lights.len()]; points.len()];
+    for body in &viewer.bodies {
+        let seconds = viewer.clock.seconds;
+        let mesh = body.model().mesh(&body.pose(seconds).map_err(say)?).map_err(say)?;
+        let world = body.positions(seconds).map_err(say)?;
+        let found = shadow_depth(&world, &mesh, points, lights, Threads::all()).map_err(say)?;
+        for (sum, found) in counts.iter_mut().flatten().zip(found) {
+            *sum += found;
+        }
+    }
+    Ok(counts)
+}
+
+fn soft_shadows() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [420, 300])?;
+    viewer.lamps.truncate(1);
+    viewer.lamps[0].color = [1.0; 3];
+    viewer.lamps[0].radius = Some(0.25 * viewer.bounds().extent());
+    let soft = picture(&viewer, &mut renderer)?;
+    let ambient = ambient_only(&mut viewer, &mut renderer)?;
+    viewer.options.shadows = false;
+    let unshadowed = picture(&viewer, &mut renderer)?;
+    viewer.options.shadows = true;
+    let sources: Vec<Light> = viewer.lamps[0].sources().iter().map(rimline_view::Lamp::light).collect();
+    hold(sources.len() == 16, "an area has sixteen samples")?;
+    let pixels = ground_pixels(&viewer);
+    let points: Vec<[f32; 3]> = pixels.iter().map(|(_, point)| point.to_array()).collect();
+    let lights: Vec<Light> = sources.iter().copied().chain([Light::point(viewer.camera().eye.into())]).collect();
+    let counts = counts_between(&viewer, &points, &lights)?;
+    let (mut wrong, mut between) = (0, 0);
+    for ((at, _), counts) in pixels.iter().zip(&counts) {
+        let share = counts[..16].iter().filter(|&&count| count == 0).count() as f64 / 16.0;
+        let [now, dark, bright] = [&soft, &ambient, &unshadowed].map(|picture| sum(picture, *at));
+        // Borders pass through some pixels, so a share may be off by three samples.
+        if counts[16] != 0 || bright - dark < 60 || !(0.25..=0.75).contains(&share) {
+            continue;
+        }
+        between += 1;
+        wrong += usize::from(now < dark + 8 || now > bright - 8);
+    }
+    println!("{wrong} wrong of {between} in half shadow");
+    hold(wrong == 0 && between > 60, format!("{wrong} wrong of {between} in half shadow"))?;
+    viewer.lamps[0].radius = None;
+    let hard = picture(&viewer, &mut renderer)?;
+    let differing = pixels.iter().filter(|(at, _)| (sum(&hard, *at) - sum(&soft, *at)).abs() > 20).count();
+    hold(differing > 60, format!("only {differing} pixels are softer than with a point"))
+}
+
+fn spots() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::moebius, [320, 240])?;
+    viewer.lamps.truncate(1);
+    viewer.options.shadows = false;
+    let bounds = viewer.bounds();
+    viewer.lamps[0].set_spot(true, &bounds);
+    let aimed = viewer.lamps[0].clone();
+    viewer.lamps[0].cone = Some((Vec3::Y, 0.1));
+    let ambient = picture(&viewer, &mut renderer)?;
+    viewer.lamps[0] = aimed;
+    let check = |viewer: &Viewer, picture: &Picture| {
+        let (LampKind::Point(from), Some((axis, angle))) = (viewer.lamps[0].kind, viewer.lamps[0].cone) else {
+            return Err("it is no spot".to_owned());
+        };
+        let (mut wrong, mut counts) = (0, [0; 2]);
+        let pixels = ground_pixels(viewer);
+        let points: Vec<[f32; 3]> = pixels.iter().map(|(_, point)| point.to_array()).collect();
+        let before = counts_between(viewer, &points, &[Light::point(viewer.camera().eye.into())])?;
+        for ((at, point), before) in pixels.into_iter().zip(before) {
+            let away = (point - from).normalize().angle_between(axis);
+            let is_lit = away < 0.7 * angle;
+            // Farther away the ground fades into what is behind it.
+            let is_far = point.distance(bounds.centre()) > bounds.extent();
+            if before[0] != 0 || is_far || (0.7 * angle..1.02 * angle).contains(&away) {
+                continue;
+            }
+            counts[usize::from(is_lit)] += 1;
+            wrong += usize::from((sum(picture, at) > sum(&ambient, at) + 6) != is_lit);
+        }
+        println!("{wrong} wrong of {counts:?}");
+        hold(wrong == 0 && counts.iter().all(|&count| count > 100), format!("{wrong} wrong of {counts:?}"))
+    };
+    let before = picture(&viewer, &mut renderer)?;
+    check(&viewer, &before)?;
+    let target = viewer.lamps[0].target(&bounds).ok_or("a spot has a target")?;
+    let from = viewer.camera().project(target).ok_or("the target is behind the eye")?;
+    drag(&mut viewer, from, from + Vec2::new(70.0, 20.0), Modifiers::default());
+    let after = picture(&viewer, &mut renderer)?;
+    hold(after != before && viewer.lamps[0].target(&bounds) != Some(target), "the target was not dragged")?;
+    check(&viewer, &after)?;
+    // The light itself moves, and stays aimed.
+    let target = viewer.lamps[0].target(&bounds).ok_or("a spot has a target")?;
+    viewer.handle(Event::Acted(Action::LightLeft));
+    let (LampKind::Point(from), Some((axis, _))) = (viewer.lamps[0].kind, viewer.lamps[0].cone) else {
+        return Err("it is no spot".into());
+    };
+    hold((target - from).normalize().distance(axis) < 1e-5, "the spot is not aimed where it was")
+}
+
 /// The picture with the ground in ambient light only: the light shines from below it, as brightly.
 fn ambient_only(viewer: &mut Viewer, renderer: &mut rimline_view::Renderer) -> Result<Picture, String> {
     let lamp = viewer.lamps[0].clone();
     let at = lamp.handle(&viewer.bounds());
-    viewer.lamps[0].kind = rimline_view::LampKind::Point(at.with_y(2.0 * viewer.ground() - at.y));
+    viewer.lamps[0].kind = LampKind::Point(at.with_y(2.0 * viewer.ground() - at.y));
     let picture = picture(viewer, renderer);
     viewer.lamps[0] = lamp;
     picture
@@ -155,6 +256,16 @@ fn overlays_change_the_picture() -> Outcome {
             hold(picture(&viewer, &mut renderer)? == before, format!("{action:?} did not go back"))?;
         }
     }
+    viewer.options.mode = Mode::default();
+    // All is certain from here, but not in the plane of faces.
+    viewer.handle(Event::Acted(Action::Exact));
+    hold(picture(&viewer, &mut renderer)? == before, "faces are marked that f32 decides")?;
+    let corner = Vec3::from(viewer.bodies[0].positions(0.0).map_err(say)?[40]);
+    let was = std::mem::replace(&mut viewer.lamps[0].kind, LampKind::Point(corner));
+    let marked = picture(&viewer, &mut renderer)?;
+    viewer.handle(Event::Acted(Action::Exact));
+    hold(picture(&viewer, &mut renderer)? != marked, "faces that meet at the light are not marked")?;
+    viewer.lamps[0].kind = was;
     for (mode, name) in Mode::ALL {
         viewer.options.mode = mode;
         let now = picture(&viewer, &mut renderer)?;

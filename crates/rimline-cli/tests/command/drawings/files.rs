@@ -154,8 +154,8 @@ fn of_dxf(dxf: &str) -> Result<Page, String> {
                 is_in_polyline = true;
             }
             ("VERTEX", true) => {
-                let (own, _, points) = lines.last_mut().ok_or("no polyline")?;
-                ensure!(*own == layer, "a vertex is in another layer");
+                let (layer_of_line, _, points) = lines.last_mut().ok_or("no polyline")?;
+                ensure!(*layer_of_line == layer, "a vertex is in another layer");
                 points.push([number(10)?, number(20)?]);
             }
             ("SEQEND", true) => is_in_polyline = false,

@@ -23,7 +23,7 @@ use super::scene::{Between, Eye, Scene};
 pub(crate) const TESTS: &[Test] = &[
     ("drawings::pictures_of_shapes_show_their_lines", shapes_show_lines),
     ("drawings::pictures_of_polygons_show_their_lines", polygons_show_lines),
-    ("drawings::pictures_of_the_figure_show_its_lines", figure_shows_lines),
+    ("drawings::pictures_of_the_figure_show_its_lines", walker_shows_lines),
 ];
 
 /// Real files: a scan, many parts, skins, parts that coincide, parts that pass through each other.
@@ -162,12 +162,12 @@ fn shapes_show_lines() -> Outcome {
     let turn = |&[x, y, z]: &[f32; 3]| [x + 0.5, z, y];
     let turned: Vec<_> = torus.positions.iter().map(turn).collect();
     let cube = shapes::cube();
-    let place = |by: [[f32; 3]; 3]| {
-        let place = |p: &[f32; 3]| by.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]);
-        cube.positions.iter().map(place).collect::<Vec<_>>()
+    let slanted_cube = |by: [[f32; 3]; 3]| {
+        let transform = |p: &[f32; 3]| by.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]);
+        cube.positions.iter().map(transform).collect::<Vec<_>>()
     };
-    let slanted = place([[0.56, -0.42, 0.0], [0.42, 0.56, 0.21], [0.0, 0.0, 0.7]]);
-    let column = place([[0.3, 0.0, 0.0], [0.0, 1.5, 0.0], [0.0, 0.0, 0.3]]);
+    let slanted = slanted_cube([[0.56, -0.42, 0.0], [0.42, 0.56, 0.21], [0.0, 0.0, 0.7]]);
+    let column = slanted_cube([[0.3, 0.0, 0.0], [0.0, 1.5, 0.0], [0.0, 0.0, 0.3]]);
     let models = [
         vec![written(&folder, "torus.npz", &torus.positions, &torus.faces)?],
         vec![
@@ -222,7 +222,7 @@ fn polygons_show_lines() -> Outcome {
     VIEWS.iter().try_for_each(|view| check(&folder, "@house.obj --polygons", &house, view).map(drop))
 }
 
-fn figure_shows_lines() -> Outcome {
+fn walker_shows_lines() -> Outcome {
     let folder = folder();
     folder.write("figure.glb", glb::encode(&Figure::new()))?;
     let objects = of_gltf(&folder.path().join("figure.glb"))?;

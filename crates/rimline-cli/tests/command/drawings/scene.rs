@@ -124,10 +124,10 @@ impl Scene {
             };
             let faces = welded.filter(|[a, b, c]| a != b && b != c && c != a).filter(|face| is_new(face));
             let faces: Vec<[u32; 3]> = faces.collect();
-            let place = |vertex: u32| DVec3::from(object.positions[vertex as usize].map(f64::from));
+            let position = |vertex: u32| DVec3::from(object.positions[vertex as usize].map(f64::from));
             let first = corners.len() as u32;
-            corners.extend(faces.iter().map(|face| face.map(|vertex| eye.pixel(place(vertex)))));
-            sides.extend(sides_of(&faces, place, eye).into_iter().map(|sides| {
+            corners.extend(faces.iter().map(|face| face.map(|vertex| eye.pixel(position(vertex)))));
+            sides.extend(sides_of(&faces, position, eye).into_iter().map(|sides| {
                 sides.map(|side| if let Side::Smooth(face) = side { Side::Smooth(first + face) } else { side })
             }));
         }
@@ -206,7 +206,7 @@ fn depth(&[a, b, c]: &[DVec3; 3], point: DVec3) -> Option<f64> {
 }
 
 /// The neighbours beyond the edges of each face.
-fn sides_of(faces: &[[u32; 3]], place: impl Fn(u32) -> DVec3, eye: &Eye) -> Vec<[Side; 3]> {
+fn sides_of(faces: &[[u32; 3]], position: impl Fn(u32) -> DVec3, eye: &Eye) -> Vec<[Side; 3]> {
     let mut of_edge: HashMap<[u32; 2], Vec<(u32, bool)>> = HashMap::new();
     let edge = |face: &[u32; 3], side: usize| [face[side], face[(side + 1) % 3]];
     for (number, face) in (0..).zip(faces) {
@@ -216,7 +216,7 @@ fn sides_of(faces: &[[u32; 3]], place: impl Fn(u32) -> DVec3, eye: &Eye) -> Vec<
         }
     }
     let normal = |face: u32| {
-        let [a, b, c] = faces[face as usize].map(&place);
+        let [a, b, c] = faces[face as usize].map(&position);
         let normal = (b - a).cross(c - a).normalize();
         (normal, normal.dot(eye.towards(a)))
     };

@@ -148,7 +148,7 @@ impl Oracle {
     pub(crate) fn count(&self, point: &Point, quick: Option<[f64; 3]>) -> u32 {
         let mut odd = std::collections::BTreeMap::new();
         for face in &self.faces {
-            let quick = quick.and_then(|place| self.quick(face, place));
+            let quick = quick.and_then(|point| self.quick(face, point));
             if quick.unwrap_or_else(|| self.is_between(face, point)) {
                 *odd.entry(face.polygon).or_insert(0) += 1;
             }

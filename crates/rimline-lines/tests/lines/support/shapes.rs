@@ -18,8 +18,8 @@ pub(crate) fn shape(positions: Vec<[f32; 3]>, faces: &[[u32; 3]]) -> Shape {
 }
 
 /// The same at other positions.
-pub(crate) fn moved(shape: &Shape, place: impl Fn([f32; 3]) -> [f32; 3]) -> Shape {
-    Shape { positions: shape.positions.iter().map(|&p| place(p)).collect(), mesh: shape.mesh.clone() }
+pub(crate) fn moved(shape: &Shape, transform: impl Fn([f32; 3]) -> [f32; 3]) -> Shape {
+    Shape { positions: shape.positions.iter().map(|&p| transform(p)).collect(), mesh: shape.mesh.clone() }
 }
 
 /// A torus around the y axis, as quadrilaterals of vertices in a grid.

@@ -1,10 +1,10 @@
-//! Options of the search for hidden faces.
+//! Options of the search for occluded faces.
 
 use crate::cpu::common::parallel::Threads;
 
 /// Bounds on the work, and which faces to leave out. Faces that the bounds leave undecided still cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct HiddenOptions {
+pub struct OcclusionOptions {
     /// The most nodes of all trees together. Default: 2²¹. A node takes up to 400 bytes with its planes. Each tree has a
     /// share by its faces. Once it is full, no further face occludes others, so fewer faces are left out.
     pub max_nodes: usize,
@@ -17,7 +17,7 @@ pub struct HiddenOptions {
     pub leave_out_all: bool,
 }
 
-impl Default for HiddenOptions {
+impl Default for OcclusionOptions {
     fn default() -> Self {
         Self { max_nodes: 1 << 21, max_steps: 4096, threads: Threads::all(), leave_out_all: false }
     }

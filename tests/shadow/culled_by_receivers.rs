@@ -1,26 +1,34 @@
-//! Volumes that no receiver can be in: without them every receiver has the same count.
+//! Volumes that no receiver can be in: without them every receiver has the same count. Faces that others occlude for a light: without
+//! them every shadow is the same.
+
+use std::ops::ControlFlow;
 
 use glam::DVec3;
-use rimline::gpu::{FrameInputs, Receivers, Scene, SceneOptions, ShadowError, View};
+use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
+use rimline::gpu::{FrameInputs, Receivers, ShadowError, View};
 use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes;
 use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
 use crate::rays::Truth;
+use crate::receivers::cube_below_light;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("hidden_volumes_change_no_receiver", classes),
+    ("culled_volumes_change_no_receiver", classes),
     ("walls_hide_casters_and_their_shadows", walls),
     ("depth_that_comes_nearer_afterwards_is_right", nearer),
-    ("receivers_that_cannot_be_read_are_refused", refused),
+    ("receivers_that_cannot_be_read_are_refused", unreadable),
+    ("shadows_without_faces_that_others_hide", without_occluded_faces),
 ];
 
 fn direction(random: &mut Random) -> DVec3 {
@@ -28,11 +36,11 @@ fn direction(random: &mut Random) -> DVec3 {
 }
 
 /// Fails where a pixel with a surface, or any pixel if the sky receives, has another count than without knowing receivers.
-/// Returns the pairs of caster and light that were hidden.
+/// Returns the pairs of caster and light that were culled.
 fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool) -> Result<u32, String> {
-    let without = Renderer { receivers: None, pipelines: renderer.pipelines.clone(), ..*renderer };
+    let without = Renderer { receivers: None, ..*renderer };
     let expected = without.count(&traced.frame, counting)?;
-    let renderer = Renderer { receivers: Some(sky), pipelines: renderer.pipelines.clone(), ..*renderer };
+    let renderer = Renderer { receivers: Some(sky), ..*renderer };
     let found = renderer.count(&traced.frame, counting)?;
     let seen = |counted: &Counted| -> Vec<u8> {
         let pixels = counted.stencils[0].iter().zip(&traced.truths);
@@ -45,7 +53,7 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     let at = other.len() / 2;
     other[at] ^= 1;
     must_fail("one count", &same(&what, &other, &expected_seen))?;
-    same("hidden without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
+    same("culled without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
     // Each pair of caster and light is as without receivers, or casts nothing, and then it is counted.
     let casting = |counted: &Counted| counted.chosen.concat().iter().map(|light| light.casting).collect::<Vec<_>>();
     let (found_casting, expected_casting) = (casting(&found), casting(&expected));
@@ -53,14 +61,14 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     if let Some((found, expected)) = pairs().find(|(found, expected)| found != expected && **found != CAST_NOTHING) {
         return Err(format!("{what}: a caster casts by {found}, without receivers by {expected}"));
     }
-    let hidden = pairs().filter(|(found, expected)| found != expected).count();
-    same(&format!("{what}: hidden"), &[found.statistics[0].culled_by_receivers as usize], &[hidden])?;
+    let culled = pairs().filter(|(found, expected)| found != expected).count();
+    same(&format!("{what}: culled"), &[found.statistics[0].culled_by_receivers as usize], &[culled])?;
     Ok(found.statistics[0].culled_by_receivers)
 }
 
 fn classes() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
-    let (mut hidden, mut with_sky) = (0, 0);
+    let (mut culled, mut with_sky) = (0, 0);
     for (index, class) in (0..).zip(CLASSES) {
         for number in if is_long() { 260..300 } else { 260 + index..261 + index } {
             let mut frame = (class.frame)(&mut Random::new(seed(class, number)));
@@ -76,7 +84,7 @@ fn classes() -> Result<(), String> {
                 let samples = if number % 2 == 0 { 1 } else { 4 };
                 let placing = if number % 4 < 2 { Placing::Scene } else { Placing::Busy(number) };
                 let renderer = Renderer { placing, options, samples, range: 12.0, ..Renderer::new(gpu) };
-                hidden +=
+                culled +=
                     check(&traced, &renderer, counting, false).map_err(|error| format!("{}: {error}", class.name))?;
                 if rotated(&RIGHT, index as usize).contains(&counting) {
                     with_sky += check(&traced, &renderer, counting, true)?;
@@ -84,8 +92,8 @@ fn classes() -> Result<(), String> {
             }
         }
     }
-    println!("{hidden} pairs hidden, {with_sky} where the sky receives");
-    if hidden < 20 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} pairs culled, {with_sky} where the sky receives");
+    if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// A wall before the eye, with a gap; casters on both sides of it, and a floor.
@@ -119,16 +127,16 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
-/// A hidden face changes no receiver's count, and counts are what rays tell.
+/// A culled volume changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut hidden = 0;
+    let mut culled = 0;
     let frames = if is_long() { 300 } else { 40 };
     for seed in 5001..5001 + frames {
         let traced = Traced::of(behind_walls(&mut Random::new(seed)), seed);
         let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][seed as usize % 3];
         let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
-        hidden += check(&traced, &renderer, counting, false)?;
+        culled += check(&traced, &renderer, counting, false)?;
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
         if seed == 5001 {
@@ -137,14 +145,14 @@ fn walls() -> Result<(), String> {
             must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;
         }
     }
-    println!("{hidden} of some {} pairs hidden", 9 * frames);
-    if 4 * hidden < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} of some {} pairs culled", 9 * frames);
+    if 4 * culled < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// The receivers are those of a frame that lacks a body in front of the others.
 fn nearer() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut hidden = 0;
+    let mut culled = 0;
     for seed in 5501..5501 + if is_long() { 200 } else { 20 } {
         let mut random = Random::new(seed);
         let mut frame = behind_walls(&mut random);
@@ -156,60 +164,111 @@ fn nearer() -> Result<(), String> {
         frame.bodies.push(near.scaled(0.1).moved(at.as_vec3().to_array()));
         let traced = Traced::of(frame, seed);
         let renderer = Renderer { placing: Placing::Scene, late_bodies: 1, ..Renderer::new(gpu) };
-        hidden += check(&traced, &renderer, Counting::Auto, false)?;
+        culled += check(&traced, &renderer, Counting::Auto, false)?;
     }
-    println!("{hidden} pairs hidden");
-    if hidden < 20 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} pairs culled");
+    if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// A texture that cannot be read gives a typed error. The next encode is as if nothing had been asked.
-fn refused() -> Result<(), String> {
+fn unreadable() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
-    let shape = shapes::cube();
-    let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
-    let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
-    scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
-    let mut random = Random::new(1);
-    let camera: ShadowCamera = behind_walls(&mut random).eye.camera();
-    let texture = |format, usage, layers| {
-        gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: 20, height: 30, depth_or_array_layers: layers },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        })
-    };
-    let (bound, depth) = (wgpu::TextureUsages::TEXTURE_BINDING, wgpu::TextureFormat::Depth24PlusStencil8);
-    let colour = wgpu::TextureFormat::Rgba8Unorm;
-    let only = wgpu::TextureViewDescriptor { aspect: wgpu::TextureAspect::DepthOnly, ..Default::default() };
-    let views = [
-        (texture(colour, bound, 1), wgpu::TextureViewDescriptor::default()),
-        (texture(depth, wgpu::TextureUsages::empty(), 1), only.clone()),
-        // Both aspects, and several layers.
-        (texture(depth, bound, 1), wgpu::TextureViewDescriptor::default()),
-        (texture(depth, bound, 2), only.clone()),
-        (texture(depth, bound, 1), only),
-    ];
-    let mut errors = Vec::new();
-    for (texture, descriptor) in &views {
-        let view = texture.create_view(descriptor);
+    let mut scene = cube_below_light(gpu)?;
+    let camera: ShadowCamera = behind_walls(&mut Random::new(1)).eye.camera();
+    let (depth, color) = (wgpu::TextureFormat::Depth24PlusStencil8, wgpu::TextureFormat::Rgba8Unorm);
+    let plain = |format| passes::texture([20, 30], format);
+    let size = wgpu::Extent3d { depth_or_array_layers: 2, ..plain(depth).size };
+    let of_depth = wgpu::TextureViewDescriptor { aspect: wgpu::TextureAspect::DepthOnly, ..Default::default() };
+    let both = wgpu::TextureViewDescriptor::default();
+    let unbound = wgpu::TextureDescriptor { usage: wgpu::TextureUsages::RENDER_ATTACHMENT, ..plain(depth) };
+    let layers = wgpu::TextureDescriptor { size, ..plain(depth) };
+    for (what, texture, view, expected) in [
+        ("format", plain(color), &both, is(ShadowError::ReceiversFormat { view: 0, format: color })),
+        ("usage", unbound, &of_depth, is(ShadowError::ReceiversUsage { view: 0 })),
+        ("both aspects", plain(depth), &both, shows(&["ReceiversRefused { view: 0,"])),
+        ("several layers", layers, &of_depth, shows(&["ReceiversRefused { view: 0,"])),
+        ("none", plain(depth), &of_depth, Expected::Taken),
+    ] {
+        let view = gpu.device.create_texture(&texture).create_view(view);
         let depth = Some(Receivers { depth: &view, sky_receives: false, version: None });
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        errors.push(match scene.encode(&mut encoder, FrameInputs::new(&[View { camera, depth }])) {
-            Ok(_) => "none",
-            Err(ShadowError::ReceiversFormat { view: 0, format }) if format == colour => "format",
-            Err(ShadowError::ReceiversUsage { view: 0 }) => "usage",
-            Err(ShadowError::ReceiversRefused { view: 0, .. }) => "refused",
-            Err(error) => return Err(error.to_string()),
-        });
-        scene.encode(&mut encoder, FrameInputs::new(&[camera.into()])).map_err(text)?;
-        gpu.queue.submit([encoder.finish()]);
+        gpu.submit(|encoder| {
+            let encoded = scene.encode(encoder, FrameInputs::new(&[View { camera, depth }]));
+            refused([refusal(what, encoded, expected)])?;
+            scene.encode(encoder, FrameInputs::new(&[camera.into()])).map(drop).map_err(text)
+        })?;
     }
-    same("errors", &errors, &["format", "usage", "refused", "refused", "none"])
+    Ok(())
+}
+
+/// The frame without the faces that others hide from its first light, and how many these are.
+fn without_occluded(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), String> {
+    let mut less = frame.clone();
+    let casters: Vec<&mut Body> = less.bodies.iter_mut().filter(|body| body.casts).collect();
+    let meshes = casters.iter().map(|body| body.shape.mesh().map_err(text)).collect::<Result<Vec<_>, _>>()?;
+    let all: Vec<OcclusionCaster<'_>> = casters
+        .iter()
+        .zip(&meshes)
+        .map(|(body, mesh)| OcclusionCaster { mesh, positions: &body.shape.positions, version: None })
+        .collect();
+    let options = OcclusionOptions { leave_out_all, ..OcclusionOptions::default() };
+    let found = OccludedFaces::find(frame.lights[0], &all, options, |_, _| ControlFlow::Continue(()));
+    let found = found.map_err(text)?;
+    drop(all);
+    for (number, body) in casters.into_iter().enumerate() {
+        body.left_out = found.faces(number).to_vec();
+    }
+    Ok((less, found.statistics().left_out))
+}
+
+/// Each caster twice, farther away or at the same position.
+fn without_occluded_faces() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut changed, mut occluded, mut different, mut failures) = (0, 0, 0, Vec::new());
+    for (index, class) in CLASSES.iter().enumerate() {
+        for number in rotated(&[240, 241, 242], index / 3) {
+            let seed = seed(class, number);
+            let mut random = Random::new(seed);
+            let mut frame = (class.frame)(&mut random);
+            frame.size = 64;
+            frame.lights.truncate(1);
+            for body in &mut frame.bodies {
+                body.mirror = None;
+            }
+            let again: Vec<Body> = frame.bodies.iter().filter(|body| body.casts).take(2).cloned().collect();
+            let by = [0.0, 0.25, 0.5][random.below(3)];
+            frame.bodies.extend(again.into_iter().map(|body| body.moved([by, -by, 0.5 * by])));
+            let (less, count) = without_occluded(&frame, number > 240)?;
+            occluded += count;
+            for counting in rotated(&RIGHT, index) {
+                for every_face in [false, true] {
+                    let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
+                    let draw = |frame: &Frame| {
+                        Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)
+                    };
+                    let (with, without) = (draw(&frame)?, draw(&less)?);
+                    let dark = |counted: &Counted| counted.stencils[0].iter().map(|n| *n != 0).collect::<Vec<_>>();
+                    let (with_dark, without_dark) = (dark(&with), dark(&without));
+                    changed += usize::from(with.stencils[0] != without.stencils[0]);
+                    let off: Vec<usize> =
+                        (0..with_dark.len()).filter(|&at| with_dark[at] != without_dark[at]).collect();
+                    different += off.len();
+                    if !off.is_empty() {
+                        let what = format!("{}, seed {seed}, {counting:?}, every face {every_face}", class.name);
+                        failures.push(format!("{what}: pixels {off:?}"));
+                    }
+                    let mut wrong = with_dark.clone();
+                    wrong[0] = !wrong[0];
+                    must_fail("a pixel of the other kind", &same("dark", &wrong, &with_dark))?;
+                }
+            }
+        }
+    }
+    println!("{occluded} occluded faces, {changed} pictures with other counts, {different} pixels differ");
+    for failure in &failures {
+        println!("{failure}");
+    }
+    if occluded < 100 || changed < 20 {
+        return Err("too few of a kind".to_owned());
+    }
+    if failures.is_empty() { Ok(()) } else { Err(format!("{} pictures differ", failures.len())) }
 }

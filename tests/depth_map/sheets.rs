@@ -1,10 +1,7 @@
-//! Wrong pixels of a detector, each traced to what it omitted: the way from the near rectangle to what is seen crosses an odd
-//! number of triangles that every cell has and the detector has not. Equal stairs, and open sheets of folds over a
-//! ground that is not in the map (docs/numerics/depth-maps.md, "Open sheets").
+//! Where detectors miss edges and every cell does not: equal stairs, and open sheets of folds over a ground that is not in the map
+//! (docs/numerics/depth-maps.md, "Open sheets").
 
-use std::collections::HashSet;
-
-use glam::{DVec2, DVec3, DVec4};
+use glam::DVec3;
 use rimline::gpu::depth_map::DepthMapMethod;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -14,56 +11,16 @@ use rimline_testkit::random::Random;
 use rimline_testkit::rays::Tracer;
 use wgpu::TextureFormat;
 
-use crate::boundary::{Boundary, Name, sample};
-use crate::exact::{Moves, steps};
+use crate::boundary::sample;
 use crate::maps::Map;
 use crate::parity::{clip, device_depth, middle};
 use crate::picture::{AUTOMATIC, EVERY_CELL, Maps, REVERSED, STANDARD, Target, by, differences, look};
-use crate::rules::CELL;
 use crate::scene::{Eye, Rays};
-use crate::textures::{read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("stairs_without_an_edge_are_traced_to_missed_edges", of_stairs),
-    ("wrong_open_ground_beside_open_sheets_is_traced_to_omitted_triangles", of_sheets),
+    ("equal_stairs_have_no_edges_but_for_every_cell", of_stairs),
+    ("open_sheets_swap_few_pixels_and_none_with_every_cell", of_sheets),
 ];
-
-/// A light and its map, as a format holds it.
-struct Given {
-    light: ShadowCamera,
-    maps: Maps,
-    map: Map,
-    boundary: Boundary,
-}
-
-impl Given {
-    fn new(gpu: &Gpu, map: &Map, format: TextureFormat, (light, at): (ShadowCamera, DVec4)) -> Result<Self, String> {
-        let texture = texture(gpu, map.size, format, &map.depths)?;
-        let map = Map { depths: read(gpu, &texture)?, ..*map };
-        let moves = Moves { slope_bias: 0.5, steps: steps(format, light.depth), spread: false };
-        let moved = |texel| moves.depth(&map, texel).map(|depth| depth.0);
-        let boundary = Boundary::moved(&map, &light, at, -1.0, None, &moved);
-        Ok(Self { light, maps: Maps::one(&texture, light), map, boundary })
-    }
-}
-
-/// The stencil of a picture, and the triangles that were drawn.
-fn drawn(
-    gpu: &Gpu,
-    target: &Target<'_>,
-    maps: &Maps,
-    method: DepthMapMethod,
-) -> Result<(Vec<u8>, HashSet<Name>), String> {
-    let (stencil, encoded) = target.draw(gpu, maps, by(method))?;
-    let across = maps.size[0] + 1;
-    let list = encoded.list(gpu)?;
-    let names = list[1..].iter().flat_map(|&entry| {
-        let cell = entry & CELL;
-        let at = [cell % across, cell / across].map(|at| i64::from(at) - 1);
-        (0..2).filter(move |half| entry >> (30 + half) & 1 == 1).map(move |half| (at, half))
-    });
-    Ok((stencil, names.collect()))
-}
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
@@ -71,77 +28,32 @@ struct Tally {
     /// Wrong ones of every cell, and others that the detector has wrong.
     every: usize,
     wrong: usize,
-    traced: usize,
-    /// Right ones that were looked at, and those of them whose way crosses an odd number of missed triangles.
-    right: usize,
-    right_traced: usize,
-    /// Wrong ones that would be traced to triangles beside those that were missed.
-    beside: usize,
 }
 
 impl Tally {
-    /// Adds what the eye sees through the middle of each pixel, and whether light reaches it. Of right pixels every `share`th is traced.
+    /// Adds pixels, and whether light reaches what the eye sees there.
     fn add(
         &mut self,
         gpu: &Gpu,
-        given: &Given,
+        (maps, method): (&Maps, DepthMapMethod),
         (eye, depths): (ShadowCamera, &[f32]),
-        pixels: &[(usize, DVec3, bool)],
-        (method, share): (DepthMapMethod, usize),
+        pixels: &[(usize, bool)],
     ) -> Result<(), String> {
         let target = Target::new(eye, depths);
-        let every = drawn(gpu, &target, &given.maps, EVERY_CELL)?;
-        let found = drawn(gpu, &target, &given.maps, method)?;
-        let missed: HashSet<Name> = every.1.difference(&found.1).copied().collect();
-        let side = depths.len().isqrt() as u32;
-        let rays = Rays::new(&eye, side);
+        let (every, found) = (target.stencil(gpu, maps, by(EVERY_CELL))?, target.stencil(gpu, maps, by(method))?);
         self.pixels += pixels.len();
-        for &(pixel, position, is_lit) in pixels {
-            let is_right = |stencil: &[u8]| (stencil[pixel] == 0) == is_lit;
-            if !is_right(&every.0) {
-                self.every += 1;
-                continue;
-            }
-            let is_wrong = !is_right(&found.0);
-            if !is_wrong && pixel % share != 0 {
-                continue;
-            }
-            // Within what a rasterizer rounds positions to.
-            let around = [(0.0, 0.0), (0.01, 0.01), (-0.01, 0.01), (0.01, -0.01), (-0.01, -0.01)];
-            let crossed = around.map(|(x, y)| {
-                let from = rays.at(middle(pixel as u32, side) + DVec2::new(x, y)).0;
-                given.boundary.crossings(from, position)
-            });
-            let is_odd = |names: &[Name], by: i64| {
-                let there = |&&([x, y], half): &&Name| missed.contains(&([x + by, y + 2 * by], half));
-                names.iter().filter(there).count() % 2 == 1
-            };
-            if is_wrong {
-                self.wrong += 1;
-                let is_traced = crossed.iter().any(|names| is_odd(names, 0));
-                self.traced += usize::from(is_traced);
-                self.beside += usize::from(crossed.iter().any(|names| is_odd(names, 3)));
-                if !is_traced {
-                    println!("{method:?}: pixel {pixel}, {position}, lit {is_lit}: {:?}", crossed[0]);
-                }
-            } else {
-                self.right += 1;
-                self.right_traced += usize::from(crossed.iter().all(|names| is_odd(names, 0)));
-            }
+        for &(pixel, is_lit) in pixels {
+            let [every, found] = [&every, &found].map(|stencil| (stencil[pixel] == 0) == is_lit);
+            self.every += usize::from(!every);
+            self.wrong += usize::from(every && !found);
         }
         Ok(())
     }
-
-    /// Every wrong pixel is traced, and no right one is: that is the negative control.
-    fn check(&self, what: &str, [wrong, right]: [usize; 2]) -> Result<(), String> {
-        println!("{what}: {self:?}");
-        let is_told = self.traced == self.wrong && self.right_traced == 0;
-        if is_told && self.wrong >= wrong && self.right > right { Ok(()) } else { Err(format!("{what}: {self:?}")) }
-    }
 }
 
-/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps that are
-/// as large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in under them.
+/// Plates over a floor, each a texel of the map wide and higher than the one before by as much: a step between steps
+/// that are as large is no edge of `Automatic`, and none of differences above a step. An eye at their low side looks in
+/// under them.
 fn of_stairs() -> Result<(), String> {
     const STEPS: i64 = 12;
     const SIDE: u32 = 96;
@@ -161,7 +73,7 @@ fn of_stairs() -> Result<(), String> {
         let (from, _) = rays.at(middle(texel, 32));
         device_depth(&light, DVec3::new(from.x, plate(from).unwrap_or(0.0), from.z))
     });
-    let given = Given::new(&gpu, &map, TextureFormat::R32Float, (light, DVec3::Y.extend(0.0)))?;
+    let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, light)?;
     let step = device_depth(&light, DVec3::ZERO) - device_depth(&light, DVec3::new(0.0, -0.15, 0.0));
     for method in [AUTOMATIC, differences(1.5 * step)] {
         let mut tally = Tally::default();
@@ -184,14 +96,14 @@ fn of_stairs() -> Result<(), String> {
             let depths: Vec<_> = seen.iter().map(depth).collect();
             let pixels = seen.iter().enumerate().filter_map(|(pixel, seen)| {
                 let (_, position, height) = (*seen)?;
-                Some((pixel, position, height > 0.0 || plate(position).is_none()))
+                Some((pixel, height > 0.0 || plate(position).is_none()))
             });
-            tally.add(&gpu, &given, (eye, &depths), &pixels.collect::<Vec<_>>(), (method, 13))?;
+            tally.add(&gpu, (&maps, method), (eye, &depths), &pixels.collect::<Vec<_>>())?;
         }
-        tally.check(&format!("{method:?}"), [300, 500])?;
-        // Negative control: each stair's triangles are missed, so others are too far aside.
-        if tally.beside * 3 > tally.wrong {
-            return Err(format!("{} of {} are traced to others", tally.beside, tally.wrong));
+        println!("{method:?}: {tally:?}");
+        // Without wrong pixels the limit is gone, and the documents have to say so.
+        if tally.wrong < 300 || tally.pixels - tally.every - tally.wrong < 6500 {
+            return Err(format!("{method:?}: {tally:?}"));
         }
     }
     Ok(())
@@ -244,12 +156,12 @@ fn of_sheets() -> Result<(), String> {
             let far = f32::from(depth == DepthDirection::Standard);
             tracer.first(rays.at(middle(texel, SIDE))).map_or(far, |(position, _)| device_depth(&light, position))
         });
-        let given = Given::new(&gpu, &map, TextureFormat::Depth32Float, (light, towards.extend(0.0)))?;
+        let maps = Maps::of(&gpu, &map, TextureFormat::Depth32Float, light)?;
         // Whether there is nothing in the map two rows and columns around a position.
         let is_open = |position: DVec3| {
-            let clip = clip(&given.light, position);
+            let clip = clip(&light, position);
             let [x, y] = [clip.x, -clip.y].map(|at| (f64::midpoint(at / clip.w, 1.0) * f64::from(SIDE)).floor() as i64);
-            (-2..=2).all(|down| (-2..=2).all(|across| sample(&given.map, x + across, y + down).is_none()))
+            (-2..=2).all(|down| (-2..=2).all(|across| sample(&map, x + across, y + down).is_none()))
         };
         for _ in 0..6 {
             let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
@@ -273,15 +185,14 @@ fn of_sheets() -> Result<(), String> {
             let depth = |seen: &Option<(f64, DVec3, bool)>| seen.map_or(0.0, |seen| device_depth(&eye, seen.1));
             let depths: Vec<_> = seen.iter().map(depth).collect();
             let pixels = seen.iter().enumerate().filter_map(|(pixel, seen)| match *seen {
-                Some((_, position, true)) if is_open(position) => Some((pixel, position, true)),
+                Some((_, position, true)) if is_open(position) => Some((pixel, true)),
                 _ => None,
             });
-            tally.add(&gpu, &given, (eye, &depths), &pixels.collect::<Vec<_>>(), (AUTOMATIC, 997))?;
+            tally.add(&gpu, (&maps, AUTOMATIC), (eye, &depths), &pixels.collect::<Vec<_>>())?;
         }
     }
-    // Without a wrong pixel there is nothing to trace: then the limit is gone, and the documents have to say so.
-    tally.check("open sheets", [1, 200])?;
-    let Tally { pixels, every, wrong, beside, .. } = tally;
-    let is_tried = pixels > 300_000 && wrong * 10_000 < pixels && beside < wrong;
-    if every == 0 && is_tried { Ok(()) } else { Err(format!("{tally:?}")) }
+    println!("{tally:?}");
+    let Tally { pixels, every, wrong } = tally;
+    let is_meant = pixels > 300_000 && wrong > 0 && wrong * 10_000 < pixels;
+    if every == 0 && is_meant { Ok(()) } else { Err(format!("{tally:?}")) }
 }

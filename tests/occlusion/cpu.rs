@@ -1,8 +1,8 @@
-//! Faces hidden by faces, without a device.
+//! Faces occluded by faces, without a device.
 
 mod cones;
-mod hidden_faces;
 mod least_cut;
+mod occluded_faces;
 mod oracle;
 mod outlines;
 mod polygons;

@@ -53,8 +53,8 @@ impl Kind {
     }
 
     fn placed(&self, scale: [f32; 3], at: [f32; 3]) -> Body {
-        let place = |p: &[f32; 3]| std::array::from_fn(|axis| p[axis] * scale[axis] + at[axis]);
-        Body { positions: self.shape.positions.iter().map(place).collect(), mesh: Rc::clone(&self.mesh) }
+        let transform = |p: &[f32; 3]| std::array::from_fn(|axis| p[axis] * scale[axis] + at[axis]);
+        Body { positions: self.shape.positions.iter().map(transform).collect(), mesh: Rc::clone(&self.mesh) }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Which hidden faces are left out: docs/numerics/hidden-faces.md, "Faces left out".
+//! Which occluded faces are left out: docs/numerics/occluded-faces.md, "Faces left out".
 
 use super::min_cut::MinCut;
 use crate::mesh::{Edge, EdgeKind, Mesh};
@@ -33,13 +33,13 @@ impl Silhouette<'_> {
         self.mesh.edges().iter().map(weight).sum()
     }
 
-    /// The hidden faces to leave out, ascending, so that the fewest sides are left. `hidden` is ascending.
-    pub(crate) fn shortest(&self, hidden: &[u32]) -> Vec<u32> {
-        if hidden.is_empty() {
+    /// The occluded faces to leave out, ascending, so that the fewest sides are left. `occluded` is ascending.
+    pub(crate) fn shortest(&self, occluded: &[u32]) -> Vec<u32> {
+        if occluded.is_empty() {
             return Vec::new();
         }
-        let node = |face: u32| hidden.binary_search(&face).ok();
-        let mut cut = MinCut::new(hidden.len());
+        let node = |face: u32| occluded.binary_search(&face).ok();
+        let mut cut = MinCut::new(occluded.len());
         for edge in self.mesh.edges().iter() {
             let Some(face_1) = edge.face_1 else {
                 cut.cost_of_keeping(node(edge.face_0));
@@ -61,6 +61,6 @@ impl Silhouette<'_> {
             }
         }
         let kept = cut.solve();
-        hidden.iter().zip(kept).filter(|(_, is_kept)| !is_kept).map(|(&face, _)| face).collect()
+        occluded.iter().zip(kept).filter(|(_, is_kept)| !is_kept).map(|(&face, _)| face).collect()
     }
 }

@@ -3,17 +3,17 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use super::caster::{HiddenCaster, HiddenFacesOfLight, Placement};
+use super::caster::{OccludedFacesOfLight, OcclusionCaster, Placement};
 use super::handles::{CasterHandle, LightHandle};
 use super::options::Measuring;
 use super::scene::Scene;
 use crate::Matrix3x4;
-use crate::cpu::HiddenFaces;
+use crate::cpu::OccludedFaces;
 use crate::gpu::shadow::errors::ShadowError;
 
 /// Counts of occluded faces in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HiddenCounts {
+pub struct OccludedCounts {
     /// Culled faces, summed over lights.
     pub faces: usize,
     /// Lights whose occluded faces the scene ignored, because the light, a caster or its light mask had changed.
@@ -25,9 +25,9 @@ pub struct HiddenCounts {
 const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 impl Scene {
-    /// Culls occluded faces of static casters for a light. `casters` are the casters of [`HiddenFaces::find`], in that
-    /// order. `hidden` replaces the faces that were set for the light before; `None` ends it. Other casters of the scene do
-    /// not matter.
+    /// Culls occluded faces of static casters for a light. `casters` are the casters of [`OccludedFaces::find`], in that
+    /// order. `occluded` replaces the faces that were set for the light before; `None` ends it. Other casters of the
+    /// scene do not matter.
     ///
     /// Each encode checks these conditions:
     ///
@@ -37,26 +37,26 @@ impl Scene {
     /// * [`Self::set_excluded`] excludes no face of a caster for the light.
     ///
     /// If a condition fails, the encode ignores the light's occluded faces, and
-    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts them. A later encode uses them again once all
-    /// conditions hold. Each such change makes a new layout.
+    /// [`SceneFrame::occluded_faces`](crate::gpu::SceneFrame::occluded_faces) counts them. A later encode uses them
+    /// again once all conditions hold. Each such change makes a new layout.
     ///
     /// The caller must make sure that the positions are those that were searched: for a rigid caster those of its mesh.
     ///
     /// # Errors
-    /// [`ShadowError::HiddenCasters`], [`ShadowError::HiddenCaster`], or an error of a handle.
-    pub fn set_hidden_faces(
+    /// [`ShadowError::OcclusionCasters`], [`ShadowError::OcclusionCaster`], or an error of a handle.
+    pub fn set_occluded_faces(
         &mut self,
         light: LightHandle,
         casters: &[CasterHandle],
-        hidden: Option<&HiddenFaces>,
+        occluded: Option<&OccludedFaces>,
     ) -> Result<(), ShadowError> {
         self.content.lights.check(light)?;
-        let made = hidden.map(|hidden| self.hidden_of_light(light, casters, hidden)).transpose()?;
-        let Self { hidden: all, content, structure, .. } = self;
+        let made = occluded.map(|occluded| self.occluded_of_light(light, casters, occluded)).transpose()?;
+        let Self { occluded: all, content, structure, .. } = self;
         if let Some(index) = all.iter().position(|of| of.light.bit == light.bit) {
             all.swap_remove(index);
             for entry in content.casters.values_mut() {
-                entry.hidden.retain(|(of, _)| of.bit != light.bit);
+                entry.occluded.retain(|(of, _)| of.bit != light.bit);
             }
             *structure = None;
         }
@@ -64,39 +64,39 @@ impl Scene {
         Ok(())
     }
 
-    fn hidden_of_light(
+    fn occluded_of_light(
         &self,
         light: LightHandle,
         casters: &[CasterHandle],
-        hidden: &HiddenFaces,
-    ) -> Result<HiddenFacesOfLight, ShadowError> {
-        let (given, found) = (casters.len(), hidden.casters().len());
+        occluded: &OccludedFaces,
+    ) -> Result<OccludedFacesOfLight, ShadowError> {
+        let (given, found) = (casters.len(), occluded.casters().len());
         if given != found {
-            return Err(ShadowError::HiddenCasters { given, found });
+            return Err(ShadowError::OcclusionCasters { given, found });
         }
         let mut keys = HashSet::new();
         let mut sources = Vec::with_capacity(given);
-        for (number, (caster, of_caster)) in casters.iter().zip(hidden.casters()).enumerate() {
+        for (number, (caster, of_caster)) in casters.iter().zip(occluded.casters()).enumerate() {
             let key = caster.key_in(self.id)?;
             let entry = self.content.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
             let mesh = self.content.meshes.get(entry.mesh);
             let faces = mesh.map_or(0, |mesh| mesh.faces as usize);
             if faces != of_caster.face_count || !keys.insert(key) {
-                return Err(ShadowError::HiddenCaster { caster: number, faces, found: of_caster.face_count });
+                return Err(ShadowError::OcclusionCaster { caster: number, faces, found: of_caster.face_count });
             }
             let order = mesh.and_then(|mesh| mesh.order.as_ref());
             let faces = of_caster.faces.as_slice();
             let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
-            sources.push(HiddenCaster { key, version: of_caster.version, slots });
+            sources.push(OcclusionCaster { key, version: of_caster.version, slots });
         }
         let count = sources.iter().map(|source| source.slots.len()).sum();
-        let bits = hidden.light().to_array().map(f32::to_bits);
-        Ok(HiddenFacesOfLight { light, bits, casters: sources, count, is_used: false })
+        let bits = occluded.light().to_array().map(f32::to_bits);
+        Ok(OccludedFacesOfLight { light, bits, casters: sources, count, is_used: false })
     }
 
     /// Checks the conditions of each light, and excludes its occluded faces while they hold.
-    pub(super) fn update_hidden_faces(&mut self) {
-        let mut all = std::mem::take(&mut self.hidden);
+    pub(super) fn update_occluded_faces(&mut self) {
+        let mut all = std::mem::take(&mut self.occluded);
         // Occluded faces of removed lights end.
         all.retain(|of| self.content.lights.check(of.light).is_ok());
         for of in &mut all {
@@ -108,22 +108,22 @@ impl Scene {
             self.structure = None;
             for source in of.casters.iter().filter(|source| !source.slots.is_empty()) {
                 let Some(entry) = self.content.casters.get_mut(source.key) else { continue };
-                entry.hidden.retain(|(light, _)| *light != of.light);
+                entry.occluded.retain(|(light, _)| *light != of.light);
                 if holds {
-                    entry.hidden.push((of.light, Arc::clone(&source.slots)));
+                    entry.occluded.push((of.light, Arc::clone(&source.slots)));
                 }
             }
         }
-        self.hidden = all;
+        self.occluded = all;
     }
 
     /// Whether the light and all casters meet the conditions.
-    fn holds(&self, of: &HiddenFacesOfLight) -> bool {
+    fn holds(&self, of: &OccludedFacesOfLight) -> bool {
         if self.options.measuring.has(Measuring::OCCLUDED_FACES) {
             return false;
         }
         let light = self.content.lights.get(of.light.bit);
-        let is_same = |source: &HiddenCaster| {
+        let is_same = |source: &OcclusionCaster| {
             self.content.casters.get(source.key).is_some_and(|entry| {
                 let is_placed = match &entry.placement {
                     Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
@@ -139,9 +139,9 @@ impl Scene {
         light.is_some_and(|light| light.to_array().map(f32::to_bits) == of.bits) && of.casters.iter().all(is_same)
     }
 
-    pub(super) fn count_hidden(&self) -> HiddenCounts {
-        let (used, ignored): (Vec<_>, Vec<_>) = self.hidden.iter().partition(|of| of.is_used);
-        let faces = |of: &[&HiddenFacesOfLight]| of.iter().map(|of| of.count).sum();
-        HiddenCounts { faces: faces(&used), ignored: ignored.len(), ignored_faces: faces(&ignored) }
+    pub(super) fn count_occluded(&self) -> OccludedCounts {
+        let (used, ignored): (Vec<_>, Vec<_>) = self.occluded.iter().partition(|of| of.is_used);
+        let faces = |of: &[&OccludedFacesOfLight]| of.iter().map(|of| of.count).sum();
+        OccludedCounts { faces: faces(&used), ignored: ignored.len(), ignored_faces: faces(&ignored) }
     }
 }

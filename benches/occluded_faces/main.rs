@@ -1,13 +1,14 @@
-//! `cargo bench --bench hidden_faces`: faces hidden by faces. How many sides they spare, what they do for a frame, and how long the
-//! search takes. The first scenes are like those of Batagelo and Costa Júnior (1999), each with ten lights. `--counts` uses no
-//! GPU. `--obj DIRECTORY` writes the paper's second scene of tetrahedra for `rimline shadow`.
+//! `cargo bench --bench occluded_faces`: faces occluded by faces. How many sides they spare, what they do for a frame,
+//! and how long the search takes. The first scenes are like those of Batagelo and Costa Júnior (1999), each with ten
+//! lights. `--counts` uses no GPU. `--obj DIRECTORY` writes the paper's second scene of tetrahedra for `rimline
+//! shadow`.
 
 mod scenes;
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
-use rimline::cpu::{self, HiddenCaster, HiddenFaces, HiddenOptions, Threads};
+use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
 use rimline::gpu::{Measuring, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, Light, Predicate};
 use rimline_bench::Error;
@@ -45,22 +46,22 @@ fn main() -> Result<(), Error> {
     compare(&gpu, &large, false)
 }
 
-fn casters(setting: &Setting) -> Vec<HiddenCaster<'_>> {
+fn casters(setting: &Setting) -> Vec<OcclusionCaster<'_>> {
     let casters = setting.bodies.iter();
-    casters.map(|Body { positions, mesh }| HiddenCaster { mesh, positions, version: Some(0) }).collect()
+    casters.map(|Body { positions, mesh }| OcclusionCaster { mesh, positions, version: Some(0) }).collect()
 }
 
-fn find(light: Light, casters: &[HiddenCaster<'_>], options: HiddenOptions) -> HiddenFaces {
-    HiddenFaces::find(light, casters, options, |_, _| ControlFlow::Continue(())).expect("found")
+fn find(light: Light, casters: &[OcclusionCaster<'_>], options: OcclusionOptions) -> OccludedFaces {
+    OccludedFaces::find(light, casters, options, |_, _| ControlFlow::Continue(())).expect("found")
 }
 
-/// The faces that cast: averted ones of closed casters, and all of others.
+/// The faces that cast: back-facing ones of closed casters, and all of others.
 fn casting(setting: &Setting, light: Light) -> Vec<[[f32; 3]; 3]> {
     let mut faces = Vec::new();
     for Body { positions, mesh } in &setting.bodies {
         let facing = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::ONE).expect("a light").facing;
-        let own = mesh.faces().iter().zip(facing).filter(|(_, mask)| !mesh.is_closed() || mask & 1 == 0);
-        faces.extend(own.map(|(face, _)| face.map(|vertex| positions[vertex as usize])));
+        let casting = mesh.faces().iter().zip(facing).filter(|(_, mask)| !mesh.is_closed() || mask & 1 == 0);
+        faces.extend(casting.map(|(face, _)| face.map(|vertex| positions[vertex as usize])));
     }
     faces
 }
@@ -68,7 +69,7 @@ fn casting(setting: &Setting, light: Light) -> Vec<[[f32; 3]; 3]> {
 /// Sides of shadow volumes: the paper's figure 10, and what the product chooses.
 fn counts<'a>(settings: impl Iterator<Item = &'a Setting>) {
     println!(
-        "| scene | faces | hidden | left out | undecided | sides, plain | silhouettes | without all hidden faces | without those left out | nodes |"
+        "| scene | faces | occluded | left out | undecided | sides, plain | silhouettes | without all occluded faces | without those left out | nodes |"
     );
     println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
     for setting in settings {
@@ -76,10 +77,10 @@ fn counts<'a>(settings: impl Iterator<Item = &'a Setting>) {
         let faces: usize = casters.iter().map(|caster| caster.mesh.faces().len()).sum();
         let mut sums = [0; 8];
         for &light in &setting.lights {
-            let found = find(light, &casters, HiddenOptions::default()).statistics();
-            let all = find(light, &casters, HiddenOptions { leave_out_all: true, ..HiddenOptions::default() });
+            let found = find(light, &casters, OcclusionOptions::default()).statistics();
+            let all = find(light, &casters, OcclusionOptions { leave_out_all: true, ..OcclusionOptions::default() });
             let plain = 3 * casting(setting, light).len();
-            let counts = [found.hidden, found.left_out, found.undecided, plain, found.sides];
+            let counts = [found.occluded, found.left_out, found.undecided, plain, found.sides];
             let counts = counts.into_iter().chain([all.statistics().sides_left, found.sides_left, found.nodes]);
             sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
         }
@@ -100,7 +101,7 @@ fn times() {
             let mut least = [f64::INFINITY; 2];
             for _ in 0..3 {
                 for (threads, least) in [Threads::ONE, Threads::all()].into_iter().zip(&mut least) {
-                    let options = HiddenOptions { threads, ..HiddenOptions::default() };
+                    let options = OcclusionOptions { threads, ..OcclusionOptions::default() };
                     *least = least.min(clock(|| drop(find(setting.lights[0], &casters, options))));
                 }
             }
@@ -121,19 +122,19 @@ fn loose(faces: &[[[f32; 3]; 3]]) -> Shape {
     Shape { positions: faces.iter().flatten().copied().collect(), faces: corners }
 }
 
-/// Frames with each face's own volume, with silhouettes, and without hidden faces.
+/// Frames with each face's own volume, with silhouettes, and without occluded faces.
 fn compare(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<(), Error> {
     println!(
         "| scene | | search | stages | depth | volumes | frame | fragments | volumes, ratio | frame, ratio | frame and search, ratio |"
     );
     println!("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
-    let names = ["each face", "silhouettes", "and hidden faces"];
+    let names = ["each face", "silhouettes", "and occluded faces"];
     for setting in settings {
         let casters = casters(setting);
         let mut sums = [[0.0; 5]; 3];
         for &light in &setting.lights {
             let mut found = None;
-            let search = clock(|| found = Some(find(light, &casters, HiddenOptions::default())));
+            let search = clock(|| found = Some(find(light, &casters, OcclusionOptions::default())));
             let bodies: Vec<Shape> = setting.bodies.iter().map(shape).collect();
             let plain = has_plain.then(|| vec![loose(&casting(setting, light))]);
             let ways = [plain, Some(bodies.clone()), Some(bodies)];
@@ -159,13 +160,13 @@ fn compare(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<(), Error
     Ok(())
 }
 
-/// Milliseconds of the parts of frames, and fragments, of scenes of these casters; the last one without hidden faces.
+/// Milliseconds of the parts of frames, and fragments, of scenes of these casters; the last one without occluded faces.
 fn frames(
     gpu: &Gpu,
     setting: &Setting,
     light: Light,
     ways: [Option<Vec<Shape>>; 3],
-    hidden: Option<&HiddenFaces>,
+    occluded: Option<&OccludedFaces>,
 ) -> Result<[[f64; 4]; 3], Error> {
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
@@ -181,7 +182,7 @@ fn frames(
         let mut recorder = SceneRecorder::new(gpu, setting, Some(&pipelines), options)?;
         if number == 2 {
             let (light, casters) = (recorder.lights[0], recorder.casters.clone());
-            recorder.scene.set_hidden_faces(light, &casters, hidden)?;
+            recorder.scene.set_occluded_faces(light, &casters, occluded)?;
         }
         recorders.push((number, RefCell::new(recorder)));
     }

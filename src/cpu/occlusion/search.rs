@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::cones::Cone;
-use super::options::HiddenOptions;
+use super::options::OcclusionOptions;
 use super::tree::{Decision, Face, Tree};
 use crate::light::Light;
 
@@ -25,7 +25,7 @@ pub(crate) struct Searched {
 struct Work<'a> {
     faces: &'a [Face],
     light: Light,
-    options: HiddenOptions,
+    options: OcclusionOptions,
     cones: &'a [Cone],
     /// Faces of all cones.
     total: usize,
@@ -39,7 +39,7 @@ struct Work<'a> {
 pub(crate) fn search(
     faces: &[Face],
     light: Light,
-    options: HiddenOptions,
+    options: OcclusionOptions,
     cones: &[Cone],
     mut progress: impl FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Option<Searched> {

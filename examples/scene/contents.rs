@@ -13,7 +13,7 @@ use rimline_models::figure::{Figure, walk};
 
 /// Rings of figures: how many, the radius in metres, and the speed in metres a second, counter-clockwise.
 const RINGS: [(usize, f32, f32); 2] = [(16, 3.3, 1.25), (24, 6.2, -1.25)];
-pub(crate) const FIGURES: usize = 40;
+pub(crate) const WALKERS: usize = 40;
 /// The boxes that move.
 pub(crate) const FLOATING: Range<usize> = 40..60;
 
@@ -35,14 +35,14 @@ pub(crate) const LAMPS: [Lamp; 4] = [
 ];
 
 /// All figures: one skinned mesh, many times.
-pub(crate) fn figures() -> Result<Model, ModelError> {
+pub(crate) fn walkers() -> Result<Model, ModelError> {
     let Figure { positions, faces, joints, weights, .. } = Figure::new();
     let offsets = (0..=positions.len() as u32).map(|vertex| 4 * vertex).collect();
     let joints = joints.as_flattened().iter().map(|&joint| joint.into()).collect();
     let influences = Some(Influences::new(offsets, joints, weights.as_flattened().to_vec())?);
     let positions = positions.iter().map(Vec3::to_array).collect();
-    let figure = Geometry::new(positions, faces, GeometryOptions { influences, ..GeometryOptions::default() })?;
-    Model::new(vec![figure], vec![Instance::new(0, None); FIGURES])
+    let walker = Geometry::new(positions, faces, GeometryOptions { influences, ..GeometryOptions::default() })?;
+    Model::new(vec![walker], vec![Instance::new(0, None); WALKERS])
 }
 
 /// Each figure walks along its ring, out of step with the others.
@@ -54,8 +54,8 @@ pub(crate) fn pose(seconds: f32) -> Result<Pose, ModelError> {
             // A figure faces +Z. At +X that is clockwise, seen from above.
             let turn = Quat::from_rotation_y(along + if speed < 0.0 { 0.0 } else { TAU / 2.0 });
             let at = Quat::from_rotation_y(along) * Vec3::X * (radius + 0.6 * spread(number));
-            let place = Affine3A::from_rotation_translation(turn, at);
-            let palette = walk::from_rest(&walk::pose(steps.fract())).map(|joint| place * joint);
+            let transform = Affine3A::from_rotation_translation(turn, at);
+            let palette = walk::from_rest(&walk::pose(steps.fract())).map(|joint| transform * joint);
             InstancePose::new(palette, Vec::new())
         })
     };
@@ -69,7 +69,7 @@ pub(crate) fn dressed(vertices: u32) -> Vec<Placed> {
         let first_vertex = number as u32 * vertices;
         Placed { albedo: colors[number % colors.len()], first_vertex, ..Placed::default() }
     };
-    (0..FIGURES).map(dress).collect()
+    (0..WALKERS).map(dress).collect()
 }
 
 /// Standing stones, crates, a stepped plinth, and boxes that float around it: all the same cube.

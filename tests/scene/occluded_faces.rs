@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, FrameInputs, HiddenCounts, LightHandle, LightMask, Measuring, Scene,
+    Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, OccludedCounts, Scene,
     ShadowError,
 };
 use rimline::{Light, Mesh};
@@ -19,8 +19,8 @@ use crate::random_scene::IDENTITY;
 use crate::scenes::roomy;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("hidden_faces_are_left_out_while_all_holds", holds),
-    ("hidden_faces_of_other_casters_are_typed_errors", refused),
+    ("occluded_faces_are_left_out_while_all_holds", holds),
+    ("occluded_faces_of_other_casters_are_typed_errors", refused),
 ];
 
 const LIGHT: Light = Light::point([0.0, 0.0, 10.0]);
@@ -29,7 +29,7 @@ fn shapes() -> [Shape; 3] {
     let wall = vec![[-40.0, -40.0, 5.0], [40.0, -40.0, 5.0], [0.0, 60.0, 5.0]];
     // Half of the last is beside the wall's shadow.
     let mut torus = shapes::torus(9, 7, 30.0, 4.0);
-    torus.positions.iter_mut().for_each(|place| *place = [place[0] + 60.0, place[1], place[2] - 20.0]);
+    torus.positions.iter_mut().for_each(|position| *position = [position[0] + 60.0, position[1], position[2] - 20.0]);
     [Shape { positions: wall, faces: vec![[0, 1, 2]] }, shapes::sphere(8), torus]
 }
 
@@ -63,24 +63,24 @@ fn meshes() -> Result<Vec<(Shape, Mesh)>, String> {
     shapes().into_iter().map(|shape| shape.mesh().map(|mesh| (shape, mesh)).map_err(text)).collect()
 }
 
-fn search(meshes: &[(Shape, Mesh)]) -> Result<HiddenFaces, String> {
-    let all: Vec<HiddenCaster<'_>> = meshes
+fn search(meshes: &[(Shape, Mesh)]) -> Result<OccludedFaces, String> {
+    let all: Vec<OcclusionCaster<'_>> = meshes
         .iter()
         .enumerate()
-        .map(|(number, (shape, mesh))| HiddenCaster {
+        .map(|(number, (shape, mesh))| OcclusionCaster {
             mesh,
             positions: &shape.positions,
             version: (number == 1).then_some(7),
         })
         .collect();
-    HiddenFaces::find(LIGHT, &all, HiddenOptions::default(), |_, _| ControlFlow::Continue(())).map_err(text)
+    OccludedFaces::find(LIGHT, &all, OcclusionOptions::default(), |_, _| ControlFlow::Continue(())).map_err(text)
 }
 
 /// The masks of excluded faces, the lists and the counts of a new frame.
 struct Results {
     excluded: Vec<Vec<u32>>,
     lists: Vec<Vec<Vec<u32>>>,
-    counts: HiddenCounts,
+    counts: OccludedCounts,
 }
 
 fn results(gpu: &Gpu, scene: &mut Scene) -> Result<Results, String> {
@@ -88,7 +88,7 @@ fn results(gpu: &Gpu, scene: &mut Scene) -> Result<Results, String> {
     let found = Found::read(gpu, &frame)?;
     let excluded = found.groups.iter().map(|group| group.excluded.clone()).collect();
     let lists = found.groups.into_iter().map(|group| group.lists).collect();
-    Ok(Results { excluded, lists, counts: frame.hidden() })
+    Ok(Results { excluded, lists, counts: frame.occluded_faces() })
 }
 
 /// A change of something that the search read, or its reversal.
@@ -97,31 +97,31 @@ type Change = Box<dyn Fn(&mut Scene, bool) -> Result<(), ShadowError>>;
 fn holds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let meshes = meshes()?;
-    let hidden = search(&meshes)?;
-    let count: usize = (0..3).map(|number| hidden.faces(number).len()).sum();
-    let [sphere, torus] = [1, 2].map(|number| hidden.faces(number).len());
+    let occluded = search(&meshes)?;
+    let count: usize = (0..3).map(|number| occluded.faces(number).len()).sum();
+    let [sphere, torus] = [1, 2].map(|number| occluded.faces(number).len());
     if sphere != meshes[1].0.faces.len() || torus == 0 || torus == meshes[2].0.faces.len() {
-        return Err(format!("{sphere} faces of the sphere and {torus} of the torus are hidden"));
+        return Err(format!("{sphere} faces of the sphere and {torus} of the torus are occluded"));
     }
     let Placed { mut scene, lights: [light, other], casters } = casters(gpu, &meshes, true)?;
     let plain = results(gpu, &mut scene)?;
     let mut by_caller = self::casters(gpu, &meshes, true)?;
     for (number, &caster) in by_caller.casters.iter().enumerate() {
-        by_caller.scene.set_excluded(caster, by_caller.lights[0], hidden.faces(number)).map_err(text)?;
+        by_caller.scene.set_excluded(caster, by_caller.lights[0], occluded.faces(number)).map_err(text)?;
     }
     let expected = results(gpu, &mut by_caller.scene)?;
     must_fail("nothing left out", &same("excluded", &plain.excluded, &expected.excluded))?;
 
-    scene.set_hidden_faces(light, &casters, Some(&hidden)).map_err(text)?;
+    scene.set_occluded_faces(light, &casters, Some(&occluded)).map_err(text)?;
     let used = |scene: &mut Scene, what: &str| {
         let Results { excluded, lists, counts } = results(gpu, scene)?;
         same(what, &excluded, &expected.excluded)?;
         same(what, &lists, &expected.lists)?;
-        same(what, &[counts], &[HiddenCounts { faces: count, ignored: 0, ignored_faces: 0 }])
+        same(what, &[counts], &[OccludedCounts { faces: count, ignored: 0, ignored_faces: 0 }])
     };
     let ignored = |scene: &mut Scene, what: &str| {
         let counts = results(gpu, scene)?.counts;
-        same(what, &[counts], &[HiddenCounts { faces: 0, ignored: 1, ignored_faces: count }])
+        same(what, &[counts], &[OccludedCounts { faces: 0, ignored: 1, ignored_faces: count }])
     };
     used(&mut scene, "set")?;
     used(&mut scene, "again")?;
@@ -150,36 +150,36 @@ fn holds() -> Result<(), String> {
     scene.set_light(light, LIGHT.with_range(1e4)).map_err(text)?;
     used(&mut scene, "others")?;
     scene.set_light(light, LIGHT).map_err(text)?;
-    scene.set_hidden_faces(light, &[], None).map_err(text)?;
+    scene.set_occluded_faces(light, &[], None).map_err(text)?;
     let ended = results(gpu, &mut scene)?;
     same("ended", &ended.excluded, &plain.excluded)?;
-    same("ended", &[ended.counts], &[HiddenCounts::default()])?;
+    same("ended", &[ended.counts], &[OccludedCounts::default()])?;
     // A caster that is gone, then a light.
-    scene.set_hidden_faces(light, &casters, Some(&hidden)).map_err(text)?;
+    scene.set_occluded_faces(light, &casters, Some(&occluded)).map_err(text)?;
     used(&mut scene, "set anew")?;
     scene.remove(wall).map_err(text)?;
     ignored(&mut scene, "removed")?;
     scene.remove_light(light).map_err(text)?;
     let counts = results(gpu, &mut scene)?.counts;
-    same("without its light", &[counts], &[HiddenCounts::default()])?;
+    same("without its light", &[counts], &[OccludedCounts::default()])?;
     // Switched off.
     let mut off = self::casters(gpu, &meshes, false)?;
-    off.scene.set_hidden_faces(off.lights[0], &off.casters, Some(&hidden)).map_err(text)?;
+    off.scene.set_occluded_faces(off.lights[0], &off.casters, Some(&occluded)).map_err(text)?;
     let Results { excluded, lists, counts } = results(gpu, &mut off.scene)?;
     same("off", &excluded, &plain.excluded)?;
     same("off", &lists, &plain.lists)?;
-    same("off", &[counts], &[HiddenCounts { faces: 0, ignored: 1, ignored_faces: count }])
+    same("off", &[counts], &[OccludedCounts { faces: 0, ignored: 1, ignored_faces: count }])
 }
 
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let meshes = meshes()?;
-    let hidden = search(&meshes)?;
+    let occluded = search(&meshes)?;
     let Placed { mut scene, lights: [light, _], casters } = casters(gpu, &meshes, true)?;
-    let mut set = |casters: &[CasterHandle]| scene.set_hidden_faces(light, casters, Some(&hidden)).err();
+    let mut set = |casters: &[CasterHandle]| scene.set_occluded_faces(light, casters, Some(&occluded)).err();
     let [wall, ball, ring] = [casters[0], casters[1], casters[2]];
     let [sphere, torus] = [1, 2].map(|number| meshes[number].0.faces.len());
-    same("too few", &[set(&[wall, ball])], &[Some(ShadowError::HiddenCasters { given: 2, found: 3 })])?;
-    let swapped = ShadowError::HiddenCaster { caster: 1, faces: torus, found: sphere };
+    same("too few", &[set(&[wall, ball])], &[Some(ShadowError::OcclusionCasters { given: 2, found: 3 })])?;
+    let swapped = ShadowError::OcclusionCaster { caster: 1, faces: torus, found: sphere };
     same("swapped", &[set(&[wall, ring, ball])], &[Some(swapped)])
 }

@@ -2,13 +2,13 @@
 
 use rimline::Light;
 use rimline::Mesh;
-use rimline::cpu::{HiddenOptions, Threads};
+use rimline::cpu::{OcclusionOptions, Threads};
 use rimline::mesh::Weld;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 
-use crate::hidden_faces::{check_some, find, lists};
-use crate::static_scenes::{Own, StaticScene};
+use crate::occluded_faces::{check_some, find, lists};
+use crate::static_scenes::{Caster, StaticScene};
 
 /// Towers around the light or under it.
 fn towers(random: &mut Random, light: Light) -> StaticScene {
@@ -18,37 +18,37 @@ fn towers(random: &mut Random, light: Light) -> StaticScene {
         let at = [random.between(-30.0, 30.0), random.between(-30.0, 30.0), high];
         let position = |p: &[f32; 3]| [p[0] + at[0], p[1] + at[1], high * p[2] + at[2]];
         let positions: Vec<[f32; 3]> = shape.positions.iter().map(position).collect();
-        Own { mesh: Mesh::new(&positions, &shape.faces, Weld::Position).expect("a mesh"), positions }
+        Caster { mesh: Mesh::new(&positions, &shape.faces, Weld::Position).expect("a mesh"), positions }
     };
     StaticScene { casters: (0..500).map(tower).collect(), light }
 }
 
 #[test]
-fn hidden_faces_are_hidden_in_scenes_of_many_cones() {
+fn occluded_faces_are_occluded_in_scenes_of_many_cones() {
     let lights = [
         Light::directional([1.0, 0.3, 0.4]),
         Light::directional([0.0, 0.0, 1.0]),
         Light::point([0.0, 0.0, 9.5]),
         Light::point([1e4, 3e3, 4e3]),
     ];
-    let (mut hidden, mut refuted) = (0, 0);
+    let (mut occluded, mut refuted) = (0, 0);
     for (seed, light) in (8000..).zip(lights) {
         let mut random = Random::new(seed);
         let scene = towers(&mut random, light);
-        let options = HiddenOptions { leave_out_all: true, threads: Threads::new(3), ..HiddenOptions::default() };
+        let options = OcclusionOptions { leave_out_all: true, threads: Threads::new(3), ..OcclusionOptions::default() };
         let found = find(&scene, options);
         let mut faces = lists(&scene, &found);
         let count = check_some(&scene, &faces, &mut random, 40).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
-        assert_eq!(count, found.statistics().hidden, "seed {seed}");
-        hidden += count;
+        assert_eq!(count, found.statistics().occluded, "seed {seed}");
+        occluded += count;
         // So many threads find the same.
-        assert_eq!(find(&scene, HiddenOptions { threads: Threads::ONE, ..options }), found, "seed {seed}");
+        assert_eq!(find(&scene, OcclusionOptions { threads: Threads::ONE, ..options }), found, "seed {seed}");
         // With faces that stay, the check must fail, as a rule.
-        for (own, faces) in scene.casters.iter().zip(&mut faces).take(50) {
-            *faces = (0..own.mesh.faces().len() as u32).collect();
+        for (caster, faces) in scene.casters.iter().zip(&mut faces).take(50) {
+            *faces = (0..caster.mesh.faces().len() as u32).collect();
         }
         refuted += usize::from(check_some(&scene, &faces, &mut random, 40).is_err());
     }
-    println!("{hidden} hidden faces; {refuted} wrong lists refuted");
-    assert!(hidden > 4000 && refuted > 2, "{hidden} {refuted}");
+    println!("{occluded} occluded faces; {refuted} wrong lists refuted");
+    assert!(occluded > 4000 && refuted > 2, "{occluded} {refuted}");
 }

@@ -1,13 +1,12 @@
-// Stage `choose`: chooses for each caster, light and view which faces cast, how the stencil counts, and where the volume
-// ends. It looks at the caster's box, never at its faces. Culled volumes cast nothing. z-pass counts unless a face may
-// lie between light and near rectangle (what the camera sees of the near plane). Back-facing faces cast where they
-// suffice, else every face.
-// Dispatched after `bounds`, once for all light batches: an invocation a caster and light, a row of workgroups a view.
-// Reads: boxes and flags of casters, receivers, the lights that affect a caster, CHOICE_DIRTY.
-// Writes: choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all later stages; statistics.
-// All tests have slack above their rounding errors. If a test is not certain, the volume is not culled, every face casts,
-// and `caps` looks for near caps. docs/numerics/casting-faces.md, "Which faces cast"; docs/numerics/shadow-volumes.md,
-// "Volumes that end"; docs/numerics/receivers.md, "Volumes without a receiver".
+// Stage `counting_methods`: chooses for each caster, light and view which faces cast, how the stencil counts, and where
+// the volume ends. It looks at the caster's box, never at its faces. Culled volumes cast nothing. z-pass counts unless
+// a face may lie between light and near rectangle (what the camera sees of the near plane). Back-facing faces cast
+// where they suffice, else every face. Dispatched after `bounds`, once for all light batches: an invocation a caster
+// and light, a row of workgroups a view. Reads: boxes and flags of casters, receivers, the lights that affect a caster,
+// CHOICE_DIRTY. Writes: choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all later stages;
+// statistics. All tests have slack above their rounding errors. If a test is not certain, the volume is not culled,
+// every face casts, and `caps` looks for near caps. docs/numerics/casting-faces.md, "Which faces cast";
+// docs/numerics/shadow-volumes.md, "Volumes that end"; docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster
@@ -243,7 +242,7 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
 }
 
 @compute @workgroup_size(64)
-fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+fn counting_methods(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // Turns: ITEMS.
   for (var pair = id.x; pair < shape.casters * shape.used_lights; pair += 64u * groups.x) {
     // Neighbouring invocations have the same light, so that they take the same branches.

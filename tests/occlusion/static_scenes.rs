@@ -6,13 +6,13 @@ use rimline::{Light, Mesh};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
-pub(crate) struct Own {
+pub(crate) struct Caster {
     pub(crate) mesh: Mesh,
     pub(crate) positions: Vec<[f32; 3]>,
 }
 
 pub(crate) struct StaticScene {
-    pub(crate) casters: Vec<Own>,
+    pub(crate) casters: Vec<Caster>,
     pub(crate) light: Light,
 }
 
@@ -59,13 +59,13 @@ impl StaticScene {
         let mut random = Random::new(seed);
         let scale = [1.0, 1e-20, 1e20, 1e-3, 1e6][random.below(5)];
         let is_mixed = random.below(4) == 0;
-        let mut casters: Vec<Own> = Vec::new();
+        let mut casters: Vec<Caster> = Vec::new();
         for _ in 0..2 + random.below(4) {
             // Some lie where others are, with other bits or the same.
             if random.below(5) == 0 && !casters.is_empty() {
                 let of = &casters[random.below(casters.len())];
                 let (mesh, positions) = (of.mesh.clone(), of.positions.clone());
-                casters.push(Own { mesh, positions });
+                casters.push(Caster { mesh, positions });
                 continue;
             }
             let shape = shape(&mut random);
@@ -87,7 +87,7 @@ impl StaticScene {
                 }
             }
             let mesh = Mesh::new(&positions, &faces, Weld::Position).expect("a mesh");
-            casters.push(Own { mesh, positions });
+            casters.push(Caster { mesh, positions });
         }
         let mut number = |far: f32| {
             [(); 3].map(|()| if random.below(2) == 0 { random.between(-far, far) } else { (far / 2.0).round() })

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::cones::cones;
-use super::options::HiddenOptions;
+use super::options::OcclusionOptions;
 use super::order::order;
 use super::search::search;
 use super::silhouette::Silhouette;
@@ -17,34 +17,34 @@ use crate::mesh::{Mesh, Polygons, is_degenerate};
 
 /// A static caster in world space.
 #[derive(Clone, Copy, Debug)]
-pub struct HiddenCaster<'a> {
+pub struct OcclusionCaster<'a> {
     /// Its mesh.
     pub mesh: &'a Mesh,
     /// The positions of the mesh's source vertices, in world space. Their bits are those that the scene has. A rigid caster
     /// has the positions of its mesh, and its transform in the scene is the identity.
     pub positions: &'a [[f32; 3]],
-    /// The version of the positions, as in [`Scene::set_position_version`](crate::gpu::Scene::set_position_version). `None` for
-    /// a rigid caster.
+    /// The version of the positions, as in [`Scene::set_position_version`](crate::gpu::Scene::set_position_version).
+    /// `None` for a rigid caster.
     pub version: Option<u64>,
 }
 
 /// Counts of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HiddenStatistics {
+pub struct OcclusionStatistics {
     /// Faces that were searched: all finite ones, but for polygons that are not exactly planar and strictly convex as seen
     /// from the light.
     pub tried: usize,
-    /// Faces that are hidden.
-    pub hidden: usize,
-    /// Hidden faces that are left out.
+    /// Faces that are occluded.
+    pub occluded: usize,
+    /// Occluded faces that are left out.
     pub left_out: usize,
     /// Sides of all casters' volumes with all faces, where back-facing faces of closed meshes cast. An edge counts as often
     /// as its side is drawn.
     pub sides: usize,
-    /// The same without the faces left out. It is at most [`Self::sides`], but for [`HiddenOptions::leave_out_all`].
+    /// The same without the faces left out. It is at most [`Self::sides`], but for [`OcclusionOptions::leave_out_all`].
     pub sides_left: usize,
-    /// Faces that still cast because they exceeded [`HiddenOptions::max_steps`]. Here and in `without_room`, a face counts
-    /// in each cone of directions that it is in, and a polygon by its triangles.
+    /// Faces that still cast because they exceeded [`OcclusionOptions::max_steps`]. Here and in `without_room`, a face
+    /// counts in each cone of directions that it is in, and a polygon by its triangles.
     pub undecided: usize,
     /// Faces that still cast and occlude nothing more, because the tree was full.
     pub without_room: usize,
@@ -53,39 +53,39 @@ pub struct HiddenStatistics {
 }
 
 /// The faces of static casters whose shadow lies wholly in the shadow of other faces, for one light. They need not cast: see
-/// [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces). All decisions are exact.
+/// [`Scene::set_occluded_faces`](crate::gpu::Scene::set_occluded_faces). All decisions are exact.
 ///
 /// The faces that occlude others are back-facing ones of closed meshes, and all faces of other meshes. They are never
-/// occluded themselves. Polygons take part if they are exactly planar and strictly convex, as a whole. The method is Batagelo
-/// and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both sides. The choice
-/// among the occluded faces gives silhouettes the fewest edges, so they never gain any, unless
-/// [`HiddenOptions::leave_out_all`] is set.
+/// occluded themselves. Polygons take part if they are exactly planar and strictly convex, as a whole. The method is
+/// Batagelo and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both
+/// sides. The choice among the occluded faces gives silhouettes the fewest edges, so they never gain any, unless
+/// [`OcclusionOptions::leave_out_all`] is set.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HiddenFaces {
+pub struct OccludedFaces {
     light: Light,
-    casters: Vec<HiddenOfCaster>,
-    statistics: HiddenStatistics,
+    casters: Vec<OccludedOfCaster>,
+    statistics: OcclusionStatistics,
 }
 
 /// The result for one caster, and the state of the caster that it holds for.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct HiddenOfCaster {
+pub(crate) struct OccludedOfCaster {
     pub(crate) version: Option<u64>,
     pub(crate) face_count: usize,
     /// Ascending.
     pub(crate) faces: Vec<u32>,
 }
 
-impl HiddenFaces {
-    /// Finds the hidden faces. It takes no device and may run on a thread of its own. `progress` is called now and then with the
-    /// number of faces tried and of all to try; [`ControlFlow::Break`] ends the search.
+impl OccludedFaces {
+    /// Finds the occluded faces. It takes no device and may run on a thread of its own. `progress` is called now and
+    /// then with the number of faces tried and of all to try; [`ControlFlow::Break`] ends the search.
     ///
     /// # Errors
     /// [`CpuError`] for a light that shadows refuse, missing positions, or if `progress` ends it.
     pub fn find(
         light: Light,
-        casters: &[HiddenCaster<'_>],
-        options: HiddenOptions,
+        casters: &[OcclusionCaster<'_>],
+        options: OcclusionOptions,
         mut progress: impl FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Self, CpuError> {
         check_shadow_lights(&[light], 1)?;
@@ -108,9 +108,9 @@ impl HiddenFaces {
             tried += participants.chunk_by(|(before, _), (face, _)| before == face).count();
             faces.extend(participants.into_iter().map(|(_, face)| face));
         }
-        let mut of_casters: Vec<HiddenOfCaster> = casters
+        let mut of_casters: Vec<OccludedOfCaster> = casters
             .iter()
-            .map(|caster| HiddenOfCaster {
+            .map(|caster| OccludedOfCaster {
                 version: caster.version,
                 face_count: caster.mesh.face_count(),
                 faces: Vec::new(),
@@ -118,7 +118,7 @@ impl HiddenFaces {
             .collect();
         let cones = cones(&faces, order(&faces, light), light);
         let searched = search(&faces, light, options, &cones, &mut progress).ok_or(CpuError::Cancelled)?;
-        let mut statistics = HiddenStatistics {
+        let mut statistics = OcclusionStatistics {
             tried,
             undecided: searched.undecided,
             without_room: searched.without_room,
@@ -138,7 +138,7 @@ impl HiddenFaces {
                 return Err(CpuError::Cancelled);
             }
             of_caster.faces = whole(caster.mesh, std::mem::take(&mut of_caster.faces));
-            statistics.hidden += of_caster.faces.len();
+            statistics.occluded += of_caster.faces.len();
             let silhouette = Silhouette { mesh: caster.mesh, facing };
             statistics.sides += silhouette.sides(&[]);
             if !options.leave_out_all {
@@ -155,25 +155,25 @@ impl HiddenFaces {
         self.light
     }
 
-    /// The hidden faces of a caster that are left out, by its number in the list that was given. They are ascending numbers of
-    /// faces in its mesh.
+    /// The occluded faces of a caster that are left out, by its number in the list that was given. They are ascending
+    /// numbers of faces in its mesh.
     pub fn faces(&self, caster: usize) -> &[u32] {
         self.casters.get(caster).map_or(&[], |of_caster| &of_caster.faces)
     }
 
     /// Counts of the search.
-    pub fn statistics(&self) -> HiddenStatistics {
+    pub fn statistics(&self) -> OcclusionStatistics {
         self.statistics
     }
 
     #[cfg(feature = "gpu")]
-    pub(crate) fn casters(&self) -> &[HiddenOfCaster] {
+    pub(crate) fn casters(&self) -> &[OccludedOfCaster] {
         &self.casters
     }
 }
 
 /// The faces of a caster that are searched, with their indices, ascending. A polygon is searched as a fan of triangles.
-fn participants(caster: &HiddenCaster<'_>, light: Light) -> Vec<(u32, Face)> {
+fn participants(caster: &OcclusionCaster<'_>, light: Light) -> Vec<(u32, Face)> {
     let is_closed = caster.mesh.is_closed();
     let may_occlude = |side: i32| side < 0 || (side > 0 && !is_closed);
     let face = |corners: [[f32; 3]; 3], side: i32| Face { corners, side, may_occlude: may_occlude(side) };
@@ -220,10 +220,10 @@ fn planar_and_convex(corners: &[[f32; 3]], light: Light) -> i32 {
 }
 
 /// The faces all of whose triangles are occluded, ascending.
-fn whole(mesh: &Mesh, mut hidden: Vec<u32>) -> Vec<u32> {
-    hidden.sort_unstable();
-    let Some(polygons) = mesh.polygons() else { return hidden };
+fn whole(mesh: &Mesh, mut occluded: Vec<u32>) -> Vec<u32> {
+    occluded.sort_unstable();
+    let Some(polygons) = mesh.polygons() else { return occluded };
     let triangles = |face: u32| single_loop(polygons, face as usize).map_or(0, <[u32]>::len).saturating_sub(2);
-    let faces = hidden.chunk_by(|before, face| before == face);
+    let faces = occluded.chunk_by(|before, face| before == face);
     faces.filter_map(|of| of.first().copied().filter(|&face| of.len() == triangles(face))).collect()
 }

@@ -1,4 +1,4 @@
-//! The part of a face that is in a leaf, or a little more: docs/numerics/hidden-faces.md.
+//! The part of a face that is in a leaf, or a little more: docs/numerics/occluded-faces.md.
 
 use super::plane::Plane;
 

@@ -1,11 +1,11 @@
-// Reach: the first stage of a scene's encode, an invocation a caster (a mesh that throws shadows) and batch of up to 32
-// lights. It finds the relevant lights of the caster: allowed lights that are culled neither by range or cone nor by an
+// Stage `cull_lights`, the first of a scene's encode: an invocation a caster (a mesh that throws shadows) and batch of up to
+// 32 lights. It finds the relevant lights of the caster: allowed lights that are culled neither by range or cone nor by an
 // occluder. Only casters with a known box (rigid, or stated by the caller) are culled. Among the relevant lights it finds
-// the active ones: caster or light changed since their bits were computed. Other bits are cached. `clusters`, `facing` and
-// `exact_facing` read the active lights; `chunks`, `edges`, `bounds` and `choose` read the relevant ones. The stage also
-// writes which lists are dirty, in `work`, and updates the versions in `cache`. It never culls a light that affects the
-// caster. If numbers are too large or rounding leaves a test open, the light stays. Claims: docs/numerics/scene.md,
-// "Occluders", "Cones of lights" and "Cached results".
+// the active ones: caster or light changed since their bits were computed. Other bits are cached.
+// Read by: `clusters`, `facing` and `exact_facing` (active lights); `chunks`, `edges`, `bounds` and `counting_methods`
+// (relevant ones). It also writes which lists are dirty, in `work`, and updates the versions in `cache`.
+// It never culls a light that affects the caster. If numbers are too large or rounding leaves a test open, the light stays.
+// Claims: docs/numerics/scene.md, "Occluders", "Cones of lights" and "Cached results".
 
 #import common/casters
 #import scene/table
@@ -150,7 +150,7 @@ fn process_pair(pair: u32, caster: u32, batch: u32) {
 }
 
 @compute @workgroup_size(64)
-fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+fn cull_lights(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   let row = 64u * groups.x;
   // Turns: 1.
   for (var pair = id.y * row + id.x; pair < group.casters * group.batches; pair += groups.y * row) {

@@ -1,5 +1,5 @@
-//! The least number of sides among all choices, where these are too many to try: by a flow on a table, which is made by asking for
-//! the sides without each face and without each two.
+//! The least number of sides among all choices, where these are too many to try: by a flow on a table, which is made by
+//! asking for the sides without each face and without each two.
 
 use std::collections::VecDeque;
 
@@ -7,26 +7,27 @@ use std::collections::VecDeque;
 pub(crate) fn least(count: usize, cost: impl Fn(&[usize]) -> i64) -> i64 {
     let none = cost(&[]);
     let alone: Vec<i64> = (0..count).map(|face| cost(&[face]) - none).collect();
-    // left[a][b] is what may still flow from a to b. The two last places are source and sink. Left out is the side of the sink.
+    // left[a][b] is what may still flow from a to b. The two last places are source and sink. Left out is the side of
+    // the sink.
     let (source, sink) = (count, count + 1);
     let mut left = vec![vec![0_i64; count + 2]; count + 2];
-    let mut own = alone.clone();
+    let mut linear = alone.clone();
     for a in 0..count {
         for b in a + 1..count {
             let spared = alone[a] + alone[b] + none - cost(&[a, b]);
             assert!(spared >= 0, "faces {a} and {b}");
             // spared * a * b = spared * a - spared * a * (1 - b)
-            own[a] -= spared;
+            linear[a] -= spared;
             left[b][a] += spared;
         }
     }
     let mut least = none;
-    for (face, &own) in own.iter().enumerate() {
-        if own > 0 {
-            left[source][face] += own;
+    for (face, &linear) in linear.iter().enumerate() {
+        if linear > 0 {
+            left[source][face] += linear;
         } else {
-            left[face][sink] -= own;
-            least += own;
+            left[face][sink] -= linear;
+            least += linear;
         }
     }
     while let Some(path) = path(&left, source, sink) {

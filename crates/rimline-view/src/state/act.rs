@@ -1,0 +1,115 @@
+//! What keys and buttons do.
+
+use glam::Vec3;
+use rimline_picture::Mode;
+
+use super::keys::Action;
+use super::lamp::Lamp;
+use super::options::COUNTINGS;
+use super::viewer::{MAX_LAMPS, Request, Tone, Viewer};
+
+/// Degrees for each press of a key.
+const STEP: f32 = 6.0;
+
+impl Viewer {
+    pub(super) fn act(&mut self, action: Action) {
+        let overlays = &mut self.options.overlays;
+        let flip = |switch: &mut bool| *switch = !*switch;
+        match action {
+            Action::Help => flip(&mut self.shows_help),
+            Action::Panel => flip(&mut self.shows_panel),
+            Action::OpenFile => self.requests.push(Request::OpenFiles),
+            Action::NextScene => self.requests.push(Request::NextScene),
+            Action::ResetCamera => self.reset_camera(),
+            Action::TurnLeft => self.orbit.turn(-STEP, 0.0),
+            Action::TurnRight => self.orbit.turn(STEP, 0.0),
+            Action::TurnUp => self.orbit.turn(0.0, STEP),
+            Action::TurnDown => self.orbit.turn(0.0, -STEP),
+            Action::Nearer => self.zoom(0.9),
+            Action::Farther => self.zoom(1.0 / 0.9),
+            Action::Play => flip(&mut self.clock.is_running),
+            Action::StepBack => self.step(-1.0 / 30.0),
+            Action::StepOn => self.step(1.0 / 30.0),
+            Action::Slower => self.clock.speed = (self.clock.speed * 0.5).max(0.125),
+            Action::Faster => self.clock.speed = (self.clock.speed * 2.0).min(8.0),
+            Action::NextAnimation => self.next_animation(),
+            Action::NextLight if !self.lamps.is_empty() => {
+                self.selected = Some(self.selected.map_or(0, |lamp| (lamp + 1) % self.lamps.len()));
+            }
+            Action::AddLight => self.add_lamp(),
+            Action::RemoveLight => self.remove_lamp(),
+            Action::SwitchLight => _ = self.lamp().map(|lamp| flip(&mut lamp.is_on)),
+            Action::ChangeLightKind => {
+                let bounds = self.bounds();
+                _ = self.lamp().map(|lamp| lamp.change_kind(&bounds));
+            }
+            Action::LightLeft => self.shift_lamp(Vec3::NEG_X),
+            Action::LightRight => self.shift_lamp(Vec3::X),
+            Action::LightUp => self.shift_lamp(Vec3::Y),
+            Action::LightDown => self.shift_lamp(Vec3::NEG_Y),
+            Action::LightAhead => self.shift_lamp(Vec3::Z),
+            Action::LightBack => self.shift_lamp(Vec3::NEG_Z),
+            Action::Silhouettes => flip(&mut overlays.silhouettes),
+            Action::LightSilhouettes => flip(&mut overlays.light_silhouettes),
+            Action::Volumes => flip(&mut overlays.volumes),
+            Action::Caps => flip(&mut overlays.caps),
+            Action::Boundary => flip(&mut overlays.boundary),
+            Action::NonManifold => flip(&mut overlays.non_manifold),
+            Action::Creases => flip(&mut overlays.creases),
+            Action::Exact => flip(&mut overlays.exact),
+            Action::Boxes => flip(&mut overlays.boxes),
+            Action::Ground => flip(&mut self.options.ground),
+            Action::Shadows => flip(&mut self.options.shadows),
+            Action::Smooth => flip(&mut self.options.smooth),
+            Action::Colors => flip(&mut self.options.colors),
+            Action::NextMode => self.options.mode = Mode::ALL[(self.options.mode as usize + 1) % Mode::ALL.len()].0,
+            Action::NextCounting => {
+                let at = COUNTINGS.iter().position(|(of, _)| *of == self.options.counting).unwrap_or(0);
+                self.options.counting = COUNTINGS[(at + 1) % COUNTINGS.len()].0;
+            }
+            Action::Screenshot => self.requests.push(Request::Screenshot { scale: 1 }),
+            Action::LargeScreenshot => self.requests.push(Request::Screenshot { scale: 4 }),
+            Action::CopyCommand => self.requests.push(Request::Copy(self.command())),
+            Action::Close if self.shows_help => self.shows_help = false,
+            Action::Close => self.requests.push(Request::Close),
+            Action::NextLight => {}
+        }
+    }
+
+    /// Stops, and shows another moment.
+    fn step(&mut self, seconds: f32) {
+        self.clock.is_running = false;
+        let duration = self.duration();
+        if duration > 0.0 {
+            self.clock.seconds = (self.clock.seconds + seconds).rem_euclid(duration);
+        }
+    }
+
+    fn next_animation(&mut self) {
+        let Some(index) = self.bodies.iter().position(|body| !body.animations().is_empty()) else { return };
+        let count = self.bodies[index].animations().len();
+        let next = self.bodies[index].animation.map_or(0, |animation| (animation + 1) % count);
+        self.play(index, Some(next));
+        self.clock.seconds = 0.0;
+    }
+
+    pub(super) fn lamp(&mut self) -> Option<&mut Lamp> {
+        self.lamps.get_mut(self.selected?)
+    }
+
+    fn add_lamp(&mut self) {
+        if self.lamps.len() >= MAX_LAMPS {
+            self.message = Some((Tone::Error, format!("the viewer has at most {MAX_LAMPS} lights; remove one first")));
+            return;
+        }
+        self.lamps.push(Lamp::around(&self.bounds(), self.lamps.len()));
+        self.selected = Some(self.lamps.len() - 1);
+    }
+
+    fn remove_lamp(&mut self) {
+        let Some(number) = self.selected.filter(|&number| number < self.lamps.len()) else { return };
+        self.lamps.remove(number);
+        self.hovered = None;
+        self.selected = self.lamps.len().checked_sub(1).map(|last| number.min(last));
+    }
+}
