@@ -12,7 +12,7 @@ use frame::Frame;
 use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::internals::cpu::is_finite;
-use rimline::{Light, Mesh, MeshError, wgpu};
+use rimline::{Mesh, MeshError, wgpu};
 use rimline_picture::{Bounds, Camera, corner_normals};
 use serde_json::json;
 
