@@ -45,6 +45,7 @@ mod animation;
 mod asset;
 mod budget;
 mod camera;
+mod cameras;
 pub(crate) mod colors;
 mod container;
 mod curve;

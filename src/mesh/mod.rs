@@ -16,7 +16,7 @@ pub use faces::Mesh;
 #[cfg(feature = "gpu")]
 pub(crate) use faces::MeshId;
 pub(crate) use polygons::is_loop;
-pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
+pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, PolygonTriangles, Polygons};
 pub use silhouette::{Chain, Silhouette, SilhouetteEdge};
 pub(crate) use topology::is_degenerate;
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};

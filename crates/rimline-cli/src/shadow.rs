@@ -5,6 +5,7 @@ pub(crate) mod casters;
 pub(crate) mod casting;
 pub(crate) mod depth;
 mod depth_shadows;
+mod draw_inputs;
 pub(crate) mod from_depth;
 pub(crate) mod given_map_error;
 mod layers;
@@ -22,8 +23,9 @@ pub(crate) mod shadows;
 use std::time::Instant;
 
 use args::ShadowArgs;
-use casters::{Casters, DrawInputs};
+use casters::Casters;
 use casting::CoveredFaces;
+use draw_inputs::DrawInputs;
 use from_depth::FromDepth;
 use pictures::{Masks, Pictures};
 use render_resources::RenderResources;

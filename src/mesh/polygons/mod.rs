@@ -40,29 +40,36 @@ impl PolygonLoops<'_> {
     /// # Errors
     /// The errors of [`Mesh::from_polygons`](crate::Mesh::from_polygons).
     pub fn triangulate(self, positions: &[[f32; 3]], weld: Weld) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
-        self.triangulate_with_polygons(positions, weld).map(|(triangles, _, counts)| (triangles, counts))
+        self.triangulate_with_polygons(positions, weld).map(|triangles| (triangles.faces, triangles.counts))
     }
 
-    /// The same as [`Self::triangulate`]; the polygon of each triangle comes second.
+    /// The same as [`Self::triangulate`], with the polygon of each triangle.
     ///
     /// # Errors
     /// The errors of [`Self::triangulate`].
-    pub fn triangulate_with_polygons(
-        self,
-        positions: &[[f32; 3]],
-        weld: Weld,
-    ) -> Result<(Vec<[u32; 3]>, Vec<u32>, WeldCounts), MeshError> {
+    pub fn triangulate_with_polygons(self, positions: &[[f32; 3]], weld: Weld) -> Result<PolygonTriangles, MeshError> {
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
         if counts.after < counts.before {
             counts.collapsed = polygons.collapsed(self);
         }
-        let (triangles, polygons) = polygons.surface(triangles);
-        if triangles.len() > MAX_FACES {
-            return Err(MeshError::TooManyFaces { faces: triangles.len() });
+        let (faces, polygons) = polygons.surface(triangles);
+        if faces.len() > MAX_FACES {
+            return Err(MeshError::TooManyFaces { faces: faces.len() });
         }
-        Ok((triangles, polygons, counts))
+        Ok(PolygonTriangles { faces, polygons, counts })
     }
+}
+
+/// The triangles that polygons were cut into.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PolygonTriangles {
+    /// The vertices of each triangle.
+    pub faces: Vec<[u32; 3]>,
+    /// The index of each triangle's polygon.
+    pub polygons: Vec<u32>,
+    /// How many vertices and polygons welding united.
+    pub counts: WeldCounts,
 }
 
 /// The largest number of corners of one polygon.

@@ -5,11 +5,10 @@ use std::borrow::Cow;
 use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
-use rimline_picture::{FacingMasks, OPPOSITE, Subject, Surface, SurfaceBuffers, TURNED, corner_normals};
+use rimline_picture::{FacingMasks, OPPOSITE, Surface, SurfaceBuffers, TURNED, corner_normals};
 
 use super::casting::{CastInputs, CoveredFaces, Extracted, put};
 use super::depth_shadows::DepthShadows;
-use super::overlay::Overlay;
 use super::posed_model::PosedModel;
 use super::render_resources::RenderResources;
 use super::scene_shadows::SceneShadows;
@@ -25,7 +24,7 @@ pub(crate) struct Casters<'a> {
     pub(super) resources: &'a RenderResources<'a>,
     pub(crate) shadows: Box<dyn Shadows + 'a>,
     /// The surface of each body, once it was bound.
-    surfaces: Vec<Surface>,
+    pub(super) surfaces: Vec<Surface>,
     /// Where volumes are shown, the silhouettes of each body by itself: of all its faces, or without covered faces of those
     /// that cast for a light. Each with that light and the number of its body.
     shown: Option<Vec<(Option<usize>, usize, Extracted)>>,
@@ -120,53 +119,6 @@ impl<'a> Casters<'a> {
     pub(super) fn shown(&self, light: usize) -> impl Iterator<Item = &Extraction> {
         let of_light = self.shown.iter().flatten().filter(move |(of, ..)| of.is_none_or(|of| of == light));
         of_light.filter_map(|(.., shown)| shown.extraction.as_ref())
-    }
-}
-
-#[derive(Clone, Copy)]
-pub(crate) struct DrawInputs<'a> {
-    pub(crate) casters: &'a Casters<'a>,
-    /// What draws the shadow volumes, and what is drawn over the light. `None`: not known yet.
-    pub(super) drawn: Option<(&'a VolumePipelines, Option<&'a Overlay>)>,
-    /// Samples of all lights together.
-    pub(crate) samples: usize,
-    pub(crate) has_ground: bool,
-    /// Only one pixel is drawn, so that the device compiles the shaders.
-    pub(crate) is_trial: bool,
-}
-
-impl Subject for DrawInputs<'_> {
-    type Error = GpuError;
-
-    fn lights(&self) -> usize {
-        self.samples
-    }
-
-    fn has_ground(&self) -> bool {
-        self.has_ground
-    }
-
-    fn surfaces(&self) -> &[Surface] {
-        &self.casters.surfaces
-    }
-
-    fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), GpuError> {
-        self.drawn.map_or(Ok(()), |(pipelines, _)| self.casters.shadows.draw(pass, pipelines, light))
-    }
-
-    fn has_overlays(&self) -> bool {
-        self.drawn.is_some_and(|(_, overlay)| overlay.is_some())
-    }
-
-    fn draw_overlays(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), GpuError> {
-        self.drawn.and_then(|(_, overlay)| overlay).map_or(Ok(()), |overlay| overlay.draw(pass, self))
-    }
-
-    fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
-        if self.is_trial {
-            pass.set_scissor_rect(0, 0, 1, 1);
-        }
-        pass
     }
 }
 

@@ -7,7 +7,7 @@ use rimline_picture::{
 };
 use wgpu::{DepthBiasState, PrimitiveTopology};
 
-use super::casters::DrawInputs;
+use super::casters::Casters;
 use super::light_maps::ShownDepths;
 use crate::gpu_error::GpuError;
 
@@ -33,15 +33,21 @@ impl Overlay {
         }
     }
 
-    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, subject: &DrawInputs<'_>) -> Result<(), GpuError> {
-        for light in 0..subject.samples {
+    /// Draws it for so many samples of all lights together.
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        casters: &Casters<'_>,
+        samples: usize,
+    ) -> Result<(), GpuError> {
+        for light in 0..samples {
             match self {
                 Self::Volumes(volumes) => {
-                    for extraction in subject.casters.shown(light) {
-                        volumes.draw(pass, &subject.casters.resources.shared, extraction, [light; 2])?;
+                    for extraction in casters.shown(light) {
+                        volumes.draw(pass, &casters.resources.shared, extraction, [light; 2])?;
                     }
                 }
-                Self::Maps(maps) => maps.draw(pass, subject, light),
+                Self::Maps(maps) => maps.draw(pass, casters, light),
             }
         }
         Ok(())
@@ -66,12 +72,12 @@ impl MapOverlay {
         Self { layout, passes: [triangles, lines] }
     }
 
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, subject: &DrawInputs<'_>, light: usize) {
-        let shown = subject.casters.shadows.shown_maps(light);
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, casters: &Casters<'_>, light: usize) {
+        let shown = casters.shadows.shown_maps(light);
         let Some(ShownDepths { shown, cells, texture }) = shown else { return };
         let bound =
             [shown.views.as_entire_binding(), cells.as_entire_binding(), wgpu::BindingResource::TextureView(texture)];
-        let resources = &subject.casters.resources.shared;
+        let resources = &casters.resources.shared;
         resources.select(pass, light);
         pass.set_bind_group(2, &group(&resources.factory.device, &self.layout, &bound), &[]);
         for (pipeline, arguments) in self.passes.iter().zip([[0, 32], [16, 48]]) {

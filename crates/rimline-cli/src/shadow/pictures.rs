@@ -7,7 +7,7 @@ use rimline_picture::{
 };
 use wgpu::{TextureFormat, TextureUsages};
 
-use super::casters::DrawInputs;
+use super::draw_inputs::DrawInputs;
 use super::overlay::Overlay;
 use super::render_resources::RenderResources;
 use super::shadows::{ShadowMethod, VolumePipelines};

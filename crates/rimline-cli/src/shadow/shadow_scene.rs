@@ -7,9 +7,10 @@ use rimline::gpu::StageTimer;
 use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
 use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
-use super::casters::{Casters, DrawInputs};
+use super::casters::Casters;
 use super::casting::CastInputs;
 use super::depth::too_coarse;
+use super::draw_inputs::DrawInputs;
 use super::posed_model::PosedModel;
 use super::shaded_lights::shaded_lights;
 use crate::device::{self, Gpu, Wanted};

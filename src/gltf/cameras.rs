@@ -1,0 +1,59 @@
+//! The cameras of an asset, placed by their nodes.
+
+use glam::{DAffine3, DVec3};
+
+use super::asset::Asset;
+use super::camera::SceneCamera;
+use super::document::{Named, Part};
+use super::error::GltfError;
+
+impl Asset {
+    /// The cameras of the chosen scene at a time in seconds, in the order of its nodes. Those of hidden nodes are there, too, since
+    /// nothing of a camera is seen. One that is damaged does not refuse the others.
+    ///
+    /// # Errors
+    /// [`GltfError`] as for [`Asset::pose`].
+    pub fn each_camera(
+        &self,
+        animations: impl IntoIterator<Item = usize>,
+        time_s: f32,
+    ) -> Result<Vec<Result<SceneCamera, GltfError>>, GltfError> {
+        let world = self.state(animations, time_s)?.world;
+        Ok(self.camera_nodes().map(|(n, camera)| self.camera(n, camera, &world[n], time_s)).collect())
+    }
+
+    /// The name of each of [`Asset::each_camera`], or that of its node.
+    pub fn camera_names(&self) -> Vec<Option<&str>> {
+        let name = |(n, camera): (usize, &Part<usize>)| {
+            let own = camera.as_ref().ok().and_then(|&camera| self.document.cameras[camera].name.as_ref());
+            own.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
+        };
+        self.camera_nodes().map(name).collect()
+    }
+
+    /// The nodes of the scene's cameras.
+    fn camera_nodes(&self) -> impl Iterator<Item = (usize, &Part<usize>)> {
+        self.graph.scene.iter().filter_map(|&n| Some((n, self.document.nodes[n].camera.as_ref()?)))
+    }
+
+    /// The camera of node `n`, whose world matrix is given.
+    fn camera(&self, n: usize, camera: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneCamera, GltfError> {
+        let damaged = |fault: &GltfError| GltfError::DamagedCamera { node: n, source: Box::new(fault.clone()) };
+        self.graph.check(&self.document, n).map_err(|fault| damaged(&fault))?;
+        let Named { name, part } = &self.document.cameras[*camera.as_ref().map_err(|fault| damaged(fault))?];
+        let projection = *part.as_ref().map_err(|fault| damaged(fault))?;
+        let forward = -world.matrix3.z_axis.normalize();
+        let up = world.matrix3.y_axis.reject_from_normalized(forward).normalize();
+        let [eye, forward, up] = [world.translation, forward, up].map(DVec3::as_vec3);
+        if !(eye.is_finite() && forward.is_finite() && up.is_finite()) {
+            return Err(GltfError::NotFinite { json_path: format!("nodes[{n}]"), time_s });
+        }
+        Ok(SceneCamera {
+            name: name.clone().or_else(|| self.document.nodes[n].name.clone()),
+            eye: eye.into(),
+            forward: forward.into(),
+            up: up.into(),
+            projection,
+        })
+    }
+}
