@@ -1,6 +1,6 @@
 //! Cameras of the scene.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::asset::Asset;
 use super::document::{Named, Part};
@@ -124,7 +124,7 @@ impl Asset {
         let projection = *part.as_ref().map_err(|fault| damaged(fault))?;
         let forward = -world.matrix3.z_axis.normalize();
         let up = world.matrix3.y_axis.reject_from_normalized(forward).normalize();
-        let [eye, forward, up] = [world.translation, forward, up].map(|vector| vector.as_vec3());
+        let [eye, forward, up] = [world.translation, forward, up].map(DVec3::as_vec3);
         if !(eye.is_finite() && forward.is_finite() && up.is_finite()) {
             return Err(GltfError::NotFinite { json_path: format!("nodes[{n}]"), time_s });
         }

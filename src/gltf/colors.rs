@@ -20,7 +20,7 @@ pub(super) const WHITE: [f32; 3] = [1.0; 3];
 
 /// A component from 0 to 1. NaN is 0.
 fn clamped(component: f32) -> f32 {
-    component.max(0.0).min(1.0)
+    if component.is_nan() { 0.0 } else { component.clamp(0.0, 1.0) }
 }
 
 /// The factor of a primitive's material.

@@ -33,7 +33,7 @@ pub struct Materials<'a> {
 
 /// The linear value of an sRGB component. It is from 0 to 1; NaN gives 0.
 pub(crate) fn linear(component: f64) -> f32 {
-    let component = component.max(0.0).min(1.0);
+    let component = if component.is_nan() { 0.0 } else { component.clamp(0.0, 1.0) };
     if component <= 0.04045 {
         return (component / 12.92) as f32;
     }

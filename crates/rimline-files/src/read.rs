@@ -180,7 +180,7 @@ fn of_arrays(arrays: npz::Arrays, weld: Weld, taken: Polygons) -> Result<File, F
             if taken == Polygons::Described {
                 described = Some(Box::new(GivenPolygons { mesh: by_loop(&polygons)?, positions: positions.clone() }));
             }
-            let (triangles, of_triangles, counts) = polygons.loops().triangulate_with_polygons(&positions, weld)?;
+            let ((triangles, of_triangles), counts) = polygons.loops().triangulate_with_polygons(&positions, weld)?;
             of_polygons(&mut colors, &of_triangles);
             (faces, collapsed) = (triangles, counts.collapsed);
         }

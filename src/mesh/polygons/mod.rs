@@ -27,6 +27,9 @@ pub struct PolygonLoops<'a> {
     pub loop_corners: &'a [u32],
 }
 
+/// Triangles, and the polygon of each.
+type Surface = (Vec<[u32; 3]>, Vec<u32>);
+
 impl PolygonLoops<'_> {
     /// The triangles that the polygons are drawn as, one polygon's after the other's: the faces of
     /// [`Mesh::from_polygons`](crate::Mesh::from_polygons), for other makers of geometry, and what welding did. Each welded
@@ -40,10 +43,10 @@ impl PolygonLoops<'_> {
     /// # Errors
     /// The errors of [`Mesh::from_polygons`](crate::Mesh::from_polygons).
     pub fn triangulate(self, positions: &[[f32; 3]], weld: Weld) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
-        self.triangulate_with_polygons(positions, weld).map(|(triangles, _, counts)| (triangles, counts))
+        self.triangulate_with_polygons(positions, weld).map(|((triangles, _), counts)| (triangles, counts))
     }
 
-    /// The same as [`Self::triangulate`]; the polygon of each triangle comes second.
+    /// The same as [`Self::triangulate`], with the polygon of each triangle.
     ///
     /// # Errors
     /// The errors of [`Self::triangulate`].
@@ -51,7 +54,7 @@ impl PolygonLoops<'_> {
         self,
         positions: &[[f32; 3]],
         weld: Weld,
-    ) -> Result<(Vec<[u32; 3]>, Vec<u32>, WeldCounts), MeshError> {
+    ) -> Result<(Surface, WeldCounts), MeshError> {
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
         if counts.after < counts.before {
@@ -61,7 +64,7 @@ impl PolygonLoops<'_> {
         if triangles.len() > MAX_FACES {
             return Err(MeshError::TooManyFaces { faces: triangles.len() });
         }
-        Ok((triangles, polygons, counts))
+        Ok(((triangles, polygons), counts))
     }
 }
 

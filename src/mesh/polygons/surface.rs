@@ -2,13 +2,13 @@
 
 use std::hash::{BuildHasher, RandomState};
 
-use super::Polygons;
+use super::{Polygons, Surface};
 use crate::mesh::topology::is_degenerate;
 use crate::mesh::weld;
 
 impl Polygons {
     /// The surface of all polygons, from the triangles of each, and the polygon of each triangle.
-    pub(super) fn surface(self, triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<u32>) {
+    pub(super) fn surface(self, triangles: Vec<[u32; 3]>) -> Surface {
         if self.are_triangles() {
             let polygons = (0..self.len() as u32).collect();
             return (self.into_triangles(), polygons);
