@@ -66,7 +66,7 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         animations: parser.named(&root, animations, |animation| parser.animation(animation))?,
         lights: punctual
             .map_or(Ok(Vec::new()), |json| parser.named(&json, parser.lights, super::parse_scene::light))?,
-        cameras: parser.named(&root, parser.cameras, super::camera::projection)?,
+        cameras: parser.named(&root, parser.cameras, super::parse_scene::projection)?,
         materials: parser.named(&root, parser.materials, base_color)?,
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
         center: center(&root)?,

@@ -1,9 +1,10 @@
-//! Reads nodes, animations and lights of [`Document`](super::document::Document) from JSON.
+//! Reads nodes, animations, lights and cameras of [`Document`](super::document::Document) from JSON.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::{DQuat, DVec3};
 
+use super::camera::CameraProjection;
 use super::document::{
     Animation, ChannelTarget, INSTANCED, Interpolation, Mesh, Named, Node, Part, Property, PunctualLight, Sampler, Trs,
     affine, unit,
@@ -162,4 +163,42 @@ fn cone(json: &Json<'_>) -> Result<[f32; 2], GltfError> {
         return Err(spot.wrong("innerConeAngle", "an angle from 0 to that of the outer cone, in radians"));
     }
     Ok([inner, outer].map(|angle| angle.min(FRAC_PI_2) as f32))
+}
+
+/// A camera without its name.
+pub(super) fn projection(json: &Json<'_>) -> Result<CameraProjection, GltfError> {
+    let kind = json.need("type")?;
+    let own: Json<'_> = match kind {
+        "perspective" | "orthographic" => json.need(kind)?,
+        _ => return Err(json.wrong("type", "perspective or orthographic")),
+    };
+    let checked = |key: &str, expected: &str, is_right: &dyn Fn(f32) -> bool, value: f64| {
+        let value = value as f32;
+        if value.is_finite() && is_right(value) { Ok(value) } else { Err(own.wrong(key, expected)) }
+    };
+    let positive = |key: &str, value: f64| checked(key, "a number of more than 0", &|value| value > 0.0, value);
+    let behind = |near: f32, value: f64| checked("zfar", "a distance beyond znear", &|far| far > near, value);
+    if kind == "perspective" {
+        let is_angle = |angle: f32| angle > 0.0 && angle < std::f32::consts::PI;
+        let znear = positive("znear", own.need("znear")?)?;
+        return Ok(CameraProjection::Perspective {
+            yfov: checked(
+                "yfov",
+                "an angle of more than 0 and less than a half turn, in radians",
+                &is_angle,
+                own.need("yfov")?,
+            )?,
+            aspect_ratio: own.get("aspectRatio")?.map(|ratio| positive("aspectRatio", ratio)).transpose()?,
+            znear,
+            zfar: own.get("zfar")?.map(|far| behind(znear, far)).transpose()?,
+        });
+    }
+    let half = |key: &str| checked(key, "a number that is not 0", &|half| half != 0.0, own.need(key)?);
+    let znear = checked("znear", "a distance of 0 or more", &|near| near >= 0.0, own.need("znear")?)?;
+    Ok(CameraProjection::Orthographic {
+        xmag: half("xmag")?,
+        ymag: half("ymag")?,
+        znear,
+        zfar: behind(znear, own.need("zfar")?)?,
+    })
 }

@@ -204,7 +204,7 @@ mod tests {
             let [note] = file.color_notes() else { panic!("{:?}", file.color_notes()) };
             assert!(note.contains(name) && note.contains(says), "{note}");
         }
-        let many = (0..100).map(|n| format!("{n}.mtl ")).collect::<String>();
+        let many = (0..100).map(|n| format!("{n}.mtl")).collect::<Vec<_>>().join(" ");
         assert_eq!(model(&inner, &square(&many), Polygons::Triangles)?.color_notes().len(), super::MAX_FILES);
         // The file that is beside it, wherever the exporter had it, and one of two names.
         std::fs::write(inner.join("in.mtl"), "newmtl red\r\nKd 1 0 0\r\n")?;
