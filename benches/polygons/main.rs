@@ -39,7 +39,8 @@ fn measure(gpu: &Gpu, set: &PolygonSet, bump: f32) -> Result<(), Error> {
     let lights: Vec<Light> = (0..8).map(|_| Light::point(random.direction().map(|c| 6.0 * c))).collect();
     let mut found = Extraction::default();
     found.update(&set.positions, &polygons, &lights, Predicate::Exact, Threads::ONE).expect("good lights");
-    let twisted: u32 = found.twisted.iter().map(|mask| mask.count_ones()).sum();
+    let twisted: Vec<u32> = polygons.polygons().map_or_else(Vec::new, |polygons| polygons.masks_of(&found.twisted));
+    let twisted: u32 = twisted.iter().map(|mask| mask.count_ones()).sum();
     let twisted = 100.0 * f64::from(twisted) / (8 * polygons.face_count()) as f64;
     let facts = format!(
         "{} | {bump} | {} | {} | {twisted:.2}",

@@ -1,8 +1,7 @@
 //! Extraction, deformation and occluder counts on the CPU. They need no device. Extraction and occluder counts have the same
 //! bits as on the GPU at the same positions.
 //!
-//! Masks are in batches of 32 lights, one after the other, and in a batch one item after the other. The GPU has the same layout
-//! for triangles and edge records; [`Extraction`] says what differs for polygons.
+//! Masks are in batches of 32 lights, one after the other, and in a batch one item after the other. The GPU has the same layout.
 
 pub(crate) mod common;
 pub(crate) mod deform;

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::animation::{self, LoadedAnimation};
 use super::budget::Budget;
+use super::colors::Colors;
 use super::document::{Document, Mesh, Mode, Named, Part, Skin};
 use super::error::GltfError;
 use super::files::{self, Bytes, Folder};
@@ -110,7 +111,7 @@ impl Asset {
         let reader = Reader { document: &document, buffers: &buffers, budget, warnings: &warnings };
         let skins = skin::load(&reader)?;
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
-        instances::charge_lights(&reader, &graph)?;
+        instances::charge_lights_and_cameras(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
         let skipped = skipped_primitives(&document);
         if skipped != SkippedPrimitives::default() {
@@ -123,6 +124,7 @@ impl Asset {
         document.buffers = Vec::new();
         document.views = Vec::new();
         document.accessors = Vec::new();
+        document.materials = Vec::new();
         Ok(Self {
             skin_infos: skin_infos(&document),
             mesh_infos: mesh_infos(&document, &built),
@@ -166,6 +168,11 @@ impl Asset {
     /// instances.
     pub fn model(&self) -> &Model {
         &self.built.model
+    }
+
+    /// The base colours of the geometry with this index, if they are not all white: of its faces and its vertices.
+    pub fn colors(&self, geometry: usize) -> Option<&Colors> {
+        self.built.colors.get(geometry).filter(|colors| !colors.is_white())
     }
 
     /// Result of welding the geometry with this index, or `None` past the end.
@@ -243,7 +250,8 @@ fn warn_of_the_rest(
     }
     let nodes = document.nodes.iter().filter_map(|node| node.light.as_ref()?.as_ref().err());
     let lights = document.lights.iter().filter_map(|light| light.part.as_ref().err());
-    warnings.damaged(nodes.chain(lights))?;
+    let materials = document.materials.iter().filter_map(|material| material.part.as_ref().err());
+    warnings.damaged(nodes.chain(lights).chain(materials))?;
     warnings.damaged(faults(&document.scenes))?;
     warnings.damaged(faults(buffers))?;
     warnings.damaged(faults(&document.views))?;

@@ -5,6 +5,7 @@
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
+use super::camera::CameraProjection;
 use super::error::GltfError;
 use super::info::SceneLightKind;
 
@@ -25,6 +26,9 @@ pub(super) struct Document {
     pub(super) scene: Option<usize>,
     pub(super) animations: Vec<Named<Animation>>,
     pub(super) lights: Vec<Named<PunctualLight>>,
+    pub(super) cameras: Vec<Named<CameraProjection>>,
+    /// The base colour factor of each material, without alpha.
+    pub(super) materials: Vec<Named<[f32; 3]>>,
     /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
     /// The center of `CESIUM_RTC`, or zero: the scene's zero in the world.
@@ -111,6 +115,9 @@ pub(super) struct Primitive {
     pub(super) influences: Part<Vec<InfluenceSet>>,
     /// The accessor of each target's POSITION. `None`: the target moves nothing here.
     pub(super) targets: Vec<Option<usize>>,
+    pub(super) material: Part<Option<usize>>,
+    /// The accessor of `COLOR_0`.
+    pub(super) color: Part<Option<usize>>,
     /// Whether it has Draco-compressed data, too.
     pub(super) draco: bool,
 }
@@ -139,7 +146,7 @@ pub(super) struct Skin {
     pub(super) inverse_binds: Option<usize>,
 }
 
-/// A node. One with a fault has no content beside its name and its light.
+/// A node. One with a fault has no content beside its name, its light and its camera.
 #[derive(Debug, Default)]
 pub(super) struct Node {
     pub(super) name: Option<String>,
@@ -151,6 +158,7 @@ pub(super) struct Node {
     pub(super) skin: Option<usize>,
     pub(super) weights: Option<Vec<f64>>,
     pub(super) light: Option<Part<usize>>,
+    pub(super) camera: Option<Part<usize>>,
     /// The accessors of [`INSTANCED`].
     pub(super) instancing: Option<[Option<usize>; 3]>,
     /// Whether the node and what is below it are hidden (`KHR_node_visibility`).

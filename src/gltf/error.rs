@@ -107,6 +107,14 @@ pub enum GltfError {
         /// The fault, and where it is.
         source: Box<GltfError>,
     },
+    /// A camera is damaged. The rest of the file can be used.
+    #[error("the camera of nodes[{node}] cannot be used: {source}")]
+    DamagedCamera {
+        /// Index of the camera's node.
+        node: usize,
+        /// The fault, and where it is.
+        source: Box<GltfError>,
+    },
     /// The time is NaN.
     #[error("the time is not a number; give seconds")]
     Time,

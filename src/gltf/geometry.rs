@@ -3,18 +3,21 @@
 use std::collections::HashMap;
 
 use super::budget::grown;
+use super::colors::{self, Colors, WHITE};
 use super::document::{Mesh, Primitive, checked};
 use super::error::GltfError;
 use super::extensions;
 use super::reader::Reader;
 use super::triangles;
 use super::vertices::{self, HighestJoint, Vertices};
+use super::warning::GltfWarning;
 use crate::model::{Geometry, GeometryOptions, Influences, ModelError};
 
 /// A merged mesh, before welding.
 #[derive(Debug)]
 pub(super) struct Merged {
     pub(super) geometry: Geometry,
+    pub(super) colors: Colors,
     /// The highest joint of each primitive that has joints.
     pub(super) highest_joints: Vec<HighestJoint>,
 }
@@ -27,7 +30,7 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
     let mesh = checked(&named.part)?;
     let mut draft = Draft::new(mesh, skinned_by.is_some());
     let mut highest_joints = Vec::new();
-    // The first vertex of each block. Primitives with the same accessors share vertices.
+    // The first vertex of each block, and the accessor of its colours. Primitives with the same accessors share vertices.
     let mut blocks = HashMap::new();
     let mark = reader.budget.mark();
     for (p, primitive) in mesh.primitives.iter().enumerate() {
@@ -51,22 +54,54 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
             return Err(GltfError::invalid(format!("nodes[{node}]"), problem));
         }
         let key = (position, &primitive.targets, primitive.influences.as_ref().ok());
-        let first = if let Some(&first) = blocks.get(&key) {
+        let color = primitive.color.as_ref().ok().copied().flatten();
+        let first = if let Some(&(first, of_first)) = blocks.get(&key) {
+            if color != of_first {
+                let problem =
+                    ": COLOR_0 differs from that of a primitive with the same positions, which is taken instead";
+                let json_path = json_path.clone();
+                reader.warnings.push(GltfWarning::Changed { json_path, problem: problem.to_owned() })?;
+            }
             first
         } else {
             let vertices = read()?;
             highest_joints.extend(vertices.bindings.highest.clone());
             let first = draft.append(&vertices, reader, &json_path)?;
-            blocks.insert(key, first);
+            let colors = colors::of_vertices(reader, primitive, vertices.positions.len(), &json_path);
+            if let Some(colors) = reader.warnings.leave_out(colors)?.flatten() {
+                let more = draft.positions.len() - draft.vertex_colors.len();
+                reader.charge(grown(&draft.vertex_colors, more), 1, &|| json_path.clone())?;
+                draft.vertex_colors.reserve(more);
+                draft.vertex_colors.resize(first as usize, WHITE);
+                draft.vertex_colors.extend(colors);
+            }
+            blocks.insert(key, (first, color));
             first
         };
         let faces = triangles::read(reader, primitive, reader.count(position)?, &json_path)?;
         reader.charge(grown(&draft.faces, faces.len()), 1, &|| json_path.clone())?;
+        let (before, after) = (draft.faces.len(), draft.faces.len() + faces.len());
         draft.faces.extend(faces.into_iter().map(|face| face.map(|v| v + first)));
+        let color = reader.warnings.leave_out(colors::of_material(reader, primitive))?.unwrap_or(WHITE);
+        if color != WHITE || !draft.face_colors.is_empty() {
+            let more = after - draft.face_colors.len();
+            reader.charge(grown(&draft.face_colors, more), 1, &|| json_path.clone())?;
+            draft.face_colors.reserve(more);
+            draft.face_colors.resize(before, WHITE);
+            draft.face_colors.resize(after, color);
+        }
     }
     reader.budget.settle(mark, draft.bytes());
-    let geometry = draft.finish(named.name.clone()).map_err(GltfError::model(format!("meshes[{index}]")))?;
-    Ok(Merged { geometry, highest_joints })
+    let json_path = || format!("meshes[{index}]");
+    let vertices = draft.positions.len();
+    if !draft.vertex_colors.is_empty() {
+        reader.charge(grown(&draft.vertex_colors, vertices - draft.vertex_colors.len()), 1, &json_path)?;
+        draft.vertex_colors.resize(vertices, WHITE);
+    }
+    let of = |list: &mut Vec<[f32; 3]>| Some(std::mem::take(list)).filter(|colors| !colors.is_empty());
+    let colors = Colors { faces: of(&mut draft.face_colors), vertices: of(&mut draft.vertex_colors) };
+    let geometry = draft.finish(named.name.clone()).map_err(GltfError::model(json_path()))?;
+    Ok(Merged { geometry, colors, highest_joints })
 }
 
 /// Refuses a primitive whose plain data was left out in compression. It would read as zeros.
@@ -85,6 +120,9 @@ fn check_compression(reader: &Reader<'_>, primitive: &Primitive, json_path: &str
 struct Draft {
     positions: Vec<[f32; 3]>,
     faces: Vec<[u32; 3]>,
+    /// Of the first faces and vertices; the others are white.
+    face_colors: Vec<[f32; 3]>,
+    vertex_colors: Vec<[f32; 3]>,
     morph_targets: Vec<Vec<[f32; 3]>>,
     is_skinned: bool,
     /// Where the joints of each vertex end. Empty without a skin, as the lists below.
@@ -98,6 +136,8 @@ impl Draft {
         Self {
             positions: Vec::new(),
             faces: Vec::new(),
+            face_colors: Vec::new(),
+            vertex_colors: Vec::new(),
             morph_targets: vec![Vec::new(); mesh.targets],
             is_skinned,
             ends: if is_skinned { vec![0] } else { Vec::new() },
@@ -110,6 +150,8 @@ impl Draft {
     fn bytes(&self) -> u64 {
         let vectors = self.positions.capacity()
             + self.faces.capacity()
+            + self.face_colors.capacity()
+            + self.vertex_colors.capacity()
             + self.morph_targets.iter().map(Vec::capacity).sum::<usize>();
         let influences = self.ends.capacity() + self.joints.capacity() + self.weights.capacity();
         (12 * vectors + 4 * (influences + self.positions.len())) as u64

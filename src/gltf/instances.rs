@@ -3,6 +3,8 @@
 use glam::{DAffine3, DVec3};
 
 use super::budget;
+use super::camera::SceneCamera;
+use super::colors::{self, Colors};
 use super::document::{Document, Frame, INSTANCED, Node, Part, Placement, Trs, checked, unit};
 use super::error::GltfError;
 use super::geometry::{self, Merged};
@@ -19,6 +21,8 @@ use crate::model::{Geometry, GeometryOptions, Instance, Model};
 #[derive(Debug)]
 pub(super) struct Built {
     pub(super) model: Model,
+    /// The colours of each geometry.
+    pub(super) colors: Vec<Colors>,
     /// The origin of each instance.
     pub(super) placements: Vec<Placement>,
     /// The mesh of each geometry.
@@ -32,6 +36,7 @@ struct Draft<'a> {
     reader: &'a Reader<'a>,
     skins: &'a [Part<LoadedSkin>],
     geometries: Vec<Geometry>,
+    colors: Vec<Colors>,
     instances: Vec<Instance>,
     placements: Vec<Placement>,
     meshes: Vec<usize>,
@@ -47,8 +52,8 @@ pub(super) fn build(
 ) -> Result<Built, GltfError> {
     let document = reader.document;
     let (geometries, instances, placements) = (Vec::new(), Vec::new(), Vec::new());
-    let (meshes, weld_counts) = (Vec::new(), Vec::new());
-    let mut draft = Draft { reader, skins, geometries, instances, placements, meshes, weld_counts };
+    let (meshes, weld_counts, colors) = (Vec::new(), Vec::new(), Vec::new());
+    let mut draft = Draft { reader, skins, geometries, colors, instances, placements, meshes, weld_counts };
     let users = users(document, graph);
     let (is_skinned, is_rigid) = (|user: &User| user.skin.is_some(), |user: &User| user.skin.is_none());
     for (mesh, users) in users.iter().enumerate() {
@@ -82,21 +87,26 @@ pub(super) fn build(
             draft.add_instance(mesh, document.meshes[mesh].name.as_ref(), placement)?;
         }
     }
-    let Draft { geometries, instances, placements, meshes, weld_counts, .. } = draft;
+    let Draft { geometries, colors, instances, placements, meshes, weld_counts, .. } = draft;
     let model = Model::new(geometries, instances).map_err(GltfError::model("nodes"))?;
-    Ok(Built { model, placements, meshes, weld_counts })
+    Ok(Built { model, colors, placements, meshes, weld_counts })
 }
 
-/// Charges the lights of the chosen scene, as callers get them, with their names.
-pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
+/// Charges the lights and cameras of the chosen scene, as callers get them, with their names.
+pub(super) fn charge_lights_and_cameras(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
     for &n in &graph.scene {
         let node = &document.nodes[n];
+        // In a list that doubles.
+        let charge = |size: usize, name: Option<&String>, what: &str| {
+            let bytes = 3 * size + name.or(node.name.as_ref()).map_or(0, String::len);
+            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its {what})"))
+        };
         if let Some(Ok(light)) = node.light {
-            let name = document.lights[light].name.as_ref().or(node.name.as_ref()).map_or(0, String::len);
-            // A list that doubles.
-            let bytes = 3 * size_of::<SceneLight>() + name;
-            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its light)"))?;
+            charge(size_of::<SceneLight>(), document.lights[light].name.as_ref(), "light")?;
+        }
+        if let Some(Ok(camera)) = node.camera {
+            charge(size_of::<SceneCamera>(), document.cameras[camera].name.as_ref(), "camera")?;
         }
     }
     Ok(())
@@ -185,25 +195,33 @@ impl Draft<'_> {
         let skinned_by = these.clone().next().filter(|_| is_skinned).map(|user| user.node);
         // A file without scenes shows meshes that no node names.
         let is_alone = users.is_empty() && document.scenes.is_empty();
-        let geometry = match geometry::merge(self.reader, mesh, skinned_by) {
-            Ok(Merged { geometry, highest_joints }) => {
+        let (geometry, mut colors) = match geometry::merge(self.reader, mesh, skinned_by) {
+            Ok(Merged { geometry, colors, highest_joints }) => {
                 let highest = highest_joints.iter().max_by_key(|highest| highest.joint);
                 these.try_for_each(|user| highest.map_or(Ok(()), |highest| self.check_joints(user, highest)))?;
-                geometry
+                (geometry, colors)
             }
             Err(fault) if is_alone || these.any(|user| user.is_shown) => return Err(fault),
             Err(fault) => {
                 warnings.leave_out::<()>(Err(fault))?;
                 let name = document.meshes[mesh].name.clone();
                 let empty = Geometry::new(Vec::new(), Vec::new(), GeometryOptions { name, ..Default::default() });
-                empty.map_err(GltfError::model(format!("meshes[{mesh}]")))?
+                (empty.map_err(GltfError::model(format!("meshes[{mesh}]")))?, Colors::default())
             }
         };
         budget.charge_welding(&geometry, weld, &|| format!("meshes[{mesh}]"))?;
+        if colors.vertices.is_some() {
+            let [vertex, face] = colors::WELDING;
+            budget.charge(geometry.positions().len() as u64, vertex, &|| format!("meshes[{mesh}]"))?;
+            budget.charge(geometry.faces().len() as u64, face, &|| format!("meshes[{mesh}]"))?;
+            colors::split(&mut colors, geometry.positions(), geometry.faces().iter().map(<[u32; 3]>::as_slice));
+        }
         let (welded, counts) = geometry.welded(weld);
+        let colors = colors::welded(colors, geometry.faces(), &welded);
         drop(geometry);
-        budget.settle(mark, budget::remaining_bytes(&welded));
+        budget.settle(mark, budget::remaining_bytes(&welded) + colors.bytes());
         self.geometries.push(welded);
+        self.colors.push(colors);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);
         Ok(())

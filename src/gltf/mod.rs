@@ -8,10 +8,13 @@
 //!   nodes.
 //! * **Damage.** Every mesh, skin and animation of the file is read and checked, and so is every part that the scene needs. A
 //!   fault is an error where the scene needs the part, or where a caller requests it: an animation by [`Asset::pose`], a
-//!   light by [`Asset::lights`]. It is a warning everywhere else, see [`Asset::warnings`]. Cameras and materials are not
-//!   read.
+//!   light by [`Asset::lights`]. It is a warning everywhere else, see [`Asset::warnings`].
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
 //!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
+//! * **Colours.** `baseColorFactor` of materials and `COLOR_0` give [`Asset::colors`], without alpha and clamped to 0 to 1. A
+//!   fault in them is a warning, and the colour is then white. Textures are never read. Vertices at one position with different
+//!   colours give their faces the mean of the corners.
+//! * **Cameras** are read where a caller asks for them: [`Asset::each_camera`]. A fault in one is then an error, and no warning.
 //! * **Large coordinates.** Transforms of nodes are composed in `f64`. [`Asset::set_origin`] subtracts a point near the
 //!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the translations of all nodes.
 //! * **Shared children.** A child of two nodes is placed below the first of them, with a warning.
@@ -41,6 +44,8 @@
 mod animation;
 mod asset;
 mod budget;
+mod camera;
+pub(crate) mod colors;
 mod container;
 mod curve;
 mod document;
@@ -64,6 +69,8 @@ mod vertices;
 mod warning;
 
 pub use asset::Asset;
+pub use camera::{CameraProjection, SceneCamera};
+pub use colors::Colors;
 pub use error::GltfError;
 pub use info::{
     AnimationInfo, LoadOptions, MeshInfo, SceneLight, SceneLightKind, SkinInfo, SkippedPrimitives, SpotCone,

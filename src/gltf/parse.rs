@@ -24,6 +24,8 @@ pub(super) struct Parser<'w> {
     pub(super) skins: List,
     pub(super) nodes: List,
     pub(super) lights: List,
+    materials: List,
+    cameras: List,
     pub(super) warnings: &'w Warnings<'w>,
 }
 
@@ -46,6 +48,8 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         skins: lenient(&root, "skins")?,
         nodes: root.length("nodes")?,
         lights: punctual.as_ref().map_or(Ok(List { name: "lights", length: 0 }), |all| lenient(all, "lights"))?,
+        materials: lenient(&root, "materials")?,
+        cameras: root.length("cameras").unwrap_or(List { name: "cameras", length: 0 }),
         warnings,
     };
     let (scenes, animations) = (root.length("scenes")?, lenient(&root, "animations")?);
@@ -62,6 +66,8 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
         animations: parser.named(&root, animations, |animation| parser.animation(animation))?,
         lights: punctual
             .map_or(Ok(Vec::new()), |json| parser.named(&json, parser.lights, super::parse_scene::light))?,
+        cameras: parser.named(&root, parser.cameras, super::camera::projection)?,
+        materials: parser.named(&root, parser.materials, base_color)?,
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
         center: center(&root)?,
         buffers,
@@ -113,6 +119,14 @@ fn buffer(json: &Json<'_>) -> Result<Buffer, GltfError> {
     Ok(Buffer { uri: json.get("uri")?.map(str::to_owned), bytes: json.need("byteLength")? })
 }
 
+/// The base colour factor of a material, without alpha.
+fn base_color(json: &Json<'_>) -> Result<[f32; 3], GltfError> {
+    let metallic: Option<Json<'_>> = json.get("pbrMetallicRoughness")?;
+    let factor = metallic.map_or(Ok(None), |metallic| metallic.get("baseColorFactor"))?;
+    let [red, green, blue, _]: [f64; 4] = factor.unwrap_or([1.0; 4]);
+    Ok([red, green, blue].map(|component| component as f32))
+}
+
 fn component(json: &Json<'_>) -> Result<Component, GltfError> {
     let number: u64 = json.need("componentType")?;
     let component = Component::ALL.into_iter().find(|component| *component as u64 == number);
@@ -155,10 +169,12 @@ impl Parser<'_> {
     fn nodes(&self, root: &Json<'_>, meshes: &[Named<Mesh>]) -> Result<Vec<Node>, GltfError> {
         let nodes = self.named(root, self.nodes, |json| self.node(json, meshes))?;
         let node = |(Named { name, part }, json): (_, Result<Json<'_>, _>)| {
-            // The light of a node is there even if the rest has a fault.
-            let light = json.map_or(Ok(None), |json| self.light_index(&json))?;
+            // Light and camera of a node are there even if the rest has a fault.
+            let camera = |json: &Json<'_>| Ok(self.warnings.keep(json.index("camera", self.cameras))?.transpose());
+            let (light, camera) =
+                json.map_or(Ok((None, None)), |json| Ok::<_, GltfError>((self.light_index(&json)?, camera(&json)?)))?;
             let content = part.unwrap_or_else(|fault| Node { fault: Some(fault), ..Node::default() });
-            Ok(Node { name, light, ..content })
+            Ok(Node { name, light, camera, ..content })
         };
         nodes.into_iter().zip(root.elements("nodes")?).map(node).collect()
     }
@@ -262,6 +278,8 @@ impl Parser<'_> {
             influences: self.warnings.keep(self.influences(&attributes))?,
             indices: json.index("indices", self.accessors)?,
             position: position(&attributes)?,
+            material: self.warnings.keep(json.index("material", self.materials))?,
+            color: self.warnings.keep(attributes.index("COLOR_0", self.accessors))?,
             draco: json.extension(extensions::DRACO)?.is_some(),
         })
     }

@@ -38,6 +38,10 @@ pub(super) const WEIGHTS: Format = Format {
     components: &[(F32, None), (U8, Some(true)), (U16, Some(true))],
     text: "Vec4 of F32, normalised U8 or normalised U16",
 };
+/// Colours of vertices, of three components and of four.
+pub(super) const COLORS: Format = Format { kind: VEC3, ..COLORS_WITH_ALPHA };
+pub(super) const COLORS_WITH_ALPHA: Format =
+    Format { text: "Vec3 or Vec4 of F32, normalised U8 or normalised U16", ..WEIGHTS };
 pub(super) const INDICES: Format = Format {
     kind: SCALAR,
     components: &[(U8, Some(false)), (U16, Some(false)), (U32, Some(false))],

@@ -21,7 +21,8 @@ use crate::stages::{OUTLINE_EDGES, OUTLINE_SAMPLES, SCENE_OUTLINE_EDGES, SCENE_O
 /// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads. [`Self::of_pass`] takes them from the
 /// descriptor of a pass.
 ///
-/// wgpu panics, or reports a validation error, where a pipeline draws into a pass of other attachments.
+/// wgpu panics, or reports a validation error, where a pipeline draws into a pass of other attachments, and a pass does not tell
+/// its attachments. [`Self::begin_pass`] compares before it begins a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutlineFormat {
     /// The format of the colour attachment. It is one that blends.
@@ -43,13 +44,44 @@ impl OutlineFormat {
     /// # Errors
     /// [`OutlineError::Colors`] if the pass has not exactly one colour attachment.
     pub fn of_pass(pass: &wgpu::RenderPassDescriptor<'_>, depth: &wgpu::TextureView) -> Result<Self, OutlineError> {
+        Ok(Self { is_depth_multisampled: depth.texture().sample_count() > 1, ..Self::of_attachments(pass)? })
+    }
+
+    /// The format for the attachments of a pass, and depth of one sample.
+    fn of_attachments(pass: &wgpu::RenderPassDescriptor<'_>) -> Result<Self, OutlineError> {
         let [Some(color)] = pass.color_attachments else {
             return Err(OutlineError::Colors { given: pass.color_attachments.iter().flatten().count() });
         };
         let color = color.view.texture();
         let depth_stencil = pass.depth_stencil_attachment.as_ref().map(|attachment| attachment.view.texture().format());
-        let is_depth_multisampled = depth.texture().sample_count() > 1;
-        Ok(Self { color: color.format(), depth_stencil, samples: color.sample_count(), is_depth_multisampled })
+        Ok(Self { color: color.format(), depth_stencil, samples: color.sample_count(), is_depth_multisampled: false })
+    }
+
+    /// Begins a pass into which an outline of this format is drawn.
+    ///
+    /// Colour formats that differ only in sRGB are taken, because a view does not tell its own format. wgpu reports them.
+    ///
+    /// # Errors
+    /// [`OutlineError::OtherAttachments`] if the formats or samples of the attachments differ from those of this format. Nothing is
+    /// begun then.
+    pub fn begin_pass<'encoder>(
+        &self,
+        encoder: &'encoder mut wgpu::CommandEncoder,
+        pass: &wgpu::RenderPassDescriptor<'_>,
+    ) -> Result<wgpu::RenderPass<'encoder>, OutlineError> {
+        let given = Self { is_depth_multisampled: self.is_depth_multisampled, ..Self::of_attachments(pass)? };
+        let without_srgb = |format: &Self| Self { color: format.color.remove_srgb_suffix(), ..format.clone() };
+        if without_srgb(&given) != without_srgb(self) {
+            return Err(OutlineError::OtherAttachments { pass: Box::new(given), format: Box::new(self.clone()) });
+        }
+        Ok(encoder.begin_render_pass(pass))
+    }
+
+    /// The attachments, for messages.
+    fn attachments(&self) -> String {
+        let Self { color, depth_stencil, samples, .. } = self;
+        let depth = depth_stencil.map_or("no depth".to_owned(), |format| format!("{format:?}"));
+        format!("{color:?}, {depth} and {samples} samples a pixel")
     }
 }
 
@@ -112,7 +144,8 @@ pub enum OutlineSource<'a> {
     /// The edges of an extraction, and the number of the light. The extractor has lists of quads, the default.
     Extraction(&'a Extraction, usize),
     /// The edges of all casters of a frame of a scene, and a light of that frame. There is one draw for each group of casters.
-    /// Without [views](crate::gpu::FrameInputs::views) the encode prepares no shadow volumes; with views it does for this light, too.
+    /// Without [views](crate::gpu::FrameInputs::views) the encode prepares no shadow volumes. With views it does so for this light,
+    /// too, unless [`View::lights`](crate::gpu::View::lights) leaves it out.
     ///
     /// A caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of the light's
     /// range or cone, or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders) hide it from the light. So give the light
@@ -120,14 +153,16 @@ pub enum OutlineSource<'a> {
     /// [`Scene::set_excluded`](crate::gpu::Scene::set_excluded), have outlines like all others.
     ///
     /// ```no_run
-    /// use rimline::gpu::{FrameInputs, LightHandle, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle, Scene};
+    /// use rimline::gpu::{FrameInputs, LightHandle, LightMask, View};
+    /// use rimline::gpu::{OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle, Scene};
     /// # use rimline::{Light, ShadowCamera, wgpu};
     /// # fn outlines(scene: &mut Scene, eye: LightHandle, outlines: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder,
     /// #     (camera, position): (&ShadowCamera, [f32; 3]), depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>)
     /// #     -> Result<(), Box<dyn std::error::Error>> {
     /// // Once: let eye = scene.add_light(Light::point(position))?;
     /// scene.set_light(eye, Light::point(position))?;
-    /// let frame = scene.encode(encoder, FrameInputs::new(&[(*camera).into()]))?;
+    /// let view = View { lights: LightMask::ALL.without(eye), ..View::new(*camera) }; // the eye casts no shadows
+    /// let frame = scene.encode(encoder, FrameInputs::new(&[view]))?;
     /// let (of, style) = (OutlineSource::Scene(&frame, eye), OutlineStyle::default());
     /// let outline = outlines.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
     /// outline.draw(&mut encoder.begin_render_pass(pass))?;
@@ -188,6 +223,17 @@ pub enum OutlineError {
     Colors {
         /// Colour attachments of the pass.
         given: usize,
+    },
+    /// A pass has other attachments than the pipeline was made for.
+    #[error(
+        "the pass has {}, and the outline is drawn into {}; make the pipeline with `OutlineFormat::of_pass` of the same pass",
+        .pass.attachments(), .format.attachments()
+    )]
+    OtherAttachments {
+        /// The format that the pass needs.
+        pass: Box<OutlineFormat>,
+        /// The format that was to begin it.
+        format: Box<OutlineFormat>,
     },
     /// The extractor's draws have too few vertices.
     #[error(
@@ -279,7 +325,8 @@ impl From<ShadowError> for OutlineError {
 /// ```
 ///
 /// A line is hidden where the depth at the line says so, not at the pixel beside it. It can be up to a pixel too long at what hides
-/// it, and within two pixels of the picture's border parts may be missing. Lines of a translucent colour are darker where they join.
+/// it, and within two pixels of the picture's border parts may be missing. Lines of a translucent colour are darker where they join, and
+/// so, a little, are the soft borders of all lines; less in a picture of several samples.
 #[derive(Debug)]
 pub struct OutlinePipeline {
     shared: Pipelines,
@@ -332,7 +379,7 @@ impl Part {
 
 impl Outline {
     /// Draws the outline into a pass with the attachments of the pipeline's format, from [`OutlineFormat::of_pass`]. It sets
-    /// pipelines and bind groups 0 and 1.
+    /// pipelines and bind groups 0 and 1. [`OutlineFormat::begin_pass`] begins such a pass, and refuses others.
     ///
     /// # Errors
     /// [`ExtractorError::Stale`] if the extractor was encoded again, [`ShadowError::StaleFrame`] if the scene was. Nothing is drawn
@@ -406,10 +453,13 @@ impl OutlinePipeline {
         camera.check_any_hand()?;
         style.check()?;
         self.check_depth(depth)?;
+        let view = |light: usize| {
+            let view = style.view(camera, light, depth, marked.is_some());
+            OutlineView { samples: self.format.samples, ..view }
+        };
         match of {
             OutlineSource::Extraction(extraction, light) => {
-                let view = style.view(camera, light, depth, marked.is_some());
-                let parts = vec![self.of_extraction(extraction, light, depth, marked, &view)?];
+                let parts = vec![self.of_extraction(extraction, light, depth, marked, &view(light))?];
                 Ok(Outline { source: Source::Extraction(extraction.clone()), parts })
             }
             OutlineSource::Scene(frame, light) => {
@@ -421,7 +471,7 @@ impl OutlinePipeline {
                 if !frame.has_positions_for(camera) {
                     return Err(OutlineError::NoView);
                 }
-                let parts = self.of_scene(frame, light, depth, &style.view(camera, 0, depth, false))?;
+                let parts = self.of_scene(frame, light, depth, &view(0))?;
                 Ok(Outline { source: Source::Scene(frame.clone()), parts })
             }
         }
@@ -536,6 +586,7 @@ impl OutlineStyle {
         }
     }
 
+    /// The uniform of a light's outline, for one sample a pixel.
     fn view(&self, camera: &ShadowCamera, light: usize, depth: &wgpu::TextureView, has_marks: bool) -> OutlineView {
         let size = [depth.texture().width(), depth.texture().height()];
         let colors = [self.silhouette, self.boundary, self.crease, self.marked.filter(|_| has_marks)];
@@ -557,7 +608,7 @@ impl OutlineStyle {
             light: light as u32,
             classes,
             is_reversed: u32::from(camera.depth == DepthDirection::Reversed),
-            reserved: 0,
+            samples: 1,
         }
     }
 }

@@ -97,7 +97,7 @@ impl Frame {
         let camera =
             ShadowCamera { view_projection: columns, origin: [0.0, 0.0, -6.0], depth: DepthDirection::Reversed };
         let receivers = Receivers { depth: &read, sky_receives: false, version: None };
-        let seen = [View { camera, depth: self.has_receivers.then_some(receivers) }];
+        let seen = [View { depth: self.has_receivers.then_some(receivers), ..View::new(camera) }];
         let views = if self.has_camera { &seen[..] } else { &[] };
         gpu.submit(|encoder| {
             let frame = scene.encode(encoder, FrameInputs::new(views)).map_err(text)?;

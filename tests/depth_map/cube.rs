@@ -14,9 +14,10 @@ use wgpu::TextureFormat;
 use crate::boundary::{names, positions};
 use crate::maps::Map;
 use crate::metric::bits;
-use crate::parity::{device_depth, either, vector};
+use crate::parity::{device_depth, either};
 use crate::picture::{EVERY_CELL, Encoded, FACES, Maps, REVERSED, Volumes, by, differences, pipelines};
 use crate::rules::{Rule, cast, listed_of_cube};
+use crate::scene::vector;
 use crate::stages::camera;
 use crate::textures::{objects, read};
 

@@ -18,7 +18,7 @@ use crate::maps::{Map, maps};
 use crate::parity::device_depth;
 use crate::picture::{EVERY_CELL, Encoded, Maps, REVERSED, STANDARD, Target, by, look, pipelines};
 use crate::rules::{Rule, listed};
-use crate::scene::{Eye, Rays};
+use crate::scene::{Eye, Rays, vector};
 use crate::stages::camera;
 use crate::textures::{depth_view, read, texture};
 
@@ -48,7 +48,7 @@ fn light(random: &mut Random, number: usize) -> (ShadowCamera, [f64; 2]) {
     let near = [0.01, 0.5, 3.0][random.below(3)];
     let (far, half_width) =
         [(None, None), (Some(40.0), None), (Some(3.5), None), (Some(40.0), Some(4.0))][number / 2 % 4];
-    let forward = DVec3::from_array(random.direction().map(f64::from));
+    let forward = vector(random);
     let position = -9.0 * forward;
     let eye = Eye { position, forward, near, is_relative: random.below(3) > 0, depth, far, half_width };
     let by = if random.below(3) == 0 { [random.between(-1.5, 1.5), random.between(-1.5, 1.5)] } else { [0.0; 2] };

@@ -15,10 +15,10 @@ use wgpu::TextureFormat;
 use crate::closed::distance;
 use crate::cube::{Cube, cube_of};
 use crate::maps::Map;
-use crate::parity::{any_eye, light, map, seen, seen_depths, vector};
+use crate::parity::{any_eye, light, map, seen, seen_depths};
 use crate::picture::{AUTOMATIC, Encoded, Maps, REVERSED, STANDARD, Target, Volumes, by, contours, look, pipelines};
 use crate::rules::{cast, rank};
-use crate::scene::{Eye, Rays};
+use crate::scene::{Eye, Rays, vector};
 use crate::textures::read;
 
 pub(crate) const TESTS: &[Test] = &[

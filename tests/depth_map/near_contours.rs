@@ -15,9 +15,9 @@ use wgpu::TextureFormat;
 use crate::contours::{Quad, UNIT, listed};
 use crate::maps::Map;
 use crate::near_rectangles::{both, eye_at, position};
-use crate::parity::{self, SIDE, clip, light, seen, seen_depths, vector};
+use crate::parity::{self, SIDE, clip, light, seen, seen_depths};
 use crate::picture::{Maps, REVERSED, STANDARD, Target, by, contours, look};
-use crate::scene::{Eye, Rays};
+use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_behind_a_rim_have_the_parity_of_walls_and_flaps", behind_a_rim),

@@ -14,9 +14,9 @@ use wgpu::TextureFormat;
 use crate::boundary::{Boundary, sample};
 use crate::cube::{Cube, cube_of};
 use crate::exact::{ROUNDING, steps};
-use crate::parity::{self, SIDE, clip, either, light, map, middle, seen, seen_depths, truth, unprojected, vector};
+use crate::parity::{self, SIDE, clip, either, light, map, middle, seen, seen_depths, truth, unprojected};
 use crate::picture::{Maps, REVERSED, STANDARD, Target, look};
-use crate::scene::{Eye, Rays};
+use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_of_all_widths_are_those_of_rays", widths),

@@ -15,7 +15,7 @@ use crate::boundary::Boundary;
 use crate::cube::{Cube, cube_of};
 use crate::maps::Map;
 use crate::picture::{EVERY_CELL, Maps, REVERSED, STANDARD, Target, by, differences};
-use crate::scene::{CENTRE, Eye, Rays, SAMPLES};
+use crate::scene::{CENTRE, Eye, Rays, SAMPLES, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("parity_is_that_of_rays", of_maps),
@@ -26,10 +26,6 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 pub(crate) const SIDE: u32 = 48;
-
-pub(crate) fn vector(random: &mut Random) -> DVec3 {
-    DVec3::from_array(random.direction().map(f64::from))
-}
 
 pub(crate) fn either(random: &mut Random) -> DepthDirection {
     [REVERSED, STANDARD][random.below(2)]

@@ -12,9 +12,9 @@ use wgpu::TextureFormat;
 
 use crate::boundary::sample;
 use crate::maps::Map;
-use crate::parity::{SIDE, clip, device_depth, either, middle, vector};
+use crate::parity::{SIDE, clip, device_depth, either, middle};
 use crate::picture::{AUTOMATIC, EVERY_CELL, Maps, REVERSED, Target, by, look};
-use crate::scene::{Eye, Rays};
+use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("planes_at_grazing_angles_have_no_specks", grazing),

@@ -17,7 +17,7 @@ use wgpu::TextureFormat;
 use crate::mesh_depth::{map, wrong};
 use crate::metric::bits;
 use crate::picture::look;
-use crate::scene::Eye;
+use crate::scene::{Eye, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("the_depth_of_a_scene_is_that_of_its_meshes", equal),
@@ -187,7 +187,7 @@ impl Casters {
 pub(crate) fn light(random: &mut Random, number: usize) -> ShadowCamera {
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     let (far, half_width) = [(None, None), (Some(12.0), None), (Some(12.0), Some(3.0))][number / 2 % 3];
-    let forward = DVec3::from_array(random.direction().map(f64::from));
+    let forward = vector(random);
     Eye { is_relative: random.below(2) == 0, depth, far, half_width, ..look(-6.0 * forward, forward, 1.0) }.camera()
 }
 

@@ -21,9 +21,10 @@ use wgpu::TextureFormat;
 use crate::cube::{at_face, cube_of, merged, on_rays, parted};
 use crate::exact::{Exact, Held, Moves, ROUNDING, steps};
 use crate::maps::{Map, maps};
-use crate::parity::{any_eye, light, map, vector};
+use crate::parity::{any_eye, light, map};
 use crate::picture::{EVERY_CELL, differences};
 use crate::rules::{CELL, Rule, corners, listed, listed_of_cube};
+use crate::scene::vector;
 use crate::textures::{depth_view, objects, texture};
 
 pub(crate) const TESTS: &[Test] = &[

@@ -2,7 +2,7 @@
 
 use libtest_mimic::Trial;
 use rimline::Transform;
-use rimline::gltf::{Asset, GltfError, GltfWarning};
+use rimline::gltf::{Asset, Colors, GltfError, GltfWarning};
 use rimline::internals::model::influence_range;
 use rimline::model::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, ModelError, Pose};
 
@@ -83,11 +83,25 @@ pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
 pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome {
     let is_infinite = |warning: &GltfWarning| matches!(warning, GltfWarning::NonFinite { .. });
     sound(asset.model(), !asset.warnings().iter().any(is_infinite))?;
+    for (g, geometry) in asset.model().geometries().iter().enumerate() {
+        let Some(Colors { faces, vertices }) = asset.colors(g) else { continue };
+        let counts = [faces.as_ref().map_or(0, Vec::len), vertices.as_ref().map_or(0, Vec::len)];
+        let is_right = |(found, all): (usize, usize)| found == 0 || found == all;
+        let of = [geometry.faces().len(), geometry.positions().len()];
+        let are_right = counts.into_iter().zip(of).all(is_right);
+        ensure(are_right && counts != [0, 0], || format!("geometry {g}: {counts:?} colours of {of:?}"))?;
+        let mut all = faces.iter().chain(vertices).flatten().flatten();
+        ensure(all.all(|c| (0.0..=1.0).contains(c)), || format!("geometry {g}: a colour"))?;
+    }
     let is_damaged = |animation: Option<usize>| animation.is_some_and(|a| asset.animations()[a].fault.is_some());
     let check = |animation, time| match asset.pose(animation, time) {
         Err(GltfError::DamagedAnimation { .. }) if is_damaged(animation) => Ok(()),
         Ok(found) => {
             pose(asset.model(), &found)?;
+            for camera in asset.each_camera(animation, time).iter().flatten().flatten() {
+                let numbers = [camera.eye, camera.forward, camera.up].concat();
+                ensure(numbers.iter().all(|c| c.is_finite()), || format!("{camera:?}"))?;
+            }
             let lights = asset.lights(animation, time);
             let is_good = matches!(lights, Ok(_) | Err(GltfError::DamagedLight { .. }));
             ensure(lenient || is_good, || format!("lights at {time}: {lights:?}"))

@@ -4,8 +4,10 @@
 
 mod animate;
 mod bad;
+mod cameras;
 mod cases;
 mod check;
+mod colors;
 mod details;
 mod good;
 mod instances;
@@ -42,6 +44,8 @@ fn main() {
         details::tests,
         mutate::tests,
         origin::tests,
+        colors::tests,
+        cameras::tests,
     ] {
         trials.extend(tests());
     }

@@ -203,6 +203,30 @@ pub(crate) const LIGHTS: &[Row] = &[
 
 /// None of these is needed to show the square.
 pub(crate) const UNUSED: &[Row] = &[
+    ("material_index", Set("meshes[0].primitives[0].material", "3"), &["primitives[0].material is 3", "0 materials"]),
+    ("material_no_list", Set("materials", "{}"), &["materials", "an array", "an object"]),
+    (
+        "material_factor",
+        All(&[
+            ("materials[0].pbrMetallicRoughness.baseColorFactor", "[1, 2, 3]"),
+            ("meshes[0].primitives[0].material", "0"),
+        ]),
+        &["materials[0].pbrMetallicRoughness.baseColorFactor has 3 elements, expected 4"],
+    ),
+    (
+        "color_index",
+        Set("meshes[0].primitives[0].attributes.COLOR_0", "9"),
+        &["attributes.COLOR_0 is 9", "2 accessors"],
+    ),
+    ("color_type", Set("meshes[0].primitives[0].attributes.COLOR_0", "1"), &["COLOR_0 has 6 elements, expected 4"]),
+    (
+        "color_format",
+        All(&[
+            ("accessors[2]", "{'componentType': 5121, 'type': 'VEC3', 'count': 4}"),
+            ("meshes[0].primitives[0].attributes.COLOR_0", "2"),
+        ]),
+        &["accessors[2], used as meshes[0].primitives[0].attributes.COLOR_0", "U8 Vec3, expected Vec3 or Vec4 of F32"],
+    ),
     ("skin", Set("skins[0].joints", "[]"), &["skins[0].joints is missing"]),
     ("skin_reference", Set("skins[0].joints", "[7]"), &["skins[0].joints[0] is 7"]),
     ("skins_no_list", Set("skins", "null"), &["skins", "an array", "null"]),

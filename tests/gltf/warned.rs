@@ -20,7 +20,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("warned::the_largest_index_may_be_a_vertex", largest_index),
         test("warned::strips_and_fans_restart", restarts),
         test("warned::a_shared_child_stays_with_the_scene", shared_child),
-        test("warned::cameras_are_not_read", cameras),
+        test("warned::cameras_that_nobody_asks_for", cameras),
         test("warned::harmless_extensions", harmless),
         test("warned::many_faults_keep_to_the_limit", many),
     ];

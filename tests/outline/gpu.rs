@@ -32,8 +32,14 @@ const HALF: f64 = 1.5;
 /// The angle of creases, which no edge of the cases has.
 const ANGLE: f64 = 0.5;
 
-const CLASSES: [Classes; 4] =
-    [[true, true, false, false], [true; 4], [true, false, true, false], [false, true, false, true]];
+const CLASSES: [Classes; 6] = [
+    [true, true, false, false],
+    [true; 4],
+    [true, false, true, false],
+    [false, true, false, true],
+    [true, false, false, true],
+    [false, false, false, true],
+];
 
 /// A camera, and the light that stands for its eye.
 struct View {
@@ -129,14 +135,15 @@ fn is_drawn(edge: &Edge, number: usize, (_, positions, mesh): &Case, view: &View
             if view.is_parallel { -view.pose.forward } else { view.pose.eye - at(mesh.faces()[face as usize][0]) };
         normal(face).dot(to_eye) > 0.0
     };
-    let Some(other) = edge.face_1 else { return boundaries };
+    let is_marked = marked && is_marked(number);
+    let Some(other) = edge.face_1 else { return boundaries || is_marked };
     let is_consistent = edge.kind == rimline::mesh::EdgeKind::Consistent;
     if (faces(edge.face_0) == faces(other)) != is_consistent {
-        return silhouettes;
+        return silhouettes || is_marked;
     }
     let turned = if is_consistent { 1.0 } else { -1.0 };
     let angle = normal(edge.face_0).angle_between(turned * normal(other));
-    (creases && angle > ANGLE) || (marked && is_marked(number))
+    (creases && angle > ANGLE) || is_marked
 }
 
 fn is_marked(record: usize) -> bool {

@@ -9,6 +9,7 @@ use rimline_testkit::cases::case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::refusals::{Expected, refusal, refused as rows_refused, shows};
 use rimline_testkit::{same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -46,6 +47,20 @@ fn of_pass() -> Result<(), String> {
             let found = OutlineFormat::of_pass(&pass, read).map_err(text)?;
             same("the format", &[&found], &[&expected])?;
             OutlinePipeline::new(&gpu.pipelines, &found).map_err(text)?;
+            let depth_stencil = if depth_stencil.is_some() { None } else { Some(wgpu::TextureFormat::Depth32Float) };
+            for (format, is_taken) in [
+                (found.clone(), true),
+                (OutlineFormat { is_depth_multisampled: !is_depth_multisampled, ..found.clone() }, true),
+                (OutlineFormat { color: wgpu::TextureFormat::Bgra8Unorm, ..found.clone() }, false),
+                (OutlineFormat { samples: 5 - samples, ..found.clone() }, false),
+                (OutlineFormat { depth_stencil, ..found.clone() }, false),
+            ] {
+                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                let begun = format.begin_pass(&mut encoder, &pass).map(drop);
+                gpu.queue.submit([encoder.finish()]);
+                let expected = if is_taken { Expected::Taken } else { shows(&["OtherAttachments"]) };
+                rows_refused([refusal(&format!("{format:?} for {found:?}"), begun, expected)])?;
+            }
         }
         for (colors, given) in [(vec![], 0), (vec![None], 0), (vec![attach(&color), attach(&color)], 2)] {
             let pass = wgpu::RenderPassDescriptor { color_attachments: &colors, ..Default::default() };

@@ -10,7 +10,10 @@ use rimline_testkit::shapes::Shape;
 
 use crate::rendered::{Attachments, Inputs, SIDE, render};
 
-pub(crate) const TESTS: &[Test] = &[("lines_are_as_wide_as_they_are_asked_for", widths)];
+pub(crate) const TESTS: &[Test] = &[
+    ("lines_are_as_wide_as_they_are_asked_for", widths),
+    ("lines_of_short_edges_are_hardly_darker_than_those_of_one", joins),
+];
 
 /// The ink of a row, in pixels, against two lines of a width.
 fn check(row: &[u8], width: f32, alpha: f32) -> Result<(), String> {
@@ -24,13 +27,50 @@ fn check(row: &[u8], width: f32, alpha: f32) -> Result<(), String> {
     }
 }
 
+/// A parallel camera from above.
+const CAMERA: ShadowCamera = ShadowCamera {
+    view_projection: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0], [0.0, 0.0, 0.5, 1.0]],
+    origin: [0.0; 3],
+    depth: rimline::DepthDirection::Reversed,
+};
+
+/// Round ends overlap where edges meet: the ink of a band whose two sides have edges of some pixels, against one edge each.
+fn joins() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for attachments in Attachments::ALL {
+        // Samples of the image take part of what overlaps.
+        let is_sampled = attachments.is_attached && attachments.depth_samples > 1;
+        // By how much the ink may be more. It would be 1.063 and 1.034 if ends had the ink of lines, of four samples 1.034 and 1.018.
+        for (width, most) in if is_sampled { [(1.0, 1.026), (3.0, 1.014)] } else { [(1.0, 1.045), (3.0, 1.026)] } {
+            let ink = |edges: u16| {
+                let at = |n: u16, x: f32| {
+                    let y = 3.0 * (f32::from(2 * n) / f32::from(edges) - 1.0);
+                    [x + 0.3 * y, y, 0.0]
+                };
+                let faces = (0..u32::from(edges)).map(|n| 2 * n).flat_map(|a| [[a, a + 1, a + 3], [a, a + 3, a + 2]]);
+                let band = Shape {
+                    positions: (0..=edges).flat_map(|n| [at(n, -0.5), at(n, 0.4)]).collect(),
+                    faces: faces.collect(),
+                };
+                let (case, light) = (case("band", band), Light::directional([0.0, 0.0, 1.0]));
+                let (marks, capacity, camera) = (None, None, &CAMERA);
+                let style = OutlineStyle { width, depth_bias: attachments.bias, ..OutlineStyle::default() };
+                let picture = render(gpu, &Inputs { case: &case, camera, light, style, marks, capacity, attachments })?;
+                Ok::<_, String>(picture.iter().map(|&ink| f64::from(ink)).sum::<f64>() / 255.0)
+            };
+            let [one, many] = [ink(1)?, ink(150)?];
+            println!("{attachments:?}, width {width}: {one:.0} and {many:.0} pixels of ink, {:.3}", many / one);
+            if one < 256.0 || !(1.0..=most).contains(&(many / one)) {
+                return Err(format!("{attachments:?}, width {width}: {one} and {many} pixels of ink"));
+            }
+        }
+    }
+    Ok(())
+}
+
 fn widths() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let camera = ShadowCamera {
-        view_projection: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0], [0.0, 0.0, 0.5, 1.0]],
-        origin: [0.0; 3],
-        depth: rimline::DepthDirection::Reversed,
-    };
+    let camera = CAMERA;
     // Rectangles from above, so high that their sides run through all rows, slightly slanted.
     for (attachments, height) in Attachments::ALL.into_iter().zip([3.0, 30_000.0, 30.0, 300_000.0]) {
         let corner = |x: f32, y: f32| [x + y / 60.0, y, 0.0];

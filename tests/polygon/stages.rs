@@ -24,7 +24,7 @@ pub(crate) fn random_lights(random: &mut Random, set: &PolygonSet, count: usize)
 /// Compares the bits of triangles with the facing and twisted bits of their polygons.
 pub(crate) fn check_facing(mesh: &Mesh, found: &Found, masks: &[PolygonMasks]) -> Result<(), String> {
     same("facing", &found.facing, &of_triangles(mesh, masks, |masks| masks.facing)?)?;
-    // A row a polygon, as the CPU has it; a polygon without triangles faces nothing there, too.
+    // A row a polygon; one without triangles faces nothing.
     let (polygons, triangles) = (mesh.polygons().ok_or("no polygons")?, mesh.faces().len().max(1));
     let rows: Vec<u32> = found.facing.chunks(triangles).flat_map(|plane| polygons.masks_of(plane)).collect();
     let expected: Vec<u32> = masks.iter().map(|masks| masks.facing).collect();
@@ -80,6 +80,9 @@ fn masks() -> Result<(), String> {
         let expected = cpu::extract(&set.positions, &mesh, &lights, Predicate::Exact, Threads::ONE)
             .map_err(|error| error.to_string())?;
         same(&format!("seed {seed}, masks"), &found.masks, &expected.masks)?;
+        // The layout is one, too.
+        same(&format!("seed {seed}, facing"), &found.facing, &expected.facing)?;
+        same(&format!("seed {seed}, twisted"), &found.twisted, &expected.twisted)?;
         same(
             &format!("seed {seed}, not finite"),
             &[found.statistics.non_finite_faces],

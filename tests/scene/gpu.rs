@@ -14,6 +14,7 @@ mod exact;
 mod found;
 mod frames;
 mod histories;
+mod left_out;
 mod needs;
 mod occluded;
 mod occluded_faces;
@@ -36,6 +37,7 @@ fn main() {
         frames::TESTS,
         occluded_faces::TESTS,
         histories::TESTS,
+        left_out::TESTS,
         cached::TESTS,
         needs::TESTS,
         occluded::TESTS,

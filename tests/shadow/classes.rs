@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rimline::Light;
 use rimline_testkit::shapes::{self, Shape};
 
-use crate::scene::{Body, Eye, Frame};
+use crate::scene::{Body, Eye, Frame, vector};
 use crate::shells;
 use rimline_testkit::random::Random;
 
@@ -46,10 +46,6 @@ pub(crate) const CLASSES: &[Class] = &[
     Class { touches: true, ..class("two touching boxes", boxes) },
     class("mirrored instance", mirrored),
 ];
-
-fn vector(random: &mut Random) -> DVec3 {
-    DVec3::from(random.direction().map(f64::from))
-}
 
 fn between(random: &mut Random, low: f32, high: f32) -> f64 {
     f64::from(random.between(low, high))

@@ -20,7 +20,7 @@ use crate::classes::CLASSES;
 use crate::rays::Truth;
 use crate::receivers::cube_below_light;
 use crate::render::{Counted, Placing, Renderer};
-use crate::scene::{Body, Eye, Frame};
+use crate::scene::{Body, Eye, Frame, vector};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -30,10 +30,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("receivers_that_cannot_be_read_are_refused", unreadable),
     ("shadows_without_faces_that_others_hide", without_occluded_faces),
 ];
-
-fn direction(random: &mut Random) -> DVec3 {
-    DVec3::from(random.direction().map(f64::from))
-}
 
 /// Fails where a pixel with a surface, or any pixel if the sky receives, has another count than without knowing receivers.
 /// Returns the pairs of caster and light that were culled.
@@ -121,7 +117,7 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
         _ => Light::point([random.between(-3.0, 3.0), random.between(0.0, 3.0), random.between(-10.0, -5.0)]),
     };
     let position = DVec3::new(f64::from(random.between(-1.0, 1.0)), 0.0, 1.5);
-    let forward = DVec3::NEG_Z + 0.3 * direction(random);
+    let forward = DVec3::NEG_Z + 0.3 * vector(random);
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
     let eye = Eye { is_relative: true, depth, ..Eye::new(position, forward, 0.05) };
     Frame { bodies, eye, lights: vec![light], size: 64 }
@@ -192,7 +188,7 @@ fn unreadable() -> Result<(), String> {
         let view = gpu.device.create_texture(&texture).create_view(view);
         let depth = Some(Receivers { depth: &view, sky_receives: false, version: None });
         gpu.submit(|encoder| {
-            let encoded = scene.encode(encoder, FrameInputs::new(&[View { camera, depth }]));
+            let encoded = scene.encode(encoder, FrameInputs::new(&[View { depth, ..View::new(camera) }]));
             refused([refusal(what, encoded, expected)])?;
             scene.encode(encoder, FrameInputs::new(&[camera.into()])).map(drop).map_err(text)
         })?;

@@ -14,7 +14,7 @@ use rimline_testkit::OneCasterOptions;
 
 use crate::classes::CLASSES;
 use crate::render::{Counted, Placing, Renderer};
-use crate::scene::{Body, Eye, Frame};
+use crate::scene::{Body, Eye, Frame, vector};
 use crate::trials::{RIGHT, Test, Traced, rotated, seed};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::{text, views};
@@ -87,7 +87,7 @@ fn rows(scale: [f32; 3]) -> Matrix3x4 {
 
 /// Another camera of the same kind.
 fn other_view(frame: &Frame, random: &mut Random) -> Eye {
-    let away = DVec3::from(random.direction().map(f64::from));
+    let away = vector(random);
     let position = frame.eye.position + away;
     Eye { position, forward: -away, ..frame.eye }
 }

@@ -1,6 +1,6 @@
 //! Closed casters in one mesh of several components: wound inwards, nested, through each other. The light is anywhere,
 //! also within their box, and so is the eye. Which faces cast there is argued in docs/numerics/casting-faces.md, "Which
-//! faces cast".
+//! faces cast". Lights on faces, edges and vertices, and next to them.
 
 use glam::{DVec3, Vec3};
 use rimline::{Counting, Light};

@@ -18,7 +18,7 @@ use rimline_testkit::{is_long, must_fail, same, shapes};
 use crate::hairlines::{HALF_STEP, picture};
 use crate::in_scene::{METHODS, compare as compare_counts, movable};
 use crate::render::{Placing, Renderer};
-use crate::scene::{Body, CENTRE, Eye, Frame, Rays};
+use crate::scene::{Body, CENTRE, Eye, Frame, Rays, vector};
 use crate::trials::{RIGHT, Test, rotated};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -167,7 +167,6 @@ pub(crate) enum Compared {
 pub(crate) fn frame(random: &mut Random, set: PolygonSet, mesh: &Mesh) -> Frame {
     let shape = Shape { positions: set.positions.clone(), faces: mesh.faces().to_vec() };
     let caster = Body { polygons: Some(set), ..Body::caster(shape) };
-    let vector = |random: &mut Random| DVec3::from(random.direction().map(f64::from));
     let from = vector(random) * f64::from(random.between(1.8, 3.6));
     let towards = vector(random) * f64::from(random.between(0.0, 1.5)) - from;
     let near = 0.02 * 25_f64.powf(f64::from(random.between(0.0, 1.0)));

@@ -9,17 +9,13 @@ use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 
 use crate::render::{Placing, Renderer};
-use crate::scene::{Body, Eye, Frame};
+use crate::scene::{Body, Eye, Frame, vector};
 use crate::trials::{RIGHT, Test, Traced};
 
 pub(crate) const TESTS: &[Test] = &[
     ("proxies_shadow_the_receivers_in_them", around_receivers),
     ("proxies_within_what_is_drawn_cast_by_every_method", within_hulls),
 ];
-
-fn direction(random: &mut Random) -> DVec3 {
-    DVec3::from(random.direction().map(f64::from))
-}
 
 fn proxy(random: &mut Random) -> Body {
     let shape = [shapes::cube(), shapes::blob(6, 0.2, 3), shapes::torus(24, 12, 1.0, 0.5)][random.below(3)].clone();
@@ -29,7 +25,7 @@ fn proxy(random: &mut Random) -> Body {
 fn frame(random: &mut Random, mut bodies: Vec<Body>, [position, light, at]: [DVec3; 3]) -> Frame {
     bodies.push(Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.5, 0.5, 0.0]));
     bodies.push(Body::room([0.0; 3], 8.0));
-    let forward = direction(random) * 0.3 + at - position;
+    let forward = vector(random) * 0.3 + at - position;
     let near = f64::from(random.between(0.02, 0.3));
     let eye = Eye { is_relative: true, ..Eye::new(position, forward, near) };
     Frame { bodies, eye, lights: vec![Light::point(light.as_vec3().to_array())], size: 64 }
@@ -38,10 +34,10 @@ fn frame(random: &mut Random, mut bodies: Vec<Body>, [position, light, at]: [DVe
 /// A receiver in a proxy, which may itself cast; and the eye or the light in the proxy, or outside.
 fn around(random: &mut Random) -> Frame {
     let proxy = proxy(random);
-    let offset = direction(random).as_vec3().to_array().map(|c| 0.3 * c);
+    let offset = vector(random).as_vec3().to_array().map(|c| 0.3 * c);
     let within = Body::caster(shapes::blob(6, 0.3, 5)).scaled(0.3).moved(offset);
     let within = Body { casts: random.below(2) == 0, ..within };
-    let far = |random: &mut Random| direction(random) * [0.9, 3.5, 6.0][random.below(3)];
+    let far = |random: &mut Random| vector(random) * [0.9, 3.5, 6.0][random.below(3)];
     let (position, light) = (far(random), far(random));
     let mut frame = frame(random, vec![proxy, within], [position, light, DVec3::ZERO]);
     // Half of the pictures show little but the receiver.
@@ -53,7 +49,7 @@ fn around(random: &mut Random) -> Frame {
 fn within(random: &mut Random) -> Frame {
     let proxy = proxy(random).scaled(0.55);
     let hull = Body { casts: false, ..Body::caster(shapes::cube()) };
-    let far = |random: &mut Random| direction(random) * [3.5, 6.0][random.below(2)];
+    let far = |random: &mut Random| vector(random) * [3.5, 6.0][random.below(2)];
     let (position, light) = (far(random), far(random));
     // Looking at the shadow.
     frame(random, vec![proxy, hull], [position, light, light.normalize() * -6.0])

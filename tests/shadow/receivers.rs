@@ -12,7 +12,7 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::{IDENTITY, must_fail, same, shapes};
 
-use crate::scene::Eye;
+use crate::scene::{Eye, vector};
 use crate::textures::sampled;
 use crate::trials::Test;
 
@@ -45,8 +45,7 @@ pub(crate) fn cube_below_light(gpu: &Gpu) -> Result<Scene, String> {
 }
 
 fn eye(random: &mut Random, number: usize) -> Eye {
-    let forward = DVec3::from(random.direction().map(f64::from));
-    let position = 5.0 * DVec3::from(random.direction().map(f64::from));
+    let (forward, position) = (vector(random), 5.0 * vector(random));
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
     let (far, half_width) = [(None, None), (Some(50.0), None), (Some(50.0), Some(8.0))][number / 2 % 3];
     Eye { is_relative: random.below(5) > 0, depth, far, half_width, ..Eye::new(position, forward, 0.1) }
@@ -208,7 +207,7 @@ fn chosen(
     receivers: Option<Receivers<'_>>,
 ) -> Result<Chosen, String> {
     let frame = gpu.submit(|encoder| {
-        scene.encode(encoder, FrameInputs::new(&[View { camera, depth: receivers }])).map_err(text)
+        scene.encode(encoder, FrameInputs::new(&[View { depth: receivers, ..View::new(camera) }])).map_err(text)
     })?;
     let results = frame.results().map_err(text)?;
     let mut words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, 8 * 16)?;

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::polygons::PolygonSet;
+use rimline_testkit::random::Random;
 use rimline_testkit::shapes::Shape;
 
 /// Triangles of one caster or receiver.
@@ -135,6 +136,11 @@ impl Eye {
             depth: self.depth,
         }
     }
+}
+
+/// A direction at random, of length 1 but for rounding.
+pub(crate) fn vector(random: &mut Random) -> DVec3 {
+    DVec3::from(random.direction().map(f64::from))
 }
 
 /// A frame to be drawn and traced.

@@ -1,6 +1,7 @@
 //! Errors of a scene when its shadow volumes are recorded or drawn.
 
-use rimline::gpu::{Caster, FrameInputs, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines};
+use rimline::gpu::{Caster, FrameInputs, LightMask, Scene, SceneFrame, SceneOptions, View};
+use rimline::gpu::{ShadowError, ShadowFormat, ShadowPipelines};
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
 use crate::scene::Eye;
@@ -81,6 +82,8 @@ fn drawing() -> Result<(), String> {
     scene_a.insert(caster).map_err(text)?;
     let (mut other, _) = scene(gpu, SceneOptions::default())?;
     let foreign = other.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
+    let view = View { lights: LightMask::ALL.without(foreign), ..View::new(camera(DepthDirection::Reversed, None)) };
+    let without = gpu.submit(|encoder| other.encode(encoder, FrameInputs::new(&[view])).map_err(text))?;
     let first = encode(gpu, &mut scene_a, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let frame = encode(gpu, &mut scene_a, &[camera(DepthDirection::Reversed, None)]).map_err(text)?;
     let later = scene_a.add_light(Light::point([2.0, 5.0, 3.0])).map_err(text)?;
@@ -91,6 +94,7 @@ fn drawing() -> Result<(), String> {
         refusal("all good", draw(&frame, &right, 0, light)?, Expected::Taken),
         refusal("an earlier frame", draw(&first, &right, 0, light)?, is(ShadowError::StaleFrame)),
         refusal("a view too many", draw(&frame, &right, 1, light)?, is(ShadowError::NoSuchView { view: 1, views: 1 })),
+        refusal("a light left out", draw(&without, &right, 0, foreign)?, is(ShadowError::NotInView { view: 0 })),
         refusal("a later light", draw(&frame, &right, 0, later)?, is(ShadowError::NotEncoded)),
         refusal("a foreign light", draw(&frame, &right, 0, foreign)?, is(ShadowError::OtherScene { what: "light" })),
         refusal("in batches", draw(&frame, &in_batches, 0, light)?, is(ShadowError::CountBatches { count_batches: 1 })),

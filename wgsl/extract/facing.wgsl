@@ -17,12 +17,23 @@
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 override EXACT: bool = true; // If false, bits are the signs of f32 determinants.
 
-// The determinant for one light, in the form that PLANE selects (common/determinant.wgsl).
-fn determinant(n: vec3<f32>, a: vec3<f32>, light_index: u32) -> f32 {
+fn plane_determinant(n: vec3<f32>, a: vec3<f32>, light_index: u32) -> f32 {
+  return plane_form(plane_through(n, a), bitcast<vec4<f32>>(given_light(light_index)));
+}
+
+// The determinants for four lights, in the form that PLANE selects (common/determinant.wgsl).
+fn determinants(n: vec3<f32>, a: vec3<f32>, first: u32) -> vec4<f32> {
   if (PLANE) {
-    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(given_light(light_index)));
+    return vec4<f32>(
+      plane_determinant(n, a, first),
+      plane_determinant(n, a, first + 1u),
+      plane_determinant(n, a, first + 2u),
+      plane_determinant(n, a, first + 3u),
+    );
   }
-  return local_form(n, a, scaled_light(light_index));
+  let four = four_lights(first);
+  return vec4<f32>(
+    local_form(n, a, four[0]), local_form(n, a, four[1]), local_form(n, a, four[2]), local_form(n, a, four[3]));
 }
 
 // `mask`: a bit for each light that the face faces. `smallest`: if EXACT, the smallest absolute determinant.
@@ -40,12 +51,7 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
     if (((tested_indices() >> light_index) & 15u) == 0u) {
       continue;
     }
-    let d = vec4<f32>(
-      determinant(n, a, light_index),
-      determinant(n, a, light_index + 1u),
-      determinant(n, a, light_index + 2u),
-      determinant(n, a, light_index + 3u),
-    );
+    let d = determinants(n, a, light_index);
     let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), d > vec4<f32>(0.0));
     signs.mask |= (bits.x | bits.y | bits.z | bits.w) << light_index;
     if (EXACT) {
@@ -69,7 +75,11 @@ fn append_undecided(slot: u32) {
 // not finite and faces that name a vertex twice. The determinant of the latter is 0, so they are listed.
 fn process_item(slot: u32, index: u32) {
   if (has_stale_exclusions() && slot < arrayLength(&excluded_masks)) {
-    excluded_masks[slot] = clear_active(excluded_masks[slot]);
+    // Few masks have bits, and reading is cheaper than writing.
+    let stale = excluded_masks[slot];
+    if (clear_active(stale) != stale) {
+      excluded_masks[slot] = clear_active(stale);
+    }
   }
   // The cluster decided all lights; `updated_bits` inserts its bits.
   if (tested_indices() == 0u) {

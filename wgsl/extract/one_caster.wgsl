@@ -28,6 +28,9 @@ fn position_offset() -> u32 { return batch.position_offset; }
 fn position_stride() -> u32 { return batch.position_stride; }
 fn light_count() -> u32 { return batch.count; }
 fn scaled_light(light_index: u32) -> vec4<f32> { return batch.lights[light_index]; }
+fn four_lights(first: u32) -> mat4x4<f32> {
+  return mat4x4<f32>(batch.lights[first], batch.lights[first + 1u], batch.lights[first + 2u], batch.lights[first + 3u]);
+}
 fn given_light(light_index: u32) -> vec4<u32> { return batch.light_bits[light_index]; }
 fn inexact_w(light_index: u32) -> f32 { return batch.inexact_w[light_index / 4u][light_index % 4u]; }
 fn light_magnitudes() -> vec2<f32> { return batch.magnitudes; }

@@ -2,8 +2,8 @@
 // a width in pixels. Each instance is an edge and four vertices, a strip: a quad around the line, which the fragment shader
 // trims to a line with round ends. The entry points are two vertex shaders and the fragment shader `outline_ink`.
 // `outline_silhouette` draws silhouettes, which include edges with one face, by the indirect draw of the light's list.
-// `outline_feature` draws creases and marked edges, with an instance for each edge. It draws no silhouette, even if the
-// class of silhouettes is not drawn.
+// `outline_feature` draws creases and marked edges, with an instance for each edge. It draws a silhouette only if it is marked
+// and the class of silhouettes, or of edges with one face, is not drawn.
 // Group 0 has the edges (interface/outlined.wgsl), group 1 what is declared below.
 // Reads: silhouettes, facing masks, positions, faces, marks, and the caller's depth, which hides lines.
 // The depth test is at the nearest point of the line, not at the pixel. Half of an outline's width lies outside the surface,
@@ -35,7 +35,8 @@ struct OutlineView {
   classes: u32,
   // 1 if a larger depth is nearer.
   is_reversed: u32,
-  reserved: u32,
+  // Samples a pixel of the image.
+  samples: u32,
 }
 
 @group(1) @binding(0) var<uniform> outline: OutlineView;
@@ -121,17 +122,19 @@ fn line_corner(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint {
   return OutlinePoint(vec4<f32>(ndc, 0.5, 1.0), vec4<f32>(from_pixel, to_pixel), depths, color);
 }
 
+// Whether the class of a silhouette of this kind is drawn: that of silhouettes, or of edges with one face.
+fn is_class_drawn(kind: u32) -> bool { return ((outline.classes >> u32(kind == BOUNDARY)) & 1u) != 0u; }
+
 @vertex
 fn outline_silhouette(
   @builtin(vertex_index) corner: u32,
   @builtin(instance_index) instance: u32,
 ) -> OutlinePoint {
   let edge = outlined_silhouette(instance);
-  let is_boundary = edge.kind == BOUNDARY;
-  if (!edge.valid || ((outline.classes >> u32(is_boundary)) & 1u) == 0u) {
+  if (!edge.valid || !is_class_drawn(edge.kind)) {
     return no_line();
   }
-  return line_corner(corner, edge.a, edge.b, select(outline.silhouette, outline.boundary, is_boundary));
+  return line_corner(corner, edge.a, edge.b, select(outline.silhouette, outline.boundary, edge.kind == BOUNDARY));
 }
 
 // The normal of a face. Its length is twice the area.
@@ -156,11 +159,11 @@ fn is_crease(edge: u32, is_inconsistent: bool) -> bool {
 @vertex
 fn outline_feature(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> OutlinePoint {
   let edge = outlined_record(slot);
-  // `valid`: the edge is a silhouette for the light.
-  if (edge.valid || edge.kind == NO_EDGE) {
+  // `valid`: the edge is a silhouette for the light, so `outline_silhouette` draws it if its class is drawn.
+  if (edge.kind == NO_EDGE || (edge.valid && is_class_drawn(edge.kind))) {
     return no_line();
   }
-  if ((outline.classes & CREASES) != 0u && edge.kind != BOUNDARY && is_crease(edge.edge, edge.kind == 1u)) {
+  if (!edge.valid && (outline.classes & CREASES) != 0u && edge.kind != BOUNDARY && is_crease(edge.edge, edge.kind == 1u)) {
     return line_corner(corner, edge.a, edge.b, outline.crease);
   }
   if ((outline.classes & MARKED) != 0u && outlined_is_marked(edge.edge)) {
@@ -215,14 +218,26 @@ fn is_hidden(point: vec2<f32>, depth: f32) -> bool {
   return forward_depth(depth) > farthest + slopes + outline.depth_bias;
 }
 
+// The ink of a line in a pixel: as few of its samples as have room for it.
+struct Ink {
+  @location(0) color: vec4<f32>,
+  @builtin(sample_mask) samples: u32,
+}
+
+// Lines share the pixels around their ends with the next line, so ink must not add up there. Round ends have the share of which
+// two make the coverage, and lines take the same samples first.
 @fragment
-fn outline_ink(in: OutlinePoint) -> @location(0) vec4<f32> {
+fn outline_ink(in: OutlinePoint) -> Ink {
   let span = in.ends.zw - in.ends.xy;
-  let fraction = saturate(dot(in.clip.xy - in.ends.xy, span) / max(dot(span, span), 1e-12));
+  let along = dot(in.clip.xy - in.ends.xy, span) / max(dot(span, span), 1e-12);
+  let fraction = saturate(along);
   let nearest = in.ends.xy + fraction * span;
-  let coverage = saturate(outline.half_width + 0.5 - distance(in.clip.xy, nearest));
+  var coverage = saturate(outline.half_width + 0.5 - distance(in.clip.xy, nearest));
   if (coverage <= 0.0 || is_hidden(nearest, mix(in.depths.x, in.depths.y, fraction))) {
     discard;
   }
-  return vec4<f32>(in.color.rgb, in.color.a * coverage);
+  coverage = select(1.0 - sqrt(1.0 - coverage), coverage, fraction == along);
+  let covered = coverage * f32(outline.samples);
+  let samples = max(ceil(covered), 1.0);
+  return Ink(vec4<f32>(in.color.rgb, in.color.a * covered / samples), (1u << u32(samples)) - 1u);
 }

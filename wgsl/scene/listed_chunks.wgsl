@@ -26,6 +26,7 @@ fn process_face_chunk(item: u32) {
   decided = work[entry_offset + 1u];
   decided_facing = work[entry_offset + 2u];
   tested = work[entry_offset + 3u];
+  first_lights = load_four_lights(0u);
   let end = min(CHUNK * (chunk + 1u), face_range.x + face_range.y);
   // Turns: CHUNK / LANES.
   for (var slot = CHUNK * chunk + item % LANES; slot < end; slot += LANES) {

@@ -26,6 +26,7 @@ var<private> face_range: vec4<u32>;
 // x: first edge slot; y: number of edge records; z: index of the first record in the page; w: words from vertex to vertex.
 var<private> edge_range: vec4<u32>;
 var<private> lights: CasterLights;
+var<private> first_lights: mat4x4<f32>; // The first four scaled lights, loaded by `process_face_chunk` only.
 var<private> active_mask: u32; // The bits of the active lights.
 // `decided`: lights for which all faces of the cluster have the same facing. `decided_facing`: those of them that the
 // cluster faces. `tested`: the index mask of lights that need a test for each face.
@@ -74,6 +75,19 @@ fn scaled_bits(light_index: u32) -> vec4<u32> {
   return table[lights.first + 2u * min(light_index, light_count() - 1u) + 1u];
 }
 fn scaled_light(light_index: u32) -> vec4<f32> { return bitcast<vec4<f32>>(scaled_bits(light_index)); }
+
+fn load_four_lights(first: u32) -> mat4x4<f32> {
+  return mat4x4<f32>(
+    scaled_light(first), scaled_light(first + 1u), scaled_light(first + 2u), scaled_light(first + 3u));
+}
+
+// The first four are loaded once for all faces of a chunk.
+fn four_lights(first: u32) -> mat4x4<f32> {
+  if (first == 0u) {
+    return first_lights;
+  }
+  return load_four_lights(first);
+}
 
 // `LightBatch::new` (src/light_batch.rs) computes the same value.
 fn inexact_w(light_index: u32) -> f32 {

@@ -163,24 +163,22 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
     2u * measure_index(caster, light_index, view_index);
   let group_offset = CHOICE_WORDS * choice_index(first_caster_of_group(caster), light_index / 32u, view_index);
   let is_dirty = (atomicLoad(&choices[group_offset + CHOICE_DIRTY]) & light_mask) != 0u;
+  let entry = view_index * shape.lights + light_index;
+  // Entries of unused views are zeros, and so are those of lights that the view leaves out.
+  let is_in_view = view_lights[entry].view.near_w != 0.0;
   // Clears earlier choices. A caster that did not cast has none.
-  if (is_dirty && (atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) != 0u) {
+  if ((is_dirty || !is_in_view) && (atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) != 0u) {
     // Turns: 8.
     for (var word = CHOICE_CASTS; word <= CHOICE_EXCLUDES; word++) {
       atomicAnd(&choices[choices_offset + word], ~light_mask);
     }
   }
-  if ((relevant_lights[light_index / 32u * shape.casters + caster] & light_mask) == 0u) {
+  if (!is_in_view || (relevant_lights[light_index / 32u * shape.casters + caster] & light_mask) == 0u) {
     return;
   }
   let flags = caster_flags(caster);
   let bounding_box = caster_box(caster);
   let is_excluding = (flags & EXCLUDES) != 0u;
-  let entry = view_index * shape.lights + light_index;
-  // Entries of unused views are zeros, and so are those of unused light indices, which a caster with all lights still has.
-  if (view_lights[entry].view.near_w == 0.0) {
-    return;
-  }
   if (!is_dirty) {
     count_cached_choices(choices_offset, light_mask, measures_offset);
     return;

@@ -1,6 +1,6 @@
 // Stage `relist`: finds the lights whose lists of sides and caps are dirty, for a group of casters and a view, and
 // empties these lists. A list is dirty if the silhouettes, the camera or its receivers changed. All other lists are
-// cached and drawn again.
+// cached and drawn again. The lists of lights that the view leaves out stay empty and are never dirty.
 // Dispatched before `bounds`, one workgroup for each group, light batch (up to 32 lights) and view; an invocation is a
 // light.
 // Reads: the encodes that made the silhouettes (`cache`), and the camera's version, which also changes with the receivers.
@@ -37,7 +37,8 @@ fn relist(@builtin(local_invocation_index) bit: u32) {
   let versions = vec2<u32>(cache[shape.lists_offset + bit], view_lights[entry].version.x);
   let index = 32u * (shape.group_and_batch * shape.views + draw.view) + bit;
   if (shape.uses_cache == 0u || any(list_versions[index] != versions)) {
-    atomicOr(&dirty_lights, 1u << bit);
+    // Entries of lights that the view leaves out are zeros.
+    atomicOr(&dirty_lights, select(0u, 1u << bit, view_lights[entry].view.near_w != 0.0));
     list_versions[index] = versions;
     sides[2u * bit] = 0u;
     sides[2u * bit + 1u] = 0u;

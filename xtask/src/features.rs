@@ -1,9 +1,7 @@
 //! Checks of the library alone: builds with each set of features, and dependencies.
 
-use std::path::Path;
-use std::process::Command;
-
 use crate::process;
+use crate::web::{self, WASM};
 
 /// Dependencies that only the command may have.
 const OF_THE_COMMAND: [&str; 8] =
@@ -28,13 +26,9 @@ pub(crate) fn no_gpu_dependencies() -> Result<(), String> {
     if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }
 }
 
-const WASM: &str = "wasm32-unknown-unknown";
-
 /// The library compiles for browsers. Where the target is not installed, only its features are looked at.
 pub(crate) fn library_for_wasm() -> Result<(), String> {
-    let mut libdir = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    let libdir = process::output(libdir.args(["--print", "target-libdir", "--target", WASM]))?;
-    if Path::new(libdir.trim()).is_dir() {
+    if web::has_target()? {
         return process::run(&mut process::cargo(["check", "--package", "rimline", "--lib", "--target", WASM]));
     }
     let arguments = ["tree", "--package", "rimline", "--target", WASM, "--edges", "normal", "--prefix", "none"];

@@ -12,6 +12,7 @@ mod process;
 mod summary;
 mod test;
 mod vulkan;
+mod web;
 mod wgsl;
 mod words;
 
@@ -31,6 +32,7 @@ Commands:
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
            compilers, the bits on SwiftShader, then fuzz for 10 seconds a target
   fuzz     Feed mutated glTF, .npz, OBJ, WGSL and arguments to what reads them; --seconds N for each of the five (60)
+  web      Build the viewer as a page in target/web; --test tries it in headless Chromium, too
   mutants  Make the code wrong in a copy, in one place after the other, and tell which tests notice; --only TEXT
 
 demo, test and ci need a Vulkan driver on Linux. Where there is none, they install Mesa's software driver through the
@@ -61,9 +63,11 @@ fn main() -> ExitCode {
             Ok(seconds) => fuzz::run(seconds).finish(),
             Err(_) => misused(&format!("`--seconds {seconds}` is no number")),
         },
+        ["web"] => finish(web::build().map(drop)),
+        ["web", "--test"] => test::of_page().finish(),
         ["mutants"] => finish(mutants::run(None)),
         ["mutants", "--only", text] => finish(mutants::run(Some(text))),
-        ["test" | "fuzz" | "mutants", rest @ ..] => misused(&format!("unknown arguments `{}`", rest.join(" "))),
+        ["test" | "fuzz" | "web" | "mutants", rest @ ..] => misused(&format!("unknown arguments `{}`", rest.join(" "))),
         [] => misused("no command given"),
         [command @ ("demo" | "circles" | "ci"), rest @ ..] => {
             misused(&format!("`{command}` takes no arguments, but was given `{}`", rest.join(" ")))

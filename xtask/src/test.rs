@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::packages::Manager;
 use crate::summary::Summary;
-use crate::{drivers, features, process, vulkan};
+use crate::{drivers, features, process, vulkan, web};
 
 /// The member that needs a C++ compiler and is measured, not tested.
 pub(crate) const BENCH: &str = "rimline-bench-adjacency";
@@ -35,6 +35,29 @@ pub(crate) fn on_every_driver() -> Summary {
     let mut summary = Summary::default();
     ensure_driver(&mut summary);
     drivers::add_all(&mut summary);
+    summary
+}
+
+/// Builds the page, and tries it in a browser.
+pub(crate) fn of_page() -> Summary {
+    let mut summary = Summary::default();
+    ensure_driver(&mut summary);
+    ensure_display();
+    match web::build() {
+        Ok(page) => {
+            let mut command = process::cargo(EVERYTHING);
+            // The tables of the check are worth reading.
+            command.env("RIMLINE_PAGE", page).args(["--test", "page", "--", "--nocapture"]);
+            let outcome = process::run_looking(&mut command, |line| summary.read(line));
+            if !outcome.unwrap_or(false) {
+                summary.fail("the page does not pass in Chromium: see above (on Debian `apt-get install chromium`)");
+            }
+        }
+        Err(error) => {
+            println!("error: {error}");
+            summary.fail(&error);
+        }
+    }
     summary
 }
 

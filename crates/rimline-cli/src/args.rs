@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 #[cfg(feature = "bench")]
 use crate::bench_args::BenchArgs;
-use crate::input_args::{LoadArgs, ModelArgs, MomentArgs, ViewArgs, drawing_device, verbatim};
+use crate::input_args::{JobsArgs, LoadArgs, ModelArgs, MomentArgs, ViewArgs, drawing_device, several, verbatim};
 use crate::lines::args::LinesArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
@@ -43,7 +43,7 @@ name, `-` stands for standard output. If a result goes there, messages go to sta
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, \
-5 `verify` found different bits. If a signal stops the command, the code is 128 plus the signal's number: 130 for \
+5 `verify` found different bits, 6 some of several jobs failed. If a signal stops the command, the code is 128 plus the signal's number: 130 for \
 Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
@@ -135,7 +135,7 @@ pub(crate) enum PredicateArg {
 }
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(EXTRACT_EXAMPLES), after_help = EXTRACT_KEYS)]
+#[command(help_template = verbatim(EXTRACT_EXAMPLES), after_help = EXTRACT_KEYS, mut_arg("file", several))]
 pub(crate) struct ExtractArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -163,6 +163,9 @@ pub(crate) struct ExtractArgs {
     /// Print counts and times as JSON instead of as text
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    _jobs: JobsArgs,
 }
 
 const EXTRACT_EXAMPLES: &str = "\
@@ -170,6 +173,7 @@ Examples:
   rimline extract fox.glb --light point:-1,2e2,.5 --light dir:0,1,0 --out fox.npz
   rimline extract fox.glb --light hom:0,1,0,0 --animation Run --time 0.4 --out fox.npz
   rimline extract fox.npz --no-weld --light dir:0,1,0 --device cpu --out again.npz
+  rimline extract models/*.obj --light dir:0,1,0 --out bits/{stem}.npz --resume
 
 Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounded up:
   positions (V,3) float32   welded, deformed, in world space less the origin
@@ -192,7 +196,7 @@ for polygons), milliseconds (by stage), set_up_milliseconds (opening the device,
 (all other stages).";
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(DRAW_EXAMPLES), after_help = DRAW_REMARKS, mut_arg("device", drawing_device))]
+#[command(help_template = verbatim(DRAW_EXAMPLES), after_help = DRAW_REMARKS, mut_arg("device", drawing_device), mut_arg("file", several))]
 pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -202,6 +206,10 @@ pub(crate) struct DrawArgs {
 
     #[command(flatten)]
     pub(crate) posed: MomentArgs,
+
+    /// Show the model as clay, not in its base colours
+    #[arg(long)]
+    pub(crate) plain: bool,
 
     /// Draw open boundaries in orange
     #[arg(long)]
@@ -214,6 +222,9 @@ pub(crate) struct DrawArgs {
     /// Print what was drawn as JSON
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    _jobs: JobsArgs,
 }
 
 const DRAW_EXAMPLES: &str = "\
@@ -221,6 +232,7 @@ Examples:
   rimline draw fox.glb --out fox.png
   rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --out fox.png
   rimline draw cloth.glb --show-boundary --out cloth.png
+  rimline draw --jobs jobs.jsonl --size 640x480 --out pictures/{index}-{stem}.png
 ";
 
 const DRAW_REMARKS: &str = "\
@@ -229,7 +241,7 @@ Silhouette edges and open boundaries are dark; with --show-boundary, boundaries 
 Keys of --json: adapter, out, size, vertices, faces, origin (only where it is not zero).";
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(INFO_EXAMPLES), after_help = INFO_KEYS)]
+#[command(help_template = verbatim(INFO_EXAMPLES), after_help = INFO_KEYS, mut_arg("file", several))]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -242,6 +254,9 @@ pub(crate) struct InfoArgs {
     /// Print JSON instead of text
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    _jobs: JobsArgs,
 }
 
 const INFO_EXAMPLES: &str = "\
@@ -281,8 +296,13 @@ as in WebGPU), optional_features (present, missing). The exit code is 3 if there
 #[command(help_template = verbatim(VERIFY_EXAMPLES), after_help = VERIFY_REMARKS, mut_args(when_making))]
 pub(crate) struct VerifyArgs {
     /// The folder with .npz files of `rimline extract` or `rimline verify --make`
-    #[arg(value_name = "DIR")]
-    pub(crate) folder: PathBuf,
+    #[arg(value_name = "DIR", required_unless_present = "built_in", conflicts_with = "built_in")]
+    pub(crate) folder: Option<PathBuf>,
+
+    /// Instead of files, check scenes that the command makes: those of the viewer and every stress scene, on each GPU against the
+    /// CPU. The page of the viewer does the same in a browser, at `?check`
+    #[arg(long)]
+    pub(crate) built_in: bool,
 
     /// Write the files instead of checking them: an extraction of every stress scene, and of each MODEL at rest and within
     /// its first animation. The lights are hard cases for each model. Existing files are never replaced
@@ -307,7 +327,8 @@ pub(crate) struct VerifyArgs {
     pub(crate) faces: u32,
 
     /// The devices to check: `all` (every GPU, and the CPU), `gpu` (every GPU), `cpu`, or a part of their name or backend
-    /// (`rimline devices` lists them). With --make: the one device that computes the files [default: all; with --make: cpu]
+    /// (`rimline devices` lists them). With --make: the one device that computes the files [default: all; with --built-in: gpu;
+    /// with --make: cpu]
     #[arg(long, value_name = "all|gpu|cpu|NAME")]
     pub(crate) device: Option<String>,
 
@@ -327,6 +348,7 @@ Examples:
   rimline verify --make bits fox.glb    # writes bits/fox.npz and the stress scenes
   rimline verify bits                   # compares every device with the files
   rimline verify bits --device vulkan --json
+  rimline verify --built-in             # needs no files: a table of scenes and wrong bits
 ";
 
 const VERIFY_REMARKS: &str = "\
@@ -339,7 +361,8 @@ Keys of --json: devices (names), clips_wrongly (names of those whose driver clip
 concerned), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \
 lights, error (null unless the file cannot be read), results: a list of device, equal, error (null unless the device \
 failed), differences: a list of array, wrong_bits, row, column, light, file, found (bits of the first element that \
-differs), message.";
+differs), message. With --built-in: equal, unusable, devices: a list of device, scenes: a list of scene, pairs (of face \
+and light), wrong_bits (null if it failed), error.";
 
 #[cfg(test)]
 mod tests {

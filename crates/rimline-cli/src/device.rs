@@ -1,6 +1,6 @@
 //! Choosing a device, and noticing when it fails.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, Once, OnceLock, PoisonError};
 
 use rimline::gpu::{DeviceError, Pipelines, read_back_vec};
 use rimline::wgpu;
@@ -59,6 +59,7 @@ impl Device {
     }
 }
 
+#[derive(Clone)]
 pub(crate) struct Gpu {
     pub(crate) info: AdapterInfo,
     pub(crate) device: wgpu::Device,
@@ -69,7 +70,7 @@ pub(crate) struct Gpu {
     pub(crate) cpu_would_do: bool,
     failure: Arc<Mutex<Option<String>>>,
     /// Pixels that the trial of slivers has wrong, once it ran.
-    wrong_slivers: OnceLock<Result<usize, String>>,
+    wrong_slivers: Arc<OnceLock<Result<usize, String>>>,
 }
 
 /// All adapters of all backends, the ones to prefer first.
@@ -127,7 +128,9 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
     match open_gpu(wanted) {
         Ok(gpu) => Ok(Device::Gpu(Box::new(Gpu { cpu_would_do: true, ..gpu }))),
         Err(reason) if *wanted == Wanted::Auto => {
-            note(&format!("working on the CPU, because {}", lower_first(&reason.to_string())));
+            // Once for all jobs.
+            static NOTE: Once = Once::new();
+            NOTE.call_once(|| note(&format!("working on the CPU, because {}", lower_first(&reason.to_string()))));
             Ok(Device::Cpu)
         }
         Err(reason) => Err(reason.into()),
@@ -137,14 +140,17 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
 /// Opens what `--device` asks for, for what the CPU can do, too. `auto` takes no GPU that is software: it runs on the same
 /// cores, and compiles shaders first. A device that was made small stands for one that is none.
 pub(crate) fn open_fastest(wanted: &Wanted) -> Result<Device, Failure> {
-    if *wanted == Wanted::Auto && buffer_limit().is_none() {
+    if *wanted == Wanted::Auto && buffer_limit().is_none() && is_software() { Ok(Device::Cpu) } else { open(wanted) }
+}
+
+/// Whether the GPU that `auto` would take is software. Looks once.
+fn is_software() -> bool {
+    static IS_SOFTWARE: OnceLock<bool> = OnceLock::new();
+    *IS_SOFTWARE.get_or_init(|| {
         let usable = |backends| adapters_of(backends).into_iter().find(|adapter| lacks(adapter).is_none());
         let first = usable(Backends::all().difference(Backends::GL)).or_else(|| usable(Backends::GL));
-        if first.is_some_and(|adapter| adapter.get_info().device_type == DeviceType::Cpu) {
-            return Ok(Device::Cpu);
-        }
-    }
-    open(wanted)
+        first.is_some_and(|adapter| adapter.get_info().device_type == DeviceType::Cpu)
+    })
 }
 
 /// Does the work on the device. Where `auto` chose a GPU that the work does not fit, the CPU does it, and a remark says
@@ -172,9 +178,43 @@ fn lower_first(text: &str) -> String {
     chars.next().map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
 }
 
+/// Devices that many jobs share, by what was asked for. `None`: they are not shared.
+static SHARED: Mutex<Option<Vec<(Wanted, Gpu)>>> = Mutex::new(None);
+
+fn shared() -> MutexGuard<'static, Option<Vec<(Wanted, Gpu)>>> {
+    SHARED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Opens each device once, as long as it lives.
+pub(crate) struct KeptOpen(());
+
+pub(crate) fn keep_open() -> KeptOpen {
+    *shared() = Some(Vec::new());
+    KeptOpen(())
+}
+
+impl Drop for KeptOpen {
+    fn drop(&mut self) {
+        *shared() = None;
+    }
+}
+
+/// Opens the device that is asked for, unless it is open and works.
+pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
+    let mut shared = shared();
+    let Some(shared) = &mut *shared else { return open_first(wanted) };
+    shared.retain(|(_, gpu)| gpu.check().is_ok());
+    if let Some((_, gpu)) = shared.iter().find(|(name, _)| name == wanted) {
+        return Ok(gpu.clone());
+    }
+    let gpu = open_first(wanted)?;
+    shared.push((wanted.clone(), gpu.clone()));
+    Ok(gpu)
+}
+
 /// Opens the first adapter that fits; [`Wanted::Auto`] means any here. OpenGL, the poorer way to a GPU, is looked at
 /// only where nothing else fits: its drivers talk, and the same GPU mostly shows elsewhere too.
-pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
+fn open_first(wanted: &Wanted) -> Result<Gpu, NoDevice> {
     let (mut names, mut refused) = (Vec::new(), None);
     for backends in [Backends::all().difference(Backends::GL), Backends::GL] {
         for adapter in adapters_of(backends) {
@@ -183,7 +223,10 @@ pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
                 continue;
             }
             match request(&adapter) {
-                Ok(gpu) => return Ok(gpu),
+                Ok(gpu) => {
+                    log::debug!("opened {}", describe(&gpu.info));
+                    return Ok(gpu);
+                }
                 Err(reason) => {
                     refused.get_or_insert(reason);
                 }
@@ -291,7 +334,7 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         pipelines,
         cpu_would_do: false,
         failure,
-        wrong_slivers: OnceLock::new(),
+        wrong_slivers: Arc::default(),
     })
 }
 
@@ -340,30 +383,6 @@ impl Gpu {
     pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let (label, size, usage) = (Some(label), size.max(16), usage | wgpu::BufferUsages::COPY_DST);
         self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
-    }
-
-    /// A buffer with these contents, which copies may overwrite.
-    pub(crate) fn filled(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        let buffer = self.buffer(label, contents.len() as u64, usage);
-        self.queue.write_buffer(&buffer, 0, contents);
-        buffer
-    }
-
-    /// A layout whose bindings these stages see.
-    pub(crate) fn layout(&self, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-        let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-    }
-
-    pub(crate) fn group(
-        &self,
-        layout: &wgpu::BindGroupLayout,
-        resources: &[wgpu::BindingResource<'_>],
-    ) -> wgpu::BindGroup {
-        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-        let entries: Vec<_> = (0..).zip(resources.iter().cloned()).map(entry).collect();
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 
     /// Contents of a buffer. Waits for the device.

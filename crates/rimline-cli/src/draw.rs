@@ -8,12 +8,12 @@ mod survey;
 use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
 
-use crate::render::bounds::Bounds;
 use frame::Frame;
-use outline_picture::{Canvas, LinePipelines, ModelPipelines};
+use outline_picture::{Canvas, Corners, LinePipelines, ModelPipelines};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::internals::cpu::is_finite;
-use rimline::{Light, Mesh, MeshError, wgpu};
+use rimline::{Mesh, MeshError, wgpu};
+use rimline_picture::{Bounds, Camera, corner_normals};
 use serde_json::json;
 
 use crate::args::DrawArgs;
@@ -26,9 +26,9 @@ use crate::input::{Scene, Shape};
 use crate::output::{Output, print, say};
 use crate::posed_input::{PosedInput, Positions};
 use crate::progress::Progress;
-use crate::render::camera::{Camera, elevation};
+use crate::render::camera::{camera, elevation};
 use crate::render::coincident::{Coincident, corners};
-use crate::render::{centre, check_bounds, check_model, check_size, extent, normals, too_large};
+use crate::render::{check_bounds, check_model, check_size, too_large};
 use crate::target::{Inputs, check_ending};
 
 /// Degrees that the eye is above the model by default.
@@ -46,6 +46,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     progress.step("reading the model");
     let posed = PosedInput::read(&args.posed, &args.model)?;
+    if !args.plain {
+        posed.input.note_colors();
+    }
     let scene = posed.scene()?;
     Inputs::new(posed.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
@@ -106,33 +109,41 @@ fn draw(
         progress.step("drawing");
         let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
         let mut faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
+        let colors = if args.plain { None } else { posed.input.corner_colors(&scene.shape) };
+        let mut colors = colors.map(|colors| {
+            let drawn = colors.into_iter().zip(scene.mesh.faces()).filter(|(_, face)| is_drawn(face));
+            drawn.map(|(colors, _)| colors).collect::<Vec<_>>()
+        });
         let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
         let failed = Failure::input(&posed.input.file);
         let none = if scene.mesh.faces().is_empty() { InputError::NoArea } else { InputError::NoFiniteFace };
         let bounds = Bounds::of(corners()).ok_or_else(|| failed(none))?;
         check_bounds(&bounds).map_err(&failed)?;
-        let view = args.view.relative_to(posed.input.origin());
-        let camera =
-            Camera::new(&view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
+        let view = posed.view(&args.view)?;
+        let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
 
-        let sheet = coincident_faces(&world, &mut faces, &camera).map_err(|error| failed(error.into()))?;
+        let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera).map_err(|error| failed(error.into()))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
 
         let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
-        let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary);
+        let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary).colored(colors.is_some());
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
             let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);
             let mut encoder = gpu.encoder("model");
-            let (normals, buffer) = (normals::corner_normals(&world, &faces), positions.buffer().buffer);
+            let (normals, buffer) = (corner_normals(&world, &faces), positions.buffer().buffer);
             let model = &joined(model_pipelines);
-            let drawn = canvas.model(&mut encoder, model, buffer, (&faces, &normals));
+            let drawn = canvas.model(
+                &mut encoder,
+                model,
+                buffer,
+                Corners { faces: &faces, normals: &normals, colors: colors.as_deref() },
+            );
             gpu.submit(encoder);
 
             let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
             let mut encoder = gpu.encoder("silhouette");
-            let eye = Light::point(camera.eye.into());
-            let extraction = extractor.encode(&mut encoder, positions.buffer(), &[eye])?;
+            let extraction = extractor.encode(&mut encoder, positions.buffer(), &[camera.eye_light()])?;
             gpu.submit(encoder);
 
             let mut encoder = gpu.encoder("lines");
@@ -163,13 +174,21 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
 
 /// Where faces coincide with turned ones, leaves those that are turned away from the eye out of the faces to draw, and returns
 /// a mesh of the surface without its second side. Else an edge between the sides of one face would be on the outline.
-fn coincident_faces(world: &[[f32; 3]], faces: &mut Vec<[u32; 3]>, camera: &Camera) -> Result<Option<Mesh>, MeshError> {
+fn coincident_faces(
+    world: &[[f32; 3]],
+    faces: &mut Vec<[u32; 3]>,
+    colors: &mut Option<Vec<[u32; 3]>>,
+    camera: &Camera,
+) -> Result<Option<Mesh>, MeshError> {
     let Some(found) = Coincident::of(corners(world, faces)) else { return Ok(None) };
     let numbered = || faces.iter().copied().enumerate();
     let one_sided = numbered().filter(|&(number, _)| found.is_first(number)).map(|(_, face)| face).collect();
     let sheet = Mesh::from_faces(world.len(), one_sided)?;
-    let is_seen = |(number, corners)| found.seen_instead(number, corners, camera.eye).is_none();
-    let mut are_seen = corners(world, faces).enumerate().map(is_seen).collect::<Vec<_>>().into_iter();
-    faces.retain(|_| are_seen.next() != Some(false));
+    let is_seen = |(number, corners)| found.seen_instead(number, corners, camera.distant_eye()).is_none();
+    let are_seen: Vec<bool> = corners(world, faces).enumerate().map(is_seen).collect();
+    for list in [Some(faces), colors.as_mut()].into_iter().flatten() {
+        let mut are_seen = are_seen.iter();
+        list.retain(|_| are_seen.next() != Some(&false));
+    }
     Ok(Some(sheet))
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 use rimline::internals::Method;
 use rimline::internals::cpu::{self, Extraction, FacingStatistics, Threads};
 use rimline::internals::layout::EdgeMasks;
-use rimline::mesh::EdgeCounts;
+use rimline::mesh::{EdgeCounts, Polygons};
 use rimline::{Displacement, Light, Mesh, Origin, Predicate};
 use rimline_bench::error_metrics::light_counts;
 use serde_json::json;
@@ -115,7 +115,7 @@ impl<'s> Job<'_, 's> {
     fn on_cpu(&self, times: &mut Times) -> Result<Found<'s>, Failure> {
         let Self { scene: Scene { mesh, shape }, lights, method, predicate, .. } = *self;
         let (positions, threads) = (shape.on_cpu(times)?, Threads::all());
-        if mesh.polygons().is_some() {
+        if let Some(polygons) = mesh.polygons() {
             let extract = |method| {
                 let found = cpu::extract_by(&positions, mesh, lights, method, predicate, threads);
                 found.map_err(|error| Failure::from(UsageError::Arguments(error)))
@@ -125,7 +125,8 @@ impl<'s> Job<'_, 's> {
             if method == Method::PerEdge {
                 masks = times.measure("per_edge", || extract(method))?.masks;
             }
-            return Ok(Found { positions, facing, twisted, masks, statistics });
+            let rows = |planes: &[u32]| rows_of_polygons(polygons, planes, mesh.faces().len(), lights.len());
+            return Ok(Found { positions, facing: rows(&facing), twisted: rows(&twisted), masks, statistics });
         }
         let faces = mesh.faces();
         let mut facing = Vec::new();
@@ -143,6 +144,13 @@ impl<'s> Job<'_, 's> {
         };
         Ok(Found { positions, facing, twisted: Vec::new(), masks, statistics })
     }
+}
+
+/// A row a polygon, as the file has them, of a plane for each 32 lights with a row a triangle. Planes begin every `stride` words.
+fn rows_of_polygons(polygons: &Polygons, planes: &[u32], stride: usize, lights: usize) -> Vec<u32> {
+    // Without a triangle in the mesh, planes are empty, and no polygon has bits.
+    let plane = |batch: usize| planes.get(stride * batch..).unwrap_or_default();
+    (0..lights.div_ceil(32)).flat_map(|batch| polygons.masks_of(plane(batch))).collect()
 }
 
 struct Report<'a> {

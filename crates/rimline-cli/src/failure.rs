@@ -47,13 +47,18 @@ pub(crate) enum Failure {
     /// `verify` found what should not be.
     #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
     Differs { folder: PathBuf, different: usize, checked: usize },
+    /// `verify --built-in` found bits that the CPU does not.
+    #[error("{wrong} bits differ from those of the CPU; please report the table and the driver")]
+    WrongBits { wrong: u64 },
     /// `verify` could not do all of its checks.
     #[error("{count} of the checks could not be done; the first: {first}")]
     Unchecked { count: usize, first: Box<Failure> },
     /// Ctrl-C, after what there was has been written.
-    #[cfg(feature = "bench")]
     #[error("stopped; what was finished is kept")]
     Interrupted,
+    /// Some of many jobs failed.
+    #[error("{failed} of {jobs} jobs failed")]
+    Jobs { failed: usize, jobs: usize },
     /// The result could not be written.
     #[error("{}: cannot be written: {source}", .file.display())]
     Output {
@@ -143,6 +148,14 @@ pub(crate) enum UsageError {
     Together { file: PathBuf, error: rimline::gltf::GltfError },
     #[error("the scene of the file has no light `{wanted}`; it has {there}")]
     FileLight { wanted: String, there: String },
+    #[error("{}: its scene has no cameras; leave --camera out, or say with --eye and --target where to look from", .file.display())]
+    NoFileCameras { file: PathBuf },
+    #[error("{}: its scene has no camera `{wanted}`; it has {there}", .file.display())]
+    FileCamera { file: PathBuf, wanted: String, there: String },
+    #[error(
+        "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out --ortho or the --camera"
+    )]
+    Orthographic { what: &'static str },
     #[error(transparent)]
     Lights(LightError),
     #[error(transparent)]
@@ -252,6 +265,15 @@ pub(crate) enum UsageError {
     DepthLights { count: usize },
     #[error("--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out")]
     DepthLightApart { given: String, map: String },
+    #[error("{position}{problem}")]
+    Job { position: String, problem: String },
+    #[error(
+        "{} and {} would both write {}; give other names, or a pattern such as --out out/{{stem}}.png", .jobs[0], .jobs[1],
+        .file.display()
+    )]
+    SameResult { file: PathBuf, jobs: [String; 2] },
+    #[error("standard output takes the result of one job, and these are {jobs}; give --out such as out/{{stem}}.png")]
+    JobsToStdout { jobs: usize },
     #[error("{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format", .out.display())]
     LinesFormat { out: PathBuf },
     #[error("{option} needs an orthographic view; leave out --fov, or give --ortho with --eye")]
@@ -318,8 +340,8 @@ impl Failure {
         move |source| Self::Input { file: file.to_owned(), source }
     }
 
-    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 and the
-    /// signal that stopped it.
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 6 jobs that failed,
+    /// 128 and the signal that stopped it.
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Input { .. } | Self::Pose(_) => 1,
@@ -328,10 +350,10 @@ impl Failure {
             #[cfg(feature = "view")]
             Self::Window(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
-            Self::Differs { .. } => 5,
+            Self::Differs { .. } | Self::WrongBits { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),
             // 128 and the number of the signal, as shells have it.
-            #[cfg(feature = "bench")]
+            Self::Jobs { .. } => 6,
             Self::Interrupted => crate::signals::interrupted_code(),
         }
     }

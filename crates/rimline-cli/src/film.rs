@@ -72,9 +72,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         points = swept(&points);
     }
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
-    let (still, axis) = (set.camera, set.orbit_axis());
-    let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
+    let (first, axis) = (set.camera, set.orbit_axis());
+    let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
+    let pictures = Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
@@ -85,9 +85,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
             progress.picture_done();
             continue;
         }
-        if let Some(degrees) = args.orbit {
-            set.camera = still.turned(axis, f64::from(degrees) * f64::from(frame) / f64::from(frames));
-        }
+        let still = set.camera_at(time(frame))?.unwrap_or(first);
+        let turn = |degrees| still.turned(axis, f64::from(degrees) * f64::from(frame) / f64::from(frames));
+        set.camera = args.orbit.map_or(still, turn);
         set.pose(&gpu, time(frame))?;
         casters.place(&set.bodies)?;
         set.cast(&mut casters, None).on(&gpu)?;

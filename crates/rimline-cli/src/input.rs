@@ -4,16 +4,17 @@ use std::borrow::Cow;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use rimline::gltf::{GltfError, SceneLight};
+use rimline::gltf::{GltfError, SceneCamera, SceneLight};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::light::check_lights;
 use rimline::mesh::Weld;
-use rimline::{Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model, ModelError, Pose};
+use rimline::{InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model, ModelError, Pose};
 pub(crate) use rimline_files::resting;
 use rimline_files::{File, FileError, Polygons, ReadOptions, read_bytes};
+use rimline_picture::corner_colors;
 
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input_args::ModelArgs;
+use crate::input_args::{ModelArgs, PlacedView, ViewArgs};
 use crate::output::note;
 use crate::report::Times;
 use crate::shown::listed;
@@ -141,6 +142,27 @@ impl Input {
         }
     }
 
+    /// Whether the faces of each instance are turned.
+    pub(crate) fn turned(&self, shape: &Shape<'_>) -> impl Iterator<Item = bool> {
+        let pose = match shape {
+            Shape::World(_) => None,
+            Shape::Posed { pose, .. } => Some(pose.instances()),
+        };
+        let is_turned =
+            move |instance: usize| pose.and_then(|pose| pose.get(instance)).is_some_and(InstancePose::faces_turned);
+        (0..self.model().instances().len()).map(is_turned)
+    }
+
+    /// The base colours of the corners of all instances, if the file has some.
+    pub(crate) fn corner_colors(&self, shape: &Shape<'_>) -> Option<Vec<[u32; 3]>> {
+        corner_colors(self.model(), self.turned(shape), |geometry| self.colors(geometry))
+    }
+
+    /// Tells the user why base colours are missing.
+    pub(crate) fn note_colors(&self) {
+        self.color_notes().iter().for_each(|note| self.warn(Some(note.clone())));
+    }
+
     /// The mesh that all instances make.
     pub(crate) fn mesh(&self, shape: &Shape<'_>) -> Result<Mesh, Failure> {
         if let (Some(mesh), Shape::World(_)) = (self.polygons(), shape) {
@@ -163,6 +185,28 @@ impl Input {
             MeshError::NoFaces if self.polygons().is_some() => InputError::NoArea,
             error => error.into(),
         }
+    }
+
+    /// The view that is asked for, at a time.
+    pub(crate) fn view(&self, args: &ViewArgs, animations: &[usize], time_s: f32) -> Result<PlacedView, Failure> {
+        let camera = args.camera.as_deref().map(|wanted| self.camera(wanted, animations, time_s)).transpose()?;
+        Ok(PlacedView { camera, ..args.relative_to(self.origin()) })
+    }
+
+    /// A camera of the file, by its name or number.
+    fn camera(&self, wanted: &str, animations: &[usize], time_s: f32) -> Result<SceneCamera, Failure> {
+        let file = || self.file.clone();
+        let asset = self.asset().filter(|asset| !asset.camera_names().is_empty());
+        let asset = asset.ok_or_else(|| UsageError::NoFileCameras { file: file() })?;
+        let names = asset.camera_names();
+        let numbered = || wanted.parse().ok().filter(|&index: &usize| index < names.len());
+        let index = names.iter().position(|name| *name == Some(wanted)).or_else(numbered).ok_or_else(|| {
+            let there = listed("camera", names.iter().copied());
+            UsageError::FileCamera { file: file(), wanted: wanted.to_owned(), there }
+        })?;
+        let cameras = asset.each_camera(animations.iter().copied(), time_s).map_err(|error| self.not_posed(error))?;
+        let camera = cameras.into_iter().nth(index).ok_or_else(|| UsageError::NoFileCameras { file: file() })?;
+        camera.map_err(|error| self.not_posed(error))
     }
 
     /// The lights asked for, in the order asked for, fit for an extraction.

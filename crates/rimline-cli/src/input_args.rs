@@ -1,14 +1,17 @@
 //! Arguments, and limits of model files, that several subcommands share.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use rimline::Origin;
+use rimline::gltf::SceneCamera;
 use rimline::mesh::{Weld, WeldDistance};
 use rimline_files::size::bytes;
 use rimline_files::{Format, Polygons, ReadOptions};
 
 use crate::coordinates::{Coordinate, relative};
+use crate::side::Side;
 use crate::spec;
 
 /// The model and how its vertices are joined.
@@ -142,6 +145,26 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::coordinates::<3>)]
     target: Option<[Coordinate; 3]>,
 
+    /// The side that is seen: front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees: to the right of the front,
+    /// and above the ground. The front is +Z, the top is +Y. The eye is as near as possible with the whole model in view
+    #[arg(long, value_name = "SIDE|AZ,EL", allow_hyphen_values = true, value_parser = Side::from_str, conflicts_with = "eye")]
+    view: Option<Side>,
+
+    /// Take the view of a camera of the glTF, by name or by number from 0; of the first file, if there are several. It moves with
+    /// its animation. The height of the picture is the camera's field of view. Only orthographic cameras have a far plane
+    #[arg(
+        long,
+        value_name = "NAME|INDEX",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["eye", "target", "view", "fov"],
+    )]
+    pub(crate) camera: Option<String>,
+
+    /// Show the view without perspective, as large as fits. --eye and --target then say in which direction it looks. Shadows take
+    /// --method auto, zp+ or z-pass, and no depth maps
+    #[arg(long, conflicts_with_all = ["fov", "camera"])]
+    ortho: bool,
+
     /// The vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]
     fov: f32,
@@ -152,19 +175,24 @@ pub(crate) struct ViewArgs {
 }
 
 /// The same, relative to the run's origin.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct PlacedView {
     pub(crate) eye: Option<[f32; 3]>,
     pub(crate) target: Option<[f32; 3]>,
     /// In degrees.
     pub(crate) fov: f32,
     pub(crate) size: [u32; 2],
+    pub(crate) side: Option<Side>,
+    pub(crate) is_parallel: bool,
+    /// The camera of a file, which says all but the size.
+    pub(crate) camera: Option<SceneCamera>,
 }
 
 impl ViewArgs {
     pub(crate) fn relative_to(&self, origin: Origin) -> PlacedView {
         let [eye, target] = [self.eye, self.target].map(|point| point.map(|point| relative(point, origin)));
-        PlacedView { eye, target, fov: self.fov, size: self.size }
+        let Self { fov, size, view: side, ortho: is_parallel, .. } = *self;
+        PlacedView { eye, target, fov, size, side, is_parallel, camera: None }
     }
 }
 
@@ -232,4 +260,42 @@ impl LoadArgs {
             ..ReadOptions::default()
         }
     }
+}
+
+/// Many jobs in one run.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Many files")]
+pub(crate) struct JobsArgs {
+    /// A file with a job a line, or - for standard input, for many jobs in one run
+    ///
+    /// The run opens the device once. A line is a JSON object. Its keys are `file`, a name or a list of names, and the long options
+    /// of this subcommand, such as {"file": "a.obj", "time": 0.4}. Values are texts, numbers, true, false, or lists for options
+    /// that can be repeated. Options of the command line are for all jobs; those of a line replace them.
+    ///
+    /// Without this option, `extract`, `draw` and `info` take each FILE as a job. `lines` and `shadow` take all FILEs as one drawing
+    /// or scene, and each as a job if the name of a result has a pattern. Patterns are {stem}, the file's name without its ending,
+    /// {name}, the whole name, and {index}, the number of the job from 0000: `--out out/{stem}.png`. Two jobs must not write the
+    /// same file. A job that fails does not stop the others; the exit code is then 6. With --json there is a line for each job,
+    /// and one for all: docs/formats.md has the keys
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub(crate) jobs: Option<PathBuf>,
+
+    /// Skip jobs whose results are all there. Results are complete or not there, so a run that was stopped goes on so
+    #[arg(long)]
+    pub(crate) resume: bool,
+
+    /// Do only job I, counted from 0, where I modulo N is K - 1. N runs with K from 1 to N do each job once
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub(crate) shard: Option<[u32; 2]>,
+}
+
+/// An argument that takes several files, each of which is a job.
+pub(crate) fn several(file: clap::Arg) -> clap::Arg {
+    file.num_args(1..)
+}
+
+/// K and N of `K/N`.
+fn shard(text: &str) -> Result<[u32; 2], &'static str> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some([k.parse().ok()?, n.parse().ok()?]));
+    numbers.filter(|[k, n]| (1..=*n).contains(k)).ok_or("a shard is K/N with K from 1 to N, such as 2/8")
 }

@@ -20,7 +20,7 @@ use rimline::cpu::Threads;
 use rimline::{Mesh, Origin};
 use rimline_lines::{Drawing, Fault, LineClass, LineOptions, LinesError, Object, draw, objects_of_model};
 
-use crate::failure::{Failure, InputError};
+use crate::failure::{Failure, InputError, UsageError};
 use crate::film::{self, Claim};
 use crate::info::Seams;
 use crate::input::{Input, Shape};
@@ -45,10 +45,8 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         note(&format!("warning: {}: hidden lines are not drawn; give --hidden dashed or thin", file.display()));
     }
     let frames = args.frames.unwrap_or(1);
-    let file = |frame: u32| match args.frames {
-        Some(frames) => film::frame_file(&args.out, frame, frames, format.ending()),
-        None => args.out.clone(),
-    };
+    let files = files(args)?;
+    let file = |frame: u32| files[frame as usize].clone();
     let _folder = args.frames.map(|_| Folder::create(&args.out)).transpose()?;
     let _claim = args.frames.map(|_| Claim::take(&args.out)).transpose()?;
     let progress = Progress::start();
@@ -125,6 +123,15 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     }
     drop(progress);
     say(&said)
+}
+
+/// The files of the drawings.
+pub(crate) fn files(args: &LinesArgs) -> Result<Vec<PathBuf>, UsageError> {
+    let format = Format::of(args)?;
+    Ok(match args.frames {
+        Some(frames) => (0..frames).map(|frame| film::frame_file(&args.out, frame, frames, format.ending())).collect(),
+        None => vec![args.out.clone()],
+    })
 }
 
 fn options(args: &LinesArgs) -> LineOptions {

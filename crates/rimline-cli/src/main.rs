@@ -18,6 +18,7 @@ mod image;
 mod info;
 mod input;
 mod input_args;
+mod jobs;
 mod lines;
 mod origin;
 mod output;
@@ -30,6 +31,7 @@ mod report;
 mod shadow;
 mod shell;
 mod shown;
+mod side;
 mod signals;
 mod source;
 mod spec;
@@ -46,6 +48,7 @@ use log::Level;
 
 use crate::args::Command;
 use crate::failure::Failure;
+use crate::jobs::Many;
 use crate::shown::{Line, Text};
 
 fn main() -> ExitCode {
@@ -59,19 +62,29 @@ fn main() -> ExitCode {
         .init();
     #[cfg(all(unix, not(target_vendor = "apple")))]
     keep_wayland_quiet();
-    let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
-    if cli.quiet {
-        output::be_quiet();
-    }
-    // Before anything is read: the code of a signal does not depend on when it comes.
-    signals::heed_signals();
-    match run(&cli.command) {
+    let done = if let Some(many) = Many::given(parse::joined(std::env::args_os().collect())) {
+        begin(many.is_quiet);
+        many.run()
+    } else {
+        let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
+        begin(cli.quiet);
+        run(&cli.command)
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             output::complain(&failure);
             failure.code().into()
         }
     }
+}
+
+fn begin(is_quiet: bool) {
+    if is_quiet {
+        output::be_quiet();
+    }
+    // Before anything is read: the code of a signal does not depend on when it comes.
+    signals::heed_signals();
 }
 
 /// Runs the command again in this same process, with `XDG_RUNTIME_DIR`, if that is no absolute path. Mesa's Vulkan layer asks
@@ -97,7 +110,7 @@ fn keep_wayland_quiet() {
 }
 
 /// Prints what the parser says, help too, and ends. It cites arguments as they are, and a shell puts names of files there.
-fn refuse(error: &clap::Error) -> ! {
+pub(crate) fn refuse(error: &clap::Error) -> ! {
     if !error.use_stderr() {
         // Help and version are results like others.
         let printed = error.print().and_then(|()| std::io::stdout().flush());
@@ -116,7 +129,7 @@ fn refuse(error: &clap::Error) -> ! {
     std::process::exit(error.exit_code());
 }
 
-fn run(command: &Command) -> Result<(), Failure> {
+pub(crate) fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Devices(args) => devices::run(args),
         Command::Extract(args) => extract::run(args),

@@ -1,9 +1,11 @@
 //! Output files that are whole or not there, and text for pipes.
 
+use std::fmt::Display;
 use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::TempPath;
 
@@ -12,19 +14,33 @@ use crate::shown::{Line, Text};
 use crate::signals::{self, make_unfinished, remove_unfinished};
 use crate::target::{self, Target, check_parent, end_of_links, find, folder_of};
 
-#[cfg(feature = "bench")]
 pub(crate) use crate::signals::{finish_at_interrupt, is_interrupted};
 
 /// Prints to standard output, or to standard error where a result goes to standard output. A reader that has gone away
 /// (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text = Text(text).to_string();
+    if let Some(collected) = &mut *COLLECTED.lock().unwrap_or_else(PoisonError::into_inner) {
+        collected.push_str(&text);
+        return Ok(());
+    }
     if target::holds_result() {
         let _ = io::stderr().write_all(text.as_bytes());
         return Ok(());
     }
     let mut stdout = io::stdout().lock();
     printed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
+}
+
+/// Text that is collected instead of printed.
+static COLLECTED: Mutex<Option<String>> = Mutex::new(None);
+
+/// Runs work, and returns the text that it would have printed.
+pub(crate) fn collected<T>(work: impl FnOnce() -> T) -> (T, String) {
+    let exchange = |text| std::mem::replace(&mut *COLLECTED.lock().unwrap_or_else(PoisonError::into_inner), text);
+    exchange(Some(String::new()));
+    let done = work();
+    (done, exchange(None).unwrap_or_default())
 }
 
 /// Turns the result of writing to standard output into the command's. A closed pipe is no error.
@@ -63,7 +79,7 @@ pub(crate) fn note(text: &str) {
 }
 
 /// Prints why the command stops.
-pub(crate) fn complain(failure: &Failure) {
+pub(crate) fn complain(failure: &impl Display) {
     let _ = writeln!(io::stderr(), "rimline: {}", Line(format!("error: {failure}")));
 }
 

@@ -16,7 +16,7 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli
 
 /// Joins an option with a value that begins as a negative number does: `--dangling -1,3` becomes `--dangling=-1,3`. clap
 /// would look for an option `-1`, and could not say what is wrong with the value.
-fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
+pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     let cli = Cli::command();
     let Some(command) = arguments.get(1).and_then(|name| cli.find_subcommand(name)) else { return arguments };
     let takes_value = |argument: &OsString| {

@@ -10,7 +10,7 @@ use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Scene, Shape};
-use crate::input_args::{ModelArgs, MomentArgs, PoseArgs};
+use crate::input_args::{ModelArgs, MomentArgs, PlacedView, PoseArgs, ViewArgs};
 use crate::output::note;
 use crate::progress::Progress;
 use crate::report::Times;
@@ -42,6 +42,11 @@ impl<'a> PosedInput<'a> {
     /// The files that were read, and those that the model names.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         self.input.files().chain(self.args.displace.as_deref())
+    }
+
+    /// The view of a picture.
+    pub(crate) fn view(&self, args: &ViewArgs) -> Result<PlacedView, Failure> {
+        self.input.view(args, &self.animations, self.time_s())
     }
 
     pub(crate) fn time_s(&self) -> f32 {
@@ -171,7 +176,12 @@ impl Positions {
                     let label = "positions";
                     return Err(DeviceError::BufferTooLarge { label, bytes: size, limit }.into());
                 }
-                Ok(Self::Uploaded(gpu.filled("positions", bytes, wgpu::BufferUsages::STORAGE)))
+                Ok(Self::Uploaded(rimline_picture::filled(
+                    (&gpu.device, &gpu.queue),
+                    "positions",
+                    bytes,
+                    wgpu::BufferUsages::STORAGE,
+                )))
             }
             Shape::Posed { model, .. } => {
                 let options = DeformerOptions { displacement, ..DeformerOptions::default() };

@@ -1,32 +1,18 @@
-//! Parts that the commands that make pictures share: camera, shading normals, a short way to pipelines.
+//! Parts that the commands that make pictures share: the camera, faces that coincide, limits.
 
-pub(crate) mod bounds;
 pub(crate) mod camera;
 pub(crate) mod coincident;
-pub(crate) mod normals;
-pub(crate) mod pipeline_factory;
 
 use rimline::gpu::DeviceError;
+use rimline_picture::Bounds;
 
 use crate::device::{self, Gpu};
 use crate::failure::{InputError, UsageError};
 use crate::gpu_error::GpuError;
-use bounds::Bounds;
-
-/// The largest side of the bounds, or 1 for a single point.
-pub(crate) fn extent(bounds: &Bounds) -> f32 {
-    let sides = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]);
-    let largest = sides.fold(0.0, f32::max);
-    if largest > 0.0 { largest } else { 1.0 }
-}
 
 /// Refuses bounds that no camera and no light can be chosen by.
 pub(crate) fn check_bounds(bounds: &Bounds) -> Result<(), InputError> {
-    if extent(bounds).is_finite() { Ok(()) } else { Err(InputError::Boundless) }
-}
-
-pub(crate) fn centre(bounds: &Bounds) -> [f32; 3] {
-    std::array::from_fn(|axis| bounds.min[axis] + 0.5 * (bounds.max[axis] - bounds.min[axis]))
+    if bounds.extent().is_finite() { Ok(()) } else { Err(InputError::Boundless) }
 }
 
 /// Why a picture that takes so many bytes a pixel in one array cannot be drawn, and one that can.

@@ -5,7 +5,6 @@ pub(crate) mod casters;
 pub(crate) mod casting;
 pub(crate) mod depth;
 mod depth_shadows;
-pub(crate) mod frame;
 pub(crate) mod from_depth;
 pub(crate) mod given_map_error;
 mod layers;
@@ -25,12 +24,13 @@ use std::time::Instant;
 use args::ShadowArgs;
 use casters::{Casters, DrawInputs};
 use casting::CoveredFaces;
-use frame::PARTS;
 use from_depth::FromDepth;
 use pictures::{Masks, Pictures};
 use render_resources::RenderResources;
+pub(crate) use report::files;
 use report::{Report, ResultFiles};
 use rimline::gpu::StageTimer;
+use rimline_picture::PARTS;
 use shadow_scene::{ShadowInputs, ShadowScene};
 use shadows::ShadowMethod;
 
@@ -71,6 +71,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
+    if from_depth.is_some() && set.camera.far.is_some() {
+        let what = if given.is_some() { "--depth" } else { "--from-depth" };
+        return Err(UsageError::Orthographic { what }.into());
+    }
     given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
@@ -80,10 +84,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 
     progress.step("drawing");
     let begin = Instant::now();
-    let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
+    let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
     let pictures = args.out.as_ref();
     let pictures = pictures
-        .map(|_| Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
+        .map(|_| Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()))
         .transpose()
         .on(&gpu)?;
     let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;
@@ -104,7 +108,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     // Times are for those who ask for them; all others would wait for the work twice.
     if args.json {
         times.measure("compile", || {
-            warm_up::shadow_stages(&gpu, pipelines, &frame::shadow_camera(&set.camera), (&set.bodies, &set.ranged()))
+            warm_up::shadow_stages(&gpu, pipelines, &set.camera.shadow_camera(), (&set.bodies, &set.ranged()))
         })?;
     }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
@@ -179,7 +183,7 @@ pub(crate) fn picture(
     } else {
         pictures.record(&mut encoder, &set.subject(casters), 0)?;
     }
-    let texture = pictures.develop(&mut encoder, casters);
+    let texture = pictures.develop(&mut encoder, casters.resources);
     gpu.submit(encoder);
     Picture::read(gpu, texture)
 }

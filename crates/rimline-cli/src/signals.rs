@@ -72,13 +72,11 @@ pub(crate) fn heed_signals() {
 
 /// From now on the first Ctrl-C only makes [`is_interrupted`] true, and leaves it to the work to end soon and to write
 /// what it has; the second ends the command.
-#[cfg(feature = "bench")]
 pub(crate) fn finish_at_interrupt() {
     heed_signals();
     IS_FINISHING.store(true, Ordering::SeqCst);
 }
 
-#[cfg(feature = "bench")]
 pub(crate) fn is_interrupted() -> bool {
     SIGNAL.load(Ordering::SeqCst) != 0
 }

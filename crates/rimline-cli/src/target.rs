@@ -70,7 +70,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
     Ok(Target::Through(file, there.is_file()))
 }
 
-fn is_stdout(name: &Path) -> bool {
+pub(crate) fn is_stdout(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
@@ -168,11 +168,13 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     if let (Ok(there), Ok(other)) = (std::fs::metadata(a), std::fs::metadata(b)) {
         return identity(a, &there) == identity(b, &other);
     }
-    let real_path = |path: &Path| {
-        let path = end_of_links(path).ok()?;
-        Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
-    };
-    a == b || real_path(a).is_some_and(|a| Some(a) == real_path(b))
+    a == b || resolved(a).is_some_and(|a| Some(a) == resolved(b))
+}
+
+/// A name of the file that is the same for all its paths, be it there or not, if its folder is there.
+pub(crate) fn resolved(path: &Path) -> Option<PathBuf> {
+    let path = end_of_links(path).ok()?;
+    Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
 }
 
 /// Endings that stand for a format. One that is none of these is a part of the name.

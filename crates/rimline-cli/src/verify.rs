@@ -1,5 +1,7 @@
-//! `rimline verify`: do this machine's devices find the bits that a folder of extractions holds? And making the folder.
+//! `rimline verify`: do this machine's devices find the bits that a folder of extractions holds, or those of the CPU? And making
+//! the folder.
 
+mod built_in;
 mod make;
 mod report;
 
@@ -14,10 +16,12 @@ use crate::output::{note, print};
 use crate::progress::Progress;
 
 pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
+    // It is there unless the check is of built-in scenes.
+    let Some(folder) = &args.folder else { return built_in::run(args) };
     if args.make {
-        return make::run(args);
+        return make::run(args, folder);
     }
-    let files = archives(&args.folder)?;
+    let files = archives(folder)?;
     let progress = Progress::start();
     progress.step("opening the devices");
     let (devices, unusable) = open(args.device.as_deref().unwrap_or("all"))?;
@@ -30,7 +34,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
             ));
         });
     }
-    let mut report = Report::new(&args.folder, &files, &devices, &unusable);
+    let mut report = Report::new(folder, &files, &devices, &unusable);
     if !args.json {
         progress.aside(|| print(&report.head()))?;
     }

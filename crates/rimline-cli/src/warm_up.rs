@@ -43,7 +43,7 @@ pub(crate) fn shadow_stages(
 ) -> Result<(), Failure> {
     let Some(model) = triangle() else { return Ok(()) };
     let input = Input { file: PathBuf::from("triangle"), content: File::in_world(model, Origin::ZERO) };
-    let body = [PosedModel::new(gpu, &input, &[], 0.0, None)?];
+    let body = [PosedModel::new(gpu, &input, &[], 0.0, None, true)?];
     let mut shadows = casters::shadows(gpu, pipelines, lights.len()).on(gpu)?;
     shadows.place(&body)?;
     let mut encoder = gpu.encoder("warm up");

@@ -1,5 +1,6 @@
 //! Vertices and faces of any number of corners, as a file lists them one after the other.
 
+use rimline::gltf::Colors;
 use rimline::mesh::MAX_POLYGON_CORNERS;
 
 use crate::charge;
@@ -11,6 +12,12 @@ use crate::npz::{Arrays, PolygonArrays};
 const LISTED_VERTEX: u64 = 2 * 24;
 const LISTED_FACE: u64 = 3 * 4;
 const LISTED_CORNER: u64 = 3 * 4;
+/// Bytes for a colour in a list that doubles, for that of a triangle, and for a vertex with a colour while vertices are welded.
+const LISTED_COLOR: u64 = 3 * 12;
+const TRIANGLE_COLOR: u64 = 12;
+const WELDED_COLOR: u64 = 12 + 4;
+
+pub(crate) const WHITE: [f32; 3] = [1.0; 3];
 
 /// Why a vertex or a face is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +37,9 @@ pub(crate) struct Collected {
     positions: Vec<[f64; 3]>,
     sizes: Vec<u32>,
     corners: Vec<u32>,
+    /// Linear colours of the first faces and vertices; the others are white.
+    face_colors: Vec<[f32; 3]>,
+    vertex_colors: Vec<[f32; 3]>,
     /// Where those of the face that is being read begin.
     complete: usize,
     /// The faces so far, as long as all of them are triangles.
@@ -65,6 +75,29 @@ impl Collected {
         self.charge(LISTED_VERTEX)?;
         self.positions.push(position);
         Ok(())
+    }
+
+    /// The colour of the last vertex.
+    pub(crate) fn color_vertex(&mut self, color: [f32; 3]) -> Result<(), Refused> {
+        let (old, new) = (self.vertex_colors.len(), self.positions.len());
+        self.charge((LISTED_COLOR + WELDED_COLOR) * new.saturating_sub(old) as u64)?;
+        self.vertex_colors.resize(new.saturating_sub(1), WHITE);
+        self.vertex_colors.push(color);
+        Ok(())
+    }
+
+    /// The colour of the faces since the last call.
+    pub(crate) fn color_faces(&mut self, color: [f32; 3]) -> Result<(), Refused> {
+        let faces = self.sizes.get(self.face_colors.len()..).unwrap_or_default();
+        let corners = faces.iter().map(|&size| u64::from(size)).sum::<u64>();
+        self.charge(LISTED_COLOR * faces.len() as u64 + TRIANGLE_COLOR * corners)?;
+        self.face_colors.resize(self.sizes.len(), color);
+        Ok(())
+    }
+
+    /// Charges bytes that something else takes.
+    pub(crate) fn charge_bytes(&mut self, bytes: u64) -> Result<(), Refused> {
+        self.charge(bytes)
     }
 
     /// Begins a face. It takes so much at least, and as much as what it is once it is complete.
@@ -118,16 +151,28 @@ impl Collected {
 
     /// Positions relative to an origin near them, and triangles if all faces are, else polygons. All corners must be below the
     /// number of vertices. `None` without faces.
-    pub(crate) fn finish(self) -> Option<Arrays> {
-        let Self { positions, sizes, corners, .. } = self;
-        if sizes.is_empty() {
-            return None;
+    pub(crate) fn finish(mut self) -> Result<Option<Arrays>, Refused> {
+        if self.sizes.is_empty() {
+            return Ok(None);
         }
+        if !self.face_colors.is_empty() {
+            self.color_faces(WHITE)?;
+        } else if !self.vertex_colors.is_empty() {
+            // Faces get colours where vertices cannot keep theirs.
+            self.charge(TRIANGLE_COLOR * (self.sizes.len() + self.corners.len()) as u64)?;
+        }
+        let Self { positions, sizes, corners, face_colors, mut vertex_colors, .. } = self;
+        if !vertex_colors.is_empty() {
+            vertex_colors.resize(positions.len(), WHITE);
+        }
+        let colored = |colors: Vec<[f32; 3]>| Some(colors).filter(|colors| colors.iter().any(|&color| color != WHITE));
+        let colors = Colors { faces: colored(face_colors), vertices: colored(vertex_colors) };
         let (positions, origin) = placed(positions, &sizes, &corners);
         if sizes.iter().all(|&size| size == 3) {
-            return Some(Arrays { positions, faces: corners.as_chunks().0.to_vec(), polygons: None, origin });
+            let faces = corners.as_chunks().0.to_vec();
+            return Ok(Some(Arrays { positions, faces, polygons: None, origin, colors }));
         }
         let polygons = PolygonArrays { polygon_loops: vec![1; sizes.len()], loop_sizes: sizes, loop_corners: corners };
-        Some(Arrays { positions, faces: Vec::new(), polygons: Some(polygons), origin })
+        Ok(Some(Arrays { positions, faces: Vec::new(), polygons: Some(polygons), origin, colors }))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use rimline::gltf::{Asset, GltfWarning};
+use rimline::gltf::{Asset, Colors, GltfWarning};
 use rimline::mesh::{WeldCounts, WeldDistance};
 use rimline::{Geometry, InstancePose, Mesh, Model, ModelError, Origin, Pose};
 
@@ -17,6 +17,11 @@ pub struct File {
     pub(crate) polygons: Option<Box<Mesh>>,
     pub(crate) described: Option<Box<GivenPolygons>>,
     pub(crate) origin: Origin,
+    /// Colours of positions in world space.
+    pub(crate) colors: Colors,
+    pub(crate) color_notes: Vec<String>,
+    /// Files that a file other than a glTF names.
+    pub(crate) named_files: Vec<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -55,7 +60,16 @@ impl File {
     }
 
     fn new(content: Content, origin: Origin) -> Self {
-        Self { content, weld: WeldCounts::default(), polygons: None, described: None, origin }
+        Self {
+            content,
+            weld: WeldCounts::default(),
+            polygons: None,
+            described: None,
+            origin,
+            colors: Colors::default(),
+            color_notes: Vec::new(),
+            named_files: Vec::new(),
+        }
     }
 
     /// The glTF, with its animations, lights and names, if it is one.
@@ -69,6 +83,18 @@ impl File {
             Content::Gltf(asset) => asset.model(),
             Content::World(model) => model,
         }
+    }
+
+    /// The base colours of one of the model's geometries, if they are not all white. They are linear, and go by its faces and
+    /// vertices.
+    pub fn colors(&self, geometry: usize) -> Option<&Colors> {
+        let own = Some(&self.colors).filter(|own| geometry == 0 && (own.faces.is_some() || own.vertices.is_some()));
+        self.asset().map_or(own, |asset| asset.colors(geometry))
+    }
+
+    /// Why colours are missing, in words.
+    pub fn color_notes(&self) -> &[String] {
+        &self.color_notes
     }
 
     /// Positions in world space less the origin, bit for bit, of a file that is no glTF.
@@ -112,7 +138,7 @@ impl File {
 
     /// Other files that the file names, textures included.
     pub fn named_files(&self) -> &[PathBuf] {
-        self.asset().map_or(&[], Asset::named_files)
+        self.asset().map_or(&self.named_files, Asset::named_files)
     }
 
     /// Parts of the file that the reader skipped or changed. Positions that are not finite are counted apart: [`File::non_finite`].

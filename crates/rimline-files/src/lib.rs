@@ -22,6 +22,8 @@ mod file;
 mod format;
 mod line;
 #[doc(hidden)]
+pub mod mtl;
+#[doc(hidden)]
 pub mod npz;
 #[doc(hidden)]
 pub mod obj;
@@ -39,3 +41,4 @@ pub use file::{File, GivenPolygons, resting};
 pub use format::{Foreign, Format, FormatError, archive};
 pub use origin::{Settled, settle};
 pub use read::{Polygons, ReadOptions, open_regular, read, read_bytes};
+pub use rimline::gltf::Colors;

@@ -4,9 +4,10 @@ use std::io::{self, BufRead};
 
 use rimline::mesh::MAX_POLYGON_CORNERS;
 
-use crate::collected::{Collected, Refused};
+use crate::collected::{Collected, Refused, WHITE};
 use crate::coordinates::number;
 use crate::line::{Lines, Next, Statement};
+use crate::mtl::{self, Materials, joined, linear};
 use crate::npz::Arrays;
 
 /// Why a file is refused.
@@ -69,14 +70,20 @@ pub fn begins_like(bytes: &[u8]) -> bool {
     false
 }
 
-/// Reads positions and faces, relative to an origin near them, and skips everything else. Faces come as triangles if
+/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as triangles if
 /// all of them are triangles, else as polygons.
 ///
 /// Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept. The mesh is one of
 /// polygons where these `are_whole`, else one of their triangles.
-pub fn read(reader: impl BufRead, memory_limit: u64, are_whole: bool) -> Result<Arrays, ObjError> {
+pub fn read(
+    reader: impl BufRead,
+    materials: &mut Materials<'_>,
+    memory_limit: u64,
+    are_whole: bool,
+) -> Result<Arrays, ObjError> {
     let mut lines = Lines::new(reader);
-    let mut obj = Obj { model: Collected::new(memory_limit, are_whole), highest: (0, 0) };
+    let model = Collected::new(memory_limit, are_whole);
+    let mut obj = Obj { model, materials, color: None, highest: (0, 0) };
     loop {
         // The line and its copy while it grows.
         let room = obj.model.room() / 3;
@@ -92,19 +99,27 @@ pub fn read(reader: impl BufRead, memory_limit: u64, are_whole: bool) -> Result<
 }
 
 /// The model as far as it was read.
-struct Obj {
+struct Obj<'m, 'f> {
     model: Collected,
+    materials: &'m mut Materials<'f>,
+    /// The colour of the material in use.
+    color: Option<[f32; 3]>,
     /// The largest vertex that a face names, from 1, and its line. Faces may stand before their vertices.
     highest: (i64, usize),
 }
 
-impl Obj {
+impl Obj<'_, '_> {
     fn take(&mut self, statement: &Statement<'_>) -> Result<(), ObjError> {
         let line = statement.line;
         let mut words = statement.words();
         match words.next() {
             Some(b"v") => self.vertex(line, words),
             Some(b"f" | b"fo") => self.face(line, words),
+            Some(b"usemtl") => {
+                let before = self.color.replace(self.materials.color(line, &joined(words)));
+                self.model.color_faces(before.unwrap_or(WHITE)).map_err(refused(line))
+            }
+            Some(b"mtllib") => self.library(line, words),
             Some(b"call") => Err(ObjError::Call { line }),
             Some(b"csh") => Err(ObjError::Program { line }),
             Some(word) => match CURVED.into_iter().find(|curved| curved.as_bytes() == word) {
@@ -115,21 +130,35 @@ impl Obj {
         }
     }
 
+    /// Names of files, or one name that has blanks.
+    fn library<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
+        let name = joined(words);
+        let are_many = name.to_ascii_lowercase().windows(5).any(|part| part == b".mtl ");
+        let names = if are_many { name.split(|&byte| byte == b' ').collect() } else { vec![&name[..]] };
+        for name in names {
+            let bytes = self.materials.read(line, &String::from_utf8_lossy(name), self.model.room() / mtl::BYTES);
+            self.model.charge_bytes(bytes * mtl::BYTES).map_err(refused(line))?;
+        }
+        Ok(())
+    }
+
     /// Coordinates. A weight or a colour may follow; weights are for curves alone.
     fn vertex<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
-        let (mut position, mut count) = ([0.0; 3], 0);
+        let (mut numbers, mut count) = ([0.0; 6], 0);
         for word in words {
             let number = std::str::from_utf8(word).ok().and_then(number);
             let number = number.ok_or_else(|| ObjError::Number { line, found: shown(word) })?;
-            if let Some(coordinate) = position.get_mut(count) {
-                *coordinate = number;
+            if let Some(place) = numbers.get_mut(count) {
+                *place = number;
             }
             count += 1;
         }
         if count < 3 {
             return Err(ObjError::Coordinates { line, found: count });
         }
-        self.model.vertex(position).map_err(refused(line))
+        let [x, y, z, red, green, blue] = numbers;
+        self.model.vertex([x, y, z]).map_err(refused(line))?;
+        if count == 6 { self.model.color_vertex([red, green, blue].map(linear)).map_err(refused(line)) } else { Ok(()) }
     }
 
     fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
@@ -148,12 +177,13 @@ impl Obj {
     }
 
     fn finish(self) -> Result<Arrays, ObjError> {
-        let Self { model, highest: (index, line) } = self;
+        let Self { mut model, color, highest: (index, line), .. } = self;
+        color.map_or(Ok(()), |color| model.color_faces(color)).map_err(refused(line))?;
         let vertices = model.vertices();
         if index > vertices as i64 {
             return Err(ObjError::OutOfRange { line, index, vertices });
         }
-        model.finish().ok_or(ObjError::NoFaces)
+        model.finish().map_err(refused(line))?.ok_or(ObjError::NoFaces)
     }
 }
 

@@ -6,6 +6,7 @@ use rimline::mesh::MAX_POLYGON_CORNERS;
 
 use crate::collected::{Collected, Refused};
 use crate::coordinates::number;
+use crate::mtl::linear;
 use crate::npz::Arrays;
 
 /// Why a file is refused.
@@ -113,7 +114,7 @@ struct Header {
     elements: Vec<Element>,
 }
 
-/// Reads positions and faces, relative to an origin near them, and skips everything else. Faces come as triangles if all of
+/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as triangles if all of
 /// them are triangles, else as polygons.
 ///
 /// Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept. The mesh is one of polygons
@@ -131,7 +132,8 @@ pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64, are_whole: bool)
         element.read(&mut body, &mut model, vertices)?;
         left = left.saturating_sub(element.count.saturating_mul(element.least(header.encoding)));
     }
-    model.finish().ok_or(PlyError::NoFaces)
+    let last = Place { element: "face", index: 0 };
+    model.finish().map_err(|refused| last.refused(refused))?.ok_or(PlyError::NoFaces)
 }
 
 impl Header {
@@ -230,11 +232,13 @@ impl Element {
         };
         // Without properties it is nothing, however many are stated.
         let count = if self.properties.is_empty() { 0 } else { self.count };
+        let channels = self.channels().filter(|_| self.name == "face");
+        let mut values = vec![0.0; self.properties.len()];
         for index in 0..count {
             let at = Place { element: &self.name, index };
-            for property in &self.properties {
+            for (value, property) in values.iter_mut().zip(&self.properties) {
                 let Some(length) = property.length else {
-                    body.value(property.scalar, at)?;
+                    *value = body.value(property.scalar, at)?;
                     continue;
                 };
                 let length = body.length(length, at)?;
@@ -253,8 +257,26 @@ impl Element {
                 }
                 model.end_face().map_err(|refused| at.refused(refused))?;
             }
+            if let Some(channels) = channels {
+                model.color_faces(channels.map(|own| own.of(&values))).map_err(|refused| at.refused(refused))?;
+            }
         }
         Ok(())
+    }
+
+    /// Where the colour is, if it has one.
+    fn channels(&self) -> Option<[Channel; 3]> {
+        let found = ["red", "green", "blue"].map(|name| {
+            let place = self.properties.iter().position(|own| own.name == name && own.length.is_none())?;
+            let most = match self.properties[place].scalar {
+                Scalar { kind: 'f', .. } => 1.0,
+                Scalar { bytes: 2, .. } => f64::from(u16::MAX),
+                Scalar { .. } => f64::from(u8::MAX),
+            };
+            Some(Channel { place, most })
+        });
+        let [Some(red), Some(green), Some(blue)] = found else { return None };
+        Some([red, green, blue])
     }
 
     fn read_vertices(&self, body: &mut Body<impl BufRead>, model: &mut Collected) -> Result<(), PlyError> {
@@ -264,6 +286,7 @@ impl Element {
             *place = found.ok_or(PlyError::NoPosition { property })?;
         }
         model.check_vertices(self.count).map_err(|refused| Place { element: &self.name, index: 0 }.refused(refused))?;
+        let channels = self.channels();
         let mut values = vec![0.0; self.properties.len()];
         for index in 0..self.count {
             let at = Place { element: &self.name, index };
@@ -277,8 +300,25 @@ impl Element {
                 }
             }
             model.vertex(places.map(|place| values[place])).map_err(|refused| at.refused(refused))?;
+            if let Some(channels) = channels {
+                model.color_vertex(channels.map(|own| own.of(&values))).map_err(|refused| at.refused(refused))?;
+            }
         }
         Ok(())
+    }
+}
+
+/// A component of colours: the property, and the number that stands for 1.
+#[derive(Clone, Copy)]
+struct Channel {
+    place: usize,
+    most: f64,
+}
+
+impl Channel {
+    /// The linear value. Files have values for displays, floats too.
+    fn of(self, values: &[f64]) -> f32 {
+        linear(values[self.place] / self.most)
     }
 }
 

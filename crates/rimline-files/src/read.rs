@@ -4,13 +4,15 @@ use std::fs;
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
-use rimline::gltf::{Asset, GltfError, LoadOptions};
+use rimline::gltf::{Asset, Colors, GltfError, LoadOptions};
+use rimline::internals::colors;
 use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Instance, Mesh, Model};
 
 use crate::error::FileError;
 use crate::file::{File, GivenPolygons};
 use crate::format::{Format, ending};
+use crate::mtl::Materials;
 use crate::{npz, obj, ply, stl};
 
 /// How polygons are taken. Those of an .npz are always taken whole.
@@ -80,13 +82,13 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<File, FileError> {
     let mut reader = BufReader::with_capacity(1 << 18, open_regular(path)?);
     match format(&mut reader, Some(path), options)? {
         Format::Gltf => Asset::open(path, options.of_gltf()).map(File::of_asset).map_err(|error| of_gltf(path, error)),
-        format => of_reader(format, reader, options),
+        format => of_reader(format, reader, path.parent(), options),
     }
 }
 
 /// Reads the content of a file, such as standard input or what was dropped on a page. The name is asked where the content
 /// does not say its format; without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must be in
-/// the content.
+/// the content. Materials of an OBJ are not read.
 ///
 /// # Errors
 /// [`FileError`] says what is wrong with it.
@@ -97,7 +99,7 @@ pub fn read_bytes(bytes: &[u8], name: Option<&Path>, options: &ReadOptions) -> R
             let asset = Asset::from_slice(bytes, None, options.of_gltf());
             asset.map(File::of_asset).map_err(|error| of_gltf(Path::new("-"), error))
         }
-        format => of_reader(format, reader, options),
+        format => of_reader(format, reader, None, options),
     }
 }
 
@@ -110,16 +112,24 @@ fn format(reader: &mut (impl Read + Seek), name: Option<&Path>, options: &ReadOp
     Format::of(reader, name)?.ok_or_else(|| FileError::Format { what: what() })
 }
 
-/// Reads a file that names no others.
-fn of_reader(format: Format, reader: impl BufRead + Seek, options: &ReadOptions) -> Result<File, FileError> {
+/// Reads a file that is no glTF, from this folder.
+fn of_reader(
+    format: Format,
+    reader: impl BufRead + Seek,
+    folder: Option<&Path>,
+    options: &ReadOptions,
+) -> Result<File, FileError> {
     let (limit, are_kept) = (options.memory_limit, options.polygons != Polygons::Triangles);
+    let mut materials = Materials::new(folder);
     let arrays = match format {
-        Format::Obj => obj::read(reader, limit, are_kept)?,
+        Format::Obj => obj::read(reader, &mut materials, limit, are_kept)?,
         Format::Ply => ply::read(reader, limit, are_kept)?,
         Format::Stl => stl::read(reader, limit)?,
         Format::Npz | Format::Gltf => return of_arrays(npz::read(reader, limit)?, options.weld, Polygons::Whole),
     };
-    of_arrays(arrays, options.weld, options.polygons)
+    let Materials { notes, files, .. } = materials;
+    let file = of_arrays(arrays, options.weld, options.polygons)?;
+    Ok(File { color_notes: notes, named_files: files, ..file })
 }
 
 /// Converts an error of a glTF, with advice for users of the command.
@@ -138,7 +148,15 @@ fn of_gltf(file: &Path, error: GltfError) -> FileError {
 }
 
 fn of_arrays(arrays: npz::Arrays, weld: Weld, taken: Polygons) -> Result<File, FileError> {
-    let npz::Arrays { positions, mut faces, polygons, origin } = arrays;
+    let npz::Arrays { positions, mut faces, polygons, origin, mut colors } = arrays;
+    match &polygons {
+        Some(polygons) => colors::split(&mut colors, &positions, polygons.of_one_loop()),
+        None => colors::split(&mut colors, &positions, faces.iter().map(<[u32; 3]>::as_slice)),
+    }
+    let of_polygons = |colors: &mut Colors, of_triangles: &[u32]| {
+        let of = |colors: &Vec<[f32; 3]>| of_triangles.iter().map(|&polygon| colors[polygon as usize]).collect();
+        colors.faces = colors.faces.as_ref().map(of);
+    };
     let by_loop = |polygons: &npz::PolygonArrays| Mesh::from_polygons_by_loop(&positions, polygons.loops(), weld);
     let (mut described, mut collapsed) = (None, 0);
     match (polygons, taken) {
@@ -146,22 +164,33 @@ fn of_arrays(arrays: npz::Arrays, weld: Weld, taken: Polygons) -> Result<File, F
         (Some(polygons), Polygons::Whole) => {
             let mesh = by_loop(&polygons)?;
             drop(polygons);
+            if let Some(polygons) = mesh.polygons() {
+                of_polygons(&mut colors, &polygons.triangle_polygons());
+            }
             let geometry = Geometry::new(positions, mesh.faces().to_vec(), GeometryOptions::default())?;
             let weld = mesh.weld_counts();
-            return Ok(File { weld, polygons: Some(Box::new(mesh)), ..File::in_world(placed(geometry)?, origin) });
+            return Ok(File {
+                weld,
+                polygons: Some(Box::new(mesh)),
+                colors,
+                ..File::in_world(placed(geometry)?, origin)
+            });
         }
         (Some(polygons), taken) => {
             if taken == Polygons::Described {
                 described = Some(Box::new(GivenPolygons { mesh: by_loop(&polygons)?, positions: positions.clone() }));
             }
-            let (triangles, counts) = polygons.loops().triangulate(&positions, weld)?;
+            let (triangles, of_triangles, counts) = polygons.loops().triangulate_with_polygons(&positions, weld)?;
+            of_polygons(&mut colors, &of_triangles);
             (faces, collapsed) = (triangles, counts.collapsed);
         }
     }
     let geometry = Geometry::new(positions, faces, GeometryOptions::default())?;
-    let (geometry, mut weld) = geometry.welded(weld);
+    let (welded, mut weld) = geometry.welded(weld);
+    let colors = colors::welded(colors, geometry.faces(), &welded);
+    let geometry = welded;
     weld.collapsed += collapsed;
-    Ok(File { weld, described, ..File::in_world(placed(geometry)?, origin) })
+    Ok(File { weld, described, colors, ..File::in_world(placed(geometry)?, origin) })
 }
 
 fn placed(geometry: Geometry) -> Result<Model, rimline::ModelError> {

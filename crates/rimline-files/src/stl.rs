@@ -2,7 +2,6 @@
 
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 
-use rimline::Origin;
 use rimline::mesh::MAX_FACES;
 
 use crate::charge;
@@ -74,7 +73,7 @@ pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64) -> Result<Arrays
         return Err(StlError::NoFaces);
     }
     let faces = (0..positions.len() as u32 / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-    Ok(Arrays { positions, faces, polygons: None, origin: Origin::ZERO })
+    Ok(Arrays { positions, faces, ..Arrays::default() })
 }
 
 /// The triangles so far, three positions each.

@@ -30,8 +30,10 @@ impl<'a> Object<'a> {
 }
 
 /// The objects of a posed model: one for each of its instances, in their order. Vertices at one position in this pose are welded; faces
-/// keep their numbers. Instances without faces are among them; a
-/// drawing names and leaves them out.
+/// keep their numbers. Instances without faces are among them; a drawing names and leaves them out.
+///
+/// A pose may round vertices whose skin or morph data differ to different positions, which draws their seam as boundaries. Load the
+/// model with [`Weld::Position`] to avoid this.
 ///
 /// # Errors
 /// [`LinesError::Model`] if the pose does not fit the model.

@@ -210,7 +210,12 @@ pub fn everything() -> Maker {
     let weights = maker.accessor(U8, "VEC4", 4, &[255, 0, 0, 0].repeat(4));
     maker.json["accessors"][weights]["normalized"] = json!(true);
     let offsets = maker.floats("VEC3", &[0.5; 12]);
+    let colors = maker.accessor(U8, "VEC4", 4, &[0, 51, 102, 255].repeat(4));
+    maker.json["accessors"][colors]["normalized"] = json!(true);
+    let material = maker.push("materials", json!({ "pbrMetallicRoughness": { "baseColorFactor": [1, 0.5, 0.25, 1] } }));
     let primitive = &mut maker.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["COLOR_0"] = json!(colors);
+    primitive["material"] = json!(material);
     primitive["attributes"]["JOINTS_1"] = json!(joints);
     primitive["attributes"]["WEIGHTS_1"] = json!(weights);
     primitive["targets"] = json!([{ "POSITION": offsets }]);
@@ -244,7 +249,12 @@ pub fn everything() -> Maker {
                 "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translations } },
                 "KHR_lights_punctual": { "light": 0 },
             },
+            "camera": 0,
         }),
+    );
+    maker.push(
+        "cameras",
+        json!({ "name": "eye", "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1, "zfar": 9 } }),
     );
     maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "lamp" }] } });
     maker.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_mesh_quantization"]);

@@ -2,7 +2,8 @@
 //!
 //! [`Viewer`] is the state, plain data that [`Event`]s change. [`Renderer`] draws it into a texture of its own, and [`Panel`] is the
 //! user interface around that texture, by egui. None of them knows windows, files, threads or clocks, so all of it runs in tests
-//! without a display, and in a browser. `desktop` (a feature, on by default) is the window: `rimline view` runs it.
+//! without a display, and in a browser. `desktop` (a feature, on by default) is the window: `rimline view` runs it. `web` is the
+//! page, on wasm32: `cargo xtask web` builds it.
 //!
 //! ```no_run
 //! use rimline_view::{Event, Gpu, Renderer, Viewer};
@@ -18,22 +19,24 @@
 
 #![forbid(unsafe_code)]
 
-#[cfg(feature = "desktop")]
+#[cfg(all(feature = "desktop", not(target_arch = "wasm32")))]
 pub mod desktop;
 mod panel;
 mod renderer;
 pub mod scenes;
 mod state;
+#[cfg(target_arch = "wasm32")]
+pub mod web;
 
 pub use panel::{Panel, PanelOutput};
 pub use renderer::{Counters, Gpu, Picture, RenderError, Renderer};
+pub use rimline_picture::{Bounds, Mode};
 pub use state::body::{Body, BodyError, Report, Source};
-pub use state::bounds::Bounds;
 pub use state::camera::{Camera, Orbit};
 pub use state::clock::Clock;
 pub use state::drag::Handle;
 pub use state::event::{Button, Event, Modifiers};
 pub use state::keys::{Action, KEYS, KeyBinding};
 pub use state::lamp::{Lamp, LampKind};
-pub use state::options::{Counting, Mode, Options, Overlays, Skipping};
+pub use state::options::{Counting, Options, Overlays, Skipping};
 pub use state::viewer::{Request, Tone, Viewer};

@@ -1,17 +1,20 @@
-//! The viewer alone: `rimline-view [FILE]...`. The command `rimline view` has options besides.
+//! The viewer alone: `rimline-view [FILE]...`. The command `rimline view` has options besides. Compiled for wasm32 it is the page.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
+#[cfg(not(target_arch = "wasm32"))]
+fn main() -> std::process::ExitCode {
+    use rimline_view::desktop::{DesktopOptions, run};
 
-use rimline_view::desktop::{DesktopOptions, run};
-
-fn main() -> ExitCode {
-    let files: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let files = std::env::args_os().skip(1).map(Into::into).collect();
     match run(DesktopOptions { files, ..DesktopOptions::default() }) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => std::process::ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("rimline-view: {error}");
-            ExitCode::FAILURE
+            std::process::ExitCode::FAILURE
         }
     }
+}
+
+#[cfg(target_arch = "wasm32")]
+fn main() {
+    rimline_view::web::start();
 }

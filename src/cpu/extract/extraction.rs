@@ -14,16 +14,14 @@ use crate::method::Method;
 use crate::method::Predicate;
 use crate::{Light, Mesh};
 
-/// The result of an extraction on the CPU. Masks have ⌈N/32⌉ planes, each with all items in order. This is the layout of the
-/// GPU for triangles and edge records. For polygons there is one facing mask a polygon here; the GPU has one for each of their
-/// triangles, and the twisted masks behind them. [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes the former of the
-/// latter.
+/// The result of an extraction on the CPU. Masks have ⌈N/32⌉ planes, each with all items in order, as the GPU's buffers have them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extraction {
-    /// One facing mask for each face, which is a polygon or a triangle: [`Mesh::face_count`]. Empty for the per-edge method.
+    /// One facing mask for each triangle of [`Mesh::faces`], the same for all of a polygon.
+    /// [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them. Empty for the per-edge method.
     pub facing: Vec<u32>,
-    /// For each polygon the lights for which it is L-twisted: its boundary is not simple as seen from them. For these it
-    /// faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
+    /// For each triangle the lights for which its polygon is L-twisted: its boundary is not simple as seen from them. For these
+    /// it faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
     pub twisted: Vec<u32>,
     /// Silhouette and winding masks for each edge record.
     pub masks: Vec<EdgeMasks>,
@@ -49,17 +47,22 @@ impl Extraction {
         check_lights(lights, MAX_LIGHTS)?;
         check_positions(positions, mesh)?;
         self.twisted.clear();
+        let mut edges = |facing: &[u32], twisted: &[u32]| {
+            let faces = FaceMasks { facing, twisted };
+            edges_into(&mut self.masks, mesh.edges(), faces, mesh.face_count(), lights.len(), threads);
+        };
         if let Some(polygons) = mesh.polygons() {
             let (masks, statistics) = polygon_facing(positions, polygons, lights, threads);
             self.statistics = statistics;
+            let (facing, twisted): (Vec<_>, Vec<_>) = masks.iter().map(|masks| (masks.facing, masks.twisted)).unzip();
+            edges(&facing, &twisted);
             self.facing.clear();
-            self.facing.extend(masks.iter().map(|masks| masks.facing));
-            self.twisted.extend(masks.iter().map(|masks| masks.twisted));
+            self.facing.extend(polygons.masks_of_triangles(&facing));
+            self.twisted.extend(polygons.masks_of_triangles(&twisted));
         } else {
             self.statistics = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
+            edges(&self.facing, &[]);
         }
-        let faces = FaceMasks { facing: &self.facing, twisted: &self.twisted };
-        edges_into(&mut self.masks, mesh.edges(), faces, mesh.face_count(), lights.len(), threads);
         Ok(())
     }
 

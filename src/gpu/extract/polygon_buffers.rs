@@ -159,3 +159,31 @@ pub(crate) fn faces_of_records(mesh: &Mesh) -> Option<Vec<[u32; 2]>> {
     let second = |face: u32| if face == crate::mesh::NO_FACE { face } else { first(face) };
     Some(mesh.edges().packed_faces().iter().map(|&[face_0, face_1]| [first(face_0), second(face_1)]).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_pieces_that_there_can_be_have_room_up_to_the_share_of_a_light() {
+        let quads = |count: usize| PolygonCounts {
+            polygons: count,
+            boundary_edges: 4 * count,
+            small: count as u64,
+            large: 0,
+            pieces: 8 * count as u64,
+        };
+        for (lights, most) in [(1, 131_072), (8, 16_384), (32, 4096), (1024, 4096)] {
+            let room = |count| PolygonShape::new(&quads(count), lights, None, 128 << 20).pieces;
+            // Each sixteenth edge adds a little.
+            assert_eq!(room(most), 8 * most as u32, "{lights} lights");
+            assert!(room(2 * most) < 16 * most as u32, "{lights} lights: the room has no end");
+        }
+        // More is the caller's choice, up to one binding.
+        let given = |pieces, binding| PolygonShape::new(&quads(8192), 32, Some(pieces), binding).pieces;
+        assert_eq!(
+            [given(u32::MAX, 128 << 20), given(50_000, 128 << 20), given(u32::MAX, 1 << 20)],
+            [65_536, 50_000, 910]
+        );
+    }
+}

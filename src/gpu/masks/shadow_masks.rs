@@ -10,7 +10,7 @@ use crate::gpu::common::bindings::texture;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_same, check_sample_shading};
-use crate::gpu::scene::frame::SceneFrame;
+use crate::gpu::scene::frame::{EncodedView, SceneFrame};
 use crate::gpu::scene::handles::LightHandle;
 
 /// Lights whose bits one pass writes.
@@ -250,8 +250,8 @@ impl SceneFrame {
         inputs: &MaskInputs<'_>,
     ) -> Result<(), MaskError> {
         let MaskInputs { depth, view, lights, target } = *inputs;
-        let (convention, camera) = self.check_view(view)?;
-        let encoded = lights.iter().map(|&light| self.check_light(light)).collect::<Result<Vec<_>, _>>()?;
+        let EncodedView { convention, camera, .. } = self.check_view(view)?;
+        let encoded = lights.iter().map(|&light| self.check_drawn(view, light)).collect::<Result<Vec<_>, _>>()?;
         check_same(["the masks", "the scene"], [masks.shared.device(), &self.device])?;
         let layers = inputs.check()?;
         let map = depth.texture();
@@ -259,7 +259,7 @@ impl SceneFrame {
         let bounds = lights.iter().zip(&encoded).map(|(&handle, light)| (handle, affected_pixels(camera, light, size)));
         let bounds: Vec<_> = bounds.collect();
         let mut setting = Setting {
-            convention,
+            convention: *convention,
             is_in_batches: self.count_batches > 1,
             depth_stencil: depth_stencil(map.format(), self.device.features())?,
             color: if lights.len() <= 8 { wgpu::TextureFormat::R8Unorm } else { wgpu::TextureFormat::Rgba8Unorm },

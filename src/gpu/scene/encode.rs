@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use bytemuck::Zeroable;
 
-use super::frame::SceneFrame;
+use super::frame::{EncodedView, SceneFrame};
 use super::layout::Layout;
 use super::options::Measuring;
 use super::receivers::{self, ReceiverState, ViewVersion};
@@ -99,7 +99,14 @@ impl Scene {
         Ok(SceneFrame {
             structure,
             volumes,
-            views: views.iter().map(|view| (self.convention(&view.camera), view.camera)).collect(),
+            views: views
+                .iter()
+                .map(|&View { camera, lights, .. }| EncodedView {
+                    convention: self.convention(&camera),
+                    camera,
+                    lights,
+                })
+                .collect(),
             has_models: !self.deforming.is_empty(),
             count_batches: self.options.stencil.count_batches,
             device: self.pipelines.device().clone(),
@@ -125,7 +132,7 @@ impl Scene {
             view.depth.map_or(Ok(()), |depth| depth.check(number))?;
         }
         Ok(if self.options.measuring.has(Measuring::CULLED_BY_RECEIVERS) {
-            views.iter().map(|view| View::new(view.camera)).collect()
+            views.iter().map(|view| View { depth: None, ..*view }).collect()
         } else {
             Cow::Borrowed(views)
         })
@@ -199,7 +206,7 @@ impl Scene {
         self.view_versions = shadow_views.iter().zip(views).enumerate().map(version).collect();
     }
 
-    /// Each light in each view. Unused views are zero, and so are their lights.
+    /// Each light in each view. Unused views are zero, and so are the lights that a view leaves out.
     fn view_lights(&self, volumes: &Volumes, views: &[View<'_>]) -> Vec<ViewLight> {
         let sizes = &volumes.buffers.sizes;
         let mut all = Vec::with_capacity(sizes.view_lights());
@@ -211,7 +218,8 @@ impl Scene {
                     .lights
                     .get(bit)
                     .map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
-                all.push(ViewLight { view, light, version: [version, receivers, 0, 0], ..ViewLight::zeroed() });
+                let in_view = ViewLight { view, light, version: [version, receivers, 0, 0], ..ViewLight::zeroed() };
+                all.push(if given.lights.has(bit) { in_view } else { ViewLight::zeroed() });
             }
         }
         all.resize(sizes.view_lights(), ViewLight::zeroed());

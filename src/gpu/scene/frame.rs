@@ -1,10 +1,12 @@
 //! The result of one encode of a scene.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::handles::CasterHandle;
 use super::handles::{LightHandle, SceneId};
+use super::mask::LightMask;
 use super::occluded_faces::OccludedCounts;
 use super::structure::Structure;
 use super::volumes::Volumes;
@@ -24,8 +26,7 @@ pub struct SceneFrame {
     pub(crate) structure: Arc<Structure>,
     /// `None`: no view was asked for.
     pub(crate) volumes: Option<Arc<Volumes>>,
-    /// For each view the settings that pipelines must have, and its camera.
-    pub(crate) views: Arc<[(Convention, ShadowCamera)]>,
+    pub(crate) views: Arc<[EncodedView]>,
     /// Whether there are instances of models.
     pub(crate) has_models: bool,
     pub(crate) count_batches: u32,
@@ -35,6 +36,16 @@ pub struct SceneFrame {
     pub(crate) occluded: OccludedCounts,
     pub(crate) encodes: Arc<AtomicU64>,
     pub(crate) encode: u64,
+}
+
+/// A view of an encode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EncodedView {
+    /// The settings that pipelines must have.
+    pub(crate) convention: Convention,
+    pub(crate) camera: ShadowCamera,
+    /// The lights that volumes were prepared for.
+    pub(crate) lights: LightMask,
 }
 
 /// The results of a group of casters for a batch of lights. A group has one page of topology and one source of
@@ -151,10 +162,10 @@ impl SceneFrame {
         view: usize,
         light: LightHandle,
     ) -> Result<(), ShadowError> {
-        let (convention, _) = self.check_view(view)?;
-        self.check_light(light)?;
+        let in_view = self.check_view(view)?;
+        self.check_drawn(view, light)?;
         check_same(["the pipelines", "the scene"], [pipelines.volumes.shared().device(), &self.device])?;
-        convention.check_drawn_by(pipelines.volumes.convention)?;
+        in_view.convention.check_drawn_by(pipelines.volumes.convention)?;
         if (self.count_batches > 1) != pipelines.is_in_batches() {
             return Err(ShadowError::CountBatches { count_batches: self.count_batches });
         }
@@ -163,11 +174,17 @@ impl SceneFrame {
         Ok(())
     }
 
-    /// The settings that pipelines must have, and the camera of a view. Refuses a stale frame.
-    pub(crate) fn check_view(&self, view: usize) -> Result<(Convention, &ShadowCamera), ShadowError> {
+    /// A view of the encode. Refuses a stale frame.
+    pub(crate) fn check_view(&self, view: usize) -> Result<&EncodedView, ShadowError> {
         self.check_current()?;
-        let checked = self.views.get(view).map(|(convention, camera)| (*convention, camera));
-        checked.ok_or(ShadowError::NoSuchView { view, views: self.views.len() })
+        self.views.get(view).ok_or(ShadowError::NoSuchView { view, views: self.views.len() })
+    }
+
+    /// The light of a handle as it was encoded, if a view draws its shadows.
+    pub(crate) fn check_drawn(&self, view: usize, light: LightHandle) -> Result<Light, ShadowError> {
+        let encoded = self.check_light(light)?;
+        let has_light = self.check_view(view)?.lights.contains(light);
+        if has_light { Ok(encoded) } else { Err(ShadowError::NotInView { view }) }
     }
 
     /// The light of a handle as it was encoded.
@@ -263,6 +280,19 @@ impl SceneFrame {
             groups: groups.collect(),
             bytes: self.structure.bytes() + volumes.map_or(0, |volumes| volumes.bytes),
         })
+    }
+
+    /// Whether it has the slots and buffers of another frame: casters and lights are the same, though they may have moved.
+    #[doc(hidden)]
+    pub fn has_layout_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.structure, &other.structure)
+    }
+
+    /// The group of a caster, and the slots of its faces in the facing masks of that group.
+    #[doc(hidden)]
+    pub fn face_slots(&self, caster: CasterHandle) -> Option<(usize, Range<u32>)> {
+        let (index, group) = self.locate(caster)?;
+        Some((group, self.structure.layout.face_slots.get(index as usize)?.clone()))
     }
 
     /// The face of each face slot of a caster. `None`: the order of the mesh.

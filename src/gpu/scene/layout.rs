@@ -1,6 +1,7 @@
 //! The layout of a scene: groups, slots, and offsets in the scene table.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use slotmap::{DefaultKey, SecondaryMap, SlotMap};
@@ -48,6 +49,8 @@ pub(crate) struct Layout {
     pub(crate) groups: Vec<Group>,
     /// The casters, in the order of the table.
     pub(crate) order: Vec<DefaultKey>,
+    /// Their face slots in their groups.
+    pub(crate) face_slots: Vec<Range<u32>>,
     /// The faces of their slots. `None`: the order of the mesh.
     pub(crate) slot_orders: Vec<Option<Arc<SlotOrder>>>,
     /// The occluders in the table: none if occluders cull nothing.
@@ -135,11 +138,9 @@ impl Layout {
                     let next = Group::new(source, layout.order.len() as u32);
                     layout.groups.push(std::mem::replace(&mut group, next));
                 }
-                slots.push(Slots {
-                    group: layout.groups.len() as u32,
-                    first_caster: group.first,
-                    ..group.add(mesh, caster.in_depth)
-                });
+                let own = group.add(mesh, caster.in_depth);
+                layout.face_slots.push(own.first_face..own.first_face + mesh.faces);
+                slots.push(Slots { group: layout.groups.len() as u32, first_caster: group.first, ..own });
                 layout.order.push(key);
                 layout.slot_orders.push(mesh.order.clone());
             }

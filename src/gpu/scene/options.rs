@@ -47,8 +47,8 @@ pub struct Capacities {
     /// its loops cross themselves as seen from a light. A twisted quadrilateral has 6 pieces, a polygon with n edges at most
     /// n(n − 2). The capacity is never larger than this, or than one binding.
     ///
-    /// `None`: the lights of a batch share 1,048,576, and each has one more for each sixteenth edge. **Pieces without room
-    /// are not drawn, and shadows are wrong.** If [`ShadowStatistics::lost_pieces`] is not 0, give
+    /// `None`: the lights of a batch share 1,048,576, and each has one more for each sixteenth edge. So 131,072 quadrilaterals
+    /// lose none with one light, and 4,096 with 32 lights. **Pieces without room are not drawn, and shadows are wrong.** If [`ShadowStatistics::lost_pieces`] is not 0, give
     /// [`ShadowStatistics::most_pieces`] to [`Scene::set_capacities`](crate::gpu::Scene::set_capacities): it loses none.
     ///
     /// [`ShadowStatistics::lost_pieces`]: crate::gpu::ShadowStatistics::lost_pieces

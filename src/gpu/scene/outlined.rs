@@ -86,6 +86,6 @@ impl SceneFrame {
 
     /// Whether each caster that a camera sees has its positions. Instances of models that no view needs have none.
     pub(crate) fn has_positions_for(&self, camera: &ShadowCamera) -> bool {
-        !self.has_models || self.views.is_empty() || self.views.iter().any(|(_, view)| view == camera)
+        !self.has_models || self.views.is_empty() || self.views.iter().any(|view| view.camera == *camera)
     }
 }

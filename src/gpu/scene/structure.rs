@@ -225,7 +225,7 @@ fn caller_exclusions(
 ) -> Vec<Option<Vec<u32>>> {
     let batches = table.batches;
     let mut exclusions = vec![None; layout.groups.len() * batches];
-    for (&key, index) in layout.order.iter().zip(0_u32..) {
+    for ((&key, slots), index) in layout.order.iter().zip(&layout.face_slots).zip(0_u32..) {
         let Some(caster) = casters.get(key).filter(|caster| caster.is_excluding()) else { continue };
         let Some(number) = layout.groups.iter().rposition(|group| group.first <= index) else { continue };
         let room = layout.groups.get(number).map_or(0, Group::face_slots);
@@ -233,9 +233,8 @@ fn caller_exclusions(
             let bit = light.bit as usize;
             let Some(masks) = exclusions.get_mut(number * batches + bit / 32) else { continue };
             let masks = masks.get_or_insert_with(|| vec![0; room as usize]);
-            let first = table.first_face_slot(index);
             for &slot in &**faces {
-                if let Some(mask) = masks.get_mut((first + slot) as usize) {
+                if let Some(mask) = masks.get_mut((slots.start + slot) as usize) {
                     *mask |= 1 << (bit % 32);
                 }
             }

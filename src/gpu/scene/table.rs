@@ -131,11 +131,6 @@ impl Table {
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
     }
 
-    /// The first face slot of a caster.
-    pub(crate) fn first_face_slot(&self, index: u32) -> u32 {
-        self.parts.get(CASTER_PARTS * index as usize + 5).map_or(0, |part| part[0])
-    }
-
     /// Writes the parts of a caster that may change without a new layout: the transform if it is rigid, else the stated box,
     /// and its version.
     pub(crate) fn put_change(&mut self, entry: &CasterEntry) {

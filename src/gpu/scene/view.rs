@@ -1,5 +1,6 @@
 //! The inputs of an encode of a scene.
 
+use super::mask::LightMask;
 use crate::ShadowCamera;
 use crate::gpu::common::timer::StageTimer;
 
@@ -28,12 +29,15 @@ pub struct View<'a> {
     /// are then culled, which makes the draws faster. The view's lists are cached only if [`Receivers::version`] says that
     /// the depth is the same. Default: `None`.
     pub depth: Option<Receivers<'a>>,
+    /// The lights whose shadows are drawn in this view. No volumes are prepared for others, such as an eye that stands for a light
+    /// in outlines: [`LightMask::without`]. Default: all.
+    pub lights: LightMask,
 }
 
 impl View<'_> {
-    /// A view without depth.
+    /// A view without depth, for all lights.
     pub fn new(camera: ShadowCamera) -> Self {
-        Self { camera, depth: None }
+        Self { camera, depth: None, lights: LightMask::ALL }
     }
 }
 

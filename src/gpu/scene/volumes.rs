@@ -46,8 +46,18 @@ fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) ->
         let sizes = |group: &Group| (group.face_slots(), group.edge_slots(), CHUNK * group.proxy_chunks);
         let (faces, edges, proxies) = group_of(part).map_or((0, 0, 0), sizes);
         let SceneDispatch { lights_offset, face_chunks_offset, edge_chunks_offset, .. } = part.dispatch;
-        let first_caster = group_of(part).map_or(0, |group| group.first);
-        GroupSize { faces, edges, first_caster, proxies, lights_offset, face_chunks_offset, edge_chunks_offset }
+        let (first_caster, boundaries) =
+            group_of(part).map_or((0, 0), |group| (group.first, group.counts.boundary as u32));
+        GroupSize {
+            faces,
+            edges,
+            boundaries,
+            first_caster,
+            proxies,
+            lights_offset,
+            face_chunks_offset,
+            edge_chunks_offset,
+        }
     };
     let room = |part: &GroupBatch| {
         let room = Room::new(inputs.options, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);

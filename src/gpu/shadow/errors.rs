@@ -309,6 +309,12 @@ pub enum ShadowError {
     /// The light was not in the scene when the frame was encoded.
     #[error("the light was not in the scene when this frame was encoded; add it before `Scene::encode`")]
     NotEncoded,
+    /// The view leaves out the light.
+    #[error("view {view} was encoded without the shadows of this light; add the light to `View::lights`")]
+    NotInView {
+        /// The view that was asked for.
+        view: usize,
+    },
     /// A later encode overwrote the results of the frame.
     #[error(
         "this frame is out of date: its scene was encoded again, which overwrites the results; use the value that the \

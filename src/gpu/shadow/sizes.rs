@@ -44,6 +44,8 @@ pub(crate) struct GroupSize {
     /// Slots of faces and edges.
     pub(crate) faces: u32,
     pub(crate) edges: u32,
+    /// Boundary edges, whose sides are drawn once. Sides of other edges may be drawn twice.
+    pub(crate) boundaries: u32,
     /// The first caster.
     pub(crate) first_caster: u32,
     /// Slots of the faces of casters that are not in the depth buffer.
@@ -74,7 +76,7 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// Sides have room for all silhouettes that fit one binding. Capacities of caps are those of the options. By default
+    /// Sides have room for those of all listed silhouettes, as far as one binding has. Capacities of caps are those of the options. By default
     /// near caps have room for `few_caps` and sixteen times the square root of the faces, other caps for all faces that may have
     /// one; both shrink in proportion if they do not fit one binding.
     pub(crate) fn new(
@@ -95,7 +97,7 @@ impl Room {
             Counting::ZpPlus2005 => faces,
         };
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };
-        let sides = silhouettes.min(fitting(SIDE_COUNTS));
+        let sides = silhouettes.saturating_add(silhouettes.saturating_sub(group.boundaries)).min(fitting(SIDE_COUNTS));
         let mut room = Self { lights, lists_offset: 0, silhouettes, sides, near, far, pieces: 0 };
         if let Some(capacity) = options.capacities.caps {
             let given = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };

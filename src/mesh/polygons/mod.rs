@@ -40,16 +40,28 @@ impl PolygonLoops<'_> {
     /// # Errors
     /// The errors of [`Mesh::from_polygons`](crate::Mesh::from_polygons).
     pub fn triangulate(self, positions: &[[f32; 3]], weld: Weld) -> Result<(Vec<[u32; 3]>, WeldCounts), MeshError> {
+        self.triangulate_with_polygons(positions, weld).map(|(triangles, _, counts)| (triangles, counts))
+    }
+
+    /// The same as [`Self::triangulate`]; the polygon of each triangle comes second.
+    ///
+    /// # Errors
+    /// The errors of [`Self::triangulate`].
+    pub fn triangulate_with_polygons(
+        self,
+        positions: &[[f32; 3]],
+        weld: Weld,
+    ) -> Result<(Vec<[u32; 3]>, Vec<u32>, WeldCounts), MeshError> {
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
         if counts.after < counts.before {
             counts.collapsed = polygons.collapsed(self);
         }
-        let triangles = polygons.surface(triangles);
+        let (triangles, polygons) = polygons.surface(triangles);
         if triangles.len() > MAX_FACES {
             return Err(MeshError::TooManyFaces { faces: triangles.len() });
         }
-        Ok((triangles, counts))
+        Ok((triangles, polygons, counts))
     }
 }
 
@@ -150,12 +162,18 @@ impl Polygons {
         (0..).zip(self.triangle_starts.windows(2)).flat_map(|(p, ends)| std::iter::repeat_n(p, count(ends))).collect()
     }
 
-    /// The mask of each polygon from those of the mesh's triangles, which are the same for all of a polygon. The GPU's buffers
-    /// have masks of triangles, for shaders that draw these; [`cpu`](crate::cpu) has masks of polygons. A polygon without
-    /// triangles, and one that `of_triangles` does not reach, has no bits.
+    /// The mask of each polygon from those of the mesh's triangles, which are the same for all of a polygon: masks of faces are
+    /// those of triangles, as shaders draw them, and edge records name polygons. A polygon without triangles, and one that
+    /// `of_triangles` does not reach, has no bits.
     pub fn masks_of(&self, of_triangles: &[u32]) -> Vec<u32> {
         let first = |polygon| self.triangles(polygon).next().and_then(|first| of_triangles.get(first));
         (0..self.len()).map(|polygon| first(polygon).copied().unwrap_or(0)).collect()
+    }
+
+    /// The mask of each triangle from planes with one a polygon.
+    pub(crate) fn masks_of_triangles(&self, of_polygons: &[u32]) -> impl Iterator<Item = u32> {
+        let of_polygon = |(polygon, &mask)| std::iter::repeat_n(mask, self.triangles(polygon).len());
+        of_polygons.chunks(self.len().max(1)).flat_map(move |plane| plane.iter().enumerate().flat_map(of_polygon))
     }
 
     /// How many polygons have no boundary, though they had one as given, before their corners were renamed.

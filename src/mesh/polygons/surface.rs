@@ -7,18 +7,20 @@ use crate::mesh::topology::is_degenerate;
 use crate::mesh::weld;
 
 impl Polygons {
-    /// The surface of all polygons, from the triangles of each.
-    pub(super) fn surface(self, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    /// The surface of all polygons, from the triangles of each, and the polygon of each triangle.
+    pub(super) fn surface(self, triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<u32>) {
         if self.are_triangles() {
-            return self.into_triangles();
+            let polygons = (0..self.len() as u32).collect();
+            return (self.into_triangles(), polygons);
         }
         let first_alike = self.first_alike();
         let is_plain =
             |(polygon, &first): (usize, &u32)| polygon == first as usize && !self.triangles(polygon).is_empty();
         if first_alike.iter().enumerate().all(is_plain) {
-            return triangles;
+            return (triangles, self.triangle_polygons());
         }
         let mut surface = Vec::with_capacity(triangles.len() + self.len());
+        let mut polygons = Vec::with_capacity(surface.capacity());
         for (polygon, &first) in first_alike.iter().enumerate() {
             let first = first as usize;
             let of_first = &triangles[self.triangles(first)];
@@ -29,8 +31,9 @@ impl Polygons {
             } else {
                 surface.extend(of_first.iter().map(|&[a, b, c]| [a, c, b]));
             }
+            polygons.resize(surface.len(), polygon as u32);
         }
-        surface
+        (surface, polygons)
     }
 
     /// For each polygon the first one with the same boundary, in the same direction or the opposite. A diagonal of the one

@@ -17,7 +17,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{IDENTITY, is_long, must_fail};
 
-use crate::scene::Eye;
+use crate::scene::{Eye, vector};
 use crate::sides::box_of;
 
 pub(super) const TESTS: &[Test] = &[
@@ -222,7 +222,7 @@ fn stacks() -> Result<(), String> {
     let rounds = if is_long() { 6000 } else { 300 };
     for number in 0..rounds {
         let down = DVec3::new(f64::from(random.between(-0.3, 0.3)), -1.0, f64::from(random.between(-0.2, 0.2)));
-        let light_position = DVec3::from(random.direction().map(f64::from)) * 4.0;
+        let light_position = vector(&mut random) * 4.0;
         let shape = stack(&mut random, light_position, down.normalize());
         let w = [1.0, 0.5, 1.0, 0.0][number % 4];
         let light = match w {
@@ -274,7 +274,7 @@ fn among_casters() -> Result<(), String> {
     let rounds = if is_long() { 3000 } else { 150 };
     for number in 0..rounds {
         let w = [1.0, 0.5, 2.0][number % 3];
-        let light_position = DVec3::from(random.direction().map(f64::from)) * [0.0, 1.0, 100.0][random.below(3)];
+        let light_position = vector(&mut random) * [0.0, 1.0, 100.0][random.below(3)];
         let light = Light::homogeneous((light_position * w).extend(w).as_vec4().to_array());
         // Position of the light in the stages, after rounding.
         let light_position = DVec3::from(light.xyz.map(f64::from)) / w;
@@ -286,7 +286,7 @@ fn among_casters() -> Result<(), String> {
         };
         let pile = match random.below(3) {
             0 => DVec3::from([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]][random.below(3)]),
-            _ => DVec3::from(random.direction().map(f64::from)),
+            _ => vector(&mut random),
         };
         for step in 0..5 + random.below(30) {
             let size = f64::from(random.between(0.02, 0.1));

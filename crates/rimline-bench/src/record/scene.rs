@@ -110,7 +110,7 @@ impl<'a> SceneRecorder<'a> {
         }
         let version = self.setting.still_receivers();
         let depth = depth.map(|depth| Receivers { depth, sky_receives: false, version });
-        let views = [View { camera: self.setting.camera, depth }];
+        let views = [View { depth, ..View::new(self.setting.camera) }];
         self.frame = Some(self.scene.encode(encoder, FrameInputs { views: &views, timer })?);
         Ok(())
     }

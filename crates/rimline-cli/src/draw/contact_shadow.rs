@@ -4,7 +4,7 @@ use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, TextureFormat};
 
 use super::frame::Region;
-use crate::render::pipeline_factory::{LARGEST, Pass, PipelineFactory, UNIFORM, color_pass, read_texture, view};
+use rimline_picture::{LARGEST, Pass, PipelineFactory, UNIFORM, color_pass, read_texture, view};
 
 /// Pixels along a side of the map.
 pub(super) const SIZE: u32 = 512;
@@ -21,7 +21,7 @@ pub(super) struct ContactShadow {
 
 impl ContactShadow {
     /// `geometry` is the layout of the model's group.
-    pub(super) fn new(factory: &PipelineFactory<'_>, geometry: &BindGroupLayout) -> Self {
+    pub(super) fn new(factory: &PipelineFactory, geometry: &BindGroupLayout) -> Self {
         let map = read_texture(wgpu::TextureViewDimension::D2, true);
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let layout = factory.layout(&[map, sampler, UNIFORM]);
@@ -37,7 +37,7 @@ impl ContactShadow {
     /// Records the map of so many corners, which is black but for a region, and returns the group that the ground reads it with.
     pub(super) fn record(
         &self,
-        factory: &PipelineFactory<'_>,
+        factory: &PipelineFactory,
         encoder: &mut wgpu::CommandEncoder,
         (geometry, region): (&BindGroup, Region),
         corners: u32,
@@ -48,7 +48,7 @@ impl ContactShadow {
         let mut pass = color_pass(encoder, "below", (&first, None), black, None);
         factory.draw(&mut pass, &self.below, &[geometry], corners);
         drop(pass);
-        let sampler = factory.gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        let sampler = factory.device.create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()

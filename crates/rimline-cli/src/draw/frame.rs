@@ -1,11 +1,8 @@
 //! The frame's uniform, and where in a target there is anything to do for a model. Elsewhere passes would write what was cleared.
 
-use crate::render::bounds::Bounds;
 use glam::DVec3;
 use rimline::wgpu;
-
-use crate::render::camera::Camera;
-use crate::render::{centre, extent};
+use rimline_picture::{Bounds, Camera};
 
 /// Layout of `Frame` in `frame.wgsl`.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -27,18 +24,19 @@ pub(super) struct Frame {
     shadow_height: f32,
     places: u32,
     show_boundary: u32,
-    reserved: [u32; 2],
+    far: f32,
+    is_colored: u32,
 }
 
 impl Frame {
     /// With so many places each way a pixel in the survey.
     pub(super) fn new(camera: &Camera, size: [u32; 2], bounds: &Bounds, places: u32, show_boundary: bool) -> Self {
-        let extent = extent(bounds);
+        let (extent, centre) = (bounds.extent(), bounds.centre());
         let [min, max] = [bounds.min, bounds.max];
-        let [x, _, z] = centre(bounds);
         Self {
             eye: camera.eye.into(),
-            near: camera.near,
+            // The survey has shares of it.
+            near: camera.far.map_or(camera.near, |far| camera.near.max(1e-4 * far)),
             right: camera.right.into(),
             scale_x: camera.scale[0],
             up: camera.up.into(),
@@ -48,14 +46,20 @@ impl Frame {
             half_line: (size[1] as f32 / 700.0).clamp(0.9, 4.0),
             size: size.map(|pixels| pixels as f32),
             extent,
-            ground: min[1],
-            ground_centre: [x, z],
-            ground_half: 0.5 * (max[0] - min[0]).max(max[2] - min[2]) + 0.3 * extent,
+            ground: min.y,
+            ground_centre: [centre.x, centre.z],
+            ground_half: 0.5 * (max.x - min.x).max(max.z - min.z) + 0.3 * extent,
             shadow_height: 0.3 * extent,
             places,
             show_boundary: u32::from(show_boundary),
-            reserved: [0; 2],
+            far: camera.far.unwrap_or(0.0),
+            is_colored: 0,
         }
+    }
+
+    /// The same for a model with base colours.
+    pub(super) fn colored(self, is_colored: bool) -> Self {
+        Self { is_colored: u32::from(is_colored), ..self }
     }
 
     pub(super) fn places(&self) -> u32 {
@@ -72,13 +76,18 @@ impl Frame {
                 // The model may be anywhere.
                 return [f64::NAN; 2];
             }
-            let x = from_eye.dot(vector(self.right)) * f64::from(self.scale_x) / ahead;
-            let y = from_eye.dot(vector(self.up)) * f64::from(self.scale_y) / ahead;
+            let shrinking = if self.far > 0.0 { 1.0 } else { ahead };
+            let x = from_eye.dot(vector(self.right)) * f64::from(self.scale_x) / shrinking;
+            let y = from_eye.dot(vector(self.up)) * f64::from(self.scale_y) / shrinking;
             let [width, height] = self.size.map(f64::from);
             [(0.5 + 0.5 * x) * width, (0.5 - 0.5 * y) * height]
         };
         // Rounding comes to less than a pixel.
-        Region::around(corners(bounds).map(place), 2.0, self.size.map(|pixels| pixels as u32))
+        Region::around(
+            bounds.corners().into_iter().map(|corner| place(corner.as_dvec3())),
+            2.0,
+            self.size.map(|pixels| pixels as u32),
+        )
     }
 
     /// Where a model within `bounds` can be in a square contact map of so many pixels, or `margin` pixels beside.
@@ -88,7 +97,7 @@ impl Frame {
             let [x, z] = self.ground_centre.map(f64::from);
             [0.5 + 0.5 * (corner.x - x) / half, 0.5 - 0.5 * (corner.z - z) / half].map(|c| c * f64::from(pixels))
         };
-        Region::around(corners(bounds).map(place), margin + 2.0, [pixels; 2])
+        Region::around(bounds.corners().into_iter().map(|corner| place(corner.as_dvec3())), margin + 2.0, [pixels; 2])
     }
 
     /// The eye is above the ground, so the ground is seen.
@@ -135,11 +144,6 @@ impl Region {
     }
 }
 
-pub(super) fn corners(bounds: &Bounds) -> impl Iterator<Item = DVec3> {
-    let sides = [bounds.min, bounds.max].map(|side| DVec3::from(side.map(f64::from)));
-    (0..8).map(move |number| DVec3::from([0, 1, 2].map(|axis| sides[number >> axis & 1][axis])))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,15 +158,5 @@ mod tests {
         assert_eq!(around(&[[f64::INFINITY, 1.0]], 0.0), region([0, 0], [100, 50]));
         // Beside the target.
         assert_eq!(around(&[[150.0, 20.0], [160.0, 30.0]], 0.0), region([100, 20], [100, 30]));
-    }
-
-    #[test]
-    fn a_box_has_eight_corners() {
-        let all: Vec<_> = corners(&Bounds { min: [0.0, 1.0, 2.0], max: [3.0, 4.0, 5.0] }).collect();
-        assert_eq!(all.len(), 8);
-        assert_eq!(
-            (all[0], all[1], all[7]),
-            (DVec3::new(0.0, 1.0, 2.0), DVec3::new(3.0, 1.0, 2.0), DVec3::new(3.0, 4.0, 5.0))
-        );
     }
 }

@@ -13,7 +13,7 @@
 
 struct Line {
   @builtin(position) clip: vec4<f32>,
-  // The ends in pixels, from the eye in world space, and one over their distances.
+  // The ends in pixels, from the eye in world space, and one over their distances; of an orthographic camera 1.
   @location(0) @interpolate(flat) a: vec2<f32>,
   @location(1) @interpolate(flat) b: vec2<f32>,
   @location(2) @interpolate(flat) from_a: vec3<f32>,
@@ -28,7 +28,7 @@ fn nothing() -> Line {
 }
 
 fn to_pixels(view: vec3<f32>) -> vec2<f32> {
-  let ndc = view.xy * vec2<f32>(frame.scale_x, frame.scale_y) / view.z;
+  let ndc = view.xy * vec2<f32>(frame.scale_x, frame.scale_y) / shrinking(view.z);
   return (ndc * vec2<f32>(0.5, -0.5) + 0.5) * frame.size;
 }
 
@@ -120,7 +120,7 @@ fn place_at(at: vec2<f32>) -> vec2<i32> {
   let side = select(-1.0, 1.0, (vertex & 2u) == 2u);
   let corner = select(start, stop, end > 0.0) + reach * (end * along + side * vec2<f32>(-along.y, along.x));
   let ndc = corner / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
-  return Line(vec4<f32>(ndc, 0.5, 1.0), start, stop, p, q, 1.0 / vec2<f32>(a.z, b.z), u32(edge.kind == 2u) & frame.show_boundary);
+  return Line(vec4<f32>(ndc, 0.5, 1.0), start, stop, p, q, 1.0 / vec2<f32>(shrinking(a.z), shrinking(b.z)), u32(edge.kind == 2u) & frame.show_boundary);
 }
 
 fn position(face: u32, corner: u32) -> vec3<f32> {
@@ -135,9 +135,10 @@ const ERROR = 12.0 / 8388608.0;
 // The ray passes the edge on its inner side, certainly. At the contour many a face is seen edge-on, thinner than rounding
 // tells: it covers nothing there.
 fn is_within(corner: vec3<f32>, along: vec3<f32>, p: vec3<f32>, turn: f32) -> bool {
-  let wall = cross(corner, along);
+  let towards = ray(corner);
+  let wall = cross(towards, along);
   let r = p - corner;
-  let error = ERROR * (length(wall) * (1.0 + length(corner)) + length(corner) * length(along) * length(r));
+  let error = ERROR * (length(wall) * (1.0 + length(corner)) + length(towards) * length(along) * length(r));
   return turn * dot(wall, r) > error;
 }
 
@@ -160,7 +161,7 @@ fn verdict(face: u32, point: vec3<f32>) -> u32 {
   let bc = (world[2] - world[1]) * per_unit;
   let normal = cross(ab, ac);
   let r = p - a;
-  let turn = sign(dot(normal, a));
+  let turn = sign(dot(normal, ray(a)));
   let error = ERROR * (length(normal) * (1.0 + length(a)) + length(ab) * length(ac) * length(r));
   // Not so where the point lies on the face's plane, or on the eye's side of it.
   let is_behind = turn * dot(normal, r) > error;

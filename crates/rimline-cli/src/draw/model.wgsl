@@ -4,6 +4,8 @@
 @group(1) @binding(1) var<storage, read> faces: array<u32>;
 // A normal a corner, folded onto an octahedron.
 @group(1) @binding(2) var<storage, read> normals: array<u32>;
+// A base colour a corner, packed, if the model has colours.
+@group(1) @binding(3) var<storage, read> colors: array<u32>;
 
 fn position_of(corner: u32) -> vec3<f32> {
   let first = 3u * faces[corner];
@@ -88,11 +90,16 @@ struct Surface {
   @builtin(position) clip: vec4<f32>,
   @location(0) normal: vec3<f32>,
   @location(1) position: vec3<f32>,
+  @location(2) color: vec3<f32>,
 }
 
 @vertex fn surface_vertex(@builtin(vertex_index) corner: u32) -> Surface {
   let position = position_of(corner);
-  return Surface(to_clip(to_view(position)), unfold(normals[corner]), position);
+  var color = vec3<f32>(0.0);
+  if (frame.is_colored != 0u) {
+    color = 0.75 * unpack_color(colors[corner]);
+  }
+  return Surface(to_clip(to_view(position)), unfold(normals[corner]), position, color);
 }
 
 fn resources(right: f32, up: f32, back: f32) -> vec3<f32> {
@@ -100,7 +107,7 @@ fn resources(right: f32, up: f32, back: f32) -> vec3<f32> {
 }
 
 @fragment fn surface_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-  let to_eye = normalize(frame.eye - in.position);
+  let to_eye = -normalize(ray(in.position - frame.eye));
   var n = normalize(in.normal);
   if (!front) {
     n = -n;
@@ -115,7 +122,10 @@ fn resources(right: f32, up: f32, back: f32) -> vec3<f32> {
   let rim = pow(1.0 - saturate(dot(n, to_eye)), 3.0) * saturate(dot(n, resources(0.8, 0.5, -0.5)) + 0.15);
 
   // Fired clay; the inside of an open surface is glazed grey.
-  let clay = select(vec3<f32>(0.62, 0.44, 0.33), vec3<f32>(0.36, 0.49, 0.56), front);
+  var clay = select(vec3<f32>(0.62, 0.44, 0.33), vec3<f32>(0.36, 0.49, 0.56), front);
+  if (frame.is_colored != 0u) {
+    clay = in.color;
+  }
   var light = mix(vec3<f32>(0.24, 0.22, 0.22), vec3<f32>(0.36, 0.38, 0.41), sky);
   light += 0.84 * pow(key, 1.3) * vec3<f32>(1.0, 0.94, 0.86);
   light += 0.22 * fill * vec3<f32>(0.90, 0.94, 1.0);

@@ -1,8 +1,8 @@
 //! The picture's passes, in order: survey, contact shadow, paper and model, occlusion, lines.
 
-use crate::render::bounds::Bounds;
 use rimline::gpu::{Extraction, include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
+use rimline_picture::Bounds;
 use wgpu::{BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
 
 use super::contact_shadow::{self, ContactShadow};
@@ -10,7 +10,7 @@ use super::frame::Frame;
 use super::survey::{SEEN, Survey, Veils, nearest};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::pipeline_factory::{MULTIPLY, Pass, PipelineFactory, READ_ONLY, color_pass, read_texture, view};
+use rimline_picture::{MULTIPLY, Pass, PipelineFactory, READ_ONLY, color_pass, read_texture, view};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
@@ -27,8 +27,8 @@ pub(super) struct ModelPipelines {
 }
 
 impl ModelPipelines {
-    pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
-        let geometry = factory.layout(&[READ_ONLY; 3]);
+    pub(super) fn new(factory: &PipelineFactory) -> Self {
+        let geometry = factory.layout(&[READ_ONLY; 4]);
         let contact = ContactShadow::new(factory, &geometry);
         let source = include_str!("model.wgsl");
         // Paper and ground are behind the model, whatever is there.
@@ -68,11 +68,11 @@ pub(super) struct LinePipelines {
 }
 
 impl LinePipelines {
-    pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
+    pub(super) fn new(factory: &PipelineFactory) -> Self {
         let seen = factory.layout(&[SEEN]);
         let darkening = factory.layout(&[SEEN, read_texture(wgpu::TextureViewDimension::D2, true)]);
         let survey = Survey::layout(factory);
-        let results = results_bind_group_layout(&factory.gpu.device, wgpu::ShaderStages::VERTEX);
+        let results = results_bind_group_layout(&factory.device, wgpu::ShaderStages::VERTEX);
         let veils = Veils::new(factory, &survey);
         let screen = include_str!("screen.wgsl");
         let occlusion = factory.pipeline(&Pass::over("occlusion", screen, &[&seen], TextureFormat::R8Unorm));
@@ -94,13 +94,23 @@ impl LinePipelines {
 }
 
 /// Makes pipelines and groups of the picture. [`Canvas::new`] tells it the frame.
-pub(super) fn factory(gpu: &Gpu) -> PipelineFactory<'_> {
-    PipelineFactory::new(gpu, include_str!("frame.wgsl"), &[0; size_of::<Frame>()])
+pub(super) fn factory(gpu: &Gpu) -> PipelineFactory {
+    PipelineFactory::new((&gpu.device, &gpu.queue), include_str!("frame.wgsl"), &[0; size_of::<Frame>()])
+}
+
+/// The corners of the faces that are drawn.
+pub(super) struct Corners<'a> {
+    /// Their positions are finite.
+    pub(super) faces: &'a [[u32; 3]],
+    /// One a corner, folded.
+    pub(super) normals: &'a [u32],
+    /// Base colours, packed.
+    pub(super) colors: Option<&'a [[u32; 3]]>,
 }
 
 /// The targets, and what reads them.
 pub(super) struct Canvas<'a> {
-    factory: &'a PipelineFactory<'a>,
+    factory: &'a PipelineFactory,
     frame: &'a Frame,
     /// All that is drawn is within it.
     bounds: &'a Bounds,
@@ -112,11 +122,7 @@ pub(super) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    pub(super) fn new(
-        factory: &'a PipelineFactory<'a>,
-        (frame, bounds): (&'a Frame, &'a Bounds),
-        size: [u32; 2],
-    ) -> Self {
+    pub(super) fn new(factory: &'a PipelineFactory, (frame, bounds): (&'a Frame, &'a Bounds), size: [u32; 2]) -> Self {
         factory.set_frame(bytemuck::bytes_of(frame));
         let target = |label, format, samples, usage| view(&factory.target(label, size, format, samples, usage));
         let readable = TextureUsages::TEXTURE_BINDING;
@@ -132,20 +138,20 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Records the survey, paper, contact shadow and the shaded model. `normals` has one a corner, see [`super::normals`].
-    /// `faces` have finite corners only; returns the buffer of them.
+    /// Records the survey, paper, contact shadow and the shaded model. Returns the buffer of faces.
     pub(super) fn model(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &ModelPipelines,
         positions: &wgpu::Buffer,
-        (faces, normals): (&[[u32; 3]], &[u32]),
+        Corners { faces, normals, colors }: Corners<'_>,
     ) -> wgpu::Buffer {
         let Self { factory, .. } = *self;
         let corners = 3 * faces.len() as u32;
         let faces = factory.buffer("drawn faces", bytemuck::cast_slice(faces));
         let normals = factory.buffer("normals", bytemuck::cast_slice(normals));
-        let resources = [positions, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
+        let colors = factory.buffer("colors", bytemuck::cast_slice(colors.unwrap_or_default()));
+        let resources = [positions, &faces, &normals, &colors].map(wgpu::Buffer::as_entire_binding);
         let geometry = factory.group(&pipelines.geometry, &resources);
         self.survey.record(factory, encoder, &pipelines.survey, &geometry, corners);
         let contact = &pipelines.contact;

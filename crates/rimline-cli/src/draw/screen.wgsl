@@ -30,7 +30,7 @@ fn depth_at(pixel: vec2<i32>) -> f32 {
 fn view_at(pixel: vec2<i32>) -> vec3<f32> {
   let distance = frame.near / max(depth_at(pixel), 1e-20);
   let ndc = (vec2<f32>(pixel) + 0.5) / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
-  return vec3<f32>(ndc / vec2<f32>(frame.scale_x, frame.scale_y), 1.0) * distance;
+  return vec3<f32>(ndc / vec2<f32>(frame.scale_x, frame.scale_y) * shrinking(distance), distance);
 }
 
 // The shorter of two differences: the one that does not leap over an edge.
@@ -51,9 +51,10 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
   let dy = shorter(view_at(pixel + vec2<i32>(0, 1)) - here, here - view_at(pixel - vec2<i32>(0, 1)));
   // Towards the eye; view space here is left-handed, x to the right, y up, z away, and pixels count downwards.
   var normal = normalize(cross(dx, dy));
-  normal = select(normal, -normal, dot(normal, here) > 0.0);
+  let along = select(here, vec3<f32>(0.0, 0.0, 1.0), vec3<bool>(is_parallel()));
+  normal = select(normal, -normal, dot(normal, along) > 0.0);
   let radius = 0.10 * frame.extent;
-  let pixels = clamp(radius * frame.scale_y / here.z * 0.5 * frame.size.y, 3.0, 0.2 * frame.size.y);
+  let pixels = clamp(radius * frame.scale_y / shrinking(here.z) * 0.5 * frame.size.y, 3.0, 0.2 * frame.size.y);
   let turn = dither(at.xy) * 6.2831853;
   var sum = 0.0;
   for (var i = 0u; i < SAMPLES; i++) {

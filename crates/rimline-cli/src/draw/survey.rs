@@ -4,7 +4,7 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
 
-use crate::render::pipeline_factory::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_state, plain_texture, view};
+use rimline_picture::{Pass, PipelineFactory, READ_ONLY, color_pass, depth_state, plain_texture, view};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
 
@@ -36,7 +36,7 @@ pub(super) struct Survey {
 
 impl Survey {
     /// For a picture of this size, with so many places each way a pixel.
-    pub(super) fn new(factory: &PipelineFactory<'_>, size: [u32; 2], places: u32) -> Self {
+    pub(super) fn new(factory: &PipelineFactory, size: [u32; 2], places: u32) -> Self {
         let target =
             |label, format, usage| view(&factory.target(label, size.map(|pixels| places * pixels), format, 1, usage));
         Self {
@@ -46,14 +46,14 @@ impl Survey {
     }
 
     /// The pipeline that draws it. `geometry` is the layout of the model's group.
-    pub(super) fn pipeline(factory: &PipelineFactory<'_>, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
+    pub(super) fn pipeline(factory: &PipelineFactory, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
         let source = include_str!("model.wgsl");
         factory.pipeline(&Pass { depth: Some(nearest()), ..Pass::new("survey", source, &[geometry], FORMAT) })
     }
 
     pub(super) fn record(
         &self,
-        factory: &PipelineFactory<'_>,
+        factory: &PipelineFactory,
         encoder: &mut wgpu::CommandEncoder,
         pipeline: &wgpu::RenderPipeline,
         geometry: &BindGroup,
@@ -66,14 +66,14 @@ impl Survey {
 
     /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
     /// by there leaves no room for more storage buffers.
-    pub(super) fn layout(factory: &PipelineFactory<'_>) -> BindGroupLayout {
-        factory.gpu.layout(ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
+    pub(super) fn layout(factory: &PipelineFactory) -> BindGroupLayout {
+        rimline_picture::layout(&factory.device, ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
     }
 
     /// A group of this layout.
     pub(super) fn group(
         &self,
-        factory: &PipelineFactory<'_>,
+        factory: &PipelineFactory,
         layout: &BindGroupLayout,
         [positions, faces]: [&wgpu::Buffer; 2],
     ) -> BindGroup {
@@ -98,7 +98,7 @@ pub(super) struct Veils {
 
 impl Veils {
     /// `survey` is the layout of the survey's group, as `lines.wgsl` reads it.
-    pub(super) fn new(factory: &PipelineFactory<'_>, survey: &BindGroupLayout) -> Self {
+    pub(super) fn new(factory: &PipelineFactory, survey: &BindGroupLayout) -> Self {
         let layout = factory.layout(&[SEEN]);
         let pipeline = |name, group| factory.pipeline(&Pass::over(name, include_str!("veil.wgsl"), &[group], VEIL));
         let (finest, coarser) = (pipeline("veil", survey), pipeline("veil_level", &layout));
@@ -108,7 +108,7 @@ impl Veils {
     /// Records the veils of a survey with so many places each way. Returns the group that lines read the veils with.
     pub(super) fn record(
         &self,
-        factory: &PipelineFactory<'_>,
+        factory: &PipelineFactory,
         encoder: &mut wgpu::CommandEncoder,
         survey: &BindGroup,
         places: [u32; 2],
@@ -118,7 +118,7 @@ impl Veils {
         let levels = size[0].max(size[1]).ilog2() + 1;
         let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
         let plain = plain_texture("veils", size, VEIL, usage);
-        let texture = factory.gpu.device.create_texture(&wgpu::TextureDescriptor { mip_level_count: levels, ..plain });
+        let texture = factory.device.create_texture(&wgpu::TextureDescriptor { mip_level_count: levels, ..plain });
         let level = |level| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 base_mip_level: level,

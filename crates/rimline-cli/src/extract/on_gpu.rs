@@ -9,7 +9,7 @@ use rimline::internals::cpu::FacingStatistics;
 use rimline::internals::layout::ExtractionStatistics;
 use rimline::{Predicate, wgpu};
 
-use super::{Found, Job};
+use super::{Found, Job, rows_of_polygons};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
@@ -85,13 +85,8 @@ impl<'s> Job<'_, 's> {
             None => (read_planes(gpu, first.results().facing, triangles)?, Vec::new()),
             Some(polygons) => {
                 let planes: Vec<u32> = read_planes(gpu, first.results().facing, 2 * triangles)?;
-                let batches = self.lights.len().div_ceil(32);
-                let of_polygons = |at: usize| -> Vec<u32> {
-                    // Without a triangle in the mesh, planes are empty, and no polygon has bits.
-                    let plane = |batch: usize| planes.get(2 * triangles * batch + at..).unwrap_or_default();
-                    (0..batches).flat_map(|batch| polygons.masks_of(plane(batch))).collect()
-                };
-                (of_polygons(0), of_polygons(triangles))
+                let rows = |planes: &[u32]| rows_of_polygons(polygons, planes, 2 * triangles, self.lights.len());
+                (rows(&planes), rows(planes.get(triangles..).unwrap_or_default()))
             }
         };
         Ok(Found {

@@ -1,9 +1,9 @@
 //! Report on a mesh, gathered once for text and JSON.
 
-use crate::render::bounds::Bounds;
 use rimline::internals::model::most_per_vertex;
 use rimline::mesh::{Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
 use rimline::{Geometry, Mesh, MeshError, Origin};
+use rimline_picture::Bounds;
 use serde_json::{Value, json};
 
 use super::seams::{Seams, t_junctions};
@@ -201,12 +201,12 @@ pub(super) fn mesh(report: &MeshReport) -> Value {
         "joints_per_vertex": report.joints_per_vertex,
         "morph_targets": report.morph_targets,
         "advice": report.seams.as_ref().map(Seams::text).into_iter().chain(report.advice()).collect::<Vec<_>>(),
-        "bounds": report.bounds.map(|bounds| json_bounds(&bounds, report.origin)),
+        "bounds": report.bounds.map(|bounds| json_bounds(bounds, report.origin)),
     })
 }
 
-fn json_bounds(Bounds { min, max }: &Bounds, origin: Origin) -> Value {
-    json!({ "min": point(*min, origin).json(), "max": point(*max, origin).json() })
+fn json_bounds(Bounds { min, max }: Bounds, origin: Origin) -> Value {
+    json!({ "min": point(min.into(), origin).json(), "max": point(max.into(), origin).json() })
 }
 
 #[cfg(test)]

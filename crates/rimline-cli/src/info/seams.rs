@@ -1,9 +1,9 @@
 //! Boundary edges that nearly meet others, as rounding leaves them, and T-junctions.
 
-use crate::render::bounds::Bounds;
 use glam::DVec3;
 use rimline::mesh::{Edge, EdgeKind, Weld, WeldDistance};
 use rimline::{Geometry, Mesh};
+use rimline_picture::Bounds;
 use serde_json::{Value, json};
 
 /// Boundary edges that lie so near others that they are meant to be one.

@@ -2,9 +2,9 @@
 
 use std::fmt::{Display, Write as _};
 
-use crate::render::bounds::Bounds;
 use rimline::Origin;
 use rimline::mesh::EdgeCounts;
+use rimline_picture::Bounds;
 
 use super::report::{MeshReport, kind_name};
 use crate::coordinates;
@@ -111,8 +111,8 @@ impl Text {
         if report.morph_targets > 0 {
             self.line("morph targets", report.morph_targets);
         }
-        if let Some(Bounds { min, max }) = &report.bounds {
-            self.line("bounds", format!("{} to {}", at(*min), at(*max)));
+        if let Some(Bounds { min, max }) = report.bounds {
+            self.line("bounds", format!("{} to {}", at(min.into()), at(max.into())));
         }
     }
 }

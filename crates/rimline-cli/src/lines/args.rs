@@ -8,9 +8,10 @@ use rimline_lines::{Classes, LineClass};
 
 use crate::coordinates::Coordinate;
 use crate::failure::UsageError;
-use crate::input_args::{LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
+use crate::input_args::{JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
+use crate::side::Side;
 use crate::spec;
 
 /// A format that is written.
@@ -136,6 +137,13 @@ pub(crate) struct LinesArgs {
     /// The format, where the name does not tell it. With --frames it is SVG by default
     #[arg(long, value_enum)]
     pub(crate) format: Option<Format>,
+
+    /// Print JSON: a line for each job, and one for all
+    #[arg(id = "json", long)]
+    _json: bool,
+
+    #[command(flatten)]
+    _jobs: JobsArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -144,6 +152,7 @@ Examples:
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
   rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
   rimline lines part.obj --unit mm --dxf-units model --view top --out part.dxf
+  rimline lines parts/*.stl --out drawings/{stem}.pdf
   rimline lines fox.glb --animation Run --frames 24 --turn 90 --out frames --format png
 
 A style, with the defaults of some lines; widths and dashes in millimetres:
@@ -311,44 +320,6 @@ pub(crate) enum DxfUnits {
     Page,
     /// 1:1 in the unit of the files, which --unit names for CAD. Only without perspective
     Model,
-}
-
-/// Where an eye at infinity is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Side {
-    Named(&'static str, [f32; 3]),
-    /// To the right of the front, and above the ground, in degrees.
-    Angles(f64, f64),
-}
-
-/// Names of sides, and where the eye is.
-const SIDES: [(&str, [f32; 3]); 7] = [
-    ("front", [0.0, 0.0, 1.0]),
-    ("back", [0.0, 0.0, -1.0]),
-    ("left", [-1.0, 0.0, 0.0]),
-    ("right", [1.0, 0.0, 0.0]),
-    ("top", [0.0, 1.0, 0.0]),
-    ("bottom", [0.0, -1.0, 0.0]),
-    ("iso", [1.0, 1.0, 1.0]),
-];
-
-impl FromStr for Side {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if let Some((name, side)) = SIDES.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text)) {
-            return Ok(Self::Named(name, side));
-        }
-        let angles = text.split_once(',').and_then(|(azimuth, elevation)| {
-            let angle = |text: &str| text.trim().parse().ok().filter(|degrees: &f64| degrees.abs() <= 360.0);
-            Some((angle(azimuth)?, angle(elevation).filter(|degrees| degrees.abs() <= 90.0)?))
-        });
-        let (azimuth, elevation) = angles.ok_or(
-            "a side is front, back, left, right, top, bottom, iso, or an azimuth from -360 to 360 and an elevation from -90 to 90 \
-             degrees, such as 30,15",
-        )?;
-        Ok(Self::Angles(azimuth, elevation))
-    }
 }
 
 /// The size of the page.

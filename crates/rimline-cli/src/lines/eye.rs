@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use crate::render::bounds::Bounds;
 use rimline::Origin;
 use rimline_lines::{LinesError, Object, View};
+use rimline_picture::Bounds;
 
-use super::args::{LinesArgs, Side};
+use super::args::LinesArgs;
 use crate::coordinates::relative;
 use crate::failure::{Failure, InputError, UsageError};
+use crate::side::{Side, up_of};
 
 /// A view, and what it was made of.
 #[derive(Clone, Copy)]
@@ -43,8 +44,6 @@ impl From<LinesError> for EyeError {
     }
 }
 
-const UP: [f32; 3] = [0.0, 1.0, 0.0];
-
 /// The corners of the faces of objects that are finite.
 pub(crate) fn corners(objects: &[Object<'_>]) -> Vec<[f32; 3]> {
     let of_object = |object: &'_ Object<'_>| {
@@ -73,10 +72,7 @@ impl Eye {
             }
             return Ok(Self::of(eye, Some(target), up)?);
         }
-        let (towards_eye, up) = match args.view {
-            Side::Named(_, side) => (side.map(f64::from), up_of(side.map(f64::from))),
-            Side::Angles(azimuth, elevation) => of_angles(azimuth, elevation),
-        };
+        let (towards_eye, up) = args.view.directions();
         let Some(degrees) = args.fov else {
             return Ok(Self::of(nearest(towards_eye), None, up)?);
         };
@@ -130,21 +126,4 @@ impl Eye {
             }
         }
     }
-}
-
-/// The direction that is up on the page: +Y, or for an eye above or below -Z or +Z.
-fn up_of([x, y, z]: [f64; 3]) -> [f32; 3] {
-    if libm::sqrt(x * x + z * z) > 1e-6 * y.abs() { UP } else { [0.0, 0.0, if y < 0.0 { 1.0 } else { -1.0 }] }
-}
-
-/// The direction towards an eye at these angles in degrees, and what is up on the page.
-fn of_angles(azimuth: f64, elevation: f64) -> ([f64; 3], [f32; 3]) {
-    let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
-    let (sine, cosine) = (libm::sin(azimuth), libm::cos(azimuth));
-    let level = libm::cos(elevation);
-    let towards_eye = [sine * level, libm::sin(elevation), cosine * level];
-    // Straight from above or below the azimuth still turns the page.
-    let up = if level > 1e-6 { UP } else { [-sine, 0.0, -cosine].map(|c| (c * towards_eye[1]) as f32) };
-    let towards_eye = if level > 1e-6 { towards_eye } else { [0.0, towards_eye[1], 0.0] };
-    (towards_eye, up)
 }

@@ -1,100 +1,91 @@
-//! Where the picture is taken from, and the outermost points that its frame hangs on.
+//! Where a picture is taken from, and the outermost points that its frame hangs on.
 
-use crate::render::bounds::Bounds;
-use crate::render::centre;
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
+use rimline::gltf::{CameraProjection, SceneCamera};
+use rimline_picture::{Bounds, Camera};
 
 use crate::failure::UsageError;
 use crate::input_args::PlacedView;
+use crate::side::Side;
 
 /// Degrees to the right of the model's front, which is +Z.
 pub(crate) const AZIMUTH: f64 = 33.0;
 /// How much of the picture's width or height the model takes: a tenth on each side is left.
 const FILLED: f64 = 0.8;
 
-/// A right-handed perspective camera with an infinite far plane and reversed depth, `near / distance`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Camera {
-    pub(crate) eye: Vec3,
-    pub(crate) right: Vec3,
-    pub(crate) up: Vec3,
-    pub(crate) forward: Vec3,
-    /// Clip units per unit of view space at distance 1.
-    pub(crate) scale: [f32; 2],
-    pub(crate) near: f32,
-}
-
-impl Camera {
-    /// The camera of the command line, with whatever is left open chosen so that all `points` are seen: from
-    /// `elevation` degrees above.
-    pub(crate) fn new(
-        args: &PlacedView,
-        elevation: f64,
-        centre: [f32; 3],
-        extent: f32,
-        points: impl Iterator<Item = [f32; 3]> + Clone,
-    ) -> Result<Self, UsageError> {
-        let vector = |p: [f32; 3]| Vec3::from(p).as_dvec3();
-        let mut target = vector(args.target.unwrap_or(centre));
-        let scale_y = 1.0 / (f64::from(args.fov).to_radians() / 2.0).tan();
-        let [width, height] = args.size.map(f64::from);
-        let (azimuth, elevation) = (AZIMUTH.to_radians(), elevation.to_radians());
-        let backward = match args.eye {
-            Some(eye) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
-            None => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
-        };
-        let view = View::new(-backward, [scale_y * height / width, scale_y]);
-        let nearest = f64::from(extent) * 1e-3;
-        let distance = if let Some(eye) = args.eye {
-            (vector(eye) - target).length()
-        } else if args.target.is_some() {
-            view.distance(target, points.map(vector), nearest)
-        } else {
-            let (aside, distance) = view.fit(target, points.map(vector), nearest);
-            target += aside;
-            distance
-        };
-        Ok(Self {
-            eye: args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from),
-            right: view.right.as_vec3(),
-            up: view.up.as_vec3(),
-            forward: view.forward.as_vec3(),
-            scale: view.scale.map(|scale| scale as f32),
-            near: (distance.min(f64::from(extent)) * 1e-3) as f32,
-        })
+/// The camera of the command line, with whatever is left open chosen so that all `points` are seen: from
+/// `elevation` degrees above.
+pub(crate) fn camera(
+    args: &PlacedView,
+    elevation: f64,
+    bounds: &Bounds,
+    points: impl Iterator<Item = [f32; 3]> + Clone,
+) -> Result<Camera, UsageError> {
+    if let Some(own) = &args.camera {
+        return Ok(of_file(own, args.size));
     }
-}
-
-impl Camera {
-    /// The same camera, turned about a vertical axis, seen from above against the clock.
-    pub(crate) fn turned(&self, axis: [f32; 3], degrees: f64) -> Self {
-        let turn = |v: Vec3| turned(v.as_dvec3(), degrees).as_vec3();
-        let axis = Vec3::from(axis);
-        Self {
-            eye: axis + turn(self.eye - axis),
-            right: turn(self.right),
-            up: turn(self.up),
-            forward: turn(self.forward),
-            ..*self
-        }
+    let vector = |p: [f32; 3]| Vec3::from(p).as_dvec3();
+    let mut target = args.target.map_or(bounds.centre().as_dvec3(), vector);
+    let scale_y = 1.0 / (f64::from(args.fov).to_radians() / 2.0).tan();
+    let extent = f64::from(bounds.extent());
+    let [width, height] = args.size.map(f64::from);
+    let (azimuth, elevation) = (AZIMUTH.to_radians(), elevation.to_radians());
+    let side = args.side.map(Side::directions);
+    let backward = match (args.eye, side) {
+        (Some(eye), _) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
+        (None, Some((towards_eye, _))) => DVec3::from(towards_eye).normalize(),
+        (None, None) => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
+    };
+    let view = View::new(-backward, side.map(|(_, up)| vector(up)), [scale_y * height / width, scale_y]);
+    let nearest = extent * 1e-3;
+    if args.is_parallel {
+        return Ok(view.parallel(
+            target,
+            args.target.is_some() || args.eye.is_some(),
+            points.map(vector),
+            height / width,
+        ));
     }
+    let distance = if let Some(eye) = args.eye {
+        (vector(eye) - target).length()
+    } else if args.target.is_some() {
+        view.distance(target, points.map(vector), nearest)
+    } else {
+        let (aside, distance) = view.fit(target, points.map(vector), nearest);
+        target += aside;
+        distance
+    };
+    Ok(Camera {
+        eye: args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from),
+        right: view.right.as_vec3(),
+        up: view.up.as_vec3(),
+        forward: view.forward.as_vec3(),
+        scale: view.scale.map(|scale| scale as f32),
+        near: (distance.min(extent) * 1e-3) as f32,
+        far: None,
+    })
 }
 
-fn turned(v: DVec3, degrees: f64) -> DVec3 {
-    glam::DQuat::from_rotation_y(degrees.to_radians()) * v
+/// A camera of a file, for a picture of this size.
+fn of_file(own: &SceneCamera, size: [u32; 2]) -> Camera {
+    let [eye, forward, up] = [own.eye, own.forward, own.up].map(Vec3::from);
+    let [width, height] = size.map(|pixels| pixels as f32);
+    let (scale_y, near, far) = match own.projection {
+        CameraProjection::Perspective { yfov, znear, .. } => ((0.5 * yfov).tan().recip(), znear, None),
+        CameraProjection::Orthographic { ymag, znear, zfar, .. } => (ymag.abs().recip(), znear, Some(zfar)),
+    };
+    Camera { eye, right: forward.cross(up), up, forward, scale: [scale_y * height / width, scale_y], near, far }
 }
 
 /// Points that a camera on an orbit sees from one of its places: those of a scene, turned about the middle of their bounds.
 pub(crate) fn swept(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     const STEPS: u32 = 24;
     let Some(bounds) = Bounds::of(points) else { return Vec::new() };
-    let centre = DVec3::from(centre(&bounds).map(f64::from));
-    let outermost = outermost(points, centre.as_vec3().into());
+    let centre = bounds.centre().as_dvec3();
+    let outermost = outermost(points, centre.as_vec3());
     let turned = |step: u32| {
-        let degrees = 360.0 * f64::from(step) / f64::from(STEPS);
-        outermost
-            .iter()
-            .map(move |&point| (centre + turned(DVec3::from(point.map(f64::from)) - centre, degrees)).as_vec3())
+        let turn = DQuat::from_rotation_y((360.0 * f64::from(step) / f64::from(STEPS)).to_radians());
+        outermost.iter().map(move |&point| (centre + turn * (DVec3::from(point.map(f64::from)) - centre)).as_vec3())
     };
     (0..STEPS).flat_map(turned).map(Into::into).collect()
 }
@@ -108,10 +99,10 @@ struct View {
 }
 
 impl View {
-    fn new(forward: DVec3, scale: [f64; 2]) -> Self {
-        // Looking straight up or down, the right of the picture is +X.
-        let right = forward.cross(DVec3::Y).try_normalize();
-        let right = right.filter(|_| forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
+    fn new(forward: DVec3, up: Option<DVec3>, scale: [f64; 2]) -> Self {
+        // Looking straight up or down, the right of the picture is +X, unless something is said to be up.
+        let right = forward.cross(up.unwrap_or(DVec3::Y)).try_normalize();
+        let right = right.filter(|_| up.is_some() || forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
         let up = right.cross(forward);
         Self { right, up, forward, scale }
     }
@@ -129,6 +120,32 @@ impl View {
             let sideways = (x.abs() * self.scale[0]).max(y.abs() * self.scale[1]);
             distance.max(sideways / FILLED - z)
         })
+    }
+
+    /// An orthographic camera whose picture holds all points, in its middle unless the target `is_given`. They lie between near and
+    /// far plane.
+    fn parallel(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, aspect: f64) -> Camera {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        points.map(|point| DVec3::from(self.seen(target, point))).for_each(|seen| {
+            (low, high) = (low.min(seen), high.max(seen));
+        });
+        let middle = if is_given { DVec3::ZERO } else { 0.5 * (low + high) };
+        let half = (high - middle).max(middle - low);
+        let (size, depth) = ((half.x * aspect).max(half.y), high.z - low.z);
+        // A point, or a line that is seen along it.
+        let size = if size > 0.0 { size } else { depth.max(f64::from(f32::MIN_POSITIVE)) };
+        let room = depth.max(size);
+        let eye = target + self.right * middle.x + self.up * middle.y + self.forward * (low.z - room);
+        let scale = FILLED / size;
+        Camera {
+            eye: eye.as_vec3(),
+            right: self.right.as_vec3(),
+            up: self.up.as_vec3(),
+            forward: self.forward.as_vec3(),
+            scale: [scale * aspect, scale].map(|scale| scale as f32),
+            near: (0.5 * room) as f32,
+            far: Some((depth + 2.0 * room) as f32),
+        }
     }
 
     /// The nearest place of the eye from which the picture holds all points, in its middle: how far aside of the target it
@@ -157,7 +174,7 @@ impl View {
 /// Degrees above from which something is seen: `usual`, or more where it lies flat.
 pub(crate) fn elevation(usual: f64, bounds: &Bounds) -> f64 {
     const STEEP: f64 = 45.0;
-    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]));
+    let [x, y, z] = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).to_array();
     let is_high = (4.0 * y / x.min(z).max(f64::MIN_POSITIVE)).min(1.0);
     STEEP + (usual - STEEP) * is_high
 }
@@ -168,8 +185,8 @@ const DIRECTIONS: u32 = 128;
 /// Finds, for each of many directions, the point that lies farthest that way from `centre`. The points come in no
 /// meaningful order, are never many, and include those that define the bounds. Other points lie outside of their hull
 /// by at most about a hundredth of the size of all points.
-pub(crate) fn outermost(points: &[[f32; 3]], centre: [f32; 3]) -> Vec<[f32; 3]> {
-    let centre = DVec3::from(centre.map(f64::from));
+pub(crate) fn outermost(points: &[[f32; 3]], centre: Vec3) -> Vec<[f32; 3]> {
+    let centre = centre.as_dvec3();
     let directions: Vec<DVec3> = directions().collect();
     let mut farthest = vec![(f64::NEG_INFINITY, None); directions.len()];
     for &point in points {
@@ -204,7 +221,6 @@ fn directions() -> impl Iterator<Item = DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use crate::render::bounds::Bounds;
     use clap::Parser;
 
     use super::*;
@@ -218,6 +234,7 @@ mod tests {
         }
     }
 
+    const AROUND: Bounds = Bounds { min: Vec3::splat(9.0), max: Vec3::splat(11.0) };
     const CUBE: [[f32; 3]; 8] = [
         [9.0, 9.0, 9.0],
         [11.0, 9.0, 9.0],
@@ -232,7 +249,7 @@ mod tests {
     #[test]
     fn the_default_shows_every_point_and_wastes_little() {
         for options in ["", "--size 300x900 --fov 70", "--size 900x300", "--fov 100", "--fov 150", "--fov 5"] {
-            let camera = Camera::new(&args(options), 17.0, [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
+            let camera = camera(&args(options), 17.0, &AROUND, CUBE.into_iter()).expect("it has an eye");
             let mut sides = [[0.0_f32; 2]; 2];
             let widest = CUBE
                 .into_iter()
@@ -258,7 +275,7 @@ mod tests {
     #[test]
     fn the_basis_is_right_handed_even_straight_down() {
         for options in ["--eye 10,50,10", "--eye 10,-50,10", "--eye -3,4,5"] {
-            let camera = Camera::new(&args(options), 17.0, [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
+            let camera = camera(&args(options), 17.0, &AROUND, CUBE.into_iter()).expect("it has an eye");
             assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5);
             assert!(camera.up.length() > 0.999);
         }
@@ -266,14 +283,14 @@ mod tests {
 
     #[test]
     fn what_lies_flat_is_seen_from_higher() {
-        let of = |y| elevation(17.0, &Bounds { min: [0.0; 3], max: [2.0, y, 1.0] });
+        let of = |y| elevation(17.0, &Bounds { min: Vec3::ZERO, max: Vec3::new(2.0, y, 1.0) });
         assert_eq!((of(0.0), of(0.25), of(7.0)), (45.0, 17.0, 17.0));
         assert!(of(0.1) > 25.0 && of(0.1) < 40.0);
     }
 
     #[test]
     fn an_eye_at_its_target_sees_nothing() {
-        let camera = Camera::new(&args("--eye 1,2,3 --target 1,2,3"), 17.0, [0.0; 3], 2.0, CUBE.into_iter());
+        let camera = camera(&args("--eye 1,2,3 --target 1,2,3"), 17.0, &AROUND, CUBE.into_iter());
         assert!(matches!(camera, Err(UsageError::EyeAtTarget)));
     }
 
@@ -288,7 +305,7 @@ mod tests {
                 [radius * cosine, 1.0 - 2.0 * t, radius * sine].map(|c| (100.0 + 3.0 * c) as f32)
             })
             .collect();
-        let few = outermost(&ball, [100.0; 3]);
+        let few = outermost(&ball, Vec3::splat(100.0));
         assert!(few.len() <= DIRECTIONS as usize + 26, "{} are left", few.len());
         assert_eq!(Bounds::of(&few), Bounds::of(&ball));
         for degrees in 0..360 {
@@ -303,7 +320,7 @@ mod tests {
     #[test]
     fn a_box_keeps_its_corners() {
         let corners: Vec<[f32; 3]> = (0..8_u32).map(|n| [n & 1, n >> 1 & 1, n >> 2].map(|c| c as f32)).collect();
-        assert_eq!(outermost(&corners, [0.5; 3]).len(), 8);
-        assert!(outermost(&[], [0.0; 3]).is_empty());
+        assert_eq!(outermost(&corners, Vec3::splat(0.5)).len(), 8);
+        assert!(outermost(&[], Vec3::ZERO).is_empty());
     }
 }

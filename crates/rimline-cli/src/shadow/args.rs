@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
+use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
-use crate::input_args::{LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
+use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -56,6 +57,17 @@ pub(crate) enum ModeArg {
     Composited,
 }
 
+impl ModeArg {
+    pub(crate) fn mode(self) -> Mode {
+        match self {
+            Self::Additive => Mode::Additive,
+            Self::Ambient => Mode::Ambient,
+            Self::Black => Mode::Black,
+            Self::Composited => Mode::Composited,
+        }
+    }
+}
+
 /// Options that pictures with shadows share.
 #[derive(Args, Debug)]
 pub(crate) struct ShadowSceneArgs {
@@ -83,7 +95,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) view: ViewArgs,
 
     /// The distance of the near plane from the eye. By default it is as large as the models allow
-    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = spec::near)]
+    #[arg(long, value_name = "D", conflicts_with = "ortho", allow_hyphen_values = true, value_parser = spec::near)]
     pub(crate) near: Option<f32>,
 
     /// The height of the ground, an infinite plane that receives shadows and casts none. It is visible from above only. By
@@ -114,6 +126,10 @@ pub(crate) struct ShadowSceneArgs {
     /// 16 times as many
     #[arg(long, requires = "area")]
     pub(crate) one_pattern: bool,
+
+    /// Show models as clay, not in their base colours
+    #[arg(long)]
+    pub(crate) plain: bool,
 
     /// Also draw the shadow volumes, translucent and with their edges
     #[arg(long)]
@@ -231,6 +247,9 @@ pub(crate) struct ShadowArgs {
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    _jobs: JobsArgs,
 }
 
 const SHADOW_EXAMPLES: &str = concat!(

@@ -1,14 +1,15 @@
 //! The bodies on the GPU: they throw shadows, receive them and are drawn.
 
 use std::borrow::Cow;
-use std::ops::Range;
 
 use glam::Vec3;
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
+use rimline_picture::{FacingMasks, OPPOSITE, Subject, Surface, SurfaceBuffers, TURNED, corner_normals};
 
-use super::casting::{CastInputs, CoveredFaces, Extracted, FacingMasks, put};
+use super::casting::{CastInputs, CoveredFaces, Extracted, put};
 use super::depth_shadows::DepthShadows;
+use super::overlay::Overlay;
 use super::posed_model::PosedModel;
 use super::render_resources::RenderResources;
 use super::scene_shadows::SceneShadows;
@@ -16,15 +17,15 @@ use super::shadows::{Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
+use crate::render::check_model;
 use crate::render::coincident::{Coincident, corners};
-use crate::render::{check_model, normals};
 
 /// Resources that draw all bodies and make them cast shadows.
 pub(crate) struct Casters<'a> {
     pub(super) resources: &'a RenderResources<'a>,
     pub(crate) shadows: Box<dyn Shadows + 'a>,
-    /// A receiver for each body, once it was bound.
-    pub(super) receivers: Vec<Receiver>,
+    /// The surface of each body, once it was bound.
+    surfaces: Vec<Surface>,
     /// Where volumes are shown, the silhouettes of each body by itself: of all its faces, or without covered faces of those
     /// that cast for a light. Each with that light and the number of its body.
     shown: Option<Vec<(Option<usize>, usize, Extracted)>>,
@@ -50,13 +51,13 @@ impl<'a> Casters<'a> {
         max_lights: usize,
         shows_volumes: bool,
     ) -> Result<Self, GpuError> {
-        let shadows = shadows(resources.factory.gpu, pipelines, max_lights)?;
+        let shadows = shadows(resources.gpu, pipelines, max_lights)?;
         let shown = (shows_volumes && !matches!(pipelines, VolumePipelines::Depth(..))).then(Vec::new);
-        Ok(Self { resources, shadows, receivers: Vec::new(), shown, max_lights })
+        Ok(Self { resources, shadows, surfaces: Vec::new(), shown, max_lights })
     }
 
     pub(super) fn gpu(&self) -> &'a Gpu {
-        self.resources.factory.gpu
+        self.resources.gpu
     }
 
     /// Takes the bodies with the faces that they have now.
@@ -110,8 +111,8 @@ impl<'a> Casters<'a> {
     /// submitted.
     pub(super) fn bind(&mut self, bodies: &[PosedModel<'_>], eye: Vec3) -> Result<(), GpuError> {
         let masks = self.shadows.facing(bodies)?;
-        let receiver = |(number, (body, masks))| Receiver::new(self.resources, body, number, masks, eye);
-        self.receivers = bodies.iter().zip(&masks).enumerate().map(receiver).collect();
+        let surface = |(number, (body, masks))| surface(self.resources, body, number, masks, eye);
+        self.surfaces = bodies.iter().zip(&masks).enumerate().map(surface).collect();
         Ok(())
     }
 
@@ -122,8 +123,11 @@ impl<'a> Casters<'a> {
     }
 }
 
+#[derive(Clone, Copy)]
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters<'a>,
+    /// What draws the shadow volumes, and what is drawn over the light. `None`: not known yet.
+    pub(super) drawn: Option<(&'a VolumePipelines, Option<&'a Overlay>)>,
     /// Samples of all lights together.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,
@@ -131,8 +135,34 @@ pub(crate) struct DrawInputs<'a> {
     pub(crate) is_trial: bool,
 }
 
-impl DrawInputs<'_> {
-    pub(super) fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
+impl Subject for DrawInputs<'_> {
+    type Error = GpuError;
+
+    fn lights(&self) -> usize {
+        self.samples
+    }
+
+    fn has_ground(&self) -> bool {
+        self.has_ground
+    }
+
+    fn surfaces(&self) -> &[Surface] {
+        &self.casters.surfaces
+    }
+
+    fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), GpuError> {
+        self.drawn.map_or(Ok(()), |(pipelines, _)| self.casters.shadows.draw(pass, pipelines, light))
+    }
+
+    fn has_overlays(&self) -> bool {
+        self.drawn.is_some_and(|(_, overlay)| overlay.is_some())
+    }
+
+    fn draw_overlays(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), GpuError> {
+        self.drawn.and_then(|(_, overlay)| overlay).map_or(Ok(()), |overlay| overlay.draw(pass, self))
+    }
+
+    fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
         if self.is_trial {
             pass.set_scissor_rect(0, 0, 1, 1);
         }
@@ -140,82 +170,64 @@ impl DrawInputs<'_> {
     }
 }
 
-/// Front and back of the first, second … body; then from the beginning again.
-const CLAYS: [[[f32; 3]; 2]; 4] = [
-    [[0.62, 0.60, 0.565], [0.50, 0.33, 0.24]],
-    [[0.36, 0.49, 0.56], [0.58, 0.40, 0.29]],
-    [[0.60, 0.42, 0.31], [0.33, 0.45, 0.51]],
-    [[0.46, 0.54, 0.38], [0.58, 0.40, 0.29]],
-];
-
-/// The draws of a body where it is now: corners of faces that one buffer has the facing masks of, for each batch of 32 lights.
-pub(super) struct Receiver(Vec<(Range<u32>, Vec<wgpu::BindGroup>)>);
-
-impl Receiver {
-    /// The body with this number, as it is seen from the eye.
-    pub(super) fn new(
-        RenderResources { factory, geometry, .. }: &RenderResources<'_>,
-        body: &PosedModel<'_>,
-        number: usize,
-        masks: &FacingMasks,
-        eye: Vec3,
-    ) -> Self {
-        let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
-        let clay = factory.uniform("clay", bytemuck::cast_slice(&clay));
-        let stored = |label, contents: &[u8]| factory.buffer(label, contents);
-        let faces = stored("drawn faces", bytemuck::cast_slice(&body.faces));
-        let (normals, slots) = normals_and_slots(body, masks, eye);
-        let normals = stored("normals", bytemuck::cast_slice(&normals));
-        let slots = stored("slots", bytemuck::cast_slice(&slots));
-        let positions = body.positions.buffer();
-        let group = |facing: &wgpu::Buffer| {
-            let buffers = [&clay, positions.buffer, &faces, &normals, &slots, facing];
-            factory.group(geometry, &buffers.map(wgpu::Buffer::as_entire_binding))
-        };
-        let runs = masks.runs.iter();
-        Self(runs.map(|(of, facing)| (3 * of.start..3 * of.end, facing.iter().map(group).collect())).collect())
-    }
-
-    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
-        for (corners, groups) in &self.0 {
-            if let Some(group) = groups.get(light / 32) {
-                pass.set_bind_group(2, group, &[]);
-                pass.draw(corners.clone(), 0..1);
-            }
-        }
-    }
+/// The surface of the body with this number, as it is seen from the eye.
+fn surface(
+    resources: &RenderResources<'_>,
+    body: &PosedModel<'_>,
+    number: usize,
+    masks: &FacingMasks,
+    eye: Vec3,
+) -> Surface {
+    let stored = |label, contents: &[u8]| resources.shared.factory.buffer(label, contents);
+    let faces = stored("drawn faces", bytemuck::cast_slice(&body.faces));
+    let Corners { normals, colors, slots } = Corners::of(body, masks, eye);
+    let colors = body.colors.is_some().then(|| stored("colors", bytemuck::cast_slice(&colors)));
+    let normals = stored("normals", bytemuck::cast_slice(&normals));
+    let slots = stored("slots", bytemuck::cast_slice(&slots));
+    let positions = body.positions.buffer().buffer;
+    let buffers =
+        SurfaceBuffers { positions, faces: &faces, normals: &normals, slots: &slots, colors: colors.as_ref() };
+    Surface::new(&resources.shared, number, buffers, masks)
 }
 
-/// Flags of a slot, as in `surface.wgsl`: the face is shown as the one that it coincides with, which runs the other way
-/// around; and the mask at the slot is its own, whose opposite is that one's.
-const TURNED: u32 = 1 << 31;
-const OPPOSITE: u32 = 1 << 30;
+/// Normals and colours of corners, and where faces' masks are. Faces that are turned away from the eye have those of the faces that
+/// they coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
+struct Corners<'a> {
+    normals: Vec<u32>,
+    colors: Cow<'a, [u32]>,
+    slots: Cow<'a, [u32]>,
+}
 
-/// The normals of corners and where faces' masks are. Faces that are turned away from the eye have those of the faces that they
-/// coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
-fn normals_and_slots<'a>(body: &PosedModel<'_>, masks: &'a FacingMasks, eye: Vec3) -> (Vec<u32>, Cow<'a, [u32]>) {
-    let all = || corners(&body.world, &body.faces).enumerate();
-    let Some(found) = Coincident::of(corners(&body.world, &body.faces)) else {
-        return (normals::corner_normals(&body.world, &body.faces), Cow::Borrowed(&masks.slots));
-    };
-    let fronts: Vec<Option<usize>> = all().map(|(number, face)| found.seen_instead(number, face, eye)).collect();
-    // The second side of a sheet does not smooth the folds of the first.
-    let one_sided = body.faces.iter().zip(&fronts);
-    let one_sided: Vec<[u32; 3]> =
-        one_sided.map(|(&face, front)| if front.is_none() { face } else { [face[0]; 3] }).collect();
-    let mut normals = normals::corner_normals(&body.world, &one_sided);
-    let mut slots = masks.slots.clone();
-    let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
-    for (number, front) in fronts.into_iter().enumerate() {
-        let Some(front) = front else { continue };
-        let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
-        let [own, other] = [number, front].map(|face| body.faces[face].map(place));
-        for (corner, at) in own.into_iter().enumerate() {
-            let same = other.iter().position(|&there| there == at).unwrap_or(corner);
-            normals[3 * number + corner] = normals[3 * front + same];
+impl<'a> Corners<'a> {
+    fn of(body: &'a PosedModel<'_>, masks: &'a FacingMasks, eye: Vec3) -> Self {
+        let all = || corners(&body.world, &body.faces).enumerate();
+        let (mut colors, mut slots) =
+            (Cow::Borrowed(body.colors.as_deref().unwrap_or_default().as_flattened()), Cow::Borrowed(&*masks.slots));
+        let Some(found) = Coincident::of(corners(&body.world, &body.faces)) else {
+            return Self { normals: corner_normals(&body.world, &body.faces), colors, slots };
+        };
+        let fronts: Vec<Option<usize>> = all().map(|(number, face)| found.seen_instead(number, face, eye)).collect();
+        // The second side of a sheet does not smooth the folds of the first.
+        let one_sided = body.faces.iter().zip(&fronts);
+        let one_sided: Vec<[u32; 3]> =
+            one_sided.map(|(&face, front)| if front.is_none() { face } else { [face[0]; 3] }).collect();
+        let mut normals = corner_normals(&body.world, &one_sided);
+        let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
+        for (number, front) in fronts.into_iter().enumerate() {
+            let Some(front) = front else { continue };
+            let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
+            let [own, other] = [number, front].map(|face| body.faces[face].map(place));
+            for (corner, at) in own.into_iter().enumerate() {
+                let same = other.iter().position(|&there| there == at).unwrap_or(corner);
+                normals[3 * number + corner] = normals[3 * front + same];
+                if !colors.is_empty() {
+                    colors.to_mut()[3 * number + corner] = colors[3 * front + same];
+                }
+            }
+            let is_near = run_of(front) == run_of(number);
+            let shown = if is_near { masks.slots[front] } else { masks.slots[number] | OPPOSITE };
+            slots.to_mut()[number] = shown | TURNED;
         }
-        let shown = if run_of(front) == run_of(number) { masks.slots[front] } else { masks.slots[number] | OPPOSITE };
-        slots[number] = shown | TURNED;
+        Self { normals, colors, slots }
     }
-    (normals, Cow::Owned(slots))
 }

@@ -9,6 +9,7 @@ use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threa
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
 use rimline::internals::layout::ExtractionStatistics;
 use rimline::{Light, LightError, Mesh, Predicate, ShadowCamera, wgpu};
+use rimline_picture::FacingMasks;
 
 use super::posed_model::{PosedModel, Topology};
 use crate::device::Gpu;
@@ -23,14 +24,6 @@ pub(crate) struct CastInputs<'a> {
     pub(crate) seen: &'a [PosedModel<'a>],
     pub(crate) camera: &'a ShadowCamera,
     pub(crate) lights: &'a [Light],
-}
-
-#[derive(Default)]
-pub(crate) struct FacingMasks {
-    /// Faces whose masks lie in one buffer for each batch of 32 lights.
-    pub(super) runs: Vec<(Range<u32>, Vec<wgpu::Buffer>)>,
-    /// The place of each face in its buffer.
-    pub(super) slots: Vec<u32>,
 }
 
 /// Gives a scene these lights: their handles are in order.

@@ -1,17 +1,9 @@
 //! Limits of the depth and the stencil that shadows are counted with, and other numbers that stages leave.
 
 use rimline::internals::layout::ShadowStatistics;
-use rimline::wgpu;
-use wgpu::TextureFormat;
+use rimline::wgpu::TextureFormat;
 
 use crate::output::note;
-
-/// Floating point where the device has it: with reversed depth that tells the same part of any distance apart, however
-/// near the near plane is (docs/numerics/rasterisers.md, "Depth").
-pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
-    let finest = TextureFormat::Depth32FloatStencil8;
-    if device.features().contains(finest.required_features()) { finest } else { TextureFormat::Depth24PlusStencil8 }
-}
 
 /// The nearest near plane with which 24 bits tell distances half a pixel apart, where `pixel` is the size of one at a distance of
 /// 1: two numbers next to each other are `distance² / (2²⁴ near)` apart.

@@ -12,7 +12,7 @@ use rimline::internals::layout::ShadowStatistics;
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 use wgpu::TextureUsages;
 
-use super::casting::{CastInputs, Extracted, FacingMasks, put};
+use super::casting::{CastInputs, Extracted, put};
 use super::from_depth::{DepthFound, DepthsFound, FromDepth, MAP, points};
 use super::light_maps::{LightCameras, ShownDepths, ShownMaps};
 use super::posed_model::PosedModel;
@@ -21,8 +21,8 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
 use crate::image::Picture;
-use crate::render::pipeline_factory::{plain_texture, view};
 use rimline_files::npz::{DepthMapArrays, Depths};
+use rimline_picture::{FacingMasks, plain_texture, view};
 
 pub(crate) struct DepthShadows<'a> {
     gpu: &'a Gpu,

@@ -12,15 +12,14 @@ use super::args::ShadowArgs;
 use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
 use super::posed_model::PosedModel;
-use super::shaded_lights::{SceneBounds, ShadedLight};
 use crate::device::Gpu;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::output::note;
 use crate::progress::Progress;
-use crate::render::pipeline_factory::{plain_texture, view};
 use crate::{coordinates, source};
 use rimline_files::npz::{self, DepthMapArrays, Depths};
+use rimline_picture::{SceneBounds, ShadedLight, plain_texture, view};
 
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -275,11 +274,11 @@ pub(super) fn check_lights(
     /// Extents that count as any distance beyond them, and as a light at infinity.
     const FAR: f64 = 1e9;
     let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
-    let centre = Vec3::from(stage.centre).as_dvec3();
+    let centre = stage.models.centre().as_dvec3();
     // In extents from the middle of the models.
     let place = |light: &Light| {
         let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
-        let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.extent) };
+        let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.models.extent()) };
         towards.normalize_or_zero() * distance.min(FAR)
     };
     let (map, given) = (map.cameras.light(), shaded.light);

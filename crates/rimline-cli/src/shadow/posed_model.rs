@@ -2,7 +2,7 @@
 
 use rimline::internals::cpu::is_finite;
 use rimline::mesh::MAX_FACES;
-use rimline::{Displacement, Geometry, InstancePose, Mesh, MeshError};
+use rimline::{Displacement, Geometry, Mesh, MeshError};
 
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -30,6 +30,9 @@ pub(crate) struct PosedModel<'a> {
     pub(crate) faces: Vec<[u32; 3]>,
     /// World space, as they lie on the GPU.
     pub(crate) world: Vec<[f32; 3]>,
+    /// Base colours of the corners of the faces, packed. `None`: the model is shown as clay.
+    pub(super) colors: Option<Vec<[u32; 3]>>,
+    is_plain: bool,
 }
 
 impl<'a> PosedModel<'a> {
@@ -39,14 +42,16 @@ impl<'a> PosedModel<'a> {
         animations: &'a [usize],
         time_s: f32,
         displacement: Option<&Displacement>,
+        is_plain: bool,
     ) -> Result<Self, Failure> {
         let displaced = displacement.is_some();
         let shape = input.shape(animations, time_s, displaced)?;
         let failed = |error: MeshError| Failure::input(&input.file)(input.no_mesh(error));
         check_faces(input.model().placed_geometries()).map_err(failed)?;
         let positions = Positions::new(gpu, &shape, displacement).on(gpu)?;
-        let (topologies, faces, world) = (Vec::new(), Vec::new(), Vec::new());
-        let mut body = Self { input, animations, displaced, shape, positions, topologies, faces, world };
+        let (topologies, faces, world, colors) = (Vec::new(), Vec::new(), Vec::new(), None);
+        let mut body =
+            Self { input, animations, displaced, shape, positions, topologies, faces, world, colors, is_plain };
         body.place(gpu, time_s).on(gpu)?;
         Ok(body)
     }
@@ -63,6 +68,7 @@ impl<'a> PosedModel<'a> {
         let topologies = self.topologies_now();
         if topologies != self.topologies {
             self.faces = faces(self.input, &topologies);
+            self.colors = if self.is_plain { None } else { self.input.corner_colors(&self.shape) };
             self.topologies = topologies;
         }
         match &self.shape {
@@ -78,16 +84,8 @@ impl<'a> PosedModel<'a> {
     }
 
     fn topologies_now(&self) -> Vec<Topology> {
-        let pose = match &self.shape {
-            Shape::World(_) => None,
-            Shape::Posed { pose, .. } => Some(pose.instances()),
-        };
-        let is_turned =
-            |instance: usize| pose.and_then(|pose| pose.get(instance)).is_some_and(InstancePose::faces_turned);
-        let instances = self.input.model().instances().iter().enumerate();
-        instances
-            .map(|(number, instance)| Topology { geometry: instance.geometry(), is_turned: is_turned(number) })
-            .collect()
+        let instances = self.input.model().instances().iter().zip(self.input.turned(&self.shape));
+        instances.map(|(instance, is_turned)| Topology { geometry: instance.geometry(), is_turned }).collect()
     }
 
     pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {

@@ -4,9 +4,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use rimline::Origin;
 use rimline::cpu::{OccludedFaces, OcclusionStatistics};
 use rimline::internals::layout::ShadowStatistics;
+use rimline::{MAX_LIGHTS, Origin};
 use serde_json::{Value, json};
 
 use super::args::ShadowArgs;
@@ -26,6 +26,7 @@ use crate::output::Output;
 use crate::report::{self, Lines, Times};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
+use crate::spec::LightSpec;
 use crate::target::{Inputs, check_ending, is_same_file};
 
 struct File {
@@ -298,6 +299,13 @@ impl ResultFiles {
         }
         Ok(())
     }
+}
+
+/// All files that may be written: how many lights a model has is known when it is read.
+pub(crate) fn files(args: &ShadowArgs) -> Vec<PathBuf> {
+    let has_all = args.scene.lights.iter().any(|light| light.light == LightSpec::All);
+    let lights = if has_all { MAX_LIGHTS } else { args.scene.lights.len().max(1) };
+    args.out.iter().cloned().chain(of_lights(args, lights).into_iter().flatten()).collect()
 }
 
 /// The names of masks and of maps.

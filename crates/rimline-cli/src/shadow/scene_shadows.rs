@@ -10,10 +10,11 @@ use rimline::gpu::{
     ShadowError, StageTimer,
 };
 use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
-use rimline::internals::scene::{CHOICE_WORDS, SceneTable};
+use rimline::internals::scene::CHOICE_WORDS;
 use rimline::{Counting, Light, wgpu};
+use rimline_picture::FacingMasks;
 
-use super::casting::{CastInputs, CoveredFaces, Extracted, FacingMasks, VERSION, set_lights};
+use super::casting::{CastInputs, CoveredFaces, Extracted, VERSION, set_lights};
 use super::depth;
 use super::layers::Layers;
 use super::posed_model::{PosedModel, Topology};
@@ -174,35 +175,9 @@ impl Shadows for SceneShadows<'_> {
 
     fn facing(&self, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
         let frame = self.frame()?;
-        let results = frame.results()?;
-        let table: Vec<[u32; 4]> = self.gpu.read(results.table)?;
-        let buffers = |group: usize| -> Vec<wgpu::Buffer> {
-            results.groups.iter().filter(|of| of.group == group).map(|of| of.facing.clone()).collect()
-        };
-        let of_file = |(File { casters, surface, .. }, body): (&File, &PosedModel<'_>)| {
-            if let Some(surface) = surface {
-                return Ok(surface.facing(body));
-            }
-            let mut masks = FacingMasks::default();
-            let mut last = None;
-            for &(_, handle) in casters {
-                let (index, group) = place(frame, handle)?;
-                let caster = SceneTable(&table).caster(index);
-                let first = masks.slots.len();
-                masks.slots.extend(caster.first_face_slot..caster.first_face_slot + caster.faces);
-                if let Some(faces) = frame.slot_order(handle) {
-                    for (slot, &face) in (caster.first_face_slot..).zip(faces) {
-                        masks.slots[first + face as usize] = slot;
-                    }
-                }
-                let end = masks.slots.len() as u32;
-                match masks.runs.last_mut().filter(|_| last == Some(group)) {
-                    Some((faces, _)) => faces.end = end,
-                    None => masks.runs.push((end - caster.faces..end, buffers(group))),
-                }
-                last = Some(group);
-            }
-            Ok(masks)
+        let of_file = |(File { casters, surface, .. }, body): (&File, &PosedModel<'_>)| match surface {
+            Some(surface) => Ok(surface.facing(body)),
+            None => Ok(FacingMasks::of_scene(frame, casters.iter().map(|&(_, caster)| caster))?),
         };
         self.files.iter().zip(bodies).map(of_file).collect()
     }

@@ -2,26 +2,26 @@
 
 use std::path::Path;
 
-use crate::render::bounds::Bounds;
 use glam::Vec3;
 use rimline::gpu::StageTimer;
 use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
+use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
 use super::casters::{Casters, DrawInputs};
 use super::casting::CastInputs;
-use super::depth::{depth_format, too_coarse};
-use super::frame::{Frame, PARTS, Part, part_camera, unit};
+use super::depth::too_coarse;
 use super::posed_model::PosedModel;
-use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
+use super::shaded_lights::shaded_lights;
 use crate::device::{self, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::Input;
+use crate::input_args::PlacedView;
 use crate::output::note;
 use crate::posed_input::{self, animations};
-use crate::render::camera::{Camera, elevation, outermost};
-use crate::render::{centre, check_bounds, check_size, extent, too_large};
-use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
+use crate::render::camera::{camera, elevation, outermost};
+use crate::render::{check_bounds, check_size, too_large};
+use crate::shadow::args::{CountingArg, ModeArg, ShadowSceneArgs, value_name};
 use crate::shown::{animation_name, listed_animations};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
@@ -31,6 +31,7 @@ pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
     pub(crate) animations: Vec<Vec<usize>>,
     pub(crate) displacement: Option<Displacement>,
+    is_plain: bool,
 }
 
 impl ShadowInputs {
@@ -46,7 +47,10 @@ impl ShadowInputs {
         let open = |file: &std::path::PathBuf| Input::read(file, options, args.polygons.taken());
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.posed.pose)?;
-        Ok(Self { inputs, animations, displacement })
+        if !args.plain {
+            inputs.iter().for_each(Input::note_colors);
+        }
+        Ok(Self { inputs, animations, displacement, is_plain: args.plain })
     }
 
     /// The files that were read, and those that models name.
@@ -71,7 +75,9 @@ impl ShadowInputs {
     pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<PosedModel<'_>>, Failure> {
         let inputs = self.inputs.iter().zip(&self.animations);
         inputs
-            .map(|(input, animations)| PosedModel::new(gpu, input, animations, time_s, self.displacement.as_ref()))
+            .map(|(input, animations)| {
+                PosedModel::new(gpu, input, animations, time_s, self.displacement.as_ref(), self.is_plain)
+            })
             .collect()
     }
 }
@@ -113,32 +119,44 @@ impl<'a> ShadowScene<'a> {
         let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFiniteFace))?;
         check_bounds(&bounds).map_err(failed)?;
         let origin = first.input.origin();
-        let view = args.view.relative_to(origin);
+        let view = placed(args, first, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
-        let stage = SceneBounds {
-            centre: centre(&bounds),
-            extent: extent(&bounds),
-            ground: given_ground.unwrap_or_else(|| ground(&bounds)),
-            bounds,
-        };
-        let shaded_lights = ShadedLight::all(args, first, &stage, own_light)?;
+        let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
+        let shaded_lights = shaded_lights(args, (first, &view), &stage, own_light)?;
         let samples = args.samples();
         if shaded_lights.len() * samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
             return Err(UsageError::Samples { lights, samples, limit }.into());
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
-        let outermost = outermost(points, stage.centre);
+        let outermost = outermost(points, bounds.centre());
         let reach = reach(&shaded_lights, &outermost, &stage);
-        if view.eye.is_none() {
+        // A level view without perspective shows no ground.
+        let is_level = view.is_parallel && view.side.is_some_and(|side| side.directions().0[1] < 1e-6);
+        if view.eye.is_none() && view.camera.is_none() && !is_level {
             shadows.extend(
                 shaded_lights.iter().flat_map(|shaded| outermost.iter().map(|&point| shaded.shadow_of(point, &stage))),
             );
         }
         let seen = points.iter().chain(&shadows).copied();
-        let mut camera = Camera::new(&view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
-        camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
-        check_near(camera.near, farthest(&camera, &stage))?;
+        let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
+        match camera.far {
+            Some(_) if matches!(args.method, CountingArg::ZFail | CountingArg::ZpPlus2005) => {
+                let what = if args.method == CountingArg::ZFail { "--method z-fail" } else { "--method zp+paper" };
+                return Err(UsageError::Orthographic { what }.into());
+            }
+            // The ground that is seen lies between its planes, too.
+            Some(far) if view.is_parallel => {
+                let room = 4.0 * (1.8 * stage.models.extent()).max(1.1 * reach);
+                camera.eye -= room * camera.forward;
+                camera.far = Some(far + 2.0 * room);
+            }
+            _ if view.camera.is_some() => camera.near = args.near.unwrap_or(camera.near),
+            _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points)),
+        }
+        if camera.far.is_none() {
+            check_near(camera.near, farthest(&camera, &stage))?;
+        }
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
@@ -147,17 +165,29 @@ impl<'a> ShadowScene<'a> {
         self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
     }
 
+    /// The camera of the file at another time, if one is asked for.
+    pub(crate) fn camera_at(&self, time_s: f32) -> Result<Option<Camera>, Failure> {
+        if self.args.view.camera.is_none() {
+            return Ok(None);
+        }
+        let view = placed(self.args, &self.bodies[0], time_s)?;
+        let camera = camera(&view, ELEVATION, &self.stage.models, std::iter::empty())?;
+        Ok(Some(Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
+    }
+
     /// A point of the vertical line that a camera on an orbit goes around: what it looks at.
-    pub(crate) fn orbit_axis(&self) -> [f32; 3] {
+    pub(crate) fn orbit_axis(&self) -> Vec3 {
         let view = self.args.view.relative_to(self.bodies[0].input.origin());
-        view.target.unwrap_or(self.stage.centre)
+        view.target.map_or(self.stage.models.centre(), Vec3::from)
     }
 
     /// Tells the user where depth is too coarse for the shadows that are seen.
     pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
         let farthest = farthest(&self.camera, &self.stage);
         let pixel = 2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32);
-        if let Some(warning) = too_coarse(depth_format(&gpu.device), self.camera.near, farthest, pixel) {
+        if self.camera.far.is_none()
+            && let Some(warning) = too_coarse(depth_format(&gpu.device), self.camera.near, farthest, pixel)
+        {
             note(&format!("warning: {warning}"));
         }
     }
@@ -176,25 +206,15 @@ impl<'a> ShadowScene<'a> {
         self.shaded_lights.iter().map(|shaded| shaded.samples.len()).sum()
     }
 
-    pub(crate) fn frame(&self) -> Frame {
-        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.shaded_lights, self.reach)
-    }
-
-    pub(crate) fn shaded_light_data(&self) -> Vec<ShadedLightData> {
-        let mut data = Vec::new();
-        for shaded in &self.shaded_lights {
-            data.extend(shaded.data(
-                &self.camera,
-                unit(&self.camera, &self.stage),
-                data.len(),
-                self.shaded_lights.len(),
-            ));
-        }
-        data
+    /// What a picture shows.
+    fn view(&self) -> SceneView<'_> {
+        let Self { camera, part, stage: bounds, shaded_lights: lights, reach, .. } = self;
+        SceneView { camera, size: self.args.view.size, part, bounds, lights, reach: *reach }
     }
 
     pub(crate) fn subject<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
-        DrawInputs { casters, samples: self.samples(), has_ground: self.frame().sees_ground(), is_trial: false }
+        let (samples, has_ground) = (self.samples(), self.view().sees_ground());
+        DrawInputs { casters, drawn: None, samples, has_ground, is_trial: false }
     }
 
     /// The same with one pixel of one light.
@@ -223,7 +243,7 @@ impl<'a> ShadowScene<'a> {
             timer.resolve(&mut encoder);
         }
         gpu.submit(encoder);
-        casters.bind(&self.bodies, self.camera.eye)
+        casters.bind(&self.bodies, self.camera.distant_eye())
     }
 
     /// Sees to it that what lies over each other is counted, after [`Self::cast`]. Waits for the device.
@@ -246,31 +266,19 @@ impl<'a> ShadowScene<'a> {
         casters: &mut Casters<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        casters.resources.set(&self.frame(), &self.shaded_light_data());
+        casters.resources.shared.set(&self.view());
         self.with_inputs(|inputs| casters.encode(encoder, inputs, timer))
     }
 
     fn with_inputs<T>(&self, run: impl FnOnce(CastInputs<'_>) -> T) -> T {
-        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
+        let (camera, lights) = (self.view().shadow_camera(), self.ranged());
         run(CastInputs { bodies: &self.bodies, seen: &self.bodies, camera: &camera, lights: &lights })
     }
 }
 
-/// How far from below the models' middle their shadows on the ground lie, those of lights at the horizon left out.
-fn reach(shaded_lights: &[ShadedLight], points: &[[f32; 3]], stage: &SceneBounds) -> f32 {
-    const MOST: f64 = 60.0;
-    let [x, _, z] = stage.centre;
-    let from_centre = |[a, _, b]: [f32; 3]| (a - x).hypot(b - z);
-    let shadows =
-        shaded_lights.iter().flat_map(|shaded| points.iter().map(|&point| shaded.shadow_within(point, stage, MOST)));
-    shadows.map(from_centre).fold(0.0, f32::max).min(MOST as f32 * stage.extent)
-}
-
-/// The height of the ground: the models' lowest point. Flat models hover, or the ground would be in the same plane.
-fn ground(bounds: &Bounds) -> f32 {
-    let extent = extent(bounds);
-    let is_flat = bounds.max[1] - bounds.min[1] < 0.01 * extent;
-    if is_flat { bounds.min[1] - 0.1 * extent } else { bounds.min[1] }
+/// The view that the command line asks for, at a time.
+fn placed(args: &ShadowSceneArgs, first: &PosedModel<'_>, time_s: f32) -> Result<PlacedView, Failure> {
+    first.input.view(&args.view, first.animations, time_s)
 }
 
 /// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.
@@ -278,20 +286,19 @@ fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     let ahead = |&point: &[f32; 3]| (Vec3::from(point) - camera.eye).dot(camera.forward);
     let nearest = points.iter().map(ahead).fold(f32::INFINITY, f32::min);
     let height = camera.eye.y - stage.ground;
-    let least = 1e-3 * stage.extent;
+    let extent = stage.models.extent();
+    let least = 1e-3 * extent;
     let most = if height > 0.0 { 0.2 * height } else { f32::INFINITY };
-    let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + stage.extent)) } else { least };
+    let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + extent)) } else { least };
     // So far away that the extent is lost beside the distance, the distance alone counts.
     wanted.min(most).max(1e-6 * nearest.max(least))
 }
 
 /// How far away the farthest shadows are that matter.
 fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
-    let Bounds { min, max } = stage.bounds;
-    let corner = |number: usize| Vec3::from([0, 1, 2].map(|axis| [min, max][number >> axis & 1][axis]));
-    let ahead = |number| (corner(number) - camera.eye).dot(camera.forward);
+    let ahead = |corner: Vec3| (corner - camera.eye).dot(camera.forward);
     // Shadows on the ground are about as far beyond the models as those are large.
-    (0..8).map(ahead).fold(0.0, f32::max) + stage.extent
+    stage.models.corners().map(ahead).into_iter().fold(0.0, f32::max) + stage.models.extent()
 }
 
 /// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers.

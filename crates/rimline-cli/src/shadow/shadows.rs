@@ -9,7 +9,7 @@ use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::{Counting, Light, Origin, wgpu};
 
-use super::casting::{CastInputs, CoveredFaces, FacingMasks};
+use super::casting::{CastInputs, CoveredFaces};
 use super::from_depth::{DepthsFound, FromDepth};
 use super::layers::BatchPipelines;
 use super::light_maps::ShownDepths;
@@ -18,6 +18,7 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use rimline_files::npz::DepthMapArrays;
+use rimline_picture::FacingMasks;
 
 pub(crate) trait Shadows {
     /// Takes the bodies with their current faces. Bodies that are there already stay.

@@ -208,7 +208,7 @@ pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> 
     let failed = Failure::input(file);
     let given = source::read(file).map_err(|error| failed(error.into()))?;
     let (arrays, lights) = read(&given).map_err(&failed)?;
-    let Arrays { positions, faces, polygons: _, origin } = arrays;
+    let Arrays { positions, faces, origin, .. } = arrays;
     let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;
     let scene = Scene { mesh, shape: Shape::World(&positions) };
     let (faces, edges) = (scene.mesh.faces().len(), scene.mesh.edges().len());

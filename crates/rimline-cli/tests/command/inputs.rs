@@ -106,8 +106,11 @@ fn file_names() -> Outcome {
     write_file(&file, tetrahedron())?;
     for (line, code) in [
         // The parser of options says this.
-        ("info FILE FILE", 2),
+        ("query FILE FILE", 2),
         ("info FILE", 0),
+        ("info FILE OTHER", 6),
+        ("info FILE OTHER --json", 6),
+        ("extract FILE FILE --device cpu --light dir:0,1,0 --out OTHER", 2),
         ("info OTHER", 1),
         ("verify --device cpu BITS", 1),
         ("verify --device cpu --json BITS", 1),

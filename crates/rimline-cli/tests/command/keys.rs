@@ -71,7 +71,7 @@ fn described() -> Outcome {
     let polygons = at("box.obj");
     let of_polygons = ["shadow", &polygons, "--polygons", size[0], size[1], "--out", &png];
     let drawing = ["lines", &model, "--hidden", "thin", "--out", "-"];
-    let lines: [(&[&str], &[&str]); 19] = [
+    let lines: [(&[&str], &[&str]); 20] = [
         (&drawing, &["--format", "json"]),
         (&extract, &["--device", "gpu"]),
         (&extract, &["--device", "gpu", "--method", "per-edge"]),
@@ -90,6 +90,7 @@ fn described() -> Outcome {
         (&["info", &model], &[]),
         (&["info", &gltf], &[]),
         (&["verify", &at("bits")], &["--device", "cpu"]),
+        (&["verify", "--built-in"], &["--device", "cpu"]),
         (&["devices"], &[]),
     ];
     for (line, options) in lines {

@@ -11,6 +11,7 @@ mod bench;
 mod bench_left_out;
 mod cases;
 mod clipping;
+mod colors;
 mod contract;
 mod data;
 mod data_wrong;
@@ -22,6 +23,7 @@ mod given_depth;
 mod info;
 mod inputs;
 mod instances;
+mod jobs;
 mod keys;
 mod makers;
 #[cfg(target_os = "linux")]
@@ -72,6 +74,7 @@ fn main() {
         bench::TESTS,
         #[cfg(not(feature = "bench"))]
         bench_left_out::TESTS,
+        colors::TESTS,
         contract::TESTS,
         data_wrong::TESTS,
         depth_shadows::TESTS,
@@ -81,6 +84,7 @@ fn main() {
         given_depth::TESTS,
         inputs::TESTS,
         instances::TESTS,
+        jobs::TESTS,
         keys::TESTS,
         #[cfg(target_os = "linux")]
         memory::TESTS,

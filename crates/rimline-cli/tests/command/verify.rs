@@ -23,6 +23,7 @@ pub(crate) fn trials() -> Vec<Trial> {
     };
     vec![
         trial("every_stress_scene_is_the_same_on_every_device", stress_scenes),
+        trial("built_in_scenes_have_no_wrong_bits", built_in),
         trial("the_devices_asked_for_are_checked", chosen_devices),
         trial("every_good_file_is_the_same_on_every_device", good_files),
         trial("opengl_finds_the_same_and_draws", opengl).with_ignored_flag(no_opengl),
@@ -77,6 +78,18 @@ fn all_equal(json: &Value, files: usize, devices: usize) -> Outcome {
 fn devices(json: &Value) -> Vec<String> {
     let list = json["devices"].as_array().cloned().unwrap_or_default();
     list.iter().map(|name| name.as_str().unwrap_or_default().to_owned()).collect()
+}
+
+fn built_in() -> Outcome {
+    let json = rimline(["verify", "--built-in", "--json"]).json()?;
+    ensure!(json["equal"] == true, "{json:#}");
+    for device in json["devices"].as_array().filter(|list| !list.is_empty()).ok_or("no devices")? {
+        let scenes = device["scenes"].as_array().ok_or("no scenes")?;
+        // The viewer's are a figure, five shapes and a band.
+        ensure!(scenes.len() == rimline_testkit::stress::names().len() + 7, "{} scenes", scenes.len());
+        ensure!(scenes.iter().all(|scene| scene["wrong_bits"] == 0 && scene["pairs"].as_u64() > Some(0)), "{device:#}");
+    }
+    Ok(())
 }
 
 fn stress_scenes() -> Outcome {

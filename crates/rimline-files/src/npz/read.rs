@@ -3,6 +3,7 @@
 use std::io::{self, Read, Seek};
 
 use rimline::Origin;
+use rimline::gltf::Colors;
 use rimline::mesh::{MAX_FACES, PolygonLoops};
 use zip::ZipArchive;
 use zip::result::ZipError;
@@ -19,6 +20,8 @@ pub struct Arrays {
     pub faces: Vec<[u32; 3]>,
     pub polygons: Option<PolygonArrays>,
     pub origin: Origin,
+    /// Linear colours of faces or polygons, and of vertices.
+    pub colors: Colors,
 }
 
 /// Polygons, unchecked: `rimline::Mesh::from_polygons` checks them.
@@ -33,6 +36,16 @@ impl PolygonArrays {
     pub fn loops(&self) -> PolygonLoops<'_> {
         let Self { polygon_loops, loop_sizes, loop_corners } = self;
         PolygonLoops { polygon_loops, loop_sizes, loop_corners }
+    }
+
+    /// The corners of polygons of one loop each.
+    pub(crate) fn of_one_loop(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        let mut rest = &*self.loop_corners;
+        self.loop_sizes.iter().map(move |&size| {
+            let (corners, others) = rest.split_at_checked(size as usize).unwrap_or((rest, &[]));
+            rest = others;
+            corners
+        })
     }
 }
 
@@ -277,7 +290,7 @@ impl<R: Read + Seek> Archive<R> {
                 loop_sizes: self.list(&LOOP_SIZES, index)?,
                 loop_corners: self.list(&LOOP_CORNERS, index)?,
             };
-            return Ok(Arrays { positions, faces: Vec::new(), polygons: Some(polygons), origin });
+            return Ok(Arrays { positions, polygons: Some(polygons), origin, ..Arrays::default() });
         }
         let faces = self.stated::<3>(&FACES)?;
         let most = if vertices > 3 * faces { (POSITIONS.array, vertices) } else { (FACES.array, faces) };
@@ -290,7 +303,7 @@ impl<R: Read + Seek> Archive<R> {
                 return Err(NpzError::OutOfRange { row, index, vertices });
             }
         }
-        Ok(Arrays { positions, faces, polygons: None, origin })
+        Ok(Arrays { positions, faces, origin, ..Arrays::default() })
     }
 
     /// The array `origin`, if there is one: the point of the world that positions, lights and points are relative to. Without it

@@ -8,22 +8,28 @@ use rimline_testkit::random::Random;
 
 use super::obj::{MEMORY_LIMIT, check};
 
-const TEXTS: [&str; 3] = [
+const TEXTS: [&str; 4] = [
     "ply\nformat ascii 1.0\ncomment a\nelement vertex 5\nproperty float x\nproperty double y\nproperty float z\n\
      property uchar red\nelement face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n\
      end_header\n0 0 0 9\n2 .5 0 9\n2. 0 2 9\n0 0 2 9\n1 1e0 nan 9\n4 0 1 2 3 0\n3 1 0 4 1 .5\n",
     "ply\r\nformat ascii 1.0\r\nelement face 1\r\nproperty list int uint vertex_index\r\nelement vertex 3\r\n\
      property list char char a\r\nproperty short x\r\nproperty short y\r\nproperty short z\r\nelement edge 4000000000\r\n\
      end_header\r\n3 0 1 2\r\n0 0 0 0\r\n1 7 1 0 0\r\n0 0 1 0\r\n",
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+     property uchar green\nproperty uchar blue\nelement face 2\nproperty float blue\nproperty list uchar int vertex_index\n\
+     property float green\nproperty list uchar int vertex_indices\nproperty float red\nend_header\n0 0 0 255 0 0\n\
+     1 0 0 0 255 0\n0 1 0 0 0 999\n0 1 0 1 2 3\n.5 3 0 1 2 nan 4 0 1 2 3 1\n1 3 0 1 2 1 3 0 2 3 1e9\n",
     "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n\
      solid\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 1 0\nVERTEX 1 0 0\nVERTEX 1 1e0 nan\nENDLOOP\nENDFACET\nENDSOLID\n",
 ];
 
-const DICTIONARY: [&str; 24] = [
+const DICTIONARY: [&str; 26] = [
     "element vertex ",
     "element face ",
     "property list uchar int vertex_indices\n",
     "property float x\n",
+    "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+    "property float red\nproperty float green\nproperty float blue\n",
     "end_header\n",
     "4000000000",
     "18446744073709551615",

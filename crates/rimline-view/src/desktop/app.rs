@@ -10,7 +10,7 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-use super::files::{free_name, load, name};
+use super::files::{free_name, name};
 use super::surface::{Next, Screen};
 use super::{DesktopError, DesktopOptions};
 use crate::panel::Panel;
@@ -84,15 +84,8 @@ impl Shown {
 impl App {
     /// Opens a file, or lets the viewer say why it cannot be opened.
     fn open(&mut self, path: &Path) {
-        let is_first = self.viewer.bodies.iter().all(|body| body.file.is_none());
-        let origin = (!is_first).then_some(self.viewer.origin);
-        match load(path, origin) {
-            Ok((body, origin)) => {
-                self.viewer.handle(Event::Opened(Ok(Box::new(body))));
-                self.viewer.origin = origin;
-            }
-            Err(error) => self.viewer.handle(Event::Opened(Err((name(path), error.to_string())))),
-        }
+        let file = rimline_files::read(path, &rimline_files::ReadOptions::default());
+        self.viewer.open(&name(path), path.display().to_string(), file);
         self.redraw();
     }
 
@@ -155,13 +148,7 @@ impl App {
         for request in std::mem::take(&mut self.viewer.requests) {
             match request {
                 Request::Close => events.exit(),
-                Request::NextScene => {
-                    self.scene = (self.scene + 1) % scenes::ALL.len();
-                    match scenes::ALL[self.scene].1() {
-                        Ok(bodies) => self.viewer.handle(Event::Replaced(bodies)),
-                        Err(error) => self.viewer.handle(Event::Told(error.to_string())),
-                    }
-                }
+                Request::NextScene => scenes::show_next(&mut self.viewer, &mut self.scene),
                 Request::Copy(line) => {
                     let copied = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.set_text(line.clone()));
                     let said = if copied.is_ok() { "copied" } else { "no clipboard; printed" };

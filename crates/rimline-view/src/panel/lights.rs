@@ -3,11 +3,11 @@
 use std::ops::RangeInclusive;
 
 use super::style;
-use crate::state::bounds::Bounds;
 use crate::state::event::Event;
 use crate::state::keys::{Action, key_of};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
+use rimline_picture::Bounds;
 
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     style::heading(ui, "Lights");

@@ -4,12 +4,12 @@ use egui::{Color32, Pos2, Rect, Stroke, pos2};
 use glam::{Vec2, Vec3};
 
 use super::style;
-use crate::state::bounds::Bounds;
 use crate::state::camera::Camera;
 use crate::state::drag::Handle;
 use crate::state::event::{Button, Event, Modifiers};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
+use rimline_picture::Bounds;
 
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, texture: Option<egui::TextureId>) {
     let rect = ui.max_rect();

@@ -2,8 +2,9 @@
 
 use super::style;
 use crate::state::keys::{Action, key_of};
-use crate::state::options::{COUNTINGS, Mode, Overlays, counting_name};
+use crate::state::options::{COUNTINGS, Overlays, counting_name};
 use crate::state::viewer::Viewer;
+use rimline_picture::Mode;
 
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     let options = &mut viewer.options;
@@ -26,6 +27,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             (&mut options.ground, "ground", Action::Ground),
             (&mut options.shadows, "shadows", Action::Shadows),
             (&mut options.smooth, "smooth", Action::Smooth),
+            (&mut options.colors, "base colours", Action::Colors),
         ],
     );
     style::heading(ui, "Shadows");

@@ -72,56 +72,12 @@ impl Gpu {
         self.is_lost.load(Ordering::Relaxed)
     }
 
-    /// The finest format of depth with a stencil.
-    pub(super) fn depth_format(&self) -> wgpu::TextureFormat {
-        let finest = wgpu::TextureFormat::Depth32FloatStencil8;
-        let has_it = self.device.features().contains(finest.required_features());
-        if has_it { finest } else { wgpu::TextureFormat::Depth24PlusStencil8 }
-    }
-
-    pub(super) fn filled(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: (contents.len() as u64).next_multiple_of(4).max(16),
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.queue.write_buffer(&buffer, 0, contents);
-        buffer
+    /// Device and queue.
+    pub(super) fn on(&self) -> (&wgpu::Device, &wgpu::Queue) {
+        (&self.device, &self.queue)
     }
 
     pub(super) fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
     }
-
-    pub(super) fn layout(&self, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-        let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
-    }
-
-    pub(super) fn group(
-        &self,
-        layout: &wgpu::BindGroupLayout,
-        resources: &[wgpu::BindingResource<'_>],
-    ) -> wgpu::BindGroup {
-        let resources = (0..).zip(resources.iter().cloned());
-        let entries: Vec<_> = resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
-    }
-}
-
-pub(super) const UNIFORM: wgpu::BindingType = buffer_type(wgpu::BufferBindingType::Uniform, false);
-pub(super) const UNIFORM_AT_OFFSET: wgpu::BindingType = buffer_type(wgpu::BufferBindingType::Uniform, true);
-pub(super) const READ_ONLY: wgpu::BindingType =
-    buffer_type(wgpu::BufferBindingType::Storage { read_only: true }, false);
-pub(super) const WRITTEN: wgpu::BindingType = buffer_type(wgpu::BufferBindingType::Storage { read_only: false }, false);
-pub(super) const TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Float { filterable: false },
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: false,
-};
-
-const fn buffer_type(ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
-    wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }

@@ -1,46 +1,50 @@
 //! Draws the viewer's state into a texture: models, ground and shadows by the stencil, a pass for each light.
 
+mod canvas;
 mod counters;
+mod drawing;
 mod error;
-mod frame;
 mod gpu;
 mod models;
 mod overlays;
 mod picture;
 mod pipelines;
+mod scene;
 mod skipping;
-mod targets;
 
 use std::future::Future;
 
 use rimline::gpu::{SceneFrame, StageTimer, read_back_vec_async};
+use rimline_picture::{Mode, NormalPipeline, Resources};
 
 pub use counters::Counters;
 pub use error::RenderError;
 pub use gpu::Gpu;
 pub use picture::Picture;
 
-use crate::state::camera::{Camera, Orbit};
+use crate::state::camera::Orbit;
 use crate::state::lamp::Lamp;
 use crate::state::options::{Options, Overlays as ShownOverlays};
 use crate::state::viewer::{MAX_SOURCES, Tone, Viewer};
+use canvas::Canvas;
 use counters::Readings;
-use frame::{Frame, LampData};
+use drawing::Drawing;
 use models::{Made, Models};
 use overlays::Overlays;
 use picture::Copy;
-use pipelines::{Pipelines, Shared};
-use targets::Targets;
+use pipelines::Pipelines;
+use scene::SeenScene;
 
 /// Draws the state of a viewer into a texture of its own. Nothing waits for the device.
 pub struct Renderer {
     gpu: Gpu,
-    shared: Shared,
+    resources: Resources,
+    normals: NormalPipeline,
     /// By the number of samples.
     pipelines: Vec<Pipelines>,
     models: Option<Models>,
     overlays: Option<Overlays>,
-    targets: Option<Targets>,
+    canvas: Option<Canvas>,
     timer: Option<StageTimer>,
     readings: Readings,
     counters: Counters,
@@ -79,15 +83,16 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`] if the device lacks what shadows need.
     pub fn new(gpu: Gpu) -> Result<Self, RenderError> {
-        let shared = Shared::new(&gpu, MAX_SOURCES);
+        let (resources, normals) = (Resources::new(gpu.on(), MAX_SOURCES), NormalPipeline::new(&gpu.device));
         let timer = StageTimer::new(&gpu.device, &gpu.queue);
         Ok(Self {
             gpu,
-            shared,
+            resources,
+            normals,
             pipelines: Vec::new(),
             models: None,
             overlays: None,
-            targets: None,
+            canvas: None,
             timer,
             readings: Readings::default(),
             counters: Counters::default(),
@@ -103,7 +108,7 @@ impl Renderer {
 
     /// The last picture, of format `Rgba8Unorm` and encoded as sRGB. `None`: none was drawn.
     pub fn texture(&self) -> Option<&wgpu::TextureView> {
-        self.targets.as_ref().map(|targets| &targets.picture_view)
+        self.canvas.as_ref().map(|canvas| &canvas.picture)
     }
 
     /// The number of pictures that were drawn.
@@ -118,7 +123,7 @@ impl Renderer {
 
     /// Whether [`Self::refine`] makes a smoother picture: the last one was drawn in a hurry.
     pub fn is_coarse(&self, viewer: &Viewer) -> bool {
-        self.targets.as_ref().is_some_and(|targets| targets.samples < viewer.options.samples)
+        self.canvas.as_ref().is_some_and(|canvas| canvas.format.samples < viewer.options.samples)
     }
 
     /// Draws the state, if the picture is not of it already: with one sample a pixel on software devices, else with as many as
@@ -183,14 +188,14 @@ impl Renderer {
 
     fn draw_with(&mut self, viewer: &Viewer, samples: u32) -> Result<(), RenderError> {
         let size = viewer.size();
-        if self.targets.as_ref().is_none_or(|targets| targets.size != size || targets.samples != samples) {
-            self.targets = Some(Targets::new(&self.gpu, &self.shared, size, samples)?);
+        if self.canvas.as_ref().is_none_or(|canvas| canvas.size != size || canvas.format.samples != samples) {
+            self.canvas = Some(Canvas::new(&self.resources, size, samples)?);
         }
-        let Some(targets) = self.targets.take() else { return Ok(()) };
+        let Some(canvas) = self.canvas.take() else { return Ok(()) };
         let mut encoder = self.gpu.encoder("view");
-        let recorded = self.record(&mut encoder, viewer, &targets);
-        self.counters.bytes = targets.bytes() + self.models.as_ref().map_or(0, |models| models.bytes);
-        self.targets = Some(targets);
+        let recorded = self.record(&mut encoder, viewer, &canvas);
+        self.counters.bytes = canvas.bytes() + self.models.as_ref().map_or(0, Models::bytes);
+        self.canvas = Some(canvas);
         let frame = recorded?;
         self.gpu.queue.submit([encoder.finish()]);
         let timer = self.timer.as_ref().filter(|_| viewer.options.timing);
@@ -214,19 +219,19 @@ impl Renderer {
         scale: u32,
     ) -> Result<impl Future<Output = Result<Picture, RenderError>> + use<>, RenderError> {
         let size = viewer.size().map(|side| side * scale);
-        let targets = Targets::new(&self.gpu, &self.shared, size, 4)?;
+        let canvas = Canvas::new(&self.resources, size, 4)?;
         let mut encoder = self.gpu.encoder("screenshot");
-        self.record(&mut encoder, viewer, &targets)?;
-        let copy = Copy::record(&self.gpu.device, &mut encoder, &targets.picture);
+        self.record(&mut encoder, viewer, &canvas)?;
+        let copy = Copy::record(&self.gpu.device, &mut encoder, &canvas.targets.picture);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(read(&self.gpu, copy))
     }
 
     /// Reads the last picture. The future waits for the device, which somebody must poll. `None`: none was drawn.
     pub fn read(&self) -> Option<impl Future<Output = Result<Picture, RenderError>> + use<>> {
-        let targets = self.targets.as_ref()?;
+        let canvas = self.canvas.as_ref()?;
         let mut encoder = self.gpu.encoder("read");
-        let copy = Copy::record(&self.gpu.device, &mut encoder, &targets.picture);
+        let copy = Copy::record(&self.gpu.device, &mut encoder, &canvas.targets.picture);
         self.gpu.queue.submit([encoder.finish()]);
         Some(read(&self.gpu, copy))
     }
@@ -236,163 +241,66 @@ impl Renderer {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         viewer: &Viewer,
-        targets: &Targets,
+        canvas: &Canvas,
     ) -> Result<SceneFrame, RenderError> {
-        let gpu = &self.gpu;
+        let (gpu, samples, options) = (&self.gpu, canvas.format.samples, &viewer.options);
         if self.models.as_ref().is_none_or(|models| models.made != Made::of(viewer)) {
             self.models = None;
-            self.models = Some(Models::new(gpu, &self.shared.models, viewer)?);
+            self.models = Some(Models::new(gpu, &self.resources, &self.normals, viewer)?);
         }
-        let options = &viewer.options;
-        let needs_edges = options.overlays.needs_edges();
-        if !needs_edges {
+        if !options.overlays.needs_edges() {
             self.overlays = None;
         } else if self.overlays.as_ref().is_none_or(|overlays| !overlays.is_of(viewer)) {
             self.overlays = Some(Overlays::new(gpu, viewer)?);
         }
-        if !self.pipelines.iter().any(|pipelines| pipelines.samples == targets.samples) {
-            self.pipelines.push(Pipelines::new(gpu, &self.shared, targets.samples)?);
+        if !self.pipelines.iter().any(|pipelines| pipelines.samples() == samples) {
+            self.pipelines.push(Pipelines::new(gpu, &self.resources, samples)?);
         }
-        let Self { models: Some(models), pipelines, shared, timer, overlays, .. } = self else {
+        let Self { models: Some(models), pipelines, resources, normals, timer, overlays, .. } = self else {
             unreachable!("the models were made above");
         };
-        let pipelines = pipelines.iter_mut().find(|pipelines| pipelines.samples == targets.samples);
+        let pipelines = pipelines.iter_mut().find(|pipelines| pipelines.samples() == samples);
         let Some(pipelines) = pipelines else { unreachable!("they were made above") };
-        pipelines.prepare(gpu, shared, options.counting, options.mode)?;
+        let mode = if options.shadows { options.mode } else { Mode::Additive };
+        pipelines.prepare(gpu, resources, options.counting, mode)?;
 
-        let camera = viewer.orbit.camera(targets.size, &viewer.bounds(), viewer.ground());
-        let frame_data = Frame::new(viewer, &camera);
-        write_uniforms(gpu, shared, viewer, &frame_data, &camera);
-        let shadow_camera = camera.shadow_camera();
+        let seen = SeenScene::of(viewer, canvas.size);
+        let view = seen.view();
+        resources.set(&view);
+        let camera = view.shadow_camera();
         let mut timer = timer.as_mut().filter(|_| options.timing);
         if let Some(timer) = &mut timer {
             timer.clear();
         }
-        let frame = models.encode(gpu, &shared.models, encoder, viewer, shadow_camera, timer.as_deref_mut())?;
+        let frame = models.encode((resources, normals), encoder, viewer, camera, timer.as_deref_mut())?;
         if let Some(timer) = timer {
             timer.resolve(encoder);
         }
         if let Some(overlays) = overlays.as_mut() {
-            overlays.encode(gpu, encoder, models, viewer, &shadow_camera)?;
+            overlays.encode(gpu, encoder, models, viewer, &camera)?;
         }
-        let scene = Drawing {
-            shared,
+        let drawing = Drawing {
+            resources,
             pipelines,
             models,
+            frame: &frame,
+            shadows: pipelines.shadows(options.counting).filter(|_| options.shadows),
             overlays: overlays.as_ref(),
-            has_ground: options.ground && frame_data.sees_ground(),
+            shown: options.overlays,
+            has_ground: options.ground && view.sees_ground(),
         };
-        scene.light(encoder, viewer, targets, &frame)?;
-        let outlines = overlays.as_ref().map(|overlays| overlays.outlines(pipelines, targets, viewer, &shadow_camera));
-        let mut pass = targets.finish(encoder, "tone", true);
-        pass.set_pipeline(&pipelines.tone);
-        pass.set_bind_group(0, &shared.frame_group, &[]);
-        pass.set_bind_group(1, &targets.light, &[]);
-        pass.draw(0..3, 0..1);
-        drop(pass);
-        for outline in outlines.transpose()?.into_iter().flatten() {
-            outline.draw(&mut targets.finish(encoder, "outline", false))?;
+        pipelines.passes.record(encoder, resources, &canvas.targets.attachments[0], &drawing)?;
+        pipelines.passes.develop(encoder, resources, &canvas.targets);
+        if let Some(overlays) = overlays.as_ref() {
+            for outline in overlays.outlines(pipelines, canvas, viewer, &camera)? {
+                outline.draw(&mut canvas.pass(encoder))?;
+            }
         }
         Ok(frame)
     }
 }
 
-fn write_uniforms(gpu: &Gpu, shared: &Shared, viewer: &Viewer, frame: &Frame, camera: &Camera) {
-    gpu.queue.write_buffer(&shared.frame_buffer, 0, bytemuck::bytes_of(frame));
-    let sources = viewer.sources();
-    let sources = sources.iter().take(MAX_SOURCES);
-    let data: Vec<LampData> = sources.map(|(number, source)| LampData::new(source, *number, camera.eye)).collect();
-    gpu.queue.write_buffer(&shared.lamp_buffer, 0, bytemuck::cast_slice(&data));
-}
-
 fn read(gpu: &Gpu, copy: Copy) -> impl Future<Output = Result<Picture, RenderError>> + use<> {
     let words = read_back_vec_async::<u32>(&gpu.device, &gpu.queue, copy.buffer());
     async move { Ok(copy.picture(&words.await?)) }
-}
-
-/// Bindings of the passes of a light.
-struct Drawing<'a> {
-    shared: &'a Shared,
-    pipelines: &'a Pipelines,
-    models: &'a Models,
-    overlays: Option<&'a Overlays>,
-    has_ground: bool,
-}
-
-impl Drawing<'_> {
-    /// Records the light of all lights, and what is drawn into it.
-    fn light(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        viewer: &Viewer,
-        targets: &Targets,
-        frame: &SceneFrame,
-    ) -> Result<(), RenderError> {
-        let (options, pipelines) = (&viewer.options, self.pipelines);
-        let shadows = pipelines.shadows(options.counting).filter(|_| options.shadows);
-        let mut pass = targets.pass(encoder, "ambient", true, false);
-        self.paint(&mut pass, &pipelines.ambient, 0);
-        pass.set_pipeline(&pipelines.backdrop);
-        pass.draw(0..3, 0..1);
-        drop(pass);
-        let shade = pipelines.shade.as_ref().filter(|_| options.shadows);
-        for (number, &light) in self.models.lights.iter().enumerate() {
-            let mut pass = targets.pass(encoder, "light", false, false);
-            if let Some(shadows) = shadows.filter(|_| shade.is_none()) {
-                frame.draw(&mut pass, shadows, 0, light)?;
-            }
-            self.paint(&mut pass, &pipelines.lit, number);
-        }
-        for (number, &light) in self.models.lights.iter().enumerate() {
-            let Some(((_, shade), shadows)) = shade.zip(shadows) else { break };
-            let mut pass = targets.pass(encoder, "shade", false, false);
-            frame.draw(&mut pass, shadows, 0, light)?;
-            for receivers in shade {
-                self.paint(&mut pass, receivers, number);
-            }
-        }
-        let has_overlays = options.overlays.caps || options.overlays.volumes;
-        if !has_overlays && targets.resolved.is_none() {
-            return Ok(());
-        }
-        let mut pass = targets.pass(encoder, "overlays", false, true);
-        let mut sources: Vec<_> = viewer.sources().iter().map(|(number, _)| *number).enumerate().collect();
-        sources.dedup_by_key(|(_, number)| *number);
-        for (source, number) in sources {
-            if options.overlays.caps {
-                self.select(&mut pass, source);
-                pass.set_pipeline(&pipelines.caps);
-                self.draw_models(&mut pass);
-            }
-            if let Some(overlays) = self.overlays.filter(|_| options.overlays.volumes) {
-                self.select(&mut pass, source);
-                overlays.draw_volumes(&mut pass, (self.shared, pipelines), number)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Binds the frame and a light.
-    fn select(&self, pass: &mut wgpu::RenderPass<'_>, lamp: usize) {
-        pass.set_bind_group(0, &self.shared.frame_group, &[]);
-        pass.set_bind_group(1, &self.shared.lamp_group, &[lamp as u32 * LampData::STRIDE as u32]);
-    }
-
-    fn draw_models(&self, pass: &mut wgpu::RenderPass<'_>) {
-        for placed in &self.models.placed {
-            pass.set_bind_group(2, &placed.draw, &[]);
-            pass.draw(0..placed.corners, 0..1);
-        }
-    }
-
-    /// Draws models and ground for a light.
-    fn paint(&self, pass: &mut wgpu::RenderPass<'_>, receivers: &pipelines::Receivers, lamp: usize) {
-        self.select(pass, lamp);
-        pass.set_pipeline(&receivers.surface);
-        self.draw_models(pass);
-        if self.has_ground {
-            pass.set_pipeline(&receivers.ground);
-            pass.draw(0..12, 0..1);
-        }
-    }
 }

@@ -3,12 +3,15 @@
 use rimline::gpu::{
     DeformerOptions, FrameInputs, LightHandle, ModelHandle, Scene, SceneFrame, SceneOptions, StageTimer,
 };
-use rimline::{Model, Pose, ShadowCamera};
+use rimline::{Geometry, InstancePose, Model, Pose, ShadowCamera};
+use rimline_picture::{
+    FacingMasks, NormalPipeline, Normals, Resources, Smoothing, Surface, SurfaceBuffers, corner_colors,
+};
 
 use super::error::RenderError;
-use super::gpu::{Gpu, READ_ONLY, UNIFORM, WRITTEN};
+use super::gpu::Gpu;
 use super::skipping::measuring;
-use crate::state::body::{Body, Smoothing};
+use crate::state::body::Body;
 use crate::state::options::{Counting, Skipping};
 use crate::state::viewer::Viewer;
 
@@ -34,69 +37,48 @@ impl Made {
 pub(super) struct Models {
     pub(super) made: Made,
     scene: Scene,
-    pub(super) placed: Vec<Placed>,
+    placed: Vec<Placed>,
+    /// The surface of each model, as of the last encode.
+    pub(super) surfaces: Vec<Surface>,
+    /// The frame of the last encode, unless surfaces are to be made anew.
+    frame: Option<SceneFrame>,
     /// The points that shine, in the order of the viewer's.
     pub(super) lights: Vec<LightHandle>,
-    pub(super) bytes: u64,
 }
 
 /// A model in the scene.
-pub(super) struct Placed {
+struct Placed {
     handle: ModelHandle,
-    /// The group that draws it, and the number of its corners.
-    pub(super) draw: wgpu::BindGroup,
-    pub(super) corners: u32,
-    normals: wgpu::BindGroup,
-    groups: u32,
-    /// Whether the pose turns the faces of each instance; another one needs another buffer of faces.
+    faces: wgpu::Buffer,
+    normals: Normals,
+    colors: Option<wgpu::Buffer>,
+    state: State,
+    bytes: u64,
+}
+
+/// The state of a model that its buffers depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct State {
+    /// Whether the pose turns the faces of each instance.
     turned: Vec<bool>,
+    is_smooth: bool,
+    is_colored: bool,
 }
 
-/// Layouts and the pipeline of normals.
-pub(super) struct ModelLayouts {
-    pub(super) draw: wgpu::BindGroupLayout,
-    normals: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
-}
-
-impl ModelLayouts {
-    pub(super) fn new(gpu: &Gpu) -> Self {
-        let draw = [UNIFORM, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY];
-        let draw = gpu.layout(wgpu::ShaderStages::VERTEX_FRAGMENT, &draw);
-        let read = [READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, WRITTEN];
-        let normals = gpu.layout(wgpu::ShaderStages::COMPUTE, &read);
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("normals"),
-            source: wgpu::ShaderSource::Wgsl(include_str!("normals.wgsl").into()),
-        });
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("normals"),
-            bind_group_layouts: &[Some(&normals)],
-            immediate_size: 0,
-        });
-        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("normals"),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some("normals_of_groups"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        Self { draw, normals, pipeline }
+impl State {
+    fn of(pose: &Pose, viewer: &Viewer) -> Self {
+        let turned = pose.instances().iter().map(InstancePose::faces_turned).collect();
+        Self { turned, is_smooth: viewer.options.smooth, is_colored: viewer.options.colors }
     }
 }
 
-/// Front and back of the first, second … model; then from the beginning again.
-const CLAYS: [[[f32; 3]; 2]; 5] = [
-    [[0.62, 0.60, 0.565], [0.50, 0.33, 0.24]],
-    [[0.36, 0.49, 0.56], [0.58, 0.40, 0.29]],
-    [[0.60, 0.42, 0.31], [0.33, 0.45, 0.51]],
-    [[0.46, 0.54, 0.38], [0.58, 0.40, 0.29]],
-    [[0.58, 0.50, 0.30], [0.36, 0.40, 0.52]],
-];
-
 impl Models {
-    pub(super) fn new(gpu: &Gpu, layouts: &ModelLayouts, viewer: &Viewer) -> Result<Self, RenderError> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        resources: &Resources,
+        normals: &NormalPipeline,
+        viewer: &Viewer,
+    ) -> Result<Self, RenderError> {
         let made = Made::of(viewer);
         let options = SceneOptions {
             max_lights: 32 * made.batches,
@@ -105,7 +87,8 @@ impl Models {
             ..SceneOptions::default()
         };
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
-        let mut models = Self { made, scene, placed: Vec::new(), lights: Vec::new(), bytes: 0 };
+        let (placed, surfaces, lights) = (Vec::new(), Vec::new(), Vec::new());
+        let mut models = Self { made, scene, placed, surfaces, frame: None, lights };
         for (index, body) in viewer.bodies.iter().enumerate() {
             let failed = |error: &dyn ToString| RenderError::body(index, &body.name, &error.to_string());
             let pose =
@@ -116,65 +99,34 @@ impl Models {
             }
             let handle = models.scene.insert_model(body.model(), &pose, DeformerOptions::default());
             let handle = handle.map_err(|error| failed(&error))?;
-            let placed = models.place(gpu, layouts, (index, body), handle, &pose)?;
-            models.placed.push(placed);
+            models.placed.push(models.place(resources, normals, (handle, body), State::of(&pose, viewer))?);
         }
         Ok(models)
     }
 
     fn place(
-        &mut self,
-        gpu: &Gpu,
-        layouts: &ModelLayouts,
-        (index, body): (usize, &Body),
-        handle: ModelHandle,
-        pose: &Pose,
+        &self,
+        resources: &Resources,
+        normals: &NormalPipeline,
+        (handle, body): (ModelHandle, &Body),
+        state: State,
     ) -> Result<Placed, RenderError> {
-        let turned: Vec<bool> = pose.instances().iter().map(rimline::InstancePose::faces_turned).collect();
-        let (faces, smoothing) = drawn(body.model(), &turned);
-        let stored = |label, words: &[u32]| gpu.filled(label, bytemuck::cast_slice(words), wgpu::BufferUsages::STORAGE);
-        let [faces, corner_groups, starts, members] = [
-            ("faces", faces.as_flattened()),
-            ("groups", &smoothing.groups),
-            ("starts", &smoothing.starts),
-            ("members", &smoothing.faces),
-        ]
-        .map(|(label, words)| stored(label, words));
-        let groups = smoothing.starts.len() as u32 - 1;
-        let normals = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("normals"),
-            size: 12 * u64::from(groups.max(2)),
-            usage: wgpu::BufferUsages::STORAGE,
-            mapped_at_creation: false,
-        });
-        let clay = CLAYS[index % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
-        let clay = gpu.filled("clay", bytemuck::cast_slice(&clay), wgpu::BufferUsages::UNIFORM);
+        let (faces, smoothing) = drawn(body.model(), &state);
+        let faces = resources.factory.buffer("faces", bytemuck::cast_slice(&faces));
         let positions = self.scene.positions(handle)?.buffer;
-        self.bytes += [&faces, &corner_groups, &starts, &members, &normals, positions]
-            .map(wgpu::Buffer::size)
-            .iter()
-            .sum::<u64>();
-        Ok(Placed {
-            handle,
-            draw: gpu.group(
-                &layouts.draw,
-                &[&clay, positions, &faces, &corner_groups, &normals].map(wgpu::Buffer::as_entire_binding),
-            ),
-            corners: smoothing.groups.len() as u32,
-            normals: gpu.group(
-                &layouts.normals,
-                &[positions, &faces, &starts, &members, &normals].map(wgpu::Buffer::as_entire_binding),
-            ),
-            groups,
-            turned,
-        })
+        let normals = normals.normals(&resources.factory, &smoothing, [positions, &faces]);
+        let turned = state.turned.iter().copied();
+        let colors = state.is_colored.then(|| corner_colors(body.model(), turned, |geometry| body.colors(geometry)));
+        let colors = colors.flatten().map(|colors| resources.factory.buffer("colors", bytemuck::cast_slice(&colors)));
+        let buffers = [Some(&faces), Some(&normals.buffer), Some(positions), colors.as_ref()];
+        let bytes = buffers.into_iter().flatten().map(wgpu::Buffer::size).sum();
+        Ok(Placed { handle, faces, normals, colors, state, bytes })
     }
 
     /// Records where everything is now, its normals, and its shadow volumes as the camera sees them.
     pub(super) fn encode(
         &mut self,
-        gpu: &Gpu,
-        layouts: &ModelLayouts,
+        (resources, normals): (&Resources, &NormalPipeline),
         encoder: &mut wgpu::CommandEncoder,
         viewer: &Viewer,
         camera: ShadowCamera,
@@ -185,9 +137,10 @@ impl Models {
                 body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
             let handle = self.placed[index].handle;
             self.scene.set_pose(handle, &pose).map_err(|error| RenderError::body(index, &body.name, &error))?;
-            let turned = pose.instances().iter().map(rimline::InstancePose::faces_turned);
-            if !turned.eq(self.placed[index].turned.iter().copied()) {
-                self.placed[index] = self.place(gpu, layouts, (index, body), handle, &pose)?;
+            let state = State::of(&pose, viewer);
+            if self.placed[index].state != state {
+                self.placed[index] = self.place(resources, normals, (handle, body), state)?;
+                self.frame = None;
             }
         }
         let sources = viewer.sources();
@@ -202,17 +155,33 @@ impl Models {
         }
         let views = [camera.into()];
         let frame = self.scene.encode(encoder, FrameInputs { views: &views, timer })?;
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("normals"), timestamp_writes: None });
-        pass.set_pipeline(&layouts.pipeline);
-        for placed in &self.placed {
-            let workgroups = placed.groups.div_ceil(64);
-            let across = workgroups.min(65_535);
-            pass.set_bind_group(0, &placed.normals, &[]);
-            pass.dispatch_workgroups(across, workgroups.div_ceil(across.max(1)), 1);
+        normals.encode(encoder, self.placed.iter().map(|placed| &placed.normals));
+        if self.frame.as_ref().is_none_or(|last| !last.has_layout_of(&frame)) {
+            let placed = self.placed.iter().enumerate();
+            let surfaces = placed.map(|(number, placed)| self.surface(resources, number, placed, &frame));
+            self.surfaces = surfaces.collect::<Result<_, _>>()?;
         }
-        drop(pass);
+        self.frame = Some(frame.clone());
         Ok(frame)
+    }
+
+    fn surface(
+        &self,
+        resources: &Resources,
+        number: usize,
+        placed: &Placed,
+        frame: &SceneFrame,
+    ) -> Result<Surface, RenderError> {
+        let masks = FacingMasks::of_scene(frame, self.scene.casters(placed.handle)?.iter().copied())?;
+        let slots = resources.factory.buffer("slots", bytemuck::cast_slice(&masks.slots));
+        let (faces, normals, colors) = (&placed.faces, &placed.normals.buffer, placed.colors.as_ref());
+        let positions = self.scene.positions(placed.handle)?.buffer;
+        Ok(Surface::new(resources, number, SurfaceBuffers { positions, faces, normals, slots: &slots, colors }, &masks))
+    }
+
+    /// Bytes of the models' buffers.
+    pub(super) fn bytes(&self) -> u64 {
+        self.placed.iter().map(|placed| placed.bytes).sum()
     }
 
     /// The positions of a model in world space, packed.
@@ -222,24 +191,18 @@ impl Models {
 }
 
 /// Faces and smoothing of all instances, with the vertices of one after those of the other.
-fn drawn(model: &Model, turned: &[bool]) -> (Vec<[u32; 3]>, Smoothing) {
-    let of_geometry: Vec<Smoothing> = {
-        let geometries = model.geometries().iter();
-        geometries.map(|geometry| Smoothing::of(geometry.positions(), geometry.faces())).collect()
+fn drawn(model: &Model, State { turned, is_smooth, .. }: &State) -> (Vec<[u32; 3]>, Smoothing) {
+    let smoothing = |geometry: &Geometry| match is_smooth {
+        true => Smoothing::of(geometry.positions(), geometry.faces()),
+        false => Smoothing::flat(geometry.faces()),
     };
-    let (mut faces, mut all) = (Vec::new(), Smoothing { starts: vec![0], ..Smoothing::default() });
-    let mut first_vertex = 0;
+    let of_geometry: Vec<Smoothing> = model.geometries().iter().map(smoothing).collect();
+    let (mut faces, mut all, mut first_vertex) = (Vec::new(), Smoothing::default(), 0);
     for ((geometry, instance), &is_turned) in model.placed_geometries().zip(model.instances()).zip(turned) {
-        let own = &of_geometry[instance.geometry()];
-        let (first_group, first_face, first_member) =
-            (all.starts.len() as u32 - 1, faces.len() as u32, all.faces.len() as u32);
         // A turned face has its last two corners swapped.
         let swap = |[a, b, c]: [u32; 3]| if is_turned { [a, c, b] } else { [a, b, c] };
         faces.extend(geometry.faces().iter().map(|face| swap(face.map(|vertex| vertex + first_vertex))));
-        let groups = own.groups.as_chunks::<3>().0.iter();
-        all.groups.extend(groups.flat_map(|groups| swap(groups.map(|group| group + first_group))));
-        all.faces.extend(own.faces.iter().map(|face| face + first_face));
-        all.starts.extend(own.starts.iter().skip(1).map(|start| start + first_member));
+        all.append(&of_geometry[instance.geometry()], is_turned);
         first_vertex += geometry.positions().len() as u32;
     }
     (faces, all)

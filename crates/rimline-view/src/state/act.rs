@@ -1,10 +1,11 @@
 //! What keys and buttons do.
 
 use glam::Vec3;
+use rimline_picture::Mode;
 
 use super::keys::Action;
 use super::lamp::Lamp;
-use super::options::{COUNTINGS, Mode};
+use super::options::COUNTINGS;
 use super::viewer::{MAX_LAMPS, Request, Tone, Viewer};
 
 /// Degrees for each press of a key.
@@ -60,6 +61,7 @@ impl Viewer {
             Action::Ground => flip(&mut self.options.ground),
             Action::Shadows => flip(&mut self.options.shadows),
             Action::Smooth => flip(&mut self.options.smooth),
+            Action::Colors => flip(&mut self.options.colors),
             Action::NextMode => self.options.mode = Mode::ALL[(self.options.mode as usize + 1) % Mode::ALL.len()].0,
             Action::NextCounting => {
                 let at = COUNTINGS.iter().position(|(of, _)| *of == self.options.counting).unwrap_or(0);

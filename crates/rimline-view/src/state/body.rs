@@ -3,14 +3,12 @@
 use std::collections::HashMap;
 use std::fmt::{self, Debug, Formatter};
 
-use glam::Vec3;
 use rimline::cpu::{Threads, deform};
-use rimline::gltf::{Asset, GltfError, SceneLight};
+use rimline::gltf::{Asset, Colors, GltfError, SceneLight};
 use rimline::mesh::{EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError, Model, ModelError, Pose};
 use rimline_files::{File, FileError};
-
-use super::bounds::Bounds;
+use rimline_picture::Bounds;
 
 /// Why a model cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -53,6 +51,11 @@ pub trait Source: Send {
     fn lights(&self) -> Vec<SceneLight> {
         Vec::new()
     }
+
+    /// Base colours of one of the model's geometries. `None`: all is white.
+    fn colors(&self, _geometry: usize) -> Option<&Colors> {
+        None
+    }
 }
 
 impl Source for Asset {
@@ -74,6 +77,10 @@ impl Source for Asset {
     fn lights(&self) -> Vec<SceneLight> {
         self.each_light(None, 0.0).into_iter().flatten().flatten().collect()
     }
+
+    fn colors(&self, geometry: usize) -> Option<&Colors> {
+        self.colors(geometry)
+    }
 }
 
 /// A file of any format.
@@ -92,6 +99,10 @@ impl Source for File {
 
     fn lights(&self) -> Vec<SceneLight> {
         self.asset().map_or_else(Vec::new, Source::lights)
+    }
+
+    fn colors(&self, geometry: usize) -> Option<&Colors> {
+        self.colors(geometry)
     }
 }
 
@@ -219,6 +230,11 @@ impl Body {
         self.source.lights()
     }
 
+    /// Base colours of one of the model's geometries. `None`: all is white.
+    pub fn colors(&self, geometry: usize) -> Option<&Colors> {
+        self.source.colors(geometry)
+    }
+
     /// Facts about the mesh at the start of the animation.
     pub fn report(&self) -> Report {
         self.report
@@ -267,86 +283,9 @@ pub(crate) fn bits_of_faces(mesh: &Mesh, faces: &[bool]) -> Vec<u32> {
     bits
 }
 
-/// How corners of faces share normals: each corner has a group, and the normal of a group is the sum over its faces by area.
-#[derive(Debug, Default, PartialEq)]
-pub(crate) struct Smoothing {
-    /// The group of each corner.
-    pub(crate) groups: Vec<u32>,
-    /// Where the faces of each group begin in [`Self::faces`], with the end of the last one.
-    pub(crate) starts: Vec<u32>,
-    pub(crate) faces: Vec<u32>,
-}
-
-/// Faces that meet at more than this angle, in degrees, keep their own normals.
-const CREASE: f32 = 60.0;
-
-impl Smoothing {
-    /// Groups of the faces of a mesh, by their angles at these positions. Vertices at one position are one.
-    pub(crate) fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
-        let position = |v: u32| Vec3::from(positions[v as usize]);
-        let unit =
-            |&[a, b, c]: &[u32; 3]| (position(b) - position(a)).cross(position(c) - position(a)).normalize_or_zero();
-        let units: Vec<Vec3> = faces.iter().map(unit).collect();
-        let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
-        let same: Vec<u32> = (0..)
-            .zip(positions)
-            .map(|(vertex, place)| *first_at.entry(place.map(|c| (c + 0.0).to_bits())).or_insert(vertex))
-            .collect();
-        let mut around: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
-        for (face, corners) in (0..).zip(faces) {
-            for &vertex in corners {
-                around[same[vertex as usize] as usize].push(face);
-            }
-        }
-        let cosine = CREASE.to_radians().cos();
-        let mut smoothing = Self { starts: vec![0], ..Self::default() };
-        // The groups of each vertex, which are few.
-        let mut known: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
-        let mut own = Vec::new();
-        for (face, corners) in faces.iter().enumerate() {
-            for &vertex in corners {
-                let vertex = same[vertex as usize] as usize;
-                own.clear();
-                let is_near = |&&other: &&u32| units[other as usize].dot(units[face]) > cosine;
-                own.extend(around[vertex].iter().filter(is_near));
-                if own.is_empty() {
-                    own.push(face as u32);
-                }
-                let found = known[vertex].iter().find(|&&group| smoothing.faces_of(group) == own).copied();
-                let group = found.unwrap_or_else(|| {
-                    smoothing.faces.extend(&own);
-                    smoothing.starts.push(smoothing.faces.len() as u32);
-                    let group = smoothing.starts.len() as u32 - 2;
-                    known[vertex].push(group);
-                    group
-                });
-                smoothing.groups.push(group);
-            }
-        }
-        smoothing
-    }
-
-    fn faces_of(&self, group: u32) -> &[u32] {
-        let group = group as usize;
-        &self.faces[self.starts[group] as usize..self.starts[group + 1] as usize]
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_crease_splits_groups_and_a_bend_does_not() {
-        let groups = |height: f32| {
-            let positions = [[0.0; 3], [0.0, 0.0, 1.0], [-1.0, height, 0.0], [1.0, height, 0.0]];
-            Smoothing::of(&positions, &[[0, 2, 1], [0, 1, 3]])
-        };
-        let gentle = groups(0.1);
-        assert_eq!((gentle.groups[0], gentle.faces_of(gentle.groups[0]).len()), (gentle.groups[3], 2));
-        let sharp = groups(2.0);
-        assert_ne!(sharp.groups[0], sharp.groups[3]);
-    }
 
     #[test]
     fn edges_of_three_faces_are_marked() {

@@ -2,8 +2,7 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use rimline::{DepthDirection, ShadowCamera};
-
-use super::bounds::Bounds;
+use rimline_picture::Bounds;
 
 /// Degrees to the right of the models' front, which is +Z, and above the ground.
 const AZIMUTH: f32 = 33.0;

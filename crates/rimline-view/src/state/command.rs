@@ -38,6 +38,9 @@ impl Viewer {
         if verb != "lines" {
             let _ = write!(line, " --size {width}x{height}");
         }
+        if verb != "lines" && !options.colors {
+            line += " --plain";
+        }
         if verb == "shadow" {
             let ground = f64::from(self.ground()) + self.origin.to_array()[1];
             let _ = write!(line, " --ground {}", ground as f32);

@@ -2,10 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
-use super::bounds::Bounds;
 use super::event::{Button, Modifiers};
 use super::lamp::{LampKind, sun_distance};
 use super::viewer::Viewer;
+use rimline_picture::Bounds;
 
 /// A handle on the picture, by the number of its light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -45,6 +45,7 @@ pub enum Action {
     Ground,
     Shadows,
     Smooth,
+    Colors,
     NextMode,
     NextCounting,
     Screenshot,
@@ -75,7 +76,7 @@ const fn shift(key: egui::Key, action: Action, what: &'static str) -> KeyBinding
 }
 
 /// All keys. W, A, S, D, Q and E fly besides while they are held.
-pub const KEYS: [KeyBinding; 46] = {
+pub const KEYS: [KeyBinding; 47] = {
     use egui::Key as K;
     [
         key(K::F1, Action::Help, "this list; ? too"),
@@ -118,6 +119,7 @@ pub const KEYS: [KeyBinding; 46] = {
         key(K::G, Action::Ground, "ground"),
         key(K::H, Action::Shadows, "shadows"),
         key(K::F, Action::Smooth, "smooth or flat faces"),
+        key(K::B, Action::Colors, "base colours or clay"),
         key(K::M, Action::NextMode, "next way to draw shadows"),
         key(K::K, Action::NextCounting, "next counting method"),
         key(K::P, Action::Screenshot, "screenshot"),

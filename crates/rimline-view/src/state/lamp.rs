@@ -3,8 +3,7 @@
 use glam::Vec3;
 use rimline::gltf::SceneLight;
 use rimline::{AreaLight, AreaShape, Cone, Light};
-
-use super::bounds::Bounds;
+use rimline_picture::Bounds;
 
 /// Whether a light is at a point or at infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]

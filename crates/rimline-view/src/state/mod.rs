@@ -2,7 +2,6 @@
 
 mod act;
 pub(crate) mod body;
-pub(crate) mod bounds;
 pub(crate) mod camera;
 pub(crate) mod clock;
 pub(crate) mod command;
@@ -10,5 +9,6 @@ pub(crate) mod drag;
 pub(crate) mod event;
 pub(crate) mod keys;
 pub(crate) mod lamp;
+pub(crate) mod opening;
 pub(crate) mod options;
 pub(crate) mod viewer;

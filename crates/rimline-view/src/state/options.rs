@@ -2,35 +2,7 @@
 
 /// How shadow volumes are counted, as `rimline shadow --method` has it.
 pub use rimline::Counting;
-
-/// How shadows are drawn, as `rimline shadow --mode` has it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// Each light adds its light where it is not in shadow.
-    #[default]
-    Additive,
-    /// Full light; places in the shadow of any light have ambient light only.
-    Ambient,
-    /// Full light; places in the shadow of any light are black.
-    Black,
-    /// Full light; each shadow halves it.
-    Composited,
-}
-
-impl Mode {
-    /// All of them, with the names that the command gives them.
-    pub const ALL: [(Self, &'static str); 4] = [
-        (Self::Additive, "additive"),
-        (Self::Ambient, "ambient"),
-        (Self::Black, "black"),
-        (Self::Composited, "composited"),
-    ];
-
-    /// The name that the command gives it.
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].1
-    }
-}
+use rimline_picture::Mode;
 
 /// Overlays of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,6 +68,8 @@ pub struct Options {
     pub mode: Mode,
     /// Whether the sides of faces smooth into each other.
     pub smooth: bool,
+    /// Whether models have their base colours; else they are of clay.
+    pub colors: bool,
     /// Whether there is a ground that receives shadows.
     pub ground: bool,
     /// Whether models throw shadows.
@@ -116,6 +90,7 @@ impl Default for Options {
             counting: Counting::Auto,
             mode: Mode::default(),
             smooth: true,
+            colors: true,
             ground: true,
             shadows: true,
             overlays: Overlays::default(),

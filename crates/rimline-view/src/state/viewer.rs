@@ -2,15 +2,15 @@
 
 use glam::{Vec2, Vec3};
 use rimline::Origin;
+use rimline_picture::{Bounds, Mode};
 
 use super::body::Body;
-use super::bounds::Bounds;
 use super::camera::{Camera, Orbit};
 use super::clock::Clock;
 use super::drag::{Drag, Handle};
 use super::event::Event;
 use super::lamp::{AREA_SAMPLES, Lamp};
-use super::options::{Mode, Options};
+use super::options::Options;
 
 /// Lights that there may be at a time, and points that shine for all of them.
 pub(crate) const MAX_LAMPS: usize = 8;

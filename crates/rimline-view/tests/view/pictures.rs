@@ -3,18 +3,20 @@
 use glam::{Vec2, Vec3};
 use rimline::Light;
 use rimline::cpu::{Threads, shadow_depth};
+use rimline_files::{ReadOptions, read_bytes};
 use rimline_testkit::harness::Test;
-use rimline_view::{Action, Counting, Event, LampKind, Mode, Modifiers, Picture, Skipping, Viewer, scenes};
+use rimline_view::{Action, Body, Counting, Event, LampKind, Mode, Modifiers, Picture, Skipping, Viewer, scenes};
 
-use crate::support::{Outcome, drag, finish, handle, hold, on_ground, picture, say, viewer};
+use crate::support::{Outcome, drag, finish, gpu, handle, hold, on_ground, picture, say, viewer};
 
-pub(crate) const TESTS: [Test; 9] = [
+pub(crate) const TESTS: [Test; 10] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
     ("a still viewer draws nothing", a_still_viewer_draws_nothing),
     ("counting methods and levels of skipping change no picture", switches_change_no_picture),
     ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
+    ("models have their base colours, or are of clay", base_colors),
     ("built-in scenes are drawn in every moment", scenes_are_drawn),
     ("a screenshot has more pixels and the same picture", screenshots),
     ("lights come, go and change their kind", lights_come_and_go),
@@ -268,6 +270,38 @@ fn overlays_change_the_picture() -> Outcome {
         viewer.options.mode = mode;
         let now = picture(&viewer, &mut renderer)?;
         hold((now == before) == (mode == Mode::Additive), name)?;
+    }
+    Ok(())
+}
+
+fn base_colors() -> Outcome {
+    let ply = |colors: [&str; 4]| {
+        let [a, b, c, d] = colors;
+        let axes = ["x", "y", "z"].map(|axis| format!("property float {axis}\n")).concat();
+        let channels = ["red", "green", "blue"].map(|channel| format!("property uchar {channel}\n")).concat();
+        let vertices = format!("0 0 0 {a}\n1 0 0 {b}\n0 1 0 {c}\n0 0 1 {d}\n");
+        let faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+        let header =
+            format!("element vertex 4\n{axes}{channels}element face 4\nproperty list uchar int vertex_index\n");
+        format!("ply\nformat ascii 1.0\n{header}end_header\n{vertices}{faces}")
+    };
+    let viewer = |colors| {
+        let file = read_bytes(ply(colors).as_bytes(), None, &ReadOptions::default()).map_err(say)?;
+        let mut viewer = Viewer::new(vec![Body::new("tetrahedron", None, file).map_err(say)?]);
+        viewer.handle(Event::Resized([240, 160]));
+        Ok::<_, String>(viewer)
+    };
+    let mut renderer = rimline_view::Renderer::new(gpu()?).map_err(say)?;
+    let is_red = |pixel: &&[u8; 4]| pixel[0] > 100 && pixel[1] < 50 && pixel[2] < 50;
+    let mut clay = None;
+    for (color, is_colored) in [("255 255 255", false), ("255 0 0", true)] {
+        let mut viewer = viewer([color; 4])?;
+        let red = picture(&viewer, &mut renderer)?.pixels.iter().filter(is_red).count();
+        hold((red > 500) == is_colored && (red == 0) != is_colored, format!("{color}: {red} pixels are red"))?;
+        viewer.handle(Event::Acted(Action::Colors));
+        let plain = picture(&viewer, &mut renderer)?;
+        hold(clay.replace(plain.clone()).is_none_or(|clay| clay == plain), "it is not of clay")?;
+        hold(viewer.command().contains("--plain"), viewer.command())?;
     }
     Ok(())
 }

@@ -18,7 +18,7 @@ use super::posed_model::PosedModel;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::{GpuError, On as _};
-use crate::render::pipeline_factory::{COMMON, Pass, depth_state};
+use rimline_picture::{COMMON, Pass, depth_state};
 
 /// The layers of all models.
 pub(super) struct Layers {

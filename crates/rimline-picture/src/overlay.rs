@@ -1,0 +1,72 @@
+//! Shadow volumes over a picture, translucent.
+
+use rimline::gpu::{Extraction, ExtractorError, include_wgsl, results_bind_group_layout};
+use wgpu::{BlendState, CompareFunction, PrimitiveTopology, StencilFaceState};
+
+use crate::bindings::depth_format;
+use crate::factory::{Pass, depth_state};
+use crate::resources::Resources;
+use crate::targets::Target;
+
+/// The fragment shaders of overlays, `volumes` and `edges`, behind the library's include for group 2.
+pub const OVERLAY: &str = include_str!("overlay.wgsl");
+
+/// A pass that draws an overlay in front of the models. `groups` begin with the light.
+pub fn overlay_pass<'a>(
+    resources: &Resources,
+    target: Target,
+    (name, source): (&'static str, &'a str),
+    groups: &'a [&'a wgpu::BindGroupLayout],
+) -> Pass<'a> {
+    let format = depth_format(&resources.factory.device);
+    Pass {
+        blend: Some(BlendState::ALPHA_BLENDING),
+        samples: target.samples,
+        depth: Some(depth_state(format, false, CompareFunction::Greater, StencilFaceState::IGNORE)),
+        ..Pass::new(name, source, groups, target.format)
+    }
+}
+
+/// Draws the sides of shadow volumes and their lines.
+#[derive(Debug)]
+pub struct VolumeOverlay {
+    layout: wgpu::BindGroupLayout,
+    passes: [wgpu::RenderPipeline; 2],
+}
+
+impl VolumeOverlay {
+    /// For a target.
+    pub fn new(resources: &Resources, target: Target) -> Self {
+        let layout = results_bind_group_layout(&resources.factory.device, wgpu::ShaderStages::VERTEX);
+        let source = format!("{}\n{OVERLAY}", include_wgsl(2));
+        let groups = [&resources.light, &layout];
+        let pipeline = |name, topology| {
+            let pass = overlay_pass(resources, target, (name, &source), &groups);
+            resources.factory.pipeline(&Pass { topology, ..pass })
+        };
+        let passes =
+            [pipeline("volumes", PrimitiveTopology::TriangleStrip), pipeline("edges", PrimitiveTopology::LineStrip)];
+        Self { layout, passes }
+    }
+
+    /// Draws the volumes of a light, whose silhouettes have its number.
+    ///
+    /// # Errors
+    /// [`ExtractorError`] if there are none.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        resources: &Resources,
+        extraction: &Extraction,
+        light: usize,
+    ) -> Result<(), ExtractorError> {
+        let group = extraction.bind_group(&self.layout, light / 32)?;
+        resources.select(pass, light);
+        pass.set_bind_group(2, &group, &[]);
+        for pipeline in &self.passes {
+            pass.set_pipeline(pipeline);
+            extraction.draw(pass, light)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,283 @@
+//! The passes of a picture with shadows: ambient light, then a pass for each light, whose shadows the stencil counts.
+
+use wgpu::{BlendState, ColorWrites, CompareFunction, StencilFaceState, StencilOperation, TextureFormat};
+
+use crate::bindings::depth_format;
+use crate::factory::{ADD, MULTIPLY, Pass, color_pass, depth_state, view};
+use crate::resources::Resources;
+use crate::surface::Surface;
+use crate::targets::{Attachments, PictureFormat, Target, Targets};
+
+/// A scene that is drawn.
+pub trait Subject {
+    /// Why shadow volumes or overlays cannot be drawn.
+    type Error;
+
+    /// The number of lights, or of the samples of all lights.
+    fn lights(&self) -> usize;
+
+    /// Whether there is a ground.
+    fn has_ground(&self) -> bool;
+
+    /// The surfaces of the models.
+    fn surfaces(&self) -> &[Surface];
+
+    /// Draws the shadow volumes of a light into the stencil, which is not 0 in shadow afterwards.
+    ///
+    /// # Errors
+    /// [`Self::Error`].
+    fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), Self::Error>;
+
+    /// Whether [`Self::draw_overlays`] draws anything.
+    fn has_overlays(&self) -> bool;
+
+    /// Draws over the finished light.
+    ///
+    /// # Errors
+    /// [`Self::Error`].
+    fn draw_overlays(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), Self::Error>;
+
+    /// Prepares each pass.
+    fn begin<'e>(&self, pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
+        pass
+    }
+}
+
+/// How shadows are drawn, as `rimline shadow --mode` has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Each light adds its light where it is not in shadow.
+    #[default]
+    Additive,
+    /// Full light; places in the shadow of any light have ambient light only.
+    Ambient,
+    /// Full light; places in the shadow of any light are black.
+    Black,
+    /// Full light; each shadow halves it.
+    Composited,
+}
+
+impl Mode {
+    /// All of them, with the names that the command gives them.
+    pub const ALL: [(Self, &'static str); 4] = [
+        (Self::Additive, "additive"),
+        (Self::Ambient, "ambient"),
+        (Self::Black, "black"),
+        (Self::Composited, "composited"),
+    ];
+
+    /// The name that the command gives it.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+}
+
+/// The pipelines of a picture.
+#[derive(Debug)]
+pub struct PicturePipelines {
+    format: PictureFormat,
+    backdrop: wgpu::RenderPipeline,
+    ambient: ReceiverPipelines,
+    lit: ReceiverPipelines,
+    /// Marks what turns its back on the light, then shades what is marked or in shadow.
+    shade: Option<[ReceiverPipelines; 2]>,
+    mode: Mode,
+    tone: wgpu::RenderPipeline,
+}
+
+impl PicturePipelines {
+    /// For pictures of a format with shadows of a mode.
+    pub fn new(resources: &Resources, format: PictureFormat, mode: Mode) -> Self {
+        let factory = &resources.factory;
+        let (source, target) = (include_str!("picture.wgsl"), format.light());
+        let tone = match (format.in_parts, format.is_encoded) {
+            (true, _) => "tone_parts",
+            (false, true) => "tone_encoded",
+            (false, false) => "tone",
+        };
+        // Where nothing was drawn, depth is still 0.
+        let equal = CompareFunction::Equal;
+        let behind = depth_state(depth_format(&factory.device), false, equal, StencilFaceState::IGNORE);
+        let backdrop =
+            Pass { samples: target.samples, depth: Some(behind), ..Pass::over("backdrop", source, &[], target.format) };
+        let light = format.light_layout(factory);
+        let lit = ReceiverPass::new(target, "lit", Onto::Lit);
+        let mut pipelines = Self {
+            format,
+            backdrop: factory.pipeline(&backdrop),
+            ambient: ReceiverPipelines::new(resources, ReceiverPass::new(target, "ambient", Onto::Nearest)),
+            lit: ReceiverPipelines::new(resources, ReceiverPass { blend: Some(ADD), ..lit }),
+            shade: None,
+            mode: Mode::Additive,
+            tone: factory.pipeline(&Pass::over(tone, source, &[&light], format.picture())),
+        };
+        pipelines.set_mode(resources, mode);
+        pipelines
+    }
+
+    /// The format of the pictures.
+    pub fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    /// Makes what another mode needs.
+    pub fn set_mode(&mut self, resources: &Resources, mode: Mode) {
+        if self.mode == mode {
+            return;
+        }
+        let shade = match mode {
+            Mode::Additive => None,
+            Mode::Ambient => Some(("ambient", None)),
+            Mode::Black => Some(("black", None)),
+            Mode::Composited => Some(("dim", Some(MULTIPLY))),
+        };
+        let target = self.format.light();
+        self.mode = mode;
+        self.shade = shade.map(|(fragment, blend)| {
+            let marking = ReceiverPass::new(target, "averted", Onto::Lit);
+            let shading = ReceiverPass::new(target, fragment, Onto::Shadowed);
+            [ReceiverPass { write: ColorWrites::empty(), ..marking }, ReceiverPass { blend, ..shading }]
+                .map(|pass| ReceiverPipelines::new(resources, pass))
+        });
+    }
+
+    /// Records the light of the whole picture, or of a part.
+    ///
+    /// # Errors
+    /// Those of the subject.
+    pub fn record<S: Subject>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &Resources,
+        attachments: &Attachments,
+        subject: &S,
+    ) -> Result<(), S::Error> {
+        let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK)));
+        self.ambient.paint(&mut pass, resources, subject, 0);
+        resources.factory.draw(&mut pass, &self.backdrop, &[], 3);
+        drop(pass);
+        for light in 0..subject.lights() {
+            let mut pass = subject.begin(attachments.pass(encoder, "light", None));
+            if self.shade.is_none() {
+                subject.draw_volumes(&mut pass, light)?;
+            }
+            self.lit.paint(&mut pass, resources, subject, light);
+        }
+        if let Some(shade) = &self.shade {
+            for light in 0..subject.lights() {
+                let mut pass = subject.begin(attachments.pass(encoder, "shade", None));
+                subject.draw_volumes(&mut pass, light)?;
+                for receivers in shade {
+                    receivers.paint(&mut pass, resources, subject, light);
+                }
+            }
+        }
+        if subject.has_overlays() || attachments.resolved.is_some() {
+            subject.draw_overlays(&mut subject.begin(attachments.last_pass(encoder)))?;
+        }
+        Ok(())
+    }
+
+    /// Records how the light becomes the picture.
+    pub fn develop(&self, encoder: &mut wgpu::CommandEncoder, resources: &Resources, targets: &Targets) {
+        let (target, black) = (view(&targets.picture), Some(wgpu::Color::BLACK));
+        let mut pass = color_pass(encoder, "tone", (&target, None), black, None);
+        resources.factory.draw(&mut pass, &self.tone, &[&targets.light], 3);
+    }
+}
+
+/// Surfaces that a pass draws onto.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Onto {
+    /// The nearest surface, which this pass finds.
+    Nearest,
+    /// The nearest again, where the stencil is still 0; which it is no more afterwards, so that faces that coincide add
+    /// their light once.
+    Lit,
+    /// The nearest again, where the stencil is not 0; which it is afterwards.
+    Shadowed,
+    /// The nearest again, whatever the stencil.
+    Again,
+}
+
+impl Onto {
+    /// The state of depth and stencil.
+    pub fn state(self, format: TextureFormat) -> wgpu::DepthStencilState {
+        let (compare, stencil, pass_op) = match self {
+            Self::Nearest => (CompareFunction::Greater, CompareFunction::Always, StencilOperation::Keep),
+            Self::Lit => (CompareFunction::Equal, CompareFunction::Equal, StencilOperation::IncrementClamp),
+            Self::Shadowed => (CompareFunction::Equal, CompareFunction::NotEqual, StencilOperation::Zero),
+            Self::Again => (CompareFunction::Equal, CompareFunction::Always, StencilOperation::Keep),
+        };
+        let face = StencilFaceState { compare: stencil, pass_op, ..StencilFaceState::IGNORE };
+        depth_state(format, self == Self::Nearest, compare, face)
+    }
+}
+
+/// How a pass draws onto models and ground.
+#[derive(Clone, Copy, Debug)]
+pub struct ReceiverPass {
+    /// Its target.
+    pub target: Target,
+    /// The name of its fragment shaders.
+    pub fragment: &'static str,
+    /// The surfaces that it draws onto.
+    pub onto: Onto,
+    /// How colours are blended, if they are.
+    pub blend: Option<BlendState>,
+    /// The channels that are written.
+    pub write: ColorWrites,
+}
+
+impl ReceiverPass {
+    /// Writes all channels over what is there.
+    pub fn new(target: Target, fragment: &'static str, onto: Onto) -> Self {
+        Self { target, fragment, onto, blend: None, write: ColorWrites::ALL }
+    }
+
+    /// The pipeline of [`Surface::draw`].
+    pub fn surface_pipeline(&self, resources: &Resources) -> wgpu::RenderPipeline {
+        let source = include_str!("surface.wgsl");
+        self.pipeline(resources, ("surface", source), &[&resources.light, &resources.surface])
+    }
+
+    fn pipeline(
+        &self,
+        resources: &Resources,
+        (vertex, source): (&str, &str),
+        groups: &[&wgpu::BindGroupLayout],
+    ) -> wgpu::RenderPipeline {
+        let Self { target, fragment, onto, blend, write } = *self;
+        let factory = &resources.factory;
+        let depth = Some(onto.state(depth_format(&factory.device)));
+        let pass = Pass::new(fragment, source, groups, target.format);
+        factory.pipeline(&Pass { vertex, blend, samples: target.samples, write, depth, ..pass })
+    }
+}
+
+/// Draws models and ground with fragment shaders of one name.
+#[derive(Debug)]
+pub struct ReceiverPipelines {
+    surface: wgpu::RenderPipeline,
+    ground: wgpu::RenderPipeline,
+}
+
+impl ReceiverPipelines {
+    /// For a pass.
+    pub fn new(resources: &Resources, pass: ReceiverPass) -> Self {
+        let (vertex, source) = ("ground", include_str!("ground.wgsl"));
+        let ground = pass.pipeline(resources, (vertex, source), &[&resources.light]);
+        Self { surface: pass.surface_pipeline(resources), ground }
+    }
+
+    /// Draws everything for one light.
+    pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>, resources: &Resources, subject: &impl Subject, light: usize) {
+        resources.select(pass, light);
+        pass.set_pipeline(&self.surface);
+        subject.surfaces().iter().for_each(|surface| surface.draw(pass, light));
+        if subject.has_ground() {
+            pass.set_pipeline(&self.ground);
+            pass.draw(0..12, 0..1);
+        }
+    }
+}

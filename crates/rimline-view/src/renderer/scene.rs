@@ -1,0 +1,50 @@
+//! The state of the viewer as pictures take it.
+
+use rimline::gltf::SpotCone;
+use rimline_picture::{Camera, Part, SceneBounds, SceneView, ShadedLight, reach};
+
+use crate::state::lamp::{Lamp, LampKind};
+use crate::state::viewer::Viewer;
+
+/// What a picture of the viewer shows.
+pub(super) struct SeenScene {
+    camera: Camera,
+    size: [u32; 2],
+    bounds: SceneBounds,
+    lights: Vec<ShadedLight>,
+    reach: f32,
+}
+
+impl SeenScene {
+    /// In a picture of this size.
+    pub(super) fn of(viewer: &Viewer, size: [u32; 2]) -> Self {
+        let bounds = SceneBounds { models: viewer.bounds(), ground: viewer.ground() };
+        let of = viewer.orbit.camera(size, &bounds.models, bounds.ground);
+        let (eye, right, up, forward) = (of.eye, of.right, of.up, of.forward);
+        let camera = Camera { eye, right, up, forward, scale: of.scale.into(), near: of.near, far: None };
+        let lights: Vec<_> = viewer.sources().iter().map(|(_, source)| shaded(source)).collect();
+        let reach = reach(&lights, &bounds.models.corners().map(Into::into), &bounds);
+        Self { camera, size, bounds, lights, reach }
+    }
+
+    pub(super) fn view(&self) -> SceneView<'_> {
+        let Self { camera, size, bounds, lights, reach } = self;
+        SceneView { camera, size: *size, part: &Part::WHOLE, bounds, lights, reach: *reach }
+    }
+}
+
+fn shaded(lamp: &Lamp) -> ShadedLight {
+    let all = ShadedLight { color: lamp.shine().into(), ..ShadedLight::new(lamp.light()) };
+    match lamp.kind {
+        LampKind::Sun(_) => all,
+        LampKind::Point(_) => ShadedLight {
+            range: lamp.range.unwrap_or(f32::INFINITY),
+            cone: lamp.cone.map(|(axis, outer_angle)| SpotCone {
+                direction: axis.into(),
+                inner_angle: 0.8 * outer_angle,
+                outer_angle,
+            }),
+            ..all
+        },
+    }
+}

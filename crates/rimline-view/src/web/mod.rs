@@ -1,0 +1,44 @@
+//! The viewer on a page: a canvas, files that are dropped, and with `?check` the check of the browser's device.
+//!
+//! `web/index.html` has the elements. `cargo xtask web` builds the page.
+
+mod app;
+mod check;
+mod files;
+mod input;
+mod page;
+
+use page::Page;
+
+/// Runs what the address of the page asks for.
+pub fn start() {
+    let Some(page) = Page::of_window() else { return };
+    let told = page.clone();
+    std::panic::set_hook(Box::new(move |panic| told.stop(&format!("The viewer stopped: {panic}"))));
+    wasm_bindgen_futures::spawn_local(async move {
+        let query = page.query();
+        let begun = if query.contains("check") {
+            check::run(&page, query.contains("plant")).await
+        } else {
+            app::run(&page).await
+        };
+        if let Err(reason) = begun {
+            page.show_fallback(&reason);
+        }
+    });
+}
+
+/// The browser's device.
+async fn adapter(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<wgpu::Adapter, String> {
+    let options = wgpu::RequestAdapterOptions {
+        compatible_surface: surface,
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        ..Default::default()
+    };
+    instance.request_adapter(&options).await.map_err(|error| format!("The browser gives no GPU to pages: {error}"))
+}
+
+fn instance() -> wgpu::Instance {
+    let backends = wgpu::Backends::BROWSER_WEBGPU;
+    wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() })
+}

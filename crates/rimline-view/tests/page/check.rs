@@ -1,0 +1,30 @@
+//! `?check` in the browser.
+
+use crate::browser::Browser;
+
+type Test = (&'static str, fn() -> Result<(), String>);
+
+pub(crate) const TESTS: [Test; 2] =
+    [("the check finds no wrong bits", without_wrong_bits), ("the check finds a bit that is planted", with_one)];
+
+/// The table of a check, once it is done.
+fn table(query: &str) -> Result<String, String> {
+    let mut browser = Browser::open(query)?;
+    browser.wait_for("said", |said| said.contains("done"))?;
+    browser.expect_no_errors()?;
+    browser.text("table")
+}
+
+fn without_wrong_bits() -> Result<(), String> {
+    let table = table("?check")?;
+    let scenes = table.lines().filter(|line| line.ends_with("  0")).count();
+    println!("{table}");
+    // Seven of the viewer, and the stress scenes.
+    let whole = table.contains(": 0 wrong bits, 0 failed") && scenes == 7 + rimline_testkit::stress::names().len();
+    if whole { Ok(()) } else { Err(table) }
+}
+
+fn with_one() -> Result<(), String> {
+    let table = table("?check&plant")?;
+    if table.contains(": 1 wrong bits, 0 failed") { Ok(()) } else { Err(table) }
+}
