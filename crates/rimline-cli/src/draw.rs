@@ -125,8 +125,9 @@ fn draw(
         let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera).map_err(|error| failed(error.into()))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
 
-        let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
-        let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary).colored(colors.is_some());
+        let survey_scale = survey::scale(args.view.size, gpu.device.limits().max_texture_dimension_2d);
+        let frame =
+            Frame::new(&camera, args.view.size, &bounds, survey_scale, args.show_boundary).colored(colors.is_some());
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
             let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);

@@ -142,7 +142,7 @@ fn of_gltf(file: &Path, error: GltfError) -> FileError {
             let is_whole = Path::new(&what) == file;
             FileError::TooLarge { what: if is_whole { "the file".into() } else { what }, needed, limit }
         }
-        GltfError::Outside { json_path, uri, path } => FileError::Outside { place: json_path, uri, path },
+        GltfError::Outside { json_path, uri, path } => FileError::Outside { json_path, uri, path },
         error => FileError::Gltf(error),
     }
 }

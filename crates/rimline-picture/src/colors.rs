@@ -22,8 +22,8 @@ pub fn corner_colors<'c>(
         corners.extend(geometry.faces().iter().enumerate().map(|(number, &face)| {
             let color = of_face(number).unwrap_or(white);
             let corner = |vertex| {
-                let own = of_vertex(vertex).unwrap_or(white);
-                packed([0, 1, 2].map(|channel| color[channel] * own[channel]))
+                let vertex_color = of_vertex(vertex).unwrap_or(white);
+                packed([0, 1, 2].map(|channel| color[channel] * vertex_color[channel]))
             };
             let [a, b, c] = face.map(corner);
             if is_turned { [a, c, b] } else { [a, b, c] }

@@ -134,7 +134,7 @@ impl PicturePipelines {
         let target = self.format.light();
         self.mode = mode;
         self.shade = shade.map(|(fragment, blend)| {
-            let marking = ReceiverPass::new(target, "averted", Onto::Lit);
+            let marking = ReceiverPass::new(target, "back_facing", Onto::Lit);
             let shading = ReceiverPass::new(target, fragment, Onto::Shadowed);
             [ReceiverPass { write: ColorWrites::empty(), ..marking }, ReceiverPass { blend, ..shading }]
                 .map(|pass| ReceiverPipelines::new(resources, pass))

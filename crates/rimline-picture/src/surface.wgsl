@@ -111,7 +111,7 @@ fn is_lit(in: Surface, front: bool) -> bool {
 }
 
 // Keeps the pixels whose visible side is back-facing to the light.
-@fragment fn averted_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+@fragment fn back_facing_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
   let front = shows_front(in, is_front);
   if (is_lit(in, front)) {
     discard;

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coarse_depth_is_told_with_what_to_set() {
+    fn coarse_depth_is_reported_with_what_to_set() {
         let bits = TextureFormat::Depth24PlusStencil8;
         let warning = |bits, near| too_coarse(bits, near, 10.0, 1.0 / 1024.0);
         // 10 · 2¹⁰ · 2 / 2²⁴.
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_without_room_are_told() {
+    fn pieces_without_room_are_reported() {
         let found = |lost_pieces| ShadowStatistics { lost_pieces, most_pieces: 600, ..Zeroable::zeroed() };
         assert_eq!(too_many_pieces(&found(0)), None);
         let warning = too_many_pieces(&found(1)).expect("one is lost");

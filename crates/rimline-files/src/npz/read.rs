@@ -463,9 +463,9 @@ fn in_c_order<T: Copy>(values: &[T], shape: &[u64]) -> Vec<T> {
     let mut sides = [1, 1, 1];
     sides.iter_mut().rev().zip(shape.iter().rev()).for_each(|(side, &given)| *side = given as usize);
     let [planes, rows, columns] = sides;
-    let places = (0..planes).flat_map(|plane| (0..rows).map(move |row| plane + planes * row));
-    let places = places.flat_map(|first| (0..columns).map(move |column| first + planes * rows * column));
-    places.filter_map(|place| values.get(place).copied()).collect()
+    let indices = (0..planes).flat_map(|plane| (0..rows).map(move |row| plane + planes * row));
+    let indices = indices.flat_map(|first| (0..columns).map(move |column| first + planes * rows * column));
+    indices.filter_map(|index| values.get(index).copied()).collect()
 }
 
 #[cfg(test)]

@@ -125,10 +125,10 @@ impl Batch {
                 let geometry = &body.input.model().geometries()[topology.geometry];
                 let rest = geometry.positions();
                 end += geometry.faces().len() as u32;
-                let (own, others) = of.split_at(of.partition_point(|&face| face < end));
+                let (of_layer, others) = of.split_at(of.partition_point(|&face| face < end));
                 of = others;
                 let corners = |&face: &u32| body.faces[(face - first_face) as usize].map(|v| v - first_vertex);
-                let mesh = body.part(rest.len(), own.iter().map(corners).collect())?;
+                let mesh = body.part(rest.len(), of_layer.iter().map(corners).collect())?;
                 first_vertex += rest.len() as u32;
                 let (Some(mesh), Some(positions)) = (mesh, body.positions.of_instance(instance)) else { continue };
                 let mesh = scene.add_mesh(&mesh, rest).on(gpu)?;
