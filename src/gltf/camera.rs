@@ -16,7 +16,8 @@ pub struct SceneCamera {
     pub eye: [f32; 3],
     /// The direction that it looks in, at length 1: the node's −Z.
     pub forward: [f32; 3],
-    /// The direction that is up in the picture, at length 1 and at right angles to `forward`. Scales of nodes have no effect.
+    /// The direction that is up in the picture, at length 1 and at right angles to `forward`. Scales of nodes have no
+    /// effect.
     pub up: [f32; 3],
     /// What it sees.
     pub projection: CameraProjection,
@@ -88,8 +89,8 @@ pub(super) fn projection(json: &Json<'_>) -> Result<CameraProjection, GltfError>
 }
 
 impl Asset {
-    /// The cameras of the chosen scene at a time in seconds, in the order of its nodes. Those of hidden nodes are there, too, since
-    /// nothing of a camera is seen. One that is damaged does not refuse the others.
+    /// The cameras of the chosen scene at a time in seconds, in the order of its nodes. Those of hidden nodes are
+    /// there, too, since nothing of a camera is seen. One that is damaged does not refuse the others.
     ///
     /// # Errors
     /// [`GltfError`] as for [`Asset::pose`].

@@ -85,8 +85,8 @@ impl File {
         }
     }
 
-    /// The base colours of one of the model's geometries, if they are not all white. They are linear, and go by its faces and
-    /// vertices.
+    /// The base colours of one of the model's geometries, if they are not all white. They are linear, and go by its
+    /// faces and vertices.
     pub fn colors(&self, geometry: usize) -> Option<&Colors> {
         let file_colors = Some(&self.colors)
             .filter(|file_colors| geometry == 0 && (file_colors.faces.is_some() || file_colors.vertices.is_some()));
@@ -142,7 +142,8 @@ impl File {
         self.asset().map_or(&self.named_files, Asset::named_files)
     }
 
-    /// Parts of the file that the reader skipped or changed. Positions that are not finite are counted apart: [`File::non_finite`].
+    /// Parts of the file that the reader skipped or changed. Positions that are not finite are counted apart:
+    /// [`File::non_finite`].
     pub fn warnings(&self) -> impl Iterator<Item = &GltfWarning> {
         let is_reported = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
         self.asset().map_or(&[][..], Asset::warnings).iter().filter(is_reported)

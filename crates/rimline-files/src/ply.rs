@@ -114,8 +114,8 @@ struct Header {
     elements: Vec<Element>,
 }
 
-/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as triangles if all of
-/// them are triangles, else as polygons.
+/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as
+/// triangles if all of them are triangles, else as polygons.
 ///
 /// Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept. The mesh is one of polygons
 /// where these `are_whole`, else one of their triangles.

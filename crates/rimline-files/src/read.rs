@@ -87,8 +87,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<File, FileError> {
 }
 
 /// Reads the content of a file, such as standard input or what was dropped on a page. The name is asked where the content
-/// does not say its format; without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must be in
-/// the content. Materials of an OBJ are not read.
+/// does not say its format; without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must
+/// be in the content. Materials of an OBJ are not read.
 ///
 /// # Errors
 /// [`FileError`] says what is wrong with it.

@@ -1,5 +1,5 @@
-// The models, as matte clay, or in their base colours. A face's side towards a light is the bit that the extraction found for it; smooth normals
-// only shade.
+// The models, as matte clay, or in their base colours. A face's side towards a light is the bit that the extraction
+// found for it; smooth normals only shade.
 
 struct Clay {
   front: vec3<f32>,

@@ -1,4 +1,5 @@
-//! The frame's uniform, and where in a target there is anything to do for a model. Elsewhere passes would write what was cleared.
+//! The frame's uniform, and where in a target there is anything to do for a model. Elsewhere passes would write what
+//! was cleared.
 
 use glam::DVec3;
 use rimline::wgpu;

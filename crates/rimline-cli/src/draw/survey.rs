@@ -64,8 +64,8 @@ impl Survey {
         factory.draw(&mut pass, pipeline, &[geometry], corners);
     }
 
-    /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
-    /// by there leaves no room for more storage buffers.
+    /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists
+    /// are read by there leaves no room for more storage buffers.
     pub(super) fn layout(factory: &PipelineFactory) -> BindGroupLayout {
         rimline_picture::layout(&factory.device, ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
     }

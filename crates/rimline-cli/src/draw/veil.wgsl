@@ -1,5 +1,6 @@
-// Veils: how far away what lies behind everything seen in a part of the picture is certainly hidden there, whatever the line.
-// The coarsest question that lines ask, of squares of the survey and of larger ones: most lines of many bodies end here.
+// Veils: how far away what lies behind everything seen in a part of the picture is certainly hidden there, whatever the
+// line. The coarsest question that lines ask, of squares of the survey and of larger ones: most lines of many bodies
+// end here.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;

@@ -1,6 +1,6 @@
-//! Faces that coincide with faces of the opposite direction: one with the same corners, or flat patches with one outline that are
-//! cut into triangles along other diagonals. Rasterisers give the two depths that differ in their last bits, so which of them is
-//! nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
+//! Faces that coincide with faces of the opposite direction: one with the same corners, or flat patches with one
+//! outline that are cut into triangles along other diagonals. Rasterisers give the two depths that differ in their last
+//! bits, so which of them is nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
 
 mod patches;
 

@@ -190,8 +190,9 @@ fn surface(
     Surface::new(&resources.shared, number, buffers, masks)
 }
 
-/// Normals and colours of corners, and where faces' masks are. Faces that are turned away from the eye have those of the faces that
-/// they coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
+/// Normals and colours of corners, and where faces' masks are. Faces that are turned away from the eye have those of
+/// the faces that they coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the
+/// others' to the last bit.
 struct Corners<'a> {
     normals: Vec<u32>,
     colors: Cow<'a, [u32]>,

@@ -1,6 +1,6 @@
-// The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before nothing, as
-// the light sees it, and some of the rays there. Where a list overflowed, every cell is shown, as every cell is drawn. Fragments
-// are those of volumes.
+// The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before
+// nothing, as the light sees it, and some of the rays there. Where a list overflowed, every cell is shown, as every
+// cell is drawn. Fragments are those of volumes.
 
 // A map as the picture's camera sees it.
 struct DepthView {
@@ -77,8 +77,8 @@ fn key_distance(a: Sample, b: Sample) -> u32 {
   return max(key_of(a), key_of(b)) - min(key_of(a), key_of(b));
 }
 
-// Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split. Where the
-// list overflowed, of any cell, unless all of it is far.
+// Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split.
+// Where the list overflowed, of any cell, unless all of it is far.
 fn triangle(number: u32, second: u32) -> DepthTriangle {
   let is_of_all = overflows();
   let entry = select(cells[min(1u + number, arrayLength(&cells) - 1u)], number, is_of_all);
@@ -123,8 +123,8 @@ fn triangle(number: u32, second: u32) -> DepthTriangle {
 
 const NOWHERE = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
-// A corner of a wall or flap: a position in parts of 256 of a texel, with texel (0, 0) at (256, 256), and a distance from the near
-// plane.
+// A corner of a wall or flap: a position in parts of 256 of a texel, with texel (0, 0) at (256, 256), and a distance
+// from the near plane.
 fn wall_clip(number: u32, corner: u32) -> vec4<f32> {
   let word = 4u + 12u * number + 3u * corner;
   let size = vec2<f32>(maps.size);
@@ -155,8 +155,8 @@ fn is_wall() -> bool {
   return sample_clip(drawn.corners[vertex % 3u]);
 }
 
-// For each triangle a line between its two corners that cast, then a ray, if the third is far. A cell has six ends of lines in
-// each of two instances, of which the first eight are taken.
+// For each triangle a line between its two corners that cast, then a ray, if the third is far. A cell has six ends of
+// lines in each of two instances, of which the first eight are taken.
 @vertex fn depth_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> Edge {
   let vertex = 6u * instance + index % 6u;
   let nothing = Edge(NOWHERE, 0.0);

@@ -53,8 +53,8 @@ impl FromDepth {
         Ok(Some(Self { given, size, method: continued(method, args.dangling)? }))
     }
 
-    /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the
-    /// same.
+    /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths
+    /// are much the same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
         use DepthMapMethod::{Contours, Differences, SecondDifferences};
         if self.given.is_some()
@@ -131,8 +131,8 @@ impl DepthFound {
 const BUSY: u64 = 1 << 20;
 
 impl DepthsFound {
-    /// Tells the user where maps are borders all over, such as noise: each cell bounds a volume as long as the shadow. Returns
-    /// a line of progress for it.
+    /// Tells the user where maps are borders all over, such as noise: each cell bounds a volume as long as the shadow.
+    /// Returns a line of progress for it.
     pub(crate) fn warn_if_busy(&self, progress: &Progress) -> Option<String> {
         let (drawn, cells) = self.busy()?;
         progress.aside(|| {

@@ -108,8 +108,8 @@ fn camera([x, y, z, w]: [DVec4; 4], origin: Vec3) -> ShadowCamera {
     }
 }
 
-/// Instances of the draws of triangles and of lines. A cell has six vertices in each: two triangles, and of the twelve ends of
-/// lines eight, two lines for each triangle.
+/// Instances of the draws of triangles and of lines. A cell has six vertices in each: two triangles, and of the twelve
+/// ends of lines eight, two lines for each triangle.
 const INSTANCES: [u32; 2] = [1, 2];
 
 /// Layout of `DepthView` in `overlay.wgsl`.
@@ -139,7 +139,8 @@ struct DepthViews {
 /// Buffers of the overlay of a light's maps.
 pub(super) struct ShownMaps {
     pub(super) views: wgpu::Buffer,
-    /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls overflowed.
+    /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls
+    /// overflowed.
     pub(super) draws: wgpu::Buffer,
     has_walls: bool,
 }
@@ -185,8 +186,8 @@ impl ShownMaps {
     }
 }
 
-/// A map's coordinates in an eye's clip space. `place` is where the map is seen from, if not from infinity; then the rays run
-/// `away`.
+/// A map's coordinates in an eye's clip space. `place` is where the map is seen from, if not from infinity; then the
+/// rays run `away`.
 fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, light_position: Option<DVec3>, away: DVec3) -> DepthView {
     let matrix = |camera: &ShadowCamera| Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
     let [origin, eye_origin] = [camera, eye].map(|camera| Vec3::from(camera.origin).as_dvec3());

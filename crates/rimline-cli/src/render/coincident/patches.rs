@@ -12,8 +12,8 @@ const MOST_FACES: usize = 1 << 20;
 /// Faces at one side that are looked at: more are no surface.
 const MOST_MEETING: usize = 16;
 
-/// How far a corner may be off the plane of a face for a flat patch, in parts of the face's size; and of its distance from the
-/// origin, whose rounding it has.
+/// How far a corner may be off the plane of a face for a flat patch, in parts of the face's size; and of its distance
+/// from the origin, whose rounding it has.
 const FLAT: f64 = 1e-6;
 const ROUNDED: f64 = 3e-7;
 
@@ -60,9 +60,9 @@ pub(super) fn turned(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]>
     if folds { with_one_outline(&faces, &mut patches, sides.iter().zip(is_inner)) } else { Vec::new() }
 }
 
-/// Whether two faces may lie on each other's backs at a side. Most models have none, and need no closer look. Both sides of a fold
-/// have one key: the ends, and the normal of the face that walks up from one to the other, or that of the other turned around.
-/// Where the surface goes on smoothly, these are opposite.
+/// Whether two faces may lie on each other's backs at a side. Most models have none, and need no closer look. Both
+/// sides of a fold have one key: the ends, and the normal of the face that walks up from one to the other, or that of
+/// the other turned around. Where the surface goes on smoothly, these are opposite.
 fn may_fold(faces: &[Corners]) -> bool {
     let mut keys = Vec::with_capacity(3 * faces.len());
     for &face in faces {

@@ -1,11 +1,12 @@
 //! How many faces lie over each other as seen from a light: a bound that holds for every ray, where every face casts.
 //!
 //! The number N(r) of faces that a ray r meets is at least any count along it. If r moves, N changes only where r crosses an
-//! edge at which faces begin or end, all turned to the light: by at most the sum of their signs there. So in a convex cell of
-//! rays N is at most N of one of them, plus these sums for the edges that touch the cell, and at most the faces that touch it.
-//! A cell with too large a bound is cut into four. A ray that meets too many faces ends the search. Signs and touching are
-//! decided in `f64` with a slack; what is undecided counts. Around a vertex with many faces that share no edges, the bound is
-//! their number. A bound for 8 bits of stencil: docs/numerics/receivers.md, "Bound on counts".
+//! edge at which faces begin or end, all turned to the light: by at most the sum of their signs there. So in a convex
+//! cell of rays N is at most N of one of them, plus these sums for the edges that touch the cell, and at most the faces
+//! that touch it. A cell with too large a bound is cut into four. A ray that meets too many faces ends the search.
+//! Signs and touching are decided in `f64` with a slack; what is undecided counts. Around a vertex with many faces that
+//! share no edges, the bound is their number. A bound for 8 bits of stencil: docs/numerics/receivers.md, "Bound on
+//! counts".
 
 use glam::DVec3;
 use rimline::Light;
@@ -16,8 +17,8 @@ const MOST_CUTS: u32 = 24;
 /// Faces and edges that are looked at for a light, besides some turns over all of them.
 const MOST_WORK: usize = 1 << 26;
 
-/// At most so many faces meet any ray from the light. If that is not above `enough`, it holds; else more may be there than that,
-/// or it is not known.
+/// At most so many faces meet any ray from the light. If that is not above `enough`, it holds; else more may be there
+/// than that, or it is not known.
 pub(super) fn deepest(light: Light, positions: &[[f32; 3]], faces: &[[u32; 3]], enough: u32) -> u32 {
     let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| positions.get(v as usize).is_some_and(|&p| is_finite(p)));
     let faces: Vec<[u32; 3]> = faces.iter().filter(is_drawn).copied().collect();
@@ -50,8 +51,8 @@ struct Search {
 }
 
 impl Search {
-    /// Bounds the faces over each other in a cell, which may meet these faces and sides. From the middle ray to any other the number
-    /// changes at sides alone.
+    /// Bounds the faces over each other in a cell, which may meet these faces and sides. From the middle ray to any
+    /// other the number changes at sides alone.
     fn cut(&mut self, cell: Cell, faces: &[u32], sides: &[Side], cuts: u32) {
         let ray = cell.middle();
         let met = faces.iter().filter(|&&face| self.rays.meets(ray, face)).count();
@@ -82,8 +83,8 @@ impl Search {
 /// Bound on rounding errors, as a share of the computed value.
 const SLACK: f64 = 1e-11;
 
-/// Faces as rays from the light see them: a place stands for all on its ray. With a light at infinity rays are parallel, and a place
-/// is where its ray meets a plane before the light.
+/// Faces as rays from the light see them: a place stands for all on its ray. With a light at infinity rays are
+/// parallel, and a place is where its ray meets a plane before the light.
 pub(super) struct Rays {
     pub(super) positions: Vec<DVec3>,
     pub(super) faces: Vec<[u32; 3]>,

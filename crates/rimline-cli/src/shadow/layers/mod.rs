@@ -1,5 +1,5 @@
-//! Casters whose faces lie over each other more often than the stencil counts: they are drawn in batches of few layers, each of
-//! which darkens what it covers before the next is counted.
+//! Casters whose faces lie over each other more often than the stencil counts: they are drawn in batches of few layers,
+//! each of which darkens what it covers before the next is counted.
 
 mod batches;
 mod deepest;
@@ -36,8 +36,9 @@ pub(super) struct Batch {
 }
 
 impl Layers {
-    /// Counts what lies over each other for these lights, and makes batches for up to `max_lights` at a time where the stencil would
-    /// not do. They are to be encoded before they are drawn. `None` if no reasonable number of batches would do.
+    /// Counts what lies over each other for these lights, and makes batches for up to `max_lights` at a time where the
+    /// stencil would not do. They are to be encoded before they are drawn. `None` if no reasonable number of batches
+    /// would do.
     pub(super) fn new(
         gpu: &Gpu,
         bodies: &[PosedModel<'_>],
