@@ -301,7 +301,7 @@ pub(crate) struct VerifyArgs {
 
     /// Instead of files, check scenes that the command makes: those of the viewer and every stress scene, on each GPU against the
     /// CPU. The page of the viewer does the same in a browser, at `?check`
-    #[arg(long)]
+    #[arg(long, conflicts_with = "make")]
     pub(crate) built_in: bool,
 
     /// Write the files instead of checking them: an extraction of every stress scene, and of each MODEL at rest and within

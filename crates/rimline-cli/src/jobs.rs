@@ -15,7 +15,7 @@ use crate::args::{Cli, Command};
 use crate::failure::{Failure, UsageError};
 use crate::input_args::JobsArgs;
 use crate::output::{self, collected, complain, print, say};
-use crate::target::{Inputs, check_parent, is_stdout, resolved};
+use crate::target::{Inputs, check_parent, is_stdout, real_path};
 use crate::{device, lines, shadow, source};
 
 /// Subcommands that take many jobs, and whether each FILE is a job there. The others take all FILEs as one scene, unless a
@@ -312,7 +312,7 @@ impl Many {
                 }
                 let output = |source| Failure::Output { file: file.clone(), source };
                 check_parent(file).map_err(output)?;
-                let Some(other) = resolved(file).and_then(|file| writers.insert(file, job)) else { continue };
+                let Some(other) = real_path(file).and_then(|file| writers.insert(file, job)) else { continue };
                 if other.index != job.index {
                     let (file, jobs) = (file.clone(), [other, job].map(|job| self.named(job)));
                     return Err(UsageError::SameResult { file, jobs }.into());

@@ -40,7 +40,7 @@ const LOOKS: u32 = 12;
 pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     let format = Format::of(args)?;
     args.check(format)?;
-    let style = args.style.as_deref().map_or_else(|| Ok(Style::default()), style::read)?;
+    let mut style = args.style.as_deref().map_or_else(|| Ok(Style::default()), style::read)?;
     if let (Some(file), Hidden::None, true) = (&args.style, args.hidden, style.has_hidden()) {
         note(&format!("warning: {}: hidden lines are not drawn; give --hidden dashed or thin", file.display()));
     }
@@ -106,7 +106,11 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
             remarks.of_seams(&inputs);
         }
         let units = (format == Format::Dxf && args.dxf_units == DxfUnits::Model).then(|| eye.page_of_origin(origin));
-        let sheet = Sheet::new(args, &style, &drawing, extent.window(args), units)?;
+        let mut sheet = Sheet::new(args, &style, &drawing, extent.window(args), units)?;
+        if frame == 0 && sheet.is_crowded() {
+            style.is_fine = true;
+            sheet = Sheet::new(args, &style, &drawing, extent.window(args), units)?;
+        }
         sheet.remarks.iter().for_each(|remark| remarks.say(remark.clone()));
         if frames == 1 {
             progress.step("writing");

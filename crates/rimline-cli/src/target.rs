@@ -168,11 +168,11 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     if let (Ok(there), Ok(other)) = (std::fs::metadata(a), std::fs::metadata(b)) {
         return identity(a, &there) == identity(b, &other);
     }
-    a == b || resolved(a).is_some_and(|a| Some(a) == resolved(b))
+    a == b || real_path(a).is_some_and(|a| Some(a) == real_path(b))
 }
 
 /// A name of the file that is the same for all its paths, be it there or not, if its folder is there.
-pub(crate) fn resolved(path: &Path) -> Option<PathBuf> {
+pub(crate) fn real_path(path: &Path) -> Option<PathBuf> {
     let path = end_of_links(path).ok()?;
     Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
 }

@@ -152,6 +152,9 @@ pub(crate) fn is_in_plane(a: [f32; 3], b: [f32; 3], p: [f32; 3], eye: Eye) -> bo
 
 /// `det[b − a, c − a, p − a]`, rounded: the height of `p` over a face. It does not depend on the eye, so 0 stays 0.
 pub(crate) fn face_value(a: [f32; 3], b: [f32; 3], c: [f32; 3], p: [f32; 3]) -> Value {
+    if [a, b, c].contains(&p) {
+        return Value::ZERO;
+    }
     value(a, b, c, [p[0], p[1], p[2], 1.0], false)
 }
 
@@ -162,13 +165,18 @@ pub(crate) fn facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye) -> i32 {
 
 /// `det[b − a, c − a, l − w·a]`, rounded. `is_moved`: a 0 is replaced by the value for the moved eye.
 fn value(a: [f32; 3], b: [f32; 3], c: [f32; 3], eye: Eye, is_moved: bool) -> Value {
+    // Copies of a mesh ask for this most.
+    if a == b || b == c || c == a {
+        return Value::ZERO;
+    }
     let is_point = eye[3] != 0.0;
     let units = Units::new(&[a, b, c], eye);
     if units.bits <= WINDOW {
-        let fixed = |number: f32, low: i32| i128::from(fixed(number, low));
-        first_of(&determinants(&units.all([a, b, c], eye, fixed), is_point), is_moved, &units, None)
+        let values = determinants(&units.all([a, b, c], eye, fixed), is_point);
+        first_of(|order| values[order], is_moved, &units, None)
     } else {
-        first_of(&determinants(&units.all([a, b, c], eye, big), is_point), is_moved, &units, None)
+        let values = determinants(&units.all([a, b, c], eye, big), is_point);
+        first_of(|order| values[order].clone(), is_moved, &units, None)
     }
 }
 
@@ -182,17 +190,22 @@ pub(crate) struct PiercePositions {
 impl PiercePositions {
     /// [`edge_value`] where the edge pierces the face.
     pub(crate) fn edge_value(&self, a: [f32; 3], b: [f32; 3], eye: Eye) -> Value {
+        if self.edge == [a, b] || self.edge == [b, a] {
+            return Value::ZERO;
+        }
         // The third point varies below. Its coordinates are among the edge's.
         let units = self.units([a, b, a], eye);
-        let at_end = |p| determinants(&units.all([a, b, p], eye, big), eye[3] != 0.0);
-        self.mean(&self.edge.map(at_end), true, &units)
+        self.mean(|p| ([a, b, p], eye), true, &units)
     }
 
     /// [`face_value`] where the edge pierces the face.
     pub(crate) fn face_value(&self, a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Value {
+        let is_corner = |p: &[f32; 3]| [a, b, c].contains(p);
+        if self.edge.iter().all(is_corner) || self.face.iter().all(is_corner) {
+            return Value::ZERO;
+        }
         let units = self.units([a, b, c], [0.0, 0.0, 0.0, 1.0]);
-        let at_end = |[x, y, z]: [f32; 3]| determinants(&units.all([a, b, c], [x, y, z, 1.0], big), true);
-        self.mean(&self.edge.map(at_end), false, &units)
+        self.mean(|[x, y, z]| ([a, b, c], [x, y, z, 1.0]), false, &units)
     }
 
     fn units(&self, [a, b, c]: [[f32; 3]; 3], eye: Eye) -> Units {
@@ -201,16 +214,35 @@ impl PiercePositions {
     }
 
     /// The value at the point of piercing, from those at the edge's ends. The weight of an end is the height of the other
-    /// end over the face, without its sign. `at_ends` has a determinant for each order, `units` its units.
-    fn mean(&self, at_ends: &[[BigInt; 4]; 2], is_moved: bool, units: &Units) -> Value {
+    /// end over the face, without its sign. `of` has the points and the eye of a determinant for an end.
+    fn mean(&self, of: impl Fn([f32; 3]) -> ([[f32; 3]; 3], Eye), is_moved: bool, units: &Units) -> Value {
+        if units.bits <= WINDOW {
+            self.mean_of_integers(of, is_moved, units, fixed)
+        } else {
+            self.mean_of_integers(of, is_moved, units, big)
+        }
+    }
+
+    fn mean_of_integers<T: Integer + Into<BigInt>>(
+        &self,
+        of: impl Fn([f32; 3]) -> ([[f32; 3]; 3], Eye),
+        is_moved: bool,
+        units: &Units,
+        integer: impl Fn(f32, i32) -> T,
+    ) -> Value {
+        let at_ends = self.edge.map(|end| {
+            let (points, eye) = of(end);
+            determinants(&units.all(points, eye, &integer), eye[3] != 0.0)
+        });
         let heights = self.edge.map(|[x, y, z]| {
             // Here an end of the edge stands where the eye stands else, so it has the unit of points.
-            let all = Units { far_low: units.low, ..*units }.all(self.face, [x, y, z, 1.0], big);
+            let all = Units { far_low: units.low, ..*units }.all(self.face, [x, y, z, 1.0], &integer);
             let [height, ..] = determinants(&all, true);
-            BigInt::from(height.into_parts().1)
+            BigInt::from(height.into().into_parts().1)
         });
-        let sums = from_fn(|order| &at_ends[0][order] * &heights[1] + &at_ends[1][order] * &heights[0]);
-        first_of(&sums, is_moved, units, Some(&heights[0] + &heights[1]))
+        let at_end = |end: usize, order: usize| -> BigInt { at_ends[end][order].clone().into() };
+        let sum = |order: usize| at_end(0, order) * &heights[1] + at_end(1, order) * &heights[0];
+        first_of(sum, is_moved, units, Some(&heights[0] + &heights[1]))
     }
 }
 
@@ -273,17 +305,16 @@ fn determinants<T: Integer>(all: &[T; 12], is_point: bool) -> [T; 4] {
     [nx.clone() * x + ny.clone() * y + nz.clone() * z, nx, ny, nz]
 }
 
-/// The first of the determinants, by order, that is not 0. `divisor`: they are sums weighted with heights over a face, to be
+/// The first of the determinants, `of` an order, that is not 0. `divisor`: they are sums weighted with heights over a face, to be
 /// divided by the sum of the weights.
-fn first_of<T: Integer>(values: &[T; 4], is_moved: bool, units: &Units, divisor: Option<T>) -> Value {
+fn first_of<T: Integer>(of: impl Fn(usize) -> T, is_moved: bool, units: &Units, divisor: Option<T>) -> Value {
     // A height over a face is a product of three coordinates, and has the cube of their unit.
     let (weight_exponent, divisor) =
         divisor.map_or((0, 1.0), |divisor| (3 * units.low, divisor.rounded(3 * units.low)));
-    let orders = if is_moved { 4 } else { 1 };
-    for (order, value) in (0..).zip(&values[..orders]) {
+    for order in 0..if is_moved { 4 } else { 1_u8 } {
         // Two vectors between points, and as the third the eye or, in higher orders, an axis, which has no unit.
         let exponent = weight_exponent + 2 * units.low + if order == 0 { units.far_low } else { 0 };
-        let value = value.rounded(exponent) / divisor;
+        let value = of(order.into()).rounded(exponent) / divisor;
         if value != 0.0 {
             return Value { order, value };
         }
@@ -315,9 +346,9 @@ pub(crate) fn window(numbers: impl Iterator<Item = f32>) -> (i32, i32) {
 }
 
 /// The number as a multiple of `2^low`, for `low` of a window of at most [`WINDOW`] bits that the number is in.
-fn fixed(number: f32, low: i32) -> i64 {
+fn fixed(number: f32, low: i32) -> i128 {
     let (mantissa, exponent) = decode(number);
-    mantissa << (exponent - low).clamp(0, WINDOW)
+    i128::from(mantissa << (exponent - low).clamp(0, WINDOW))
 }
 
 /// The number as a multiple of `2^low`, for `low` of any window that the number is in.

@@ -150,7 +150,7 @@ impl PreparedFace {
         let is_in = [is_shared(0), is_shared(1), is_shared(2)];
         let position = |at: usize| positions[others[at] as usize];
         match is_in {
-            [false, false, false] => !is_beside(&self.plane, is_in, [position(0), position(1), position(2)]),
+            [false, false, false] => !is_beside(&self.plane, is_in, [position(0), position(1), position(2)], &[1, -1]),
             [true, false, false] => self.may_meet_at(others[0], [position(1), position(2)], positions),
             [false, true, false] => self.may_meet_at(others[1], [position(2), position(0)], positions),
             [false, false, true] => self.may_meet_at(others[2], [position(0), position(1)], positions),
@@ -188,10 +188,10 @@ impl PreparedFace {
     }
 }
 
-/// Whether `f64` is certain that the corners are on one side of a plane, but for those that are in it.
-fn is_beside(plane: &Plane, is_in: [bool; 3], corners: [[f32; 3]; 3]) -> bool {
+/// Whether `f64` is certain that the corners are on one of these sides of a plane, but for those that are in it.
+fn is_beside(plane: &Plane, is_in: [bool; 3], corners: [[f32; 3]; 3], sides: &[i32]) -> bool {
     let signs = corners.map(|corner| plane.height(corner.map(f64::from)).certain_sign());
-    [1, -1].into_iter().any(|side| (0..3).all(|at| is_in[at] || signs[at] == side))
+    sides.iter().any(|&side| (0..3).all(|at| is_in[at] || signs[at] == side))
 }
 
 /// The ends of the line where two faces pass through each other.
@@ -221,14 +221,15 @@ fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
 fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
-    let is_shared = face.corners.map(|vertex| other.corners.contains(&vertex));
-    // A shared corner is in the plane. With all others on one side, that is all that is.
-    if is_beside(&plane, is_shared, face.positions) {
+    let is_in = face.positions.map(|position| other.positions.contains(&position));
+    // A corner is in the plane. With all others on one side, that is all that is, unless it is an edge that is drawn from behind.
+    let is_edge_in = is_in.into_iter().filter(|is_in| *is_in).count() == 2;
+    if is_beside(&plane, is_in, face.positions, if is_edge_in { &[1] } else { &[1, -1] }) {
         return None;
     }
     let heights = face.positions.map(|p| plane.height(p.map(f64::from)));
     let value = |at: usize| {
-        if is_shared[at] {
+        if is_in[at] {
             0.0
         } else {
             heights[at].accurate().unwrap_or_else(|| face_value(a, b, c, face.positions[at])).number()

@@ -136,7 +136,7 @@ impl Bits {
     }
 }
 
-/// What a check has found so far, which is shown as a table.
+/// Results of a check so far, shown as a table.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     pub device: String,

@@ -8,7 +8,7 @@ fn main() -> ExitCode {
         .input_path(program)
         .out_name("rimline")
         .web(true)
-        .and_then(|bindgen| bindgen.typescript(false).generate(folder));
+        .and_then(|bindgen| bindgen.typescript(false).remove_name_section(true).remove_producers_section(true).generate(folder));
     match made {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -155,7 +155,8 @@ Examples:
   rimline lines parts/*.stl --out drawings/{stem}.pdf
   rimline lines fox.glb --animation Run --frames 24 --turn 90 --out frames --format png
 
-A style, with the defaults of some lines; widths and dashes in millimetres:
+A style, with the defaults of some lines; widths and dashes in millimetres. Default widths are
+halved if a fifth of the lines, in the first drawing, is where ink covers most of the page:
   [silhouette]
   width = 0.5
   color = \"#000000\"

@@ -1,5 +1,6 @@
 //! The page: where lines are on it, in millimetres.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use rimline_lines::{Chain, Drawing, LineClass, Object, PageBox, View};
@@ -155,6 +156,38 @@ impl Sheet {
         if self.layers.is_empty() && !drawing.chains.is_empty() {
             self.remarks.push("warning: all lines are hidden, or shorter than a micrometre at this scale".to_owned());
         }
+    }
+
+    /// Whether a fifth of the visible lines, by length, is where ink covers most of the page, so that lines clot.
+    pub(crate) fn is_crowded(&self) -> bool {
+        const CELL_UM: i64 = 2000;
+        if self.units.is_some() {
+            return false;
+        }
+        // By cells of the page: length in nanometres and ink in square micrometres. Sums of integers need no order.
+        let mut cells: HashMap<[i64; 2], [u64; 2]> = HashMap::new();
+        for layer in self.layers.iter().filter(|layer| !layer.is_hidden) {
+            for line in &layer.lines {
+                let last = line.is_closed.then(|| [line.points[line.points.len() - 1], line.points[0]]);
+                let segments = line.points.windows(2).map(|pair| [pair[0], pair[1]]).chain(last);
+                for [from, to] in segments {
+                    let [dx, dy] = [0, 1].map(|axis| (to[axis] - from[axis]) as f64);
+                    let length = (dx * dx + dy * dy).sqrt();
+                    let steps = libm::ceil(length / 100.0).clamp(1.0, 1000.0);
+                    let part = length / steps;
+                    for step in 0..steps as u32 {
+                        let along = (f64::from(step) + 0.5) / steps;
+                        let at = [(0, dx), (1, dy)].map(|(axis, by)| from[axis] + (along * by) as i64);
+                        let cell = cells.entry(at.map(|um| um.div_euclid(CELL_UM))).or_default();
+                        cell[0] += (1000.0 * part) as u64;
+                        cell[1] += (1000.0 * part * layer.pen.width_mm) as u64;
+                    }
+                }
+            }
+        }
+        let all: u64 = cells.values().map(|[length, _]| length).sum();
+        let crowded = cells.values().filter(|[_, ink]| 10 * ink > 6 * (CELL_UM * CELL_UM) as u64);
+        5 * crowded.map(|[length, _]| length).sum::<u64>() > all
     }
 
     /// A point of the view's page in millimetres from the lower left corner.

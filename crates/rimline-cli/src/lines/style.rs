@@ -22,6 +22,8 @@ pub(crate) struct Pen {
 /// The contents of a style file; omitted keys have defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Style {
+    /// Default widths are halved.
+    pub(crate) is_fine: bool,
     visible: Vec<(LineClass, Strokes)>,
     hidden: Strokes,
     hidden_classes: Vec<(LineClass, Strokes)>,
@@ -59,6 +61,7 @@ impl Style {
             (false, _, LineClass::NonManifold | LineClass::Marked) => 0.35,
             (false, ..) => 0.25,
         };
+        let width_mm = if self.is_fine { 0.5 * width_mm } else { width_mm };
         let is_dashed = is_hidden && hidden == Hidden::Dashed;
         let pen = Pen { width_mm, color: [0; 3], dash_mm: if is_dashed { vec![1.5, 0.8] } else { Vec::new() } };
         let of_class = |strokes: &[(LineClass, Strokes)]| {
@@ -165,12 +168,15 @@ mod tests {
     #[test]
     fn styles_change_what_they_name() {
         let style = "[silhouette]\nwidth = 1\n[hidden]\ndash = []\n[hidden.crease]\ncolor = \"#80ff00\"";
-        let style = parse(style).expect("it is a style");
+        let mut style = parse(style).expect("it is a style");
         assert_eq!(style.pen(LineClass::Silhouette, false, Hidden::None).width_mm, 1.0);
         assert_eq!(style.pen(LineClass::Boundary, false, Hidden::None).width_mm, 0.5);
         let crease = style.pen(LineClass::Crease, true, Hidden::Dashed);
         assert_eq!(crease, Pen { width_mm: 0.18, color: [128, 255, 0], dash_mm: Vec::new() });
         assert_eq!(style.pen(LineClass::Boundary, true, Hidden::Dashed).color, [0; 3]);
+        style.is_fine = true;
+        assert_eq!(style.pen(LineClass::Silhouette, false, Hidden::None).width_mm, 1.0);
+        assert_eq!(style.pen(LineClass::Boundary, false, Hidden::None).width_mm, 0.25);
     }
 
     #[test]

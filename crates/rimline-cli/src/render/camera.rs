@@ -282,6 +282,26 @@ mod tests {
     }
 
     #[test]
+    fn views_without_perspective_hold_every_point_between_their_planes() {
+        for options in
+            ["--view front", "--view top --size 300x900", "--view 200,-30", "--eye 9,50,3", "--target 9,9,9", ""]
+        {
+            let camera =
+                camera(&args(&format!("--ortho {options}")), 17.0, &AROUND, CUBE.into_iter()).expect("a camera");
+            camera.shadow_camera().check().expect("a camera of shadows");
+            assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5, "{options}");
+            let seen = |point: [f32; 3]| {
+                let p = Vec3::from(point) - camera.eye;
+                let far = camera.far.expect("a far plane");
+                assert!(p.dot(camera.forward) > camera.near && p.dot(camera.forward) < far, "{options}");
+                (p.dot(camera.right) * camera.scale[0]).abs().max((p.dot(camera.up) * camera.scale[1]).abs())
+            };
+            let widest = CUBE.into_iter().map(seen).fold(0.0, f32::max);
+            assert!((widest - FILLED as f32).abs() < 1e-3, "{options}: {widest}");
+        }
+    }
+
+    #[test]
     fn what_lies_flat_is_seen_from_higher() {
         let of = |y| elevation(17.0, &Bounds { min: Vec3::ZERO, max: Vec3::new(2.0, y, 1.0) });
         assert_eq!((of(0.0), of(0.25), of(7.0)), (45.0, 17.0, 17.0));

@@ -38,7 +38,8 @@ pub fn turns(source: &str, limits: &Limits<'_>) -> Result<Vec<(String, u64)>, St
 fn names(source: &str, limits: &Limits<'_>) -> BTreeMap<String, i64> {
     let mut names: BTreeMap<_, _> = limits.iter().map(|(&name, &value)| (name.to_owned(), value as i64)).collect();
     for line in source.lines() {
-        let constant = line.trim().strip_prefix("const ").and_then(|line| line.strip_suffix(';'));
+        let code = line.split("//").next().unwrap_or_default().trim();
+        let constant = code.strip_prefix("const ").and_then(|line| line.strip_suffix(';'));
         let Some((name, text)) = constant.and_then(|line| line.split_once('=')) else { continue };
         let name = name.split(':').next().unwrap_or(name).trim();
         if let Some(value) = value(text, &names) {

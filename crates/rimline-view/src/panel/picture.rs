@@ -5,8 +5,8 @@ use glam::{Vec2, Vec3};
 
 use super::style;
 use crate::state::camera::Camera;
-use crate::state::drag::Handle;
 use crate::state::event::{Button, Event, Modifiers};
+use crate::state::handle::Handle;
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
 use rimline_picture::Bounds;

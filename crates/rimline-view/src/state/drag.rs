@@ -3,26 +3,10 @@
 use glam::{Vec2, Vec3};
 
 use super::event::{Button, Modifiers};
+use super::handle::{Drag, Handle};
 use super::lamp::{LampKind, sun_distance};
 use super::viewer::Viewer;
 use rimline_picture::Bounds;
-
-/// A handle on the picture, by the number of its light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Handle {
-    /// A light.
-    Lamp(usize),
-    /// The point that the selected light is aimed at, if it is a spot.
-    Target(usize),
-}
-
-/// The thing that the pointer drags.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Drag {
-    Turn,
-    Pan,
-    Handle(Handle, Modifiers),
-}
 
 /// Degrees for each pixel that the pointer moves.
 const TURN: f32 = 0.35;

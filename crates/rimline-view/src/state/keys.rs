@@ -149,7 +149,8 @@ pub(crate) fn key_of(action: Action) -> String {
 impl KeyBinding {
     /// The key in words.
     pub fn name(&self) -> String {
-        let key = self.key.symbol_or_name();
+        // The fonts lack egui's symbols of arrows.
+        let key = self.key.name().strip_prefix("Arrow").unwrap_or(self.key.symbol_or_name());
         if self.shift { format!("Shift {key}") } else { key.to_owned() }
     }
 }

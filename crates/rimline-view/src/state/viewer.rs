@@ -7,8 +7,8 @@ use rimline_picture::{Bounds, Mode};
 use super::body::Body;
 use super::camera::{Camera, Orbit};
 use super::clock::Clock;
-use super::drag::{Drag, Handle};
 use super::event::Event;
+use super::handle::{Drag, Handle};
 use super::lamp::{AREA_SAMPLES, Lamp};
 use super::options::Options;
 

@@ -241,10 +241,6 @@ impl App {
             self.page.tell("said", message);
         }
     }
-
-    fn tell(&mut self, event: Event) {
-        self.viewer.handle(event);
-    }
 }
 
 /// Does what the viewer asked for.
@@ -252,7 +248,7 @@ fn fulfil(app: &Shared, request: Request) {
     let page = app.borrow().page.clone();
     let event_app = Rc::clone(app);
     let tell = move |event| {
-        event_app.borrow_mut().tell(event);
+        event_app.borrow_mut().viewer.handle(event);
         ask_for_frame(&event_app);
     };
     match request {

@@ -1,4 +1,4 @@
-//! Chromium without a window, steered by the DevTools protocol over two pipes. Over pipes a message ends with a zero byte, so no
+//! Chromium without a window, steered by its protocol for debuggers over two pipes. Over pipes a message ends with a zero byte, so no
 //! crate for sockets of the web is needed.
 
 use std::fs;
@@ -14,10 +14,10 @@ use tempfile::TempDir;
 
 use crate::server;
 
-/// SwiftShader on a busy machine compiles for long.
+/// A software driver on a busy machine compiles for long.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(400);
 
-/// WebGPU on SwiftShader, which needs no GPU, and Vulkan for what puts the page together: it must show what WebGPU drew.
+/// WebGPU by software, and Vulkan for what puts the page together: it must show what WebGPU drew.
 const FLAGS: [&str; 14] = [
     "--headless",
     "--no-sandbox",

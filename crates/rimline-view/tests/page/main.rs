@@ -1,4 +1,4 @@
-//! The viewer's page in headless Chromium, by the DevTools protocol. `cargo xtask web --test` builds the page, and names its folder in
+//! The viewer's page in headless Chromium, by its protocol for debuggers. `cargo xtask web --test` builds the page, and names its folder in
 //! `RIMLINE_PAGE`; without it the tests are ignored by name.
 
 #[cfg(unix)]

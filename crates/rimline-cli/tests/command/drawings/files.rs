@@ -8,7 +8,7 @@ use rimline_models::figure::{Figure, glb};
 use rimline_testkit::shapes;
 use serde_json::Value;
 
-use super::super::makers::npz_model;
+use super::super::makers::{npz_mesh, npz_model};
 use super::super::run::{Folder, folder};
 use super::super::{Outcome, Test, ensure, schema};
 
@@ -16,6 +16,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("drawings::all_formats_hold_the_same_lines", formats_agree),
     ("drawings::dxf_has_coordinates_of_the_files", dxf_has_coordinates),
     ("drawings::json_is_as_its_schema_says", json_has_its_schema),
+    ("drawings::lines_that_would_clot_are_thin", crowded_lines_are_thin),
 ];
 
 /// A polyline: its layer, whether it is closed, and its points in micrometres from the lower left corner.
@@ -309,5 +310,33 @@ fn json_has_its_schema() -> Outcome {
             ensure!(schema::validate(&schema, &changed).is_err(), "a wrong {pointer} passed");
         }
     }
+    Ok(())
+}
+
+/// A sheet of many triangles has half the default widths, but for those of a style; a film keeps those of its first drawing.
+fn crowded_lines_are_thin() -> Outcome {
+    let folder = folder();
+    for (name, side) in [("few.npz", 3), ("many.npz", 60)] {
+        let corners = (0..side * side).flat_map(|at| {
+            let [x, y] = [at % side, at / side].map(|c| 2.0 * c as f32);
+            [[x, y, 0.0], [x + 1.0, y, 0.0], [x, y + 1.0, 0.0]]
+        });
+        let faces: Vec<_> = (0..side * side).map(|at| [0, 1, 2].map(|corner| 3 * at + corner)).collect();
+        folder.write(name, npz_mesh(&corners.collect::<Vec<_>>(), &faces))?;
+    }
+    folder.write("pens.toml", "[boundary]\nwidth = 0.4")?;
+    let width = |line: &str, file: &str| {
+        folder.run(line).expect(0, &[])?;
+        let svg = String::from_utf8(folder.read(file)?).map_err(text)?;
+        let group = svg.split_once("<g").ok_or("no layer")?.1;
+        Ok::<_, String>(attribute(group, "stroke-width")?.to_owned())
+    };
+    let drawn = "--view front --page 60x60 --out @drawing.svg";
+    for (models, expected) in [("@few.npz", "0.5"), ("@many.npz", "0.25"), ("@many.npz --style @pens.toml", "0.4")] {
+        let found = width(&format!("lines {models} {drawn}"), "drawing.svg")?;
+        ensure!(found == expected, "{models}: lines of {found} mm, not {expected}");
+    }
+    let found = width("lines @many.npz --view front --page 60x60 --frames 2 --turn 170 --out @film", "film/0001.svg")?;
+    ensure!(found == "0.25", "a film changes its pens to {found}");
     Ok(())
 }

@@ -44,6 +44,9 @@ pub(crate) fn trials() -> Vec<Trial> {
 }
 
 const SIDE_MM: usize = 110;
+/// Two pixels and one, also where lines are so near to each other that they have thinner pens by default.
+const PENS: &str = "[silhouette]\nwidth = 0.5\n[boundary]\nwidth = 0.5\n[non-manifold]\nwidth = 0.35\n[crease]\nwidth = 0.25\n\
+                    [intersection]\nwidth = 0.25";
 const PIXELS_PER_MM: usize = 4;
 const SIDE: usize = SIDE_MM * PIXELS_PER_MM;
 
@@ -105,8 +108,10 @@ fn compare(scene: &Scene, ink: &[f32]) -> Found {
 
 /// Draws a model and compares; returns the drawing and the scene.
 fn check(folder: &Folder, model: &str, objects: &[Object<'_>], view: &str) -> Result<(String, Scene), String> {
+    folder.write("pens.toml", PENS)?;
     for ending in ["svg", "json"] {
-        let line = format!("lines {model} --page {SIDE_MM}x{SIDE_MM} {view} --out @drawing.{ending}");
+        let pens = if ending == "svg" { "--style @pens.toml" } else { "" };
+        let line = format!("lines {model} --page {SIDE_MM}x{SIDE_MM} {view} {pens} --out @drawing.{ending}");
         folder.run(&line).expect(0, &[])?;
     }
     let read = |name: &str| String::from_utf8(folder.read(name)?).map_err(|error| error.to_string());

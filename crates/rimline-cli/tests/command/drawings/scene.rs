@@ -298,15 +298,21 @@ impl Look<'_> {
             return Between::Nothing;
         }
         let (from, to) = (self.point(here), self.point(there));
-        let ends = self.hits[here].iter().map(|&face| match self.scene.walk(face, from, to) {
-            Err(between) => between,
-            Ok(end) if self.hits[there].contains(&end) => Between::Nothing,
-            Ok(end) => match depth(&self.scene.corners[end as usize], to) {
-                Some(depth) if (depth - self.nearest[there]).abs() <= self.scene.tolerance => Between::Nothing,
-                Some(_) => Between::Line,
-                None => Between::Perhaps,
-            },
-        });
+        // A surface that coincides with another one may go on behind it: they do not pass through each other.
+        let ends = |hidden: Between| {
+            let end = move |&face: &u32| match self.scene.walk(face, from, to) {
+                Err(between) => between,
+                Ok(end) if self.hits[there].contains(&end) => Between::Nothing,
+                Ok(end) => match depth(&self.scene.corners[end as usize], to) {
+                    Some(depth) if (depth - self.nearest[there]).abs() <= self.scene.tolerance => Between::Nothing,
+                    Some(_) => hidden,
+                    None => Between::Perhaps,
+                },
+            };
+            self.hits[here].iter().map(end)
+        };
+        let is_one_seen = ends(Between::Line).any(|end| end == Between::Nothing);
+        let ends = ends(if is_one_seen { Between::Perhaps } else { Between::Line });
         ends.max().unwrap_or(Between::Nothing)
     }
 }
