@@ -59,7 +59,7 @@ fn of_pass() -> Result<(), String> {
                 let begun = format.begin_pass(&mut encoder, &pass).map(drop);
                 gpu.queue.submit([encoder.finish()]);
                 let expected = if is_taken { Expected::Taken } else { shows(&["OtherAttachments"]) };
-                rows_refused([refusal(&format!("{format:?} for {found:?}"), begun, expected)])?;
+                rows_refused([refusal(format!("{format:?} for {found:?}"), begun, expected)])?;
             }
         }
         for (colors, given) in [(vec![], 0), (vec![None], 0), (vec![attach(&color), attach(&color)], 2)] {

@@ -68,7 +68,7 @@ pub struct Pass<'a> {
     pub source: &'a str,
     /// Groups 1 and on.
     pub groups: &'a [&'a wgpu::BindGroupLayout],
-    /// What vertices make.
+    /// The primitives that vertices make.
     pub topology: wgpu::PrimitiveTopology,
     /// The format of the colour target.
     pub format: wgpu::TextureFormat,

@@ -22,7 +22,7 @@ fn ground_point(pixel: vec2<f32>) -> GroundPoint {
   let ndc = in_picture(pixel) / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
   let aside = ndc.x / frame.scale_x * frame.right + ndc.y / frame.scale_y * frame.up;
   let is_parallel = frame.is_parallel != 0u;
-  // Of an orthographic camera the rays begin aside, and what is aside is no part of their direction.
+  // The rays of an orthographic camera begin aside and have one direction.
   let begin = select(vec3<f32>(0.0), aside * frame.per_unit, is_parallel);
   let ray = select(aside, vec3<f32>(0.0), vec3<bool>(is_parallel)) + frame.forward;
   let q = begin + ray * ((frame.ground - begin.y) / min(ray.y, -1e-6));

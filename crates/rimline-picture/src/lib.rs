@@ -16,6 +16,7 @@ mod normals;
 mod overlay;
 mod passes;
 mod resources;
+mod smoothing;
 mod surface;
 mod targets;
 
@@ -28,9 +29,10 @@ pub use factory::{
 };
 pub use frame::{PARTS, Part, SceneView};
 pub use lights::{ShadedLight, reach};
-pub use normals::{NormalPipeline, Normals, Smoothing, corner_normals};
+pub use normals::corner_normals;
 pub use overlay::{OVERLAY, VolumeOverlay, overlay_pass};
 pub use passes::{Mode, Onto, PicturePipelines, ReceiverPass, ReceiverPipelines, Subject};
 pub use resources::Resources;
+pub use smoothing::{NormalPipeline, Normals, Smoothing};
 pub use surface::{FacingMasks, OPPOSITE, Surface, SurfaceBuffers, TURNED};
 pub use targets::{Attachments, PictureFormat, Target, Targets};

@@ -26,6 +26,8 @@ pub struct ShadedLight {
     pub samples: Vec<Light>,
     /// The area that the samples are of.
     pub area: Option<AreaLight>,
+    /// The number of the silhouettes that are shown for all samples. `None`: each sample has silhouettes with its own number.
+    pub shown: Option<u32>,
 }
 
 /// Layout of `ShadedLight` in `scene.wgsl`.
@@ -42,14 +44,15 @@ pub(crate) struct ShadedLightData {
     axis: [f32; 3],
     cone_scale: f32,
     cone_offset: f32,
-    reserved: [f32; 3],
+    silhouettes: u32,
+    reserved: [f32; 2],
 }
 
 impl ShadedLight {
     /// A white light that reaches everything.
     pub fn new(light: Light) -> Self {
         let (range, samples) = (f32::INFINITY, vec![light]);
-        Self { light, color: [1.0; 3], range, begin: 0.0, exponent: 1.0, cone: None, samples, area: None }
+        Self { light, color: [1.0; 3], range, begin: 0.0, exponent: 1.0, cone: None, samples, area: None, shown: None }
     }
 
     /// Takes samples of one of several patterns, if the light has an area.
@@ -98,11 +101,12 @@ impl ShadedLight {
                 begin: reach(self.begin),
                 exponent: self.exponent,
                 bit: number as u32 % 32,
-                density: share / lights as f32,
+                density: self.shown.map_or(share, |_| 1.0) / lights as f32,
                 axis: self.cone.map_or([0.0; 3], |cone| cone.direction),
                 cone_scale,
                 cone_offset,
-                reserved: [0.0; 3],
+                silhouettes: self.shown.unwrap_or(number as u32 % 32),
+                reserved: [0.0; 2],
             }
         })
     }

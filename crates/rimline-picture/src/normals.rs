@@ -1,18 +1,13 @@
-//! Shading normals: smooth where the surface bends gently, split where it has a crease. Computed here, or on the device.
-
-use std::collections::HashMap;
+//! Shading normals: smooth where the surface bends gently, split where it has a crease.
 
 use glam::{Vec2, Vec3};
-
-use crate::bindings::{READ_ONLY, WRITTEN, group, layout};
-use crate::factory::{COMMON, PipelineFactory};
 
 /// Faces that meet at more than this angle, in degrees, keep their own normals.
 const CREASE: f32 = 60.0;
 
 /// A normal a corner of `faces`, folded onto an octahedron as two 16-bit signed fractions. Neighbours count by area.
 pub fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
-    let near = Neighbours::new(positions, faces, None, CREASE);
+    let near = Neighbours::new(positions, faces, None);
     let normal = |(face, vertex): (usize, u32)| {
         let sum: Vec3 = near.of(face, vertex).map(|other| near.areas[other]).sum();
         sum.try_normalize().unwrap_or(near.units[face])
@@ -22,7 +17,7 @@ pub fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
 }
 
 /// Faces around vertices that smooth into each other.
-struct Neighbours {
+pub(crate) struct Neighbours {
     /// Normals of faces, twice their area long, and of length 1.
     areas: Vec<Vec3>,
     units: Vec<Vec3>,
@@ -31,8 +26,8 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    /// Faces that meet at up to so many degrees. `same` tells the first of the vertices at a position, where they are one.
-    fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], same: Option<&[u32]>, degrees: f32) -> Self {
+    /// `same` tells the first of the vertices at a position, where they are one.
+    pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], same: Option<&[u32]>) -> Self {
         let position = |v: u32| Vec3::from(positions[v as usize]);
         // Neither tiny nor huge models leave the range of floats.
         let extent = positions.iter().flatten().filter(|c| c.is_finite()).fold(0.0_f32, |a, c| a.max(c.abs()));
@@ -43,11 +38,11 @@ impl Neighbours {
             .collect();
         let units: Vec<Vec3> = areas.iter().map(|area| area.normalize_or_zero()).collect();
         let around = Around::new(positions.len(), faces, |vertex| same.map_or(vertex, |same| same[vertex as usize]));
-        Self { areas, units, around, cosine: degrees.to_radians().cos() }
+        Self { areas, units, around, cosine: CREASE.to_radians().cos() }
     }
 
-    /// Those of a face at one of its vertices.
-    fn of(&self, face: usize, vertex: u32) -> impl Iterator<Item = usize> + '_ {
+    /// The neighbours of a face at one of its vertices.
+    pub(crate) fn of(&self, face: usize, vertex: u32) -> impl Iterator<Item = usize> + '_ {
         let normal = self.units[face];
         self.around.faces(vertex).filter(move |&other| self.units[other].dot(normal) > self.cosine)
     }
@@ -60,7 +55,7 @@ struct Around {
 }
 
 impl Around {
-    /// Of faces whose vertices stand for others.
+    /// The neighbours of faces whose vertices stand for others.
     fn new(vertices: usize, faces: &[[u32; 3]], stands_for: impl Fn(u32) -> u32) -> Self {
         let mut starts = vec![0_u32; vertices + 1];
         for &v in faces.iter().flatten() {
@@ -83,158 +78,6 @@ impl Around {
     fn faces(&self, vertex: u32) -> impl Iterator<Item = usize> + '_ {
         let range = self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize;
         self.faces[range].iter().map(|&face| face as usize)
-    }
-}
-
-/// Corners that share a normal, in groups. The normal of a group is the sum over its faces by area.
-#[derive(Clone, Debug, Default)]
-pub struct Smoothing {
-    /// Where the faces and the corners of each group begin, and at last where they end.
-    starts: Vec<[u32; 2]>,
-    faces: Vec<u32>,
-    corners: Vec<u32>,
-}
-
-impl Smoothing {
-    /// Smooths a mesh by the angles of its faces at these positions. Vertices at one position are one.
-    pub fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
-        Self::up_to(CREASE, positions, faces)
-    }
-
-    /// Keeps every face flat.
-    pub fn flat(faces: &[[u32; 3]]) -> Self {
-        let faces = 0..faces.len() as u32;
-        let starts = faces.clone().chain([faces.end]).map(|face| [face, 3 * face]).collect();
-        Self { starts, corners: (0..3 * faces.end).collect(), faces: faces.collect() }
-    }
-
-    fn up_to(degrees: f32, positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
-        let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
-        let same: Vec<u32> = (0..)
-            .zip(positions)
-            .map(|(vertex, position)| *first_at.entry(position.map(|c| (c + 0.0).to_bits())).or_insert(vertex))
-            .collect();
-        let near = Neighbours::new(positions, faces, Some(&same), degrees);
-        // The faces of each group, and where they begin; the groups of each vertex, which are few; the group of each corner.
-        let (mut members, mut starts) = (Vec::new(), vec![0]);
-        let mut known: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
-        let mut groups = Vec::with_capacity(3 * faces.len());
-        for (corner, &vertex) in faces.as_flattened().iter().enumerate() {
-            let (face, vertex, first) = (corner / 3, same[vertex as usize], members.len());
-            members.extend(near.of(face, vertex).map(|other| other as u32));
-            if members.len() == first {
-                members.push(face as u32);
-            }
-            let of = |group: u32| starts[group as usize]..starts[group as usize + 1];
-            let found = known[vertex as usize].iter().find(|&&group| members[of(group)] == members[first..]).copied();
-            if found.is_some() {
-                members.truncate(first);
-            } else {
-                known[vertex as usize].push(starts.len() as u32 - 1);
-                starts.push(members.len());
-            }
-            groups.push(found.unwrap_or(starts.len() as u32 - 2));
-        }
-        let mut corners: Vec<u32> = (0..groups.len() as u32).collect();
-        corners.sort_by_key(|&corner| groups[corner as usize]);
-        let mut ends = vec![0; starts.len()];
-        for &group in &groups {
-            ends[group as usize + 1] += 1;
-        }
-        let mut end = 0;
-        let starts = starts.iter().zip(ends).map(|(&face, corners)| {
-            end += corners;
-            [face as u32, end]
-        });
-        Self { starts: starts.collect(), faces: members, corners }
-    }
-
-    /// Adds another mesh behind, whose faces have the last two corners swapped if they are turned.
-    pub fn append(&mut self, other: &Self, is_turned: bool) {
-        if self.starts.is_empty() {
-            self.starts.push([0; 2]);
-        }
-        let (faces, corners) = (self.faces.len() as u32, self.corners.len() as u32);
-        let (first_face, first_corner) = (corners / 3, corners);
-        let swapped = |corner: u32| match corner % 3 {
-            1 if is_turned => corner + 1,
-            2 if is_turned => corner - 1,
-            _ => corner,
-        };
-        self.faces.extend(other.faces.iter().map(|face| face + first_face));
-        self.corners.extend(other.corners.iter().map(|&corner| swapped(corner) + first_corner));
-        self.starts.extend(other.starts.iter().skip(1).map(|[face, corner]| [face + faces, corner + corners]));
-    }
-}
-
-/// Computes normals on the device, from the positions that are there.
-#[derive(Debug)]
-pub struct NormalPipeline {
-    layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
-}
-
-/// The normals of a mesh on the device.
-#[derive(Debug)]
-pub struct Normals {
-    /// One a corner, as [`corner_normals`] has them.
-    pub buffer: wgpu::Buffer,
-    group: wgpu::BindGroup,
-    groups: u32,
-}
-
-impl NormalPipeline {
-    /// On a device.
-    pub fn new(device: &wgpu::Device) -> Self {
-        let types = [READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, WRITTEN];
-        let layout = layout(device, wgpu::ShaderStages::COMPUTE, &types);
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("normals"),
-            source: wgpu::ShaderSource::Wgsl(format!("{COMMON}\n{}", include_str!("normals.wgsl")).into()),
-        });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("normals"),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("normals"),
-            layout: Some(&pipeline_layout),
-            module: &module,
-            entry_point: Some("normals_of_groups"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        Self { layout, pipeline }
-    }
-
-    /// Normals of a mesh with these buffers of positions and faces.
-    pub fn normals(
-        &self,
-        factory: &PipelineFactory,
-        smoothing: &Smoothing,
-        [positions, faces]: [&wgpu::Buffer; 2],
-    ) -> Normals {
-        let stored = |label, words: &[u32]| factory.buffer(label, bytemuck::cast_slice(words));
-        let starts = stored("starts", smoothing.starts.as_flattened());
-        let (members, corners) = (stored("members", &smoothing.faces), stored("corners", &smoothing.corners));
-        let buffer = stored("normals", &vec![0; smoothing.corners.len()]);
-        let bound = [positions, faces, &starts, &members, &corners, &buffer].map(wgpu::Buffer::as_entire_binding);
-        let group = group(&factory.device, &self.layout, &bound);
-        Normals { buffer, group, groups: smoothing.starts.len() as u32 - 1 }
-    }
-
-    /// Records the computation.
-    pub fn encode<'n>(&self, encoder: &mut wgpu::CommandEncoder, normals: impl IntoIterator<Item = &'n Normals>) {
-        let descriptor = wgpu::ComputePassDescriptor { label: Some("normals"), timestamp_writes: None };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&self.pipeline);
-        for Normals { group, groups, .. } in normals {
-            let workgroups = groups.div_ceil(64);
-            let across = workgroups.min(65_535);
-            pass.set_bind_group(0, group, &[]);
-            pass.dispatch_workgroups(across, workgroups.div_ceil(across.max(1)), 1);
-        }
     }
 }
 
@@ -279,29 +122,6 @@ mod tests {
         assert!(gentle[0].dot(gentle[3]) > 0.999);
         let sharp = bend(2.0);
         assert!(sharp[0].dot(sharp[3]) < 0.5);
-    }
-
-    #[test]
-    fn corners_share_normals_up_to_creases() {
-        let groups = |height: f32, is_turned: bool| {
-            let positions = [[0.0; 3], [0.0, 0.0, 1.0], [-1.0, height, 0.0], [1.0, height, 0.0]];
-            let one = Smoothing::of(&positions, &[[0, 2, 1], [0, 1, 3]]);
-            let mut both = Smoothing::default();
-            both.append(&one, false);
-            both.append(&one, is_turned);
-            let each = both.starts.windows(2).map(|of| {
-                let [from, to] = [of[0], of[1]].map(|at| at.map(|word| word as usize));
-                (both.faces[from[0]..to[0]].to_vec(), both.corners[from[1]..to[1]].to_vec())
-            });
-            each.collect::<Vec<_>>()
-        };
-        let gentle = groups(0.1, true);
-        // The first vertex has both faces, and so have its corners; the second mesh is behind, with its faces turned.
-        assert!(gentle.contains(&(vec![0, 1], vec![0, 3])) && gentle.contains(&(vec![0, 1], vec![2, 4])));
-        assert!(gentle.contains(&(vec![2, 3], vec![6, 9])) && gentle.contains(&(vec![2, 3], vec![7, 11])));
-        let sharp = groups(2.0, false);
-        assert!(sharp.contains(&(vec![0], vec![0])) && sharp.contains(&(vec![1], vec![3])));
-        assert_eq!(sharp.iter().map(|(_, corners)| corners.len()).sum::<usize>(), 12);
     }
 
     trait MapVec {

@@ -49,7 +49,7 @@ impl VolumeOverlay {
         Self { layout, passes }
     }
 
-    /// Draws the volumes of a light, whose silhouettes have its number.
+    /// Draws the volumes of a light, or of a sample, with the silhouettes of a number.
     ///
     /// # Errors
     /// [`ExtractorError`] if there are none.
@@ -58,14 +58,14 @@ impl VolumeOverlay {
         pass: &mut wgpu::RenderPass<'_>,
         resources: &Resources,
         extraction: &Extraction,
-        light: usize,
+        [light, silhouettes]: [usize; 2],
     ) -> Result<(), ExtractorError> {
-        let group = extraction.bind_group(&self.layout, light / 32)?;
+        let group = extraction.bind_group(&self.layout, silhouettes / 32)?;
         resources.select(pass, light);
         pass.set_bind_group(2, &group, &[]);
         for pipeline in &self.passes {
             pass.set_pipeline(pipeline);
-            extraction.draw(pass, light)?;
+            extraction.draw(pass, silhouettes)?;
         }
         Ok(())
     }

@@ -27,13 +27,13 @@ fn tint() -> vec3<f32> {
 
 @vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
   // Many lines would hide everything.
-  let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(rimline_info.first_light + shaded.bit)));
+  let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(rimline_info.first_light + shaded.silhouettes)));
   // Corners of a line strip: from infinity along one ray, along the edge, and out along the other.
   return Edge(corner(instance, vertex >= 2u, vertex == 0u || vertex == 3u), opacity);
 }
 
 fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
-  let edge = rimline_silhouette(rimline_info.first_light + shaded.bit, instance);
+  let edge = rimline_silhouette(rimline_info.first_light + shaded.silhouettes, instance);
   let a = rimline_position(edge.a);
   let b = rimline_position(edge.b);
   if (!edge.valid || !is_finite(a) || !is_finite(b)) {

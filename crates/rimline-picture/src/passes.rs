@@ -144,7 +144,7 @@ impl PicturePipelines {
     /// Records the light of the whole picture, or of a part.
     ///
     /// # Errors
-    /// Those of the subject.
+    /// The errors of the subject.
     pub fn record<S: Subject>(
         &self,
         encoder: &mut wgpu::CommandEncoder,

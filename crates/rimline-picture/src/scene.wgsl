@@ -52,6 +52,8 @@ struct ShadedLight {
   axis: vec3<f32>,
   cone_scale: f32,
   cone_offset: f32,
+  // The number of its silhouettes in the extraction that is bound.
+  silhouettes: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -40,7 +40,7 @@ pub struct FacingMasks {
 }
 
 impl FacingMasks {
-    /// Those of casters whose faces follow each other.
+    /// The masks of casters whose faces follow each other.
     ///
     /// # Errors
     /// [`ShadowError`] if the frame lacks one of them, or a later encode overwrites it.

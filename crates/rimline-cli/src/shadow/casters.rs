@@ -126,7 +126,7 @@ impl<'a> Casters<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters<'a>,
-    /// What draws the shadow volumes, and what is drawn over the light. `None`: not known yet.
+    /// The pipelines of the shadow volumes, and the overlay over the light. `None`: not known yet.
     pub(super) drawn: Option<(&'a VolumePipelines, Option<&'a Overlay>)>,
     /// Samples of all lights together.
     pub(crate) samples: usize,

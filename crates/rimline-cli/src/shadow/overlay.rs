@@ -38,7 +38,7 @@ impl Overlay {
             match self {
                 Self::Volumes(volumes) => {
                     for extraction in subject.casters.shown(light) {
-                        volumes.draw(pass, &subject.casters.resources.shared, extraction, light)?;
+                        volumes.draw(pass, &subject.casters.resources.shared, extraction, [light; 2])?;
                     }
                 }
                 Self::Maps(maps) => maps.draw(pass, subject, light),

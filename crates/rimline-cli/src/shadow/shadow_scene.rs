@@ -206,7 +206,7 @@ impl<'a> ShadowScene<'a> {
         self.shaded_lights.iter().map(|shaded| shaded.samples.len()).sum()
     }
 
-    /// What a picture shows.
+    /// The scene as a picture shows it.
     fn view(&self) -> SceneView<'_> {
         let Self { camera, part, stage: bounds, shaded_lights: lights, reach, .. } = self;
         SceneView { camera, size: self.args.view.size, part, bounds, lights, reach: *reach }

@@ -7,7 +7,8 @@ pub(crate) const TESTS: &[Test] = &[("colors::pictures_have_base_colors_unless_p
 
 /// A cube whose front is red, with the file of its materials or without.
 fn cube(materials: &str) -> String {
-    let corners: String = (0..8).map(|n: u32| format!("v {} {} {}\n", n & 1, n >> 1 & 1, n >> 2)).collect();
+    let corners: Vec<_> = (0..8).map(|n: u32| format!("v {} {} {}\n", n & 1, n >> 1 & 1, n >> 2)).collect();
+    let corners = corners.concat();
     format!("{materials}{corners}f 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\nusemtl red\nf 5 6 8 7\n")
 }
 

@@ -20,6 +20,8 @@ pub(super) struct Drawing<'a> {
     pub(super) overlays: Option<&'a Overlays>,
     pub(super) shown: ShownOverlays,
     pub(super) has_ground: bool,
+    /// For each light the first point of its that shines, and its own number.
+    pub(super) firsts: Vec<[usize; 2]>,
 }
 
 impl Subject for Drawing<'_> {
@@ -47,14 +49,14 @@ impl Subject for Drawing<'_> {
     }
 
     fn draw_overlays(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), RenderError> {
-        for light in 0..self.lights() {
+        for &[light, number] in &self.firsts {
             if self.shown.caps {
                 self.resources.select(pass, light);
                 pass.set_pipeline(&self.pipelines.caps);
                 self.surfaces().iter().for_each(|surface| surface.draw(pass, light));
             }
             if let Some(overlays) = self.overlays.filter(|_| self.shown.volumes) {
-                overlays.draw_volumes(pass, &self.pipelines.volumes, self.resources, light)?;
+                overlays.draw_volumes(pass, &self.pipelines.volumes, self.resources, [light, number])?;
             }
         }
         Ok(())

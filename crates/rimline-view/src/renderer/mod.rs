@@ -3,6 +3,7 @@
 mod canvas;
 mod counters;
 mod drawing;
+mod drawn;
 mod error;
 mod gpu;
 mod models;
@@ -22,13 +23,11 @@ pub use error::RenderError;
 pub use gpu::Gpu;
 pub use picture::Picture;
 
-use crate::state::camera::Orbit;
-use crate::state::lamp::Lamp;
-use crate::state::options::{Options, Overlays as ShownOverlays};
 use crate::state::viewer::{MAX_SOURCES, Tone, Viewer};
 use canvas::Canvas;
 use counters::Readings;
 use drawing::Drawing;
+use drawn::Drawn;
 use models::{Made, Models};
 use overlays::Overlays;
 use picture::Copy;
@@ -50,31 +49,6 @@ pub struct Renderer {
     counters: Counters,
     drawn: Option<Drawn>,
     pictures: u64,
-}
-
-/// All that a picture depends on.
-#[derive(Clone, Debug, PartialEq)]
-struct Drawn {
-    generation: u64,
-    size: [u32; 2],
-    orbit: Orbit,
-    lamps: Vec<Lamp>,
-    options: Options,
-    seconds: f32,
-}
-
-impl Drawn {
-    fn of(viewer: &Viewer) -> Self {
-        Self {
-            generation: viewer.generation(),
-            size: viewer.size(),
-            orbit: viewer.orbit,
-            lamps: viewer.lamps.clone(),
-            // Boxes are drawn by the panel.
-            options: Options { overlays: ShownOverlays { boxes: false, ..viewer.options.overlays }, ..viewer.options },
-            seconds: viewer.clock.seconds,
-        }
-    }
 }
 
 impl Renderer {
@@ -288,6 +262,7 @@ impl Renderer {
             overlays: overlays.as_ref(),
             shown: options.overlays,
             has_ground: options.ground && view.sees_ground(),
+            firsts: seen.firsts(),
         };
         pipelines.passes.record(encoder, resources, &canvas.targets.attachments[0], &drawing)?;
         pipelines.passes.develop(encoder, resources, &canvas.targets);

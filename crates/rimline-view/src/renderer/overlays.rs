@@ -11,13 +11,11 @@ use super::gpu::Gpu;
 use super::models::Models;
 use super::pipelines::Pipelines;
 use crate::state::body::{bits_of_faces, non_manifold_bits};
-use crate::state::viewer::Viewer;
+use crate::state::viewer::{MAX_LAMPS, Viewer};
 
 /// Extractors of all models, for the lights and the eye.
 pub(super) struct Overlays {
     generation: u64,
-    /// The number of points that shine.
-    sources: usize,
     bodies: Vec<Extracted>,
     /// Results of the last encode.
     extractions: Vec<Extraction>,
@@ -39,8 +37,7 @@ const SILHOUETTE: [f32; 4] = [0.04, 0.05, 0.07, 1.0];
 
 impl Overlays {
     pub(super) fn new(gpu: &Gpu, viewer: &Viewer) -> Result<Self, RenderError> {
-        let sources = viewer.sources().len();
-        let options = ExtractorOptions { max_lights: sources + 1, ..ExtractorOptions::default() };
+        let options = ExtractorOptions { max_lights: MAX_LAMPS + 1, ..ExtractorOptions::default() };
         let mut bodies = Vec::with_capacity(viewer.bodies.len());
         for (index, body) in viewer.bodies.iter().enumerate() {
             let failed = |error: &dyn ToString| RenderError::body(index, &body.name, &error.to_string());
@@ -52,14 +49,14 @@ impl Overlays {
                 .map(|label| filled(gpu.on(), label, bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE));
             bodies.push(Extracted { extractor, mesh, non_manifold, exact });
         }
-        Ok(Self { generation: viewer.generation(), sources, bodies, extractions: Vec::new() })
+        Ok(Self { generation: viewer.generation(), bodies, extractions: Vec::new() })
     }
 
     pub(super) fn is_of(&self, viewer: &Viewer) -> bool {
-        (self.generation, self.sources) == (viewer.generation(), viewer.sources().len())
+        self.generation == viewer.generation()
     }
 
-    /// Extracts the silhouettes of all points that shine, then of the eye, from positions that were encoded before.
+    /// Extracts the silhouettes of all lights that are on, then of the eye, from positions that were encoded before.
     pub(super) fn encode(
         &mut self,
         gpu: &Gpu,
@@ -68,7 +65,8 @@ impl Overlays {
         viewer: &Viewer,
         camera: &ShadowCamera,
     ) -> Result<(), RenderError> {
-        let sources = viewer.sources();
+        let mut sources = viewer.sources();
+        sources.dedup_by_key(|(number, _)| *number);
         let lights = sources.iter().map(|(_, source)| source.light());
         let lights: Vec<Light> = lights.chain([Light::point(camera.origin)]).collect();
         self.extractions.clear();
@@ -78,23 +76,23 @@ impl Overlays {
                 let body = &viewer.bodies[index];
                 let positions = body.positions(viewer.clock.seconds);
                 let positions = positions.map_err(|error| RenderError::of_body(index, &body.name, &error))?;
-                let faces = undecided_faces(&positions, mesh.faces(), &lights[..sources.len()]);
+                let faces = undecided_faces(&positions, mesh.faces(), &lights[..lights.len() - 1]);
                 gpu.queue.write_buffer(exact, 0, bytemuck::cast_slice(&bits_of_faces(mesh, &faces)));
             }
         }
         Ok(())
     }
 
-    /// Draws the volumes of a light.
+    /// Draws the volumes of a light, by a point of its that shines and its own number.
     pub(super) fn draw_volumes(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         volumes: &VolumeOverlay,
         resources: &Resources,
-        light: usize,
+        numbers: [usize; 2],
     ) -> Result<(), RenderError> {
         for extraction in &self.extractions {
-            volumes.draw(pass, resources, extraction, light)?;
+            volumes.draw(pass, resources, extraction, numbers)?;
         }
         Ok(())
     }
@@ -108,10 +106,7 @@ impl Overlays {
         camera: &ShadowCamera,
     ) -> Result<Vec<Outline>, RenderError> {
         let shown = viewer.options.overlays;
-        let sources = viewer.sources();
-        // The first point of each light.
-        let mut firsts: Vec<_> = sources.iter().enumerate().collect();
-        firsts.dedup_by_key(|(_, (number, _))| *number);
+        let lamps: Vec<_> = viewer.lamps.iter().filter(|lamp| lamp.is_on).collect();
         // Two pixels at 800 rows.
         let width = (canvas.size[1] as f32 / 400.0).clamp(1.5, 12.0);
         let silhouette = shown.silhouettes.then_some(SILHOUETTE);
@@ -131,16 +126,16 @@ impl Overlays {
                 let depth = &canvas.depth;
                 pipelines.outlines.prepare(&OutlineInputs { of, camera, depth, style, marked })
             };
-            for &(source, (_, lamp)) in firsts.iter().filter(|_| shown.light_silhouettes) {
+            for (number, lamp) in lamps.iter().enumerate().filter(|_| shown.light_silhouettes) {
                 let brightest = lamp.color.iter().copied().fold(1e-6, f32::max);
                 let [r, g, b] = lamp.color.map(|c| (c / brightest).powf(1.0 / 2.2));
                 let color = Some([r, g, b, 1.0]);
                 let style = OutlineStyle { width, silhouette: color, boundary: color, ..OutlineStyle::default() };
-                outlines.push(prepare(source, style, None)?);
+                outlines.push(prepare(number, style, None)?);
             }
             let is_shown = [eye.silhouette, eye.boundary, eye.crease, eye.marked].iter().any(Option::is_some);
             if is_shown {
-                outlines.push(prepare(sources.len(), eye, eye.marked.map(|_| &body.non_manifold))?);
+                outlines.push(prepare(lamps.len(), eye, eye.marked.map(|_| &body.non_manifold))?);
             }
             if shown.exact {
                 let style = OutlineStyle {
@@ -150,7 +145,7 @@ impl Overlays {
                     marked: Some(EXACT),
                     ..OutlineStyle::default()
                 };
-                outlines.push(prepare(sources.len(), style, Some(&body.exact))?);
+                outlines.push(prepare(lamps.len(), style, Some(&body.exact))?);
             }
         }
         Ok(outlines)

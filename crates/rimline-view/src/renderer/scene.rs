@@ -6,7 +6,7 @@ use rimline_picture::{Camera, Part, SceneBounds, SceneView, ShadedLight, reach};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
 
-/// What a picture of the viewer shows.
+/// The scene that a picture of the viewer shows.
 pub(super) struct SeenScene {
     camera: Camera,
     size: [u32; 2],
@@ -22,9 +22,28 @@ impl SeenScene {
         let of = viewer.orbit.camera(size, &bounds.models, bounds.ground);
         let (eye, right, up, forward) = (of.eye, of.right, of.up, of.forward);
         let camera = Camera { eye, right, up, forward, scale: of.scale.into(), near: of.near, far: None };
-        let lights: Vec<_> = viewer.sources().iter().map(|(_, source)| shaded(source)).collect();
+        let sources = viewer.sources();
+        let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).enumerate();
+        let lights: Vec<_> = lamps
+            .map(|(number, lamp)| {
+                let lights_of_lamp = sources.iter().filter(|(of, _)| *of == number).map(|(_, source)| source.light());
+                ShadedLight { samples: lights_of_lamp.collect(), shown: Some(number as u32), ..shaded(lamp) }
+            })
+            .collect();
         let reach = reach(&lights, &bounds.models.corners().map(Into::into), &bounds);
         Self { camera, size, bounds, lights, reach }
+    }
+
+    /// For each light the number of its first sample among those of all, and its own.
+    pub(super) fn firsts(&self) -> Vec<[usize; 2]> {
+        let mut next = 0;
+        let numbered = self.lights.iter().enumerate();
+        let firsts = numbered.map(|(number, light)| {
+            let first = next;
+            next += light.samples.len();
+            [first, number]
+        });
+        firsts.collect()
     }
 
     pub(super) fn view(&self) -> SceneView<'_> {
