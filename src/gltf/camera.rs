@@ -9,13 +9,14 @@ pub struct SceneCamera {
     pub eye: [f32; 3],
     /// The direction that it looks in, at length 1: the node's −Z.
     pub forward: [f32; 3],
-    /// The direction that is up in the picture, at length 1 and at right angles to `forward`. Scales of nodes have no effect.
+    /// The direction that is up in the picture, at length 1 and at right angles to `forward`. Scales of nodes have no
+    /// effect.
     pub up: [f32; 3],
-    /// What it sees.
+    /// Its projection.
     pub projection: CameraProjection,
 }
 
-/// What a camera of a file sees. Near and far planes are distances in front of the eye.
+/// The projection of a camera of a file. Near and far planes are distances in front of the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraProjection {
     /// From a point.

@@ -25,8 +25,8 @@ impl Asset {
     /// The name of each of [`Asset::each_camera`], or that of its node.
     pub fn camera_names(&self) -> Vec<Option<&str>> {
         let name = |(n, camera): (usize, &Part<usize>)| {
-            let own = camera.as_ref().ok().and_then(|&camera| self.document.cameras[camera].name.as_ref());
-            own.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
+            let camera_name = camera.as_ref().ok().and_then(|&camera| self.document.cameras[camera].name.as_ref());
+            camera_name.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
         };
         self.camera_nodes().map(name).collect()
     }

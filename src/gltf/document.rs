@@ -257,7 +257,8 @@ impl Document {
 }
 
 impl View {
-    /// The distance between elements of `size` bytes, and the bytes from the first of `count` of them to the end of the last.
+    /// The distance between elements of `size` bytes, and the bytes from the first of `count` of them to the end of the
+    /// last.
     pub(super) fn extent(&self, count: u64, size: u64) -> [u64; 2] {
         let stride = self.stride.unwrap_or(size);
         let steps = count.saturating_sub(1).saturating_mul(stride);

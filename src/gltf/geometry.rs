@@ -120,7 +120,7 @@ fn check_compression(reader: &Reader<'_>, primitive: &Primitive, json_path: &str
 struct Draft {
     positions: Vec<[f32; 3]>,
     faces: Vec<[u32; 3]>,
-    /// Of the first faces and vertices; the others are white.
+    /// Colours of the first faces and vertices; the others are white.
     face_colors: Vec<[f32; 3]>,
     vertex_colors: Vec<[f32; 3]>,
     morph_targets: Vec<Vec<[f32; 3]>>,

@@ -6,15 +6,16 @@
 //!   without scenes gives all nodes, and then the meshes that no node names, without a transform. Nodes that
 //!   `KHR_node_visibility` hides, and those below them, have no instances and no lights. Animations do not show or hide
 //!   nodes.
-//! * **Damage.** Every mesh, skin and animation of the file is read and checked, and so is every part that the scene needs. A
-//!   fault is an error where the scene needs the part, or where a caller requests it: an animation by [`Asset::pose`], a
-//!   light by [`Asset::lights`]. It is a warning everywhere else, see [`Asset::warnings`].
+//! * **Damage.** Every mesh, skin and animation of the file is read and checked, and so is every part that the scene
+//!   needs. A fault is an error where the scene needs the part, or where a caller requests it: an animation by
+//!   [`Asset::pose`], a light by [`Asset::lights`]. It is a warning everywhere else, see [`Asset::warnings`].
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
 //!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
-//! * **Colours.** `baseColorFactor` of materials and `COLOR_0` give [`Asset::colors`], without alpha and clamped to 0 to 1. A
-//!   fault in them is a warning, and the colour is then white. Textures are never read. Vertices at one position with different
-//!   colours give their faces the mean of the corners.
-//! * **Cameras** are read where a caller asks for them: [`Asset::each_camera`]. A fault in one is then an error, and no warning.
+//! * **Colours.** `baseColorFactor` of materials and `COLOR_0` give [`Asset::colors`], without alpha and clamped to 0
+//!   to 1. A fault in them is a warning, and the colour is then white. Textures are never read. Vertices at one
+//!   position with different colours give their faces the mean of the corners.
+//! * **Cameras** are read where a caller asks for them: [`Asset::each_camera`]. A fault in one is then an error, and no
+//!   warning.
 //! * **Large coordinates.** Transforms of nodes are composed in `f64`. [`Asset::set_origin`] subtracts a point near the
 //!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added to the translations of all nodes.
 //! * **Shared children.** A child of two nodes is placed below the first of them, with a warning.

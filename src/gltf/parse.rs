@@ -29,8 +29,8 @@ pub(super) struct Parser<'w> {
     pub(super) warnings: &'w Warnings<'w>,
 }
 
-/// Reads a document and checks its version, its required extensions, and every index that is used. A fault of a part that the
-/// scene may not need is stored with the part.
+/// Reads a document and checks its version, its required extensions, and every index that is used. A fault of a part
+/// that the scene may not need is stored with the part.
 pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) -> Result<Document, GltfError> {
     let root = Json::root(value)?;
     version(&root)?;

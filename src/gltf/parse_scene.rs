@@ -168,37 +168,37 @@ fn cone(json: &Json<'_>) -> Result<[f32; 2], GltfError> {
 /// A camera without its name.
 pub(super) fn projection(json: &Json<'_>) -> Result<CameraProjection, GltfError> {
     let kind = json.need("type")?;
-    let own: Json<'_> = match kind {
+    let section: Json<'_> = match kind {
         "perspective" | "orthographic" => json.need(kind)?,
         _ => return Err(json.wrong("type", "perspective or orthographic")),
     };
     let checked = |key: &str, expected: &str, is_right: &dyn Fn(f32) -> bool, value: f64| {
         let value = value as f32;
-        if value.is_finite() && is_right(value) { Ok(value) } else { Err(own.wrong(key, expected)) }
+        if value.is_finite() && is_right(value) { Ok(value) } else { Err(section.wrong(key, expected)) }
     };
     let positive = |key: &str, value: f64| checked(key, "a number of more than 0", &|value| value > 0.0, value);
     let behind = |near: f32, value: f64| checked("zfar", "a distance beyond znear", &|far| far > near, value);
     if kind == "perspective" {
         let is_angle = |angle: f32| angle > 0.0 && angle < std::f32::consts::PI;
-        let znear = positive("znear", own.need("znear")?)?;
+        let znear = positive("znear", section.need("znear")?)?;
         return Ok(CameraProjection::Perspective {
             yfov: checked(
                 "yfov",
                 "an angle of more than 0 and less than a half turn, in radians",
                 &is_angle,
-                own.need("yfov")?,
+                section.need("yfov")?,
             )?,
-            aspect_ratio: own.get("aspectRatio")?.map(|ratio| positive("aspectRatio", ratio)).transpose()?,
+            aspect_ratio: section.get("aspectRatio")?.map(|ratio| positive("aspectRatio", ratio)).transpose()?,
             znear,
-            zfar: own.get("zfar")?.map(|far| behind(znear, far)).transpose()?,
+            zfar: section.get("zfar")?.map(|far| behind(znear, far)).transpose()?,
         });
     }
-    let half = |key: &str| checked(key, "a number that is not 0", &|half| half != 0.0, own.need(key)?);
-    let znear = checked("znear", "a distance of 0 or more", &|near| near >= 0.0, own.need("znear")?)?;
+    let half = |key: &str| checked(key, "a number that is not 0", &|half| half != 0.0, section.need(key)?);
+    let znear = checked("znear", "a distance of 0 or more", &|near| near >= 0.0, section.need("znear")?)?;
     Ok(CameraProjection::Orthographic {
         xmag: half("xmag")?,
         ymag: half("ymag")?,
         znear,
-        zfar: behind(znear, own.need("zfar")?)?,
+        zfar: behind(znear, section.need("zfar")?)?,
     })
 }

@@ -18,11 +18,11 @@ use crate::layout::OutlineView;
 use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
 use crate::stages::{OUTLINE_EDGES, OUTLINE_SAMPLES, SCENE_OUTLINE_EDGES, SCENE_OUTLINE_SAMPLES, Stage};
 
-/// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads. [`Self::of_pass`] takes them from the
-/// descriptor of a pass.
+/// The attachments that an [`OutlinePipeline`] draws into, and the depth that it reads. [`Self::of_pass`] takes them
+/// from the descriptor of a pass.
 ///
-/// wgpu panics, or reports a validation error, where a pipeline draws into a pass of other attachments, and a pass does not tell
-/// its attachments. [`Self::begin_pass`] compares before it begins a pass.
+/// wgpu panics, or reports a validation error, where a pipeline draws into a pass of other attachments, and a pass does
+/// not tell its attachments. [`Self::begin_pass`] compares before it begins a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutlineFormat {
     /// The format of the colour attachment. It is one that blends.
@@ -38,8 +38,8 @@ pub struct OutlineFormat {
 impl OutlineFormat {
     /// The format for passes like this one, with this depth for [`OutlineInputs::depth`].
     ///
-    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear texture is,
-    /// set [`Self::color`].
+    /// Formats are those of the textures. For a view that was made with another format, as an sRGB view of a linear
+    /// texture is, set [`Self::color`].
     ///
     /// # Errors
     /// [`OutlineError::Colors`] if the pass has not exactly one colour attachment.
@@ -62,8 +62,8 @@ impl OutlineFormat {
     /// Colour formats that differ only in sRGB are taken, because a view does not tell its own format. wgpu reports them.
     ///
     /// # Errors
-    /// [`OutlineError::OtherAttachments`] if the formats or samples of the attachments differ from those of this format. Nothing is
-    /// begun then.
+    /// [`OutlineError::OtherAttachments`] if the formats or samples of the attachments differ from those of this
+    /// format. Nothing is begun then.
     pub fn begin_pass<'encoder>(
         &self,
         encoder: &'encoder mut wgpu::CommandEncoder,
@@ -107,8 +107,9 @@ pub struct OutlineStyle {
     pub silhouette: Option<[f32; 4]>,
     /// The colour of edges with one face.
     pub boundary: Option<[f32; 4]>,
-    /// The colour of edges between faces that meet at more than [`Self::crease_angle`], if they are no silhouettes. A polygon that is
-    /// one face ([`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop)) has the normal of its first triangle.
+    /// The colour of edges between faces that meet at more than [`Self::crease_angle`], if they are no silhouettes. A
+    /// polygon that is one face ([`Mesh::from_polygons_by_loop`](crate::Mesh::from_polygons_by_loop)) has the normal of
+    /// its first triangle.
     pub crease: Option<[f32; 4]>,
     /// The largest angle between the normals of two faces that make no crease, in radians.
     pub crease_angle: f32,
@@ -136,20 +137,20 @@ impl Default for OutlineStyle {
 }
 
 /// The edges that outlines show, and the light that stands for the eye: for a perspective camera
-/// [`Light::point`](crate::Light::point) at the eye, for an orthographic one [`Light::directional`](crate::Light::directional)
-/// towards it.
+/// [`Light::point`](crate::Light::point) at the eye, for an orthographic one
+/// [`Light::directional`](crate::Light::directional) towards it.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum OutlineSource<'a> {
     /// The edges of an extraction, and the number of the light. The extractor has lists of quads, the default.
     Extraction(&'a Extraction, usize),
-    /// The edges of all casters of a frame of a scene, and a light of that frame. There is one draw for each group of casters.
-    /// Without [views](crate::gpu::FrameInputs::views) the encode prepares no shadow volumes. With views it does so for this light,
-    /// too, unless [`View::lights`](crate::gpu::View::lights) leaves it out.
+    /// The edges of all casters of a frame of a scene, and a light of that frame. There is one draw for each group of
+    /// casters. Without [views](crate::gpu::FrameInputs::views) the encode prepares no shadow volumes. With views it
+    /// does so for this light, too, unless [`View::lights`](crate::gpu::View::lights) leaves it out.
     ///
-    /// A caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of the light's
-    /// range or cone, or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders) hide it from the light. So give the light
-    /// neither range nor cone. Faces that count nowhere in shadows, by
+    /// A caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of
+    /// the light's range or cone, or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders) hide it from the
+    /// light. So give the light neither range nor cone. Faces that count nowhere in shadows, by
     /// [`Scene::set_excluded`](crate::gpu::Scene::set_excluded), have outlines like all others.
     ///
     /// ```no_run
@@ -176,12 +177,12 @@ pub enum OutlineSource<'a> {
 pub struct OutlineInputs<'a> {
     /// The edges, and the light that stands for the eye.
     pub of: OutlineSource<'a>,
-    /// The camera. It maps the positions of the extraction, or for a scene world space. If the scene has models and the encode has
-    /// views, the camera is that of a view: models that no view needs are not deformed.
+    /// The camera. It maps the positions of the extraction, or for a scene world space. If the scene has models and the
+    /// encode has views, the camera is that of a view: models that no view needs are not deformed.
     pub camera: &'a ShadowCamera,
-    /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of level 0 of one layer with the depth
-    /// aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the pass if that is read-only
-    /// there; wgpu refuses that on OpenGL. Its size is that of the picture.
+    /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of level 0 of one layer
+    /// with the depth aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the
+    /// pass if that is read-only there; wgpu refuses that on OpenGL. Its size is that of the picture.
     pub depth: &'a wgpu::TextureView,
     /// How lines look.
     pub style: OutlineStyle,
@@ -308,8 +309,8 @@ impl From<ShadowError> for OutlineError {
     }
 }
 
-/// Draws edges of extractions and of scenes as lines of a width in pixels, with round joins, smoothed by coverage, and hidden
-/// behind the depth that the caller drew. Nothing is read back. [`OutlineSource`] has an example with a scene.
+/// Draws edges of extractions and of scenes as lines of a width in pixels, with round joins, smoothed by coverage, and
+/// hidden behind the depth that the caller drew. Nothing is read back. [`OutlineSource`] has an example with a scene.
 ///
 /// ```no_run
 /// # use rimline::gpu::{Extraction, OutlineError, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};
@@ -324,9 +325,10 @@ impl From<ShadowError> for OutlineError {
 /// # Ok(()) }
 /// ```
 ///
-/// A line is hidden where the depth at the line says so, not at the pixel beside it. It can be up to a pixel too long at what hides
-/// it, and within two pixels of the picture's border parts may be missing. Lines of a translucent colour are darker where they join, and
-/// so, a little, are the soft borders of all lines; less in a picture of several samples.
+/// A line is hidden where the depth at the line says so, not at the pixel beside it. It can be up to a pixel too long
+/// at what hides it, and within two pixels of the picture's border parts may be missing. Lines of a translucent colour
+/// are darker where they join, and so, a little, are the soft borders of all lines; less in a picture of several
+/// samples.
 #[derive(Debug)]
 pub struct OutlinePipeline {
     shared: Pipelines,
@@ -382,8 +384,8 @@ impl Outline {
     /// pipelines and bind groups 0 and 1. [`OutlineFormat::begin_pass`] begins such a pass, and refuses others.
     ///
     /// # Errors
-    /// [`ExtractorError::Stale`] if the extractor was encoded again, [`ShadowError::StaleFrame`] if the scene was. Nothing is drawn
-    /// then.
+    /// [`ExtractorError::Stale`] if the extractor was encoded again, [`ShadowError::StaleFrame`] if the scene was.
+    /// Nothing is drawn then.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), OutlineError> {
         match &self.source {
             Source::Extraction(extraction) => extraction.check_current()?,
@@ -436,8 +438,8 @@ impl OutlinePipeline {
         })
     }
 
-    /// Makes what a draw of the outline reads. It is right for the camera and the style given here, and until the extractor or the
-    /// scene is encoded again.
+    /// Makes what a draw of the outline reads. It is right for the camera and the style given here, and until the
+    /// extractor or the scene is encoded again.
     ///
     /// # Errors
     /// [`OutlineError`] if an input is refused.

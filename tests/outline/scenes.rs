@@ -230,7 +230,8 @@ fn bodies(gpu: &Gpu, drawing: &mut Outlined, random: &mut Random) -> Result<Vec<
     Ok(bodies)
 }
 
-/// Turned, scaled and mirrored casters, rigid and in a buffer, of triangles and of polygons, that move, go, and lose the light.
+/// Turned, scaled and mirrored casters, rigid and in a buffer, of triangles and of polygons, that move, go, and lose
+/// the light.
 fn seen() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(97)?;
     let [mut musts, mut pictures, mut changes, mut noticed] = [0; 4];
@@ -284,7 +285,8 @@ fn seen() -> Result<(), String> {
     if musts > 20_000 && 10 * noticed > 7 * changes { Ok(()) } else { Err("too little is compared".to_owned()) }
 }
 
-/// A model that the scene deforms. Another camera than that of a view is refused, since the model may not be deformed for it.
+/// A model that the scene deforms. Another camera than that of a view is refused, since the model may not be deformed
+/// for it.
 fn models() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(98)?;
     let (model, pose) = bending_tube();

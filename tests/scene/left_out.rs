@@ -76,18 +76,18 @@ fn left_out() -> Result<(), String> {
             for light in &lights {
                 let what = format!("seed {seed}, step {step}, light {}", light.bit());
                 let bit = light.bit() as usize;
-                let own = work(gpu, &frame, &scene.content.casters, bit)?;
+                let found_work = work(gpu, &frame, &scene.content.casters, bit)?;
                 let of_batch = found.groups.iter().filter(|group| group.batch == bit / 32);
                 silhouettes +=
                     usize::from(!mask.contains(*light)) * of_batch.map(|of| of.lists[bit % 32].len()).sum::<usize>();
                 if mask.contains(*light) {
-                    let own = Work { dirty: 0, ..own };
-                    let first = all[bit].get_or_insert_with(|| own.clone());
-                    listed += own.sides.iter().map(Vec::len).sum::<usize>();
-                    same(&what, &[&own], &[&*first])?;
+                    let found_work = Work { dirty: 0, ..found_work };
+                    let first = all[bit].get_or_insert_with(|| found_work.clone());
+                    listed += found_work.sides.iter().map(Vec::len).sum::<usize>();
+                    same(&what, &[&found_work], &[&*first])?;
                 } else {
-                    let none = Work { sides: vec![Vec::new(); own.sides.len()], ..Work::default() };
-                    same(&what, &[&own], &[&none])?;
+                    let none = Work { sides: vec![Vec::new(); found_work.sides.len()], ..Work::default() };
+                    same(&what, &[&found_work], &[&none])?;
                 }
             }
         }

@@ -18,8 +18,8 @@
 // * `active_bits() -> u32`: the bits of the lights to compute. `active_indices() -> u32`: their index mask.
 // * `tested_indices() -> u32`: the index mask of lights that no cluster decided. Bits past the last index may be set.
 // * `given_light(light_index) -> vec4<u32>`: the light as given, bit for bit. `scaled_light(light_index) -> vec4<f32>`:
-//   scaled by a power of two. `four_lights(first) -> mat4x4<f32>`: those of four indices, of which past ones repeat the last.
-//   `inexact_w(light_index) -> f32`, `light_magnitudes() -> vec2<f32>`: see `LightBatch`.
+//   scaled by a power of two. `four_lights(first) -> mat4x4<f32>`: those of four indices, of which past ones repeat the
+//   last. `inexact_w(light_index) -> f32`, `light_magnitudes() -> vec2<f32>`: see `LightBatch`.
 // Results of the current face:
 // * `updated_bits(mask, bits) -> u32`: `mask` with `bits` for the active lights. `clear_active(mask) -> u32`: with zeros
 //   for them.

@@ -2,12 +2,11 @@
 // a width in pixels. Each instance is an edge and four vertices, a strip: a quad around the line, which the fragment shader
 // trims to a line with round ends. The entry points are two vertex shaders and the fragment shader `outline_ink`.
 // `outline_silhouette` draws silhouettes, which include edges with one face, by the indirect draw of the light's list.
-// `outline_feature` draws creases and marked edges, with an instance for each edge. It draws a silhouette only if it is marked
-// and the class of silhouettes, or of edges with one face, is not drawn.
-// Group 0 has the edges (interface/outlined.wgsl), group 1 what is declared below.
-// Reads: silhouettes, facing masks, positions, faces, marks, and the caller's depth, which hides lines.
-// The depth test is at the nearest point of the line, not at the pixel. Half of an outline's width lies outside the surface,
-// where the depth is that of what is behind.
+// `outline_feature` draws creases and marked edges, with an instance for each edge. It draws a silhouette only if it is
+// marked and the class of silhouettes, or of edges with one face, is not drawn. Group 0 has the edges
+// (interface/outlined.wgsl), group 1 what is declared below. Reads: silhouettes, facing masks, positions, faces, marks,
+// and the caller's depth, which hides lines. The depth test is at the nearest point of the line, not at the pixel. Half
+// of an outline's width lies outside the surface, where the depth is that of what is behind.
 
 #import extract/results
 #import interface/outlined
@@ -224,8 +223,8 @@ struct Ink {
   @builtin(sample_mask) samples: u32,
 }
 
-// Lines share the pixels around their ends with the next line, so ink must not add up there. Round ends have the share of which
-// two make the coverage, and lines take the same samples first.
+// Lines share the pixels around their ends with the next line, so ink must not add up there. Round ends have the share
+// of which two make the coverage, and lines take the same samples first.
 @fragment
 fn outline_ink(in: OutlinePoint) -> Ink {
   let span = in.ends.zw - in.ends.xy;

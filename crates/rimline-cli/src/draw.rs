@@ -74,8 +74,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     print(&format!("{report:#}\n"))
 }
 
-/// Draws the picture. Shaders compile on threads of their own, and each part of the picture is submitted as soon as those that
-/// it needs are there: drivers compile further when shaders first run.
+/// Draws the picture. Shaders compile on threads of their own, and each part of the picture is submitted as soon as
+/// those that it needs are there: drivers compile further when shaders first run.
 fn draw(
     args: &DrawArgs,
     gpu: &Gpu,
@@ -125,8 +125,9 @@ fn draw(
         let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera).map_err(|error| failed(error.into()))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
 
-        let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
-        let frame = Frame::new(&camera, args.view.size, &bounds, places, args.show_boundary).colored(colors.is_some());
+        let survey_scale = survey::scale(args.view.size, gpu.device.limits().max_texture_dimension_2d);
+        let frame =
+            Frame::new(&camera, args.view.size, &bounds, survey_scale, args.show_boundary).colored(colors.is_some());
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
             let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);
@@ -172,8 +173,9 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// Where faces coincide with turned ones, leaves those that are turned away from the eye out of the faces to draw, and returns
-/// a mesh of the surface without its second side. Else an edge between the sides of one face would be on the outline.
+/// Where faces coincide with turned ones, leaves those that are turned away from the eye out of the faces to draw, and
+/// returns a mesh of the surface without its second side. Else an edge between the sides of one face would be on the
+/// outline.
 fn coincident_faces(
     world: &[[f32; 3]],
     faces: &mut Vec<[u32; 3]>,

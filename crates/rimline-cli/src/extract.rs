@@ -102,8 +102,8 @@ struct Job<'a, 's> {
 }
 
 impl<'s> Job<'_, 's> {
-    /// `is_warm` compiles shaders before the stages run: times are for those who ask for them, and all others would wait for the work
-    /// twice.
+    /// `is_warm` compiles shaders before the stages run: times are for those who ask for them, and all others would
+    /// wait for the work twice.
     fn find(&self, device: &Device, times: &mut Times, is_warm: bool) -> Result<Found<'s>, Failure> {
         match device {
             Device::Cpu => self.on_cpu(times),
@@ -146,7 +146,8 @@ impl<'s> Job<'_, 's> {
     }
 }
 
-/// A row a polygon, as the file has them, of a plane for each 32 lights with a row a triangle. Planes begin every `stride` words.
+/// A row a polygon, as the file has them, of a plane for each 32 lights with a row a triangle. Planes begin every
+/// `stride` words.
 fn rows_of_polygons(polygons: &Polygons, planes: &[u32], stride: usize, lights: usize) -> Vec<u32> {
     // Without a triangle in the mesh, planes are empty, and no polygon has bits.
     let plane = |batch: usize| planes.get(stride * batch..).unwrap_or_default();

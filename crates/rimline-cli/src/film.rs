@@ -89,7 +89,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         let turn = |degrees| still.turned(axis, f64::from(degrees) * f64::from(frame) / f64::from(frames));
         set.camera = args.orbit.map_or(still, turn);
         set.pose(&gpu, time(frame))?;
-        casters.place(&set.bodies)?;
+        casters.set_bodies(&set.bodies)?;
         set.cast(&mut casters, None).on(&gpu)?;
         set.count_layers(&mut casters)?;
         let picture = shadow::picture(&pictures, &mut set, &mut casters).on(&gpu)?;

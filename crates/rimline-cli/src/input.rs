@@ -37,7 +37,7 @@ impl Deref for Input {
 pub(crate) struct ChosenLight {
     pub(crate) light: Light,
     /// The light in the file, if it comes from the file.
-    pub(crate) own: Option<SceneLight>,
+    pub(crate) of_file: Option<SceneLight>,
 }
 
 /// The input at one posed.
@@ -231,13 +231,13 @@ impl Input {
         };
         let origin = self.origin();
         let of_file = |(_, file_light): &(Option<String>, Result<SceneLight, GltfError>)| match file_light {
-            Ok(file_light) => Ok(ChosenLight { light: file_light.light, own: Some(file_light.clone()) }),
+            Ok(file_light) => Ok(ChosenLight { light: file_light.light, of_file: Some(file_light.clone()) }),
             Err(error) => Err(self.not_posed(error.clone())),
         };
         let mut chosen = Vec::with_capacity(specs.len());
         for spec in specs {
             match spec {
-                LightSpec::Given(given) => chosen.push(ChosenLight { light: given.relative_to(origin), own: None }),
+                LightSpec::Given(given) => chosen.push(ChosenLight { light: given.relative_to(origin), of_file: None }),
                 LightSpec::All if file_lights.is_empty() => return Err(UsageError::NoFileLights.into()),
                 LightSpec::All => {
                     for file_lights in &file_lights {

@@ -62,8 +62,8 @@ impl<'a> PosedInput<'a> {
         self.input.scene(&self.animations, self.time_s(), self.displacement.is_some())
     }
 
-    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the device's name, and
-    /// the times with those of the work.
+    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the
+    /// device's name, and the times with those of the work.
     pub(crate) fn work<T>(
         &self,
         (progress, what): (&Progress, &'static str),

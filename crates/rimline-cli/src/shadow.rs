@@ -98,7 +98,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut casters =
         Casters::new(&resources, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
-    times.measure("topology", || casters.place(&set.bodies))?;
+    times.measure("topology", || casters.set_bodies(&set.bodies))?;
     let mut covered = None;
     if args.hide_covered {
         progress.step("looking for covered faces");

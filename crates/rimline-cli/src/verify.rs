@@ -1,5 +1,5 @@
-//! `rimline verify`: do this machine's devices find the bits that a folder of extractions holds, or those of the CPU? And making
-//! the folder.
+//! `rimline verify`: do this machine's devices find the bits that a folder of extractions holds, or those of the CPU?
+//! And making the folder.
 
 mod built_in;
 mod make;

@@ -45,7 +45,7 @@ pub(crate) fn shadow_stages(
     let input = Input { file: PathBuf::from("triangle"), content: File::in_world(model, Origin::ZERO) };
     let body = [PosedModel::new(gpu, &input, &[], 0.0, None, true)?];
     let mut shadows = casters::shadows(gpu, pipelines, lights.len()).on(gpu)?;
-    shadows.place(&body)?;
+    shadows.set_bodies(&body)?;
     let mut encoder = gpu.encoder("warm up");
     let inputs = CastInputs { bodies: &body, seen, camera, lights };
     shadows.encode(&mut encoder, inputs, None).on(gpu)?;

@@ -9,8 +9,8 @@ pub(crate) const FACE: u64 = 2 * 12 + 12 + 3 * 16;
 /// vertices and their new numbers.
 const WELDED_VERTEX: u64 = 2 * (12 + 4) + 20;
 const WELDED_FACE: u64 = 2 * 12;
-/// Bytes for a polygon, for a loop, and for a corner: two copies of the mesh with an edge of the outline, half an edge record
-/// and half a triangle for each corner, as quadrilaterals have them, and a third of the triangles.
+/// Bytes for a polygon, for a loop, and for a corner: two copies of the mesh with an edge of the outline, half an edge
+/// record and half a triangle for each corner, as quadrilaterals have them, and a third of the triangles.
 pub(crate) const POLYGON: u64 = 40;
 pub(crate) const LOOP: u64 = 12;
 pub(crate) const CORNER: u64 = 64;

@@ -12,7 +12,8 @@ use crate::npz::{Arrays, PolygonArrays};
 const LISTED_VERTEX: u64 = 2 * 24;
 const LISTED_FACE: u64 = 3 * 4;
 const LISTED_CORNER: u64 = 3 * 4;
-/// Bytes for a colour in a list that doubles, for that of a triangle, and for a vertex with a colour while vertices are welded.
+/// Bytes for a colour in a list that doubles, for that of a triangle, and for a vertex with a colour while vertices are
+/// welded.
 const LISTED_COLOR: u64 = 3 * 12;
 const TRIANGLE_COLOR: u64 = 12;
 const WELDED_COLOR: u64 = 12 + 4;
@@ -51,8 +52,8 @@ pub(crate) struct Collected {
 }
 
 impl Collected {
-    /// The model may take `limit` bytes with its mesh. The mesh is one of polygons where these `are_whole`, else one of their
-    /// triangles.
+    /// The model may take `limit` bytes with its mesh. The mesh is one of polygons where these `are_whole`, else one of
+    /// their triangles.
     pub(crate) fn new(limit: u64, are_whole: bool) -> Self {
         Self { are_whole, limit, ..Self::default() }
     }
@@ -149,8 +150,8 @@ impl Collected {
         Ok(())
     }
 
-    /// Positions relative to an origin near them, and triangles if all faces are, else polygons. All corners must be below the
-    /// number of vertices. `None` without faces.
+    /// Positions relative to an origin near them, and triangles if all faces are, else polygons. All corners must be
+    /// below the number of vertices. `None` without faces.
     pub(crate) fn finish(mut self) -> Result<Option<Arrays>, Refused> {
         if self.sizes.is_empty() {
             return Ok(None);

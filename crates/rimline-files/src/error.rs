@@ -49,12 +49,12 @@ pub enum FileError {
     },
     /// A glTF names a file outside its folder, see [`ReadOptions::allow_outside`](crate::ReadOptions::allow_outside).
     #[error(
-        "{place}: {uri:?} leads to {}, outside the file's folder, and is not read; if you trust the file, give \
+        "{json_path}: {uri:?} leads to {}, outside the file's folder, and is not read; if you trust the file, give \
          --allow-outside", .path.display()
     )]
     Outside {
         /// Where it stands.
-        place: String,
+        json_path: String,
         /// Name in the file.
         uri: String,
         /// The file that would be read.

@@ -85,11 +85,12 @@ impl File {
         }
     }
 
-    /// The base colours of one of the model's geometries, if they are not all white. They are linear, and go by its faces and
-    /// vertices.
+    /// The base colours of one of the model's geometries, if they are not all white. They are linear, and go by its
+    /// faces and vertices.
     pub fn colors(&self, geometry: usize) -> Option<&Colors> {
-        let own = Some(&self.colors).filter(|own| geometry == 0 && (own.faces.is_some() || own.vertices.is_some()));
-        self.asset().map_or(own, |asset| asset.colors(geometry))
+        let file_colors = Some(&self.colors)
+            .filter(|file_colors| geometry == 0 && (file_colors.faces.is_some() || file_colors.vertices.is_some()));
+        self.asset().map_or(file_colors, |asset| asset.colors(geometry))
     }
 
     /// Why colours are missing, in words.
@@ -141,10 +142,11 @@ impl File {
         self.asset().map_or(&self.named_files, Asset::named_files)
     }
 
-    /// Parts of the file that the reader skipped or changed. Positions that are not finite are counted apart: [`File::non_finite`].
+    /// Parts of the file that the reader skipped or changed. Positions that are not finite are counted apart:
+    /// [`File::non_finite`].
     pub fn warnings(&self) -> impl Iterator<Item = &GltfWarning> {
-        let is_told = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
-        self.asset().map_or(&[][..], Asset::warnings).iter().filter(is_told)
+        let is_reported = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
+        self.asset().map_or(&[][..], Asset::warnings).iter().filter(is_reported)
     }
 
     /// How many positions are infinite or NaN, in words.

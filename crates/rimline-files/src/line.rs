@@ -69,10 +69,10 @@ impl<R: BufRead> Lines<R> {
             let most = usize::try_from(room.saturating_sub(read).saturating_add(1)).unwrap_or(usize::MAX);
             let chunk = &chunk[..chunk.len().min(most)];
             let end = memchr::memchr2(b'\n', b'\r', chunk);
-            let own = &chunk[..end.unwrap_or(chunk.len())];
-            self.text.extend_from_slice(own);
-            let is_return = chunk.get(own.len()) == Some(&b'\r');
-            let used = own.len() + usize::from(end.is_some());
+            let line_part = &chunk[..end.unwrap_or(chunk.len())];
+            self.text.extend_from_slice(line_part);
+            let is_return = chunk.get(line_part.len()) == Some(&b'\r');
+            let used = line_part.len() + usize::from(end.is_some());
             self.reader.consume(used);
             read += used as u64;
             if is_return {

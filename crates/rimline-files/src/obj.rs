@@ -70,8 +70,8 @@ pub fn begins_like(bytes: &[u8]) -> bool {
     false
 }
 
-/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as triangles if
-/// all of them are triangles, else as polygons.
+/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as
+/// triangles if all of them are triangles, else as polygons.
 ///
 /// Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept. The mesh is one of
 /// polygons where these `are_whole`, else one of their triangles.
@@ -148,8 +148,8 @@ impl Obj<'_, '_> {
         for word in words {
             let number = std::str::from_utf8(word).ok().and_then(number);
             let number = number.ok_or_else(|| ObjError::Number { line, found: shown(word) })?;
-            if let Some(place) = numbers.get_mut(count) {
-                *place = number;
+            if let Some(coordinate) = numbers.get_mut(count) {
+                *coordinate = number;
             }
             count += 1;
         }
@@ -167,10 +167,10 @@ impl Obj<'_, '_> {
             let index = corner(word).ok_or_else(|| ObjError::Corner { line, found: shown(word) })?;
             let vertices = self.model.vertices();
             // Below 0 they count backwards from the last vertex so far.
-            let place = if index < 0 { index.saturating_add(vertices as i64).saturating_add(1) } else { index };
-            let vertex = u32::try_from(place).ok().and_then(|place| place.checked_sub(1));
+            let one_based = if index < 0 { index.saturating_add(vertices as i64).saturating_add(1) } else { index };
+            let vertex = u32::try_from(one_based).ok().and_then(|one_based| one_based.checked_sub(1));
             let vertex = vertex.ok_or(ObjError::OutOfRange { line, index, vertices })?;
-            self.highest = self.highest.max((place, line));
+            self.highest = self.highest.max((one_based, line));
             self.model.corner(vertex).map_err(refused(line))?;
         }
         self.model.end_face().map_err(refused(line))

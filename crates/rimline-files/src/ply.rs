@@ -114,8 +114,8 @@ struct Header {
     elements: Vec<Element>,
 }
 
-/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as triangles if all of
-/// them are triangles, else as polygons.
+/// Reads positions, faces and colours, relative to an origin near them, and skips everything else. Faces come as
+/// triangles if all of them are triangles, else as polygons.
 ///
 /// Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept. The mesh is one of polygons
 /// where these `are_whole`, else one of their triangles.
@@ -132,7 +132,7 @@ pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64, are_whole: bool)
         element.read(&mut body, &mut model, vertices)?;
         left = left.saturating_sub(element.count.saturating_mul(element.least(header.encoding)));
     }
-    let last = Place { element: "face", index: 0 };
+    let last = ElementIndex { element: "face", index: 0 };
     model.finish().map_err(|refused| last.refused(refused))?.ok_or(PlyError::NoFaces)
 }
 
@@ -142,11 +142,11 @@ impl Header {
         let (mut encoding, mut elements) = (None, Vec::<Element>::new());
         let mut line = 0;
         loop {
-            let Some(own) = header_line(&mut text)? else { return Err(PlyError::Endless) };
+            let Some(header) = header_line(&mut text)? else { return Err(PlyError::Endless) };
             line += 1;
-            let own = String::from_utf8_lossy(&own);
-            let words: Vec<&str> = own.split_ascii_whitespace().take(6).collect();
-            let wrong = |wanted| PlyError::Header { line, found: own.chars().take(80).collect(), wanted };
+            let header = String::from_utf8_lossy(&header);
+            let words: Vec<&str> = header.split_ascii_whitespace().take(6).collect();
+            let wrong = |wanted| PlyError::Header { line, found: header.chars().take(80).collect(), wanted };
             match words[..] {
                 ["ply"] if line == 1 => {}
                 _ if line == 1 => return Err(wrong("a PLY file begins with a line `ply`")),
@@ -235,7 +235,7 @@ impl Element {
         let channels = self.channels().filter(|_| self.name == "face");
         let mut values = vec![0.0; self.properties.len()];
         for index in 0..count {
-            let at = Place { element: &self.name, index };
+            let at = ElementIndex { element: &self.name, index };
             for (value, property) in values.iter_mut().zip(&self.properties) {
                 let Some(length) = property.length else {
                     *value = body.value(property.scalar, at)?;
@@ -258,7 +258,9 @@ impl Element {
                 model.end_face().map_err(|refused| at.refused(refused))?;
             }
             if let Some(channels) = channels {
-                model.color_faces(channels.map(|own| own.of(&values))).map_err(|refused| at.refused(refused))?;
+                model
+                    .color_faces(channels.map(|channel| channel.of(&values)))
+                    .map_err(|refused| at.refused(refused))?;
             }
         }
         Ok(())
@@ -267,29 +269,33 @@ impl Element {
     /// Where the colour is, if it has one.
     fn channels(&self) -> Option<[Channel; 3]> {
         let found = ["red", "green", "blue"].map(|name| {
-            let place = self.properties.iter().position(|own| own.name == name && own.length.is_none())?;
-            let most = match self.properties[place].scalar {
+            let column =
+                self.properties.iter().position(|property| property.name == name && property.length.is_none())?;
+            let most = match self.properties[column].scalar {
                 Scalar { kind: 'f', .. } => 1.0,
                 Scalar { bytes: 2, .. } => f64::from(u16::MAX),
                 Scalar { .. } => f64::from(u8::MAX),
             };
-            Some(Channel { place, most })
+            Some(Channel { column, most })
         });
         let [Some(red), Some(green), Some(blue)] = found else { return None };
         Some([red, green, blue])
     }
 
     fn read_vertices(&self, body: &mut Body<impl BufRead>, model: &mut Collected) -> Result<(), PlyError> {
-        let mut places = [0; 3];
-        for (place, property) in places.iter_mut().zip(["x", "y", "z"]) {
-            let found = self.properties.iter().position(|own| own.name == property && own.length.is_none());
-            *place = found.ok_or(PlyError::NoPosition { property })?;
+        let mut columns = [0; 3];
+        for (column, property) in columns.iter_mut().zip(["x", "y", "z"]) {
+            let found =
+                self.properties.iter().position(|candidate| candidate.name == property && candidate.length.is_none());
+            *column = found.ok_or(PlyError::NoPosition { property })?;
         }
-        model.check_vertices(self.count).map_err(|refused| Place { element: &self.name, index: 0 }.refused(refused))?;
+        model
+            .check_vertices(self.count)
+            .map_err(|refused| ElementIndex { element: &self.name, index: 0 }.refused(refused))?;
         let channels = self.channels();
         let mut values = vec![0.0; self.properties.len()];
         for index in 0..self.count {
-            let at = Place { element: &self.name, index };
+            let at = ElementIndex { element: &self.name, index };
             for (value, property) in values.iter_mut().zip(&self.properties) {
                 match property.length {
                     Some(length) => {
@@ -299,9 +305,11 @@ impl Element {
                     None => *value = body.value(property.scalar, at)?,
                 }
             }
-            model.vertex(places.map(|place| values[place])).map_err(|refused| at.refused(refused))?;
+            model.vertex(columns.map(|column| values[column])).map_err(|refused| at.refused(refused))?;
             if let Some(channels) = channels {
-                model.color_vertex(channels.map(|own| own.of(&values))).map_err(|refused| at.refused(refused))?;
+                model
+                    .color_vertex(channels.map(|channel| channel.of(&values)))
+                    .map_err(|refused| at.refused(refused))?;
             }
         }
         Ok(())
@@ -311,25 +319,25 @@ impl Element {
 /// A component of colours: the property, and the number that stands for 1.
 #[derive(Clone, Copy)]
 struct Channel {
-    place: usize,
+    column: usize,
     most: f64,
 }
 
 impl Channel {
     /// The linear value. Files have values for displays, floats too.
     fn of(self, values: &[f64]) -> f32 {
-        linear(values[self.place] / self.most)
+        linear(values[self.column] / self.most)
     }
 }
 
 /// An element, for messages.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct ElementIndex<'a> {
     element: &'a str,
     index: u64,
 }
 
-impl Place<'_> {
+impl ElementIndex<'_> {
     fn refused(self, refused: Refused) -> PlyError {
         let (element, index) = (self.element.into(), self.index);
         match refused {
@@ -348,7 +356,7 @@ struct Body<R> {
 }
 
 impl<R: BufRead> Body<R> {
-    fn value(&mut self, scalar: Scalar, at: Place<'_>) -> Result<f64, PlyError> {
+    fn value(&mut self, scalar: Scalar, at: ElementIndex<'_>) -> Result<f64, PlyError> {
         let ended = |error: io::Error| match error.kind() {
             io::ErrorKind::UnexpectedEof => PlyError::Ended { element: at.element.into(), index: at.index },
             _ => error.into(),
@@ -365,16 +373,16 @@ impl<R: BufRead> Body<R> {
             });
         }
         let mut bytes = [0; 8];
-        let own = &mut bytes[..scalar.bytes];
-        self.reader.read_exact(own).map_err(ended)?;
+        let value_bytes = &mut bytes[..scalar.bytes];
+        self.reader.read_exact(value_bytes).map_err(ended)?;
         if self.encoding == Encoding::BigEndian {
-            own.reverse();
+            value_bytes.reverse();
         }
         Ok(scalar.value(bytes))
     }
 
     /// The length of a list. No more are read than the file has, so it may be anything.
-    fn length(&mut self, scalar: Scalar, at: Place<'_>) -> Result<u64, PlyError> {
+    fn length(&mut self, scalar: Scalar, at: ElementIndex<'_>) -> Result<u64, PlyError> {
         let found = self.value(scalar, at)?;
         if found >= 0.0 && found.fract() == 0.0 {
             return Ok(found as u64);
@@ -395,11 +403,11 @@ impl<R: BufRead> Body<R> {
             } else {
                 0
             };
-            let own = chunk[blanks..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
-            let is_end = blanks + own < chunk.len();
-            let kept = own.min(MAX_WORD + 1 - self.word.len());
+            let word_bytes = chunk[blanks..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
+            let is_end = blanks + word_bytes < chunk.len();
+            let kept = word_bytes.min(MAX_WORD + 1 - self.word.len());
             self.word.extend_from_slice(&chunk[blanks..blanks + kept]);
-            self.reader.consume(blanks + own);
+            self.reader.consume(blanks + word_bytes);
             if is_end {
                 return Ok(());
             }

@@ -87,8 +87,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<File, FileError> {
 }
 
 /// Reads the content of a file, such as standard input or what was dropped on a page. The name is asked where the content
-/// does not say its format; without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must be in
-/// the content. Materials of an OBJ are not read.
+/// does not say its format; without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must
+/// be in the content. Materials of an OBJ are not read.
 ///
 /// # Errors
 /// [`FileError`] says what is wrong with it.
@@ -142,7 +142,7 @@ fn of_gltf(file: &Path, error: GltfError) -> FileError {
             let is_whole = Path::new(&what) == file;
             FileError::TooLarge { what: if is_whole { "the file".into() } else { what }, needed, limit }
         }
-        GltfError::Outside { json_path, uri, path } => FileError::Outside { place: json_path, uri, path },
+        GltfError::Outside { json_path, uri, path } => FileError::Outside { json_path, uri, path },
         error => FileError::Gltf(error),
     }
 }

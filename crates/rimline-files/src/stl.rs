@@ -54,8 +54,8 @@ pub(crate) fn is_text(start: &[u8]) -> bool {
     text.starts_with(b"solid") && (contains(b"facet") || contains(b"endsolid"))
 }
 
-/// Reads the triangles, each with three vertices of its own. Refuses a model that takes more than `memory_limit` bytes with its
-/// mesh, before it is kept.
+/// Reads the triangles, each with three vertices of its own. Refuses a model that takes more than `memory_limit` bytes
+/// with its mesh, before it is kept.
 pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64) -> Result<Arrays, StlError> {
     let length = reader.seek(SeekFrom::End(0))?;
     reader.rewind()?;

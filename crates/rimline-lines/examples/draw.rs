@@ -1,5 +1,5 @@
-//! Draws a glTF file, or a torus, and says how long it took: `draw FILE.glb|torus:FACES [out=FILE.svg] [AZIMUTH,ELEVATION] [persp] [thrice] [meet]
-//! [hidden] [threads=N]`.
+//! Draws a glTF file, or a torus, and says how long it took: `draw FILE.glb|torus:FACES [out=FILE.svg]
+//! [AZIMUTH,ELEVATION] [persp] [thrice] [meet] [hidden] [threads=N]`.
 
 use std::borrow::Cow;
 use std::error::Error;

@@ -19,8 +19,8 @@ impl Crease {
         Self { cosine: libm::cos(degrees.to_radians()).next_up() }
     }
 
-    /// Whether the normals of two faces are at least this angle apart. `is_turned` turns the second one. A face without an area
-    /// makes no crease.
+    /// Whether the normals of two faces are at least this angle apart. `is_turned` turns the second one. A face without
+    /// an area makes no crease.
     pub(crate) fn is_between(
         self,
         first: impl Iterator<Item = Corners> + Clone,

@@ -14,7 +14,8 @@ pub struct Span {
     pub faces_in_front: u32,
     /// The object, by its number among those given. For an intersection that of the first face.
     pub object: u32,
-    /// The edge, as an index in [`rimline::Mesh::edges`]; an edge of several records has the lowest. `None` for an intersection.
+    /// The edge, as an index in [`rimline::Mesh::edges`]; an edge of several records has the lowest. `None` for an
+    /// intersection.
     pub edge: Option<u32>,
     /// The faces that meet there. The second is `None` at a boundary.
     pub faces: [Option<FaceId>; 2],
@@ -33,8 +34,8 @@ pub struct FaceId {
     pub face: u32,
 }
 
-/// Spans in a row, all visible or all hidden, of one class. Each begins where the one before ends. Faces that the eye sees are on
-/// the left of silhouettes and boundaries.
+/// Spans in a row, all visible or all hidden, of one class. Each begins where the one before ends. Faces that the eye
+/// sees are on the left of silhouettes and boundaries.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chain {
     /// Their class.

@@ -1,5 +1,5 @@
-//! Hidden-line drawings of meshes, on the CPU: silhouettes, boundaries, creases and marked edges, cut where the number of faces in
-//! front of them changes.
+//! Hidden-line drawings of meshes, on the CPU: silhouettes, boundaries, creases and marked edges, cut where the number
+//! of faces in front of them changes.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -15,8 +15,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The number of faces in front of each span is exact. Signs of determinants decide it: `f64` where a bound allows it, else integers.
-//! Cuts are rounded; docs/numerics/lines.md in the repository has the bounds and their proofs.
+//! The number of faces in front of each span is exact. Signs of determinants decide it: `f64` where a bound allows it,
+//! else integers. Cuts are rounded; docs/numerics/lines.md in the repository has the bounds and their proofs.
 
 #![forbid(unsafe_code)]
 

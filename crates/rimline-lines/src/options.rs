@@ -87,13 +87,14 @@ pub struct PageBox {
 pub struct LineOptions {
     /// The classes that are drawn. Default: all.
     pub classes: Classes,
-    /// The least angle between the normals of two faces that makes a crease, in degrees: 0 to 180. Default: 30. Its cosine is
-    /// rounded up to `f64`, and angles are compared with this number exactly.
+    /// The least angle between the normals of two faces that makes a crease, in degrees: 0 to 180. Default: 30. Its
+    /// cosine is rounded up to `f64`, and angles are compared with this number exactly.
     pub crease_degrees: f64,
     /// Lines nearer to a perspective eye than this are left out, and cut there. Faces there still hide what is behind them.
     /// Default: a thousandth of the greatest depth. An eye at infinity has no use for it.
     pub near: Option<f64>,
-    /// The part of the page that is drawn. Lines are cut at its border. Default: all. Set it where the eye is inside a model.
+    /// The part of the page that is drawn. Lines are cut at its border. Default: all. Set it where the eye is inside a
+    /// model.
     pub window: Option<PageBox>,
     /// Threads that work. The result does not depend on them.
     pub threads: Threads,

@@ -11,8 +11,8 @@ use crate::world::World;
 /// The bits of the positions of a line's ends, the lower one first.
 type Ends = [[u32; 3]; 2];
 
-/// Takes out lines of intersection along an edge that two objects share, where a face of one lies over a face of the other: surfaces
-/// that coincide do not pass through each other.
+/// Takes out lines of intersection along an edge that two objects share, where a face of one lies over a face of the
+/// other: surfaces that coincide do not pass through each other.
 pub(crate) fn without_touching(lines: &mut Vec<Line>, world: &World<'_>) {
     let key = |vertices: [u32; 2]| {
         let positions =

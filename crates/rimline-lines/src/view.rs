@@ -16,8 +16,8 @@ pub struct View {
 }
 
 impl View {
-    /// An eye at a point that looks at `target`. Pages are in tangents: right and up at a distance of 1 ahead of the eye. The
-    /// point (0, 0) is the target's.
+    /// An eye at a point that looks at `target`. Pages are in tangents: right and up at a distance of 1 ahead of the
+    /// eye. The point (0, 0) is the target's.
     ///
     /// # Errors
     /// [`LinesError::View`] for numbers that are not finite, a target at the eye, or an `up` along the line of sight.
@@ -26,8 +26,8 @@ impl View {
         Self::new(Light::point(eye), ahead, up)
     }
 
-    /// An eye at infinity. `towards_eye` points from the scene to the eye and may have any length above 0. Pages are in the unit
-    /// of the positions. The point (0, 0) is the origin's.
+    /// An eye at infinity. `towards_eye` points from the scene to the eye and may have any length above 0. Pages are in
+    /// the unit of the positions. The point (0, 0) is the origin's.
     ///
     /// # Errors
     /// [`LinesError::View`] for numbers that are not finite, a direction of length 0, or an `up` along it.

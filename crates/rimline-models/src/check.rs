@@ -1,5 +1,5 @@
-//! The check of a device: the viewer's scenes and every stress scene are extracted there, and all bits compared with the CPU's.
-//! `rimline verify --built-in` runs it, and so does the viewer's page.
+//! The check of a device: the viewer's scenes and every stress scene are extracted there, and all bits compared with
+//! the CPU's. `rimline verify --built-in` runs it, and so does the viewer's page.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -71,8 +71,8 @@ impl Case {
         Bits([found.facing, bytemuck::cast_slice(&found.masks).to_vec()])
     }
 
-    /// The bits that a device finds. All is submitted when this returns. The future waits for the device, which somebody must
-    /// poll; a browser does.
+    /// The bits that a device finds. All is submitted when this returns. The future waits for the device, which
+    /// somebody must poll; a browser does.
     pub fn on_gpu(
         &self,
         queue: &wgpu::Queue,

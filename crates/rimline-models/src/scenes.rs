@@ -36,8 +36,8 @@ pub fn moebius() -> Result<Still, ModelError> {
     still("Moebius band", shapes::moebius(128, 12), turn)
 }
 
-fn still(name: &'static str, shape: Shape, place: Affine3A) -> Result<Still, ModelError> {
+fn still(name: &'static str, shape: Shape, transform: Affine3A) -> Result<Still, ModelError> {
     let geometry = Geometry::new(shape.positions, shape.faces, GeometryOptions::default())?;
     let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-    Ok((name, model, Pose::new(vec![InstancePose::new([place], Vec::new())?])))
+    Ok((name, model, Pose::new(vec![InstancePose::new([transform], Vec::new())?])))
 }

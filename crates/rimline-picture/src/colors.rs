@@ -3,8 +3,8 @@
 use rimline::Model;
 use rimline::gltf::Colors;
 
-/// Colours of the corners of the faces of all instances, packed for shaders: the last two corners of turned instances are swapped.
-/// `of` tells the colours of a geometry. `None`: the model has no colours.
+/// Colours of the corners of the faces of all instances, packed for shaders: the last two corners of turned instances
+/// are swapped. `of` tells the colours of a geometry. `None`: the model has no colours.
 pub fn corner_colors<'c>(
     model: &Model,
     turned: impl IntoIterator<Item = bool>,
@@ -22,8 +22,8 @@ pub fn corner_colors<'c>(
         corners.extend(geometry.faces().iter().enumerate().map(|(number, &face)| {
             let color = of_face(number).unwrap_or(white);
             let corner = |vertex| {
-                let own = of_vertex(vertex).unwrap_or(white);
-                packed([0, 1, 2].map(|channel| color[channel] * own[channel]))
+                let vertex_color = of_vertex(vertex).unwrap_or(white);
+                packed([0, 1, 2].map(|channel| color[channel] * vertex_color[channel]))
             };
             let [a, b, c] = face.map(corner);
             if is_turned { [a, c, b] } else { [a, b, c] }

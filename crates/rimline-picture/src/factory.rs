@@ -68,7 +68,7 @@ pub struct Pass<'a> {
     pub source: &'a str,
     /// Groups 1 and on.
     pub groups: &'a [&'a wgpu::BindGroupLayout],
-    /// What vertices make.
+    /// The primitives that vertices make.
     pub topology: wgpu::PrimitiveTopology,
     /// The format of the colour target.
     pub format: wgpu::TextureFormat,
@@ -245,8 +245,8 @@ pub fn depth_state(
     }
 }
 
-/// A pass onto one colour target and a depth buffer. Clears both, depth to the infinitely far, or goes on with what is there; a
-/// stencil is cleared in any case.
+/// A pass onto one colour target and a depth buffer. Clears both, depth to the infinitely far, or goes on with what is
+/// there; a stencil is cleared in any case.
 pub fn color_pass<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,

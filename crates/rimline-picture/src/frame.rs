@@ -69,7 +69,7 @@ impl SceneView<'_> {
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
         // The backdrop is as bright as the lit ground, so that the ground fades into it unseen.
         let lit = |shaded: &ShadedLight| {
-            let share = around.iter().map(|&place| shaded.on_ground(place)).sum::<f32>() / 4.0;
+            let share = around.iter().map(|&point| shaded.on_ground(point)).sum::<f32>() / 4.0;
             share * Vec3::from(shaded.color)
         };
         let backdrop = GROUND * (ambient + lights.iter().map(lit).sum::<Vec3>());
@@ -148,7 +148,7 @@ pub const PARTS: usize = 16;
 /// Pixels of the picture from one of a part's to the next.
 const PITCH: u32 = 2;
 /// Where in a pixel, as multisampling has it.
-const PLACES: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
+const SAMPLES: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
 
 /// Which pixels of the picture are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,8 +167,8 @@ impl Part {
 
     /// The part with this number. Parts that follow each other share a pixel: their patterns are most unlike.
     pub fn of(size: [u32; 2], part: usize) -> Self {
-        let (pixel, place) = (part / 4, PLACES[part % 4]);
-        let first = [(pixel & 1) as f32 + place[0], (pixel >> 1) as f32 + place[1]];
+        let (pixel, sample) = (part / 4, SAMPLES[part % 4]);
+        let first = [(pixel & 1) as f32 + sample[0], (pixel >> 1) as f32 + sample[1]];
         let pitch = PITCH as f32;
         let along = |axis: usize| {
             let (all, drawn) = (size[axis] as f32, Self::size(size)[axis] as f32);
@@ -220,14 +220,14 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_drawn_shows_its_place_in_the_picture() {
+    fn a_pixel_drawn_shows_its_position_in_the_picture() {
         for size in [[960, 720], [101, 33], [1, 1]] {
             for number in 0..PARTS {
                 let part = Part::of(size, number);
                 let drawn = Part::size(size).map(|pixels| pixels as f32);
                 for pixel in [[0.0, 0.0], [drawn[0] - 1.0, drawn[1] - 1.0]] {
-                    let place = [0, 1].map(|axis| part.pitch * pixel[axis] + part.first[axis]);
-                    let [x, y] = [0, 1].map(|axis| 2.0 * place[axis] / size[axis] as f32 - 1.0);
+                    let position = [0, 1].map(|axis| part.pitch * pixel[axis] + part.first[axis]);
+                    let [x, y] = [0, 1].map(|axis| 2.0 * position[axis] / size[axis] as f32 - 1.0);
                     let clip = part.clip.project_point3(Vec3::new(x, -y, 0.5));
                     let found = [0.5 * (clip.x + 1.0) * drawn[0] - 0.5, 0.5 * (1.0 - clip.y) * drawn[1] - 0.5];
                     let error = (found[0] - pixel[0]).abs().max((found[1] - pixel[1]).abs());

@@ -11,25 +11,25 @@
   return direction_to_clip(select(vec3<f32>(0.0, 0.0, away), vec3<f32>(away, 0.0, 0.0), (turn & 1u) == 0u));
 }
 
-struct Place {
+struct GroundPoint {
   // Relative to the eye, in units.
   q: vec3<f32>,
   // How much of it the backdrop has taken.
   faded: f32,
 }
 
-fn place(pixel: vec2<f32>) -> Place {
+fn ground_point(pixel: vec2<f32>) -> GroundPoint {
   let ndc = in_picture(pixel) / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
   let aside = ndc.x / frame.scale_x * frame.right + ndc.y / frame.scale_y * frame.up;
   let is_parallel = frame.is_parallel != 0u;
-  // Of an orthographic camera the rays begin aside, and what is aside is no part of their direction.
+  // The rays of an orthographic camera begin aside and have one direction.
   let begin = select(vec3<f32>(0.0), aside * frame.per_unit, is_parallel);
   let ray = select(aside, vec3<f32>(0.0), vec3<bool>(is_parallel)) + frame.forward;
   let q = begin + ray * ((frame.ground - begin.y) / min(ray.y, -1e-6));
   if (ray.y > -1e-6) {
-    return Place(q, 1.0);
+    return GroundPoint(q, 1.0);
   }
-  return Place(q, smoothstep(frame.fade_begin, frame.fade_end, length_of(vec3<f32>(q.xz - frame.centre, 0.0))));
+  return GroundPoint(q, smoothstep(frame.fade_begin, frame.fade_end, length_of(vec3<f32>(q.xz - frame.centre, 0.0))));
 }
 
 const ALBEDO = vec3<f32>(0.80, 0.79, 0.77);
@@ -39,20 +39,20 @@ fn is_lit() -> bool {
 }
 
 @fragment fn ambient_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  return vec4<f32>(mix(ALBEDO * frame.ambient, backdrop(at.xy), place(at.xy).faded), 1.0);
+  return vec4<f32>(mix(ALBEDO * frame.ambient, backdrop(at.xy), ground_point(at.xy).faded), 1.0);
 }
 
 @fragment fn lit_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   if (!is_lit()) {
     discard;
   }
-  let place = place(at.xy);
-  let light = arriving(place.q);
-  return vec4<f32>((1.0 - place.faded) * ALBEDO * light.color * max(0.0, light.towards.y), 0.0);
+  let point = point(at.xy);
+  let light = arriving(point.q);
+  return vec4<f32>((1.0 - point.faded) * ALBEDO * light.color * max(0.0, light.towards.y), 0.0);
 }
 
 // Keeps the pixels that the light cannot reach even without casters.
-@fragment fn averted_fragment() -> @location(0) vec4<f32> {
+@fragment fn back_facing_fragment() -> @location(0) vec4<f32> {
   if (is_lit()) {
     discard;
   }
@@ -60,12 +60,12 @@ fn is_lit() -> bool {
 }
 
 @fragment fn black_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  return vec4<f32>(backdrop(at.xy) * place(at.xy).faded, 1.0);
+  return vec4<f32>(backdrop(at.xy) * ground_point(at.xy).faded, 1.0);
 }
 
 // A factor for what is there.
 @fragment fn dim_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  return vec4<f32>(vec3<f32>(mix(0.5, 1.0, place(at.xy).faded)), 1.0);
+  return vec4<f32>(vec3<f32>(mix(0.5, 1.0, ground_point(at.xy).faded)), 1.0);
 }
 
 @fragment fn dark_fragment() -> @location(0) vec4<f32> {
@@ -73,7 +73,7 @@ fn is_lit() -> bool {
 }
 
 @fragment fn mask_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  if (!is_lit() || !arriving(place(at.xy).q).reached) {
+  if (!is_lit() || !arriving(ground_point(at.xy).q).reached) {
     discard;
   }
   return vec4<f32>(1.0);

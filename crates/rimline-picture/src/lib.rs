@@ -1,5 +1,5 @@
-//! The pictures of Rimline's command and viewer: models as matte clay on a ground, lit by lights whose shadows are counted in
-//! the stencil.
+//! The pictures of Rimline's command and viewer: models as matte clay on a ground, lit by lights whose shadows are
+//! counted in the stencil.
 //!
 //! [`Resources`] has what all pictures of a device share. [`PicturePipelines`] draws a [`Subject`], which knows its surfaces
 //! and draws its own shadow volumes, into [`Targets`]. Nothing here waits for the device. The crate makes no promise of

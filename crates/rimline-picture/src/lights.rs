@@ -63,7 +63,7 @@ impl ShadedLight {
     }
 
     /// The position of a light at a point, the direction to another.
-    pub fn place(&self) -> DVec3 {
+    pub fn position_or_direction(&self) -> DVec3 {
         let xyz = vector(self.light.xyz);
         if self.light.w == 0.0 { xyz } else { xyz / f64::from(self.light.w) }
     }
@@ -112,9 +112,9 @@ impl ShadedLight {
     }
 
     /// How much of its light the ground gets at a place, nothing in between.
-    pub(crate) fn on_ground(&self, place: Vec3) -> f32 {
+    pub(crate) fn on_ground(&self, point: Vec3) -> f32 {
         let w = f64::from(self.light.w);
-        let towards = vector(self.light.xyz) - w * place.as_dvec3();
+        let towards = vector(self.light.xyz) - w * point.as_dvec3();
         let direction = towards.normalize_or_zero();
         let distance = if w > 0.0 { towards.length() / w } else { 0.0 };
         let within = self.cone.map_or(1.0, |cone| {
@@ -137,7 +137,8 @@ impl ShadedLight {
         let Light { xyz, w, .. } = self.light;
         let away = f64::from(w) * p - Vec3::from(xyz).as_dvec3();
         let height = p.y - f64::from(bounds.ground);
-        let left = if w == 0.0 { f64::INFINITY } else { f64::from(self.range) - (p - self.place()).length() };
+        let left =
+            if w == 0.0 { f64::INFINITY } else { f64::from(self.range) - (p - self.position_or_direction()).length() };
         let is_in_cone = self.cone.is_none_or(|cone| {
             vector(cone.direction).dot(away.normalize_or_zero()) >= f64::from(cone.outer_angle).cos()
         });
@@ -157,7 +158,8 @@ impl ShadedLight {
             return MOST;
         }
         let (low, high) = (bounds.models.min.as_dvec3(), bounds.models.max.as_dvec3());
-        let outside = (self.place() - self.place().clamp(low, high)).length() / f64::from(bounds.models.extent());
+        let outside = (self.position_or_direction() - self.position_or_direction().clamp(low, high)).length()
+            / f64::from(bounds.models.extent());
         MOST * (2.0 * outside).clamp(0.1, 1.0)
     }
 }

@@ -41,10 +41,10 @@ impl Neighbours {
         Self { areas, units, around, cosine: CREASE.to_radians().cos() }
     }
 
-    /// Those of a face at one of its vertices.
+    /// The neighbours of a face at one of its vertices.
     pub(crate) fn of(&self, face: usize, vertex: u32) -> impl Iterator<Item = usize> + '_ {
-        let own = self.units[face];
-        self.around.faces(vertex).filter(move |&other| self.units[other].dot(own) > self.cosine)
+        let normal = self.units[face];
+        self.around.faces(vertex).filter(move |&other| self.units[other].dot(normal) > self.cosine)
     }
 }
 
@@ -55,7 +55,7 @@ struct Around {
 }
 
 impl Around {
-    /// Of faces whose vertices stand for others.
+    /// The neighbours of faces whose vertices stand for others.
     fn new(vertices: usize, faces: &[[u32; 3]], stands_for: impl Fn(u32) -> u32) -> Self {
         let mut starts = vec![0_u32; vertices + 1];
         for &v in faces.iter().flatten() {

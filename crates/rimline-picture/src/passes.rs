@@ -134,7 +134,7 @@ impl PicturePipelines {
         let target = self.format.light();
         self.mode = mode;
         self.shade = shade.map(|(fragment, blend)| {
-            let marking = ReceiverPass::new(target, "averted", Onto::Lit);
+            let marking = ReceiverPass::new(target, "back_facing", Onto::Lit);
             let shading = ReceiverPass::new(target, fragment, Onto::Shadowed);
             [ReceiverPass { write: ColorWrites::empty(), ..marking }, ReceiverPass { blend, ..shading }]
                 .map(|pass| ReceiverPipelines::new(resources, pass))
@@ -144,7 +144,7 @@ impl PicturePipelines {
     /// Records the light of the whole picture, or of a part.
     ///
     /// # Errors
-    /// Those of the subject.
+    /// The errors of the subject.
     pub fn record<S: Subject>(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -1,4 +1,4 @@
-//! What all pictures and masks of a device share: the frame, the lights, layouts.
+//! The resources that all pictures and masks of a device share: the frame, the lights, layouts.
 
 use crate::bindings::{READ_ONLY, UNIFORM, UNIFORM_AT_OFFSET};
 use crate::factory::PipelineFactory;

@@ -21,7 +21,7 @@ impl Smoothing {
         let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
         let same: Vec<u32> = (0..)
             .zip(positions)
-            .map(|(vertex, place)| *first_at.entry(place.map(|c| (c + 0.0).to_bits())).or_insert(vertex))
+            .map(|(vertex, position)| *first_at.entry(position.map(|c| (c + 0.0).to_bits())).or_insert(vertex))
             .collect();
         let near = Neighbours::new(positions, faces, Some(&same));
         // The faces of each group, and where they begin; the groups of each vertex, which are few; the group of each corner.
@@ -162,10 +162,10 @@ mod tests {
     fn corners_share_normals_up_to_creases() {
         let groups = |height: f32, is_turned: bool| {
             let positions = [[0.0; 3], [0.0, 0.0, 1.0], [-1.0, height, 0.0], [1.0, height, 0.0]];
-            let own = Smoothing::of(&positions, &[[0, 2, 1], [0, 1, 3]]);
+            let one = Smoothing::of(&positions, &[[0, 2, 1], [0, 1, 3]]);
             let mut both = Smoothing::default();
-            both.append(&own, false);
-            both.append(&own, is_turned);
+            both.append(&one, false);
+            both.append(&one, is_turned);
             let each = both.starts.windows(2).map(|of| {
                 let [from, to] = [of[0], of[1]].map(|at| at.map(|word| word as usize));
                 (both.faces[from[0]..to[0]].to_vec(), both.corners[from[1]..to[1]].to_vec())

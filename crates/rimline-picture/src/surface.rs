@@ -24,7 +24,8 @@ struct Clay {
     reserved: u32,
 }
 
-/// Flag of a slot, as in `surface.wgsl`: the face is shown as the one that it coincides with, which runs the other way around.
+/// Flag of a slot, as in `surface.wgsl`: the face is shown as the one that it coincides with, which runs the other way
+/// around.
 pub const TURNED: u32 = 1 << 31;
 /// With [`TURNED`]: the mask at the slot is the face's own, whose opposite is the other's.
 pub const OPPOSITE: u32 = 1 << 30;
@@ -39,7 +40,7 @@ pub struct FacingMasks {
 }
 
 impl FacingMasks {
-    /// Those of casters whose faces follow each other.
+    /// The masks of casters whose faces follow each other.
     ///
     /// # Errors
     /// [`ShadowError`] if the frame lacks one of them, or a later encode overwrites it.

@@ -1,5 +1,5 @@
-// The models, as matte clay, or in their base colours. A face's side towards a light is the bit that the extraction found for it; smooth normals
-// only shade.
+// The models, as matte clay, or in their base colours. A face's side towards a light is the bit that the extraction
+// found for it; smooth normals only shade.
 
 struct Clay {
   front: vec3<f32>,
@@ -111,7 +111,7 @@ fn is_lit(in: Surface, front: bool) -> bool {
 }
 
 // Keeps the pixels whose visible side is back-facing to the light.
-@fragment fn averted_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+@fragment fn back_facing_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
   let front = shows_front(in, is_front);
   if (is_lit(in, front)) {
     discard;

@@ -76,7 +76,7 @@ impl Attachments {
 /// The targets of a picture.
 #[derive(Debug)]
 pub struct Targets {
-    /// Those of the whole picture, or of each part.
+    /// The attachments of the whole picture, or of each part.
     pub attachments: Vec<Attachments>,
     /// Binds the light that the picture is made of.
     pub(crate) light: wgpu::BindGroup,

@@ -1,4 +1,5 @@
-//! The viewer alone: `rimline-view [FILE]...`. The command `rimline view` has options besides. Compiled for wasm32 it is the page.
+//! The viewer alone: `rimline-view [FILE]...`. The command `rimline view` has options besides. Compiled for wasm32 it
+//! is the page.
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {

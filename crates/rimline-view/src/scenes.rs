@@ -20,7 +20,7 @@ pub(crate) fn show_next(viewer: &mut Viewer, scene: &mut usize) {
     *scene = (*scene + 1) % ALL.len();
     viewer.handle(match ALL[*scene].1() {
         Ok(bodies) => Event::Replaced(bodies),
-        Err(error) => Event::Told(error.to_string()),
+        Err(error) => Event::Message(error.to_string()),
     });
 }
 

@@ -14,14 +14,15 @@ use crate::method::Method;
 use crate::method::Predicate;
 use crate::{Light, Mesh};
 
-/// The result of an extraction on the CPU. Masks have ⌈N/32⌉ planes, each with all items in order, as the GPU's buffers have them.
+/// The result of an extraction on the CPU. Masks have ⌈N/32⌉ planes, each with all items in order, as the GPU's buffers
+/// have them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extraction {
     /// One facing mask for each triangle of [`Mesh::faces`], the same for all of a polygon.
     /// [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them. Empty for the per-edge method.
     pub facing: Vec<u32>,
-    /// For each triangle the lights for which its polygon is L-twisted: its boundary is not simple as seen from them. For these
-    /// it faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
+    /// For each triangle the lights for which its polygon is L-twisted: its boundary is not simple as seen from them.
+    /// For these it faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
     pub twisted: Vec<u32>,
     /// Silhouette and winding masks for each edge record.
     pub masks: Vec<EdgeMasks>,
@@ -66,8 +67,8 @@ impl Extraction {
         Ok(())
     }
 
-    /// The silhouette of light number `light` of `mesh`, which is the mesh of the extraction. It is empty for a light that was not
-    /// extracted.
+    /// The silhouette of light number `light` of `mesh`, which is the mesh of the extraction. It is empty for a light
+    /// that was not extracted.
     pub fn silhouette(&self, mesh: &Mesh, light: usize) -> Silhouette {
         let (edges, bit) = (mesh.edges().len(), 1 << (light % 32));
         let plane = self.masks.chunks(edges.max(1)).nth(light / 32).unwrap_or_default();

@@ -35,7 +35,8 @@ const GROUP: usize = 32;
 /// ```
 #[derive(Debug)]
 pub struct ShadowMasks {
-    /// Whether vertex shaders cut volumes at the frustum, see [`ShadowFormat::trim`](crate::gpu::ShadowFormat::trim). Default: false.
+    /// Whether vertex shaders cut volumes at the frustum, see [`ShadowFormat::trim`](crate::gpu::ShadowFormat::trim).
+    /// Default: false.
     pub trim: bool,
     shared: Pipelines,
     counting: Vec<(Setting, Arc<Counting>)>,
@@ -73,9 +74,9 @@ pub struct MaskInputs<'a> {
     /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level 0 of
     /// as many layers as the lights need:
     ///
-    /// * `R8Uint`, `R32Uint`: a bit a light, 8 or 32 of them in a layer. Light `i` is bit `i mod 8` of layer `i div 8`, or bit
-    ///   `i mod 32` of layer `i div 32`. It is 1 if the light is in shadow. Other bits are 0. With several samples, sample 0
-    ///   counts.
+    /// * `R8Uint`, `R32Uint`: a bit a light, 8 or 32 of them in a layer. Light `i` is bit `i mod 8` of layer `i div 8`,
+    ///   or bit `i mod 32` of layer `i div 32`. It is 1 if the light is in shadow. Other bits are 0. With several
+    ///   samples, sample 0 counts.
     /// * `R8Unorm`: a layer a light, the share of the samples of a pixel that are in shadow: 0 or 1, or antialiased if the
     ///   depth has several samples.
     pub target: &'a wgpu::Texture,
@@ -242,7 +243,8 @@ impl SceneFrame {
     /// calls.
     ///
     /// # Errors
-    /// [`MaskError`] if the frame is out of date, an input is refused, or the device lacks something. Nothing is recorded then.
+    /// [`MaskError`] if the frame is out of date, an input is refused, or the device lacks something. Nothing is
+    /// recorded then.
     pub fn write_masks(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -138,9 +138,9 @@ impl Layout {
                     let next = Group::new(source, layout.order.len() as u32);
                     layout.groups.push(std::mem::replace(&mut group, next));
                 }
-                let own = group.add(mesh, caster.in_depth);
-                layout.face_slots.push(own.first_face..own.first_face + mesh.faces);
-                slots.push(Slots { group: layout.groups.len() as u32, first_caster: group.first, ..own });
+                let caster_slots = group.add(mesh, caster.in_depth);
+                layout.face_slots.push(caster_slots.first_face..caster_slots.first_face + mesh.faces);
+                slots.push(Slots { group: layout.groups.len() as u32, first_caster: group.first, ..caster_slots });
                 layout.order.push(key);
                 layout.slot_orders.push(mesh.order.clone());
             }

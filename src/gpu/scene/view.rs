@@ -29,8 +29,8 @@ pub struct View<'a> {
     /// are then culled, which makes the draws faster. The view's lists are cached only if [`Receivers::version`] says that
     /// the depth is the same. Default: `None`.
     pub depth: Option<Receivers<'a>>,
-    /// The lights whose shadows are drawn in this view. No volumes are prepared for others, such as an eye that stands for a light
-    /// in outlines: [`LightMask::without`]. Default: all.
+    /// The lights whose shadows are drawn in this view. No volumes are prepared for others, such as an eye that stands
+    /// for a light in outlines: [`LightMask::without`]. Default: all.
     pub lights: LightMask,
 }
 
@@ -53,13 +53,13 @@ impl From<ShadowCamera> for View<'_> {
 /// Later draws must be nearer than this depth. If they cover pixels where nothing was drawn, set [`Self::sky_receives`].
 #[derive(Clone, Copy, Debug)]
 pub struct Receivers<'a> {
-    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING`, and the size of the
-    /// viewport that the volumes are drawn with. All samples of a pixel count.
+    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING`, and the size
+    /// of the viewport that the volumes are drawn with. All samples of a pixel count.
     pub depth: &'a wgpu::TextureView,
     /// Whether shadows fall on pixels at the cleared depth, 0 with reversed depth and else 1. Set it if something is drawn
     /// there later.
     pub sky_receives: bool,
-    /// The version of the depths. While the version and the camera stay the same, the depths must stay the same, and lists are
-    /// cached. `None`: the depths may change in each encode.
+    /// The version of the depths. While the version and the camera stay the same, the depths must stay the same, and
+    /// lists are cached. `None`: the depths may change in each encode.
     pub version: Option<u64>,
 }

@@ -34,7 +34,8 @@ impl ContactShadow {
         }
     }
 
-    /// Records the map of so many corners, which is black but for a region, and returns the group that the ground reads it with.
+    /// Records the map of so many corners, which is black but for a region, and returns the group that the ground reads
+    /// it with.
     pub(super) fn record(
         &self,
         factory: &PipelineFactory,

@@ -1,4 +1,5 @@
-//! The frame's uniform, and where in a target there is anything to do for a model. Elsewhere passes would write what was cleared.
+//! The frame's uniform, and where in a target there is anything to do for a model. Elsewhere passes would write what
+//! was cleared.
 
 use glam::DVec3;
 use rimline::wgpu;
@@ -22,15 +23,21 @@ pub(super) struct Frame {
     ground_centre: [f32; 2],
     ground_half: f32,
     shadow_height: f32,
-    places: u32,
+    survey_scale: u32,
     show_boundary: u32,
     far: f32,
     is_colored: u32,
 }
 
 impl Frame {
-    /// With so many places each way a pixel in the survey.
-    pub(super) fn new(camera: &Camera, size: [u32; 2], bounds: &Bounds, places: u32, show_boundary: bool) -> Self {
+    /// `survey_scale`: texels of the survey along a pixel's side.
+    pub(super) fn new(
+        camera: &Camera,
+        size: [u32; 2],
+        bounds: &Bounds,
+        survey_scale: u32,
+        show_boundary: bool,
+    ) -> Self {
         let (extent, centre) = (bounds.extent(), bounds.centre());
         let [min, max] = [bounds.min, bounds.max];
         Self {
@@ -50,7 +57,7 @@ impl Frame {
             ground_centre: [centre.x, centre.z],
             ground_half: 0.5 * (max.x - min.x).max(max.z - min.z) + 0.3 * extent,
             shadow_height: 0.3 * extent,
-            places,
+            survey_scale,
             show_boundary: u32::from(show_boundary),
             far: camera.far.unwrap_or(0.0),
             is_colored: 0,
@@ -62,14 +69,14 @@ impl Frame {
         Self { is_colored: u32::from(is_colored), ..self }
     }
 
-    pub(super) fn places(&self) -> u32 {
-        self.places
+    pub(super) fn survey_scale(&self) -> u32 {
+        self.survey_scale
     }
 
     /// Where a model within `bounds` can be in a picture.
     pub(super) fn region(&self, bounds: &Bounds) -> Region {
         let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-        let place = |corner: DVec3| {
+        let to_pixel = |corner: DVec3| {
             let from_eye = corner - vector(self.eye);
             let ahead = from_eye.dot(vector(self.forward));
             if ahead <= f64::from(self.near) {
@@ -84,7 +91,7 @@ impl Frame {
         };
         // Rounding comes to less than a pixel.
         Region::around(
-            bounds.corners().into_iter().map(|corner| place(corner.as_dvec3())),
+            bounds.corners().into_iter().map(|corner| to_pixel(corner.as_dvec3())),
             2.0,
             self.size.map(|pixels| pixels as u32),
         )
@@ -93,11 +100,15 @@ impl Frame {
     /// Where a model within `bounds` can be in a square contact map of so many pixels, or `margin` pixels beside.
     pub(super) fn region_on_ground(&self, bounds: &Bounds, margin: f64, pixels: u32) -> Region {
         let half = f64::from(self.ground_half);
-        let place = |corner: DVec3| {
+        let to_pixel = |corner: DVec3| {
             let [x, z] = self.ground_centre.map(f64::from);
             [0.5 + 0.5 * (corner.x - x) / half, 0.5 - 0.5 * (corner.z - z) / half].map(|c| c * f64::from(pixels))
         };
-        Region::around(bounds.corners().into_iter().map(|corner| place(corner.as_dvec3())), margin + 2.0, [pixels; 2])
+        Region::around(
+            bounds.corners().into_iter().map(|corner| to_pixel(corner.as_dvec3())),
+            margin + 2.0,
+            [pixels; 2],
+        )
     }
 
     /// The eye is above the ground, so the ground is seen.
@@ -116,15 +127,15 @@ pub(super) struct Region {
 impl Region {
     /// Around pixel positions, `margin` wider on each side, within a target of this size. All of it, if one of them is not
     /// finite.
-    pub(super) fn around(places: impl Iterator<Item = [f64; 2]>, margin: f64, size: [u32; 2]) -> Self {
+    pub(super) fn around(points: impl Iterator<Item = [f64; 2]>, margin: f64, size: [u32; 2]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for place in places {
-            if place.iter().any(|c| !c.is_finite()) {
+        for point in points {
+            if point.iter().any(|c| !c.is_finite()) {
                 return Self { first: [0; 2], end: size };
             }
             for axis in 0..2 {
-                low[axis] = low[axis].min(place[axis]);
-                high[axis] = high[axis].max(place[axis]);
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
             }
         }
         // From float to integer is within the range of the integer.
@@ -150,7 +161,7 @@ mod tests {
 
     #[test]
     fn regions_hold_what_they_are_around_and_stay_in_the_target() {
-        let around = |places: &[[f64; 2]], margin| Region::around(places.iter().copied(), margin, [100, 50]);
+        let around = |points: &[[f64; 2]], margin| Region::around(points.iter().copied(), margin, [100, 50]);
         let region = |first, end| Region { first, end };
         assert_eq!(around(&[[10.5, 20.0], [30.25, 25.5]], 2.0), region([8, 18], [33, 28]));
         assert_eq!(around(&[[-1e30, 20.0], [1e30, 25.0]], 0.0), region([0, 20], [100, 25]));

@@ -23,8 +23,8 @@ struct Frame {
   ground_half: f32,
   // Height above the ground up to which the model darkens it.
   shadow_height: f32,
-  // The survey's places a pixel, each way.
-  places: i32,
+  // Texels of the survey along a pixel's side.
+  survey_scale: i32,
   // 1 if boundary edges have a colour of their own.
   show_boundary: u32,
   // The distance of the far plane of an orthographic camera; 0 of a perspective one.

@@ -32,16 +32,16 @@ fn to_pixels(view: vec3<f32>) -> vec2<f32> {
   return (ndc * vec2<f32>(0.5, -0.5) + 0.5) * frame.size;
 }
 
-// Squares of the finest level are two to this places wide.
+// Squares of the finest level are two to this texels wide.
 const SQUARE_BITS = 3u;
 
-fn last_place() -> vec2<i32> {
-  return frame.places * vec2<i32>(frame.size) - 1;
+fn last_texel() -> vec2<i32> {
+  return frame.survey_scale * vec2<i32>(frame.size) - 1;
 }
 
-// How far places may be from a point's own that are looked at for it.
+// How far from a point's texel others are looked at, in texels.
 fn reach() -> i32 {
-  return 3 * frame.places / 2;
+  return 3 * frame.survey_scale / 2;
 }
 
 // Less than the distance ahead, by more than rounding: `size` is that of what it was computed from.
@@ -49,22 +49,22 @@ fn certainly_ahead(ahead: f32, size: vec3<f32>) -> f32 {
   return ahead - 1e-5 * (size.x + size.y + size.z);
 }
 
-// All faces around the places from `low` to `high` are far in front of what is `ahead`: all points there are hidden.
+// All faces around the texels from `low` to `high` are far in front of what is `ahead`: all points there are hidden.
 fn is_veiled(low: vec2<i32>, high: vec2<i32>, ahead: f32) -> bool {
-  let from_place = max(low - reach(), vec2<i32>(0));
-  let to_place = min(high + reach(), last_place());
-  let span = max(to_place.x - from_place.x, to_place.y - from_place.y);
+  let from_texel = max(low - reach(), vec2<i32>(0));
+  let to_texel = min(high + reach(), last_texel());
+  let span = max(to_texel.x - from_texel.x, to_texel.y - from_texel.y);
   var level = 0u;
   // Turns: 16.
   while (level < 16u && (span >> (SQUARE_BITS + level)) > 3) {
     level++;
   }
   let shift = vec2<u32>(SQUARE_BITS + level);
-  let last = to_place >> shift;
+  let last = to_texel >> shift;
   // Turns: 5.
-  for (var y = from_place.y >> shift.y; y <= last.y; y++) {
+  for (var y = from_texel.y >> shift.y; y <= last.y; y++) {
     // Turns: 5.
-    for (var x = from_place.x >> shift.x; x <= last.x; x++) {
+    for (var x = from_texel.x >> shift.x; x <= last.x; x++) {
       if (!(ahead > bitcast<f32>(textureLoad(veils, vec2<i32>(x, y), i32(level)).r))) {
         return false;
       }
@@ -73,9 +73,9 @@ fn is_veiled(low: vec2<i32>, high: vec2<i32>, ahead: f32) -> bool {
   return true;
 }
 
-// The place of the survey at a position in pixels, or the nearest one in the picture.
-fn place_at(at: vec2<f32>) -> vec2<i32> {
-  return vec2<i32>(clamp(floor(f32(frame.places) * at), vec2<f32>(0.0), vec2<f32>(last_place())));
+// The texel of the survey at a position in pixels, or the nearest one in the picture.
+fn texel_at(at: vec2<f32>) -> vec2<i32> {
+  return vec2<i32>(clamp(floor(f32(frame.survey_scale) * at), vec2<f32>(0.0), vec2<f32>(last_texel())));
 }
 
 @vertex fn lines_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Line {
@@ -106,9 +106,9 @@ fn place_at(at: vec2<f32>) -> vec2<i32> {
   }
   let start = to_pixels(a);
   let stop = to_pixels(b);
-  // A place more, for rounding.
-  let low = place_at(min(start, stop)) - 1;
-  let high = place_at(max(start, stop)) + 1;
+  // A texel more, for rounding.
+  let low = texel_at(min(start, stop)) - 1;
+  let high = texel_at(max(start, stop)) + 1;
   if (is_veiled(low, high, certainly_ahead(min(a.z, b.z), abs(p) + abs(q)))) {
     return nothing();
   }
@@ -178,44 +178,44 @@ fn verdict(face: u32, point: vec3<f32>) -> u32 {
 // Faces that are looked at together.
 const GATHERED = 8u;
 
-// The number of the face that is seen at a place, plus 1.
-fn face_at(place: vec2<i32>) -> u32 {
-  let halves = textureLoad(seen, place, 0).rg;
+// The index of the face that is seen in a texel, plus 1.
+fn face_at(texel: vec2<i32>) -> u32 {
+  let halves = textureLoad(seen, texel, 0).rg;
   return halves.x | (halves.y << 16u);
 }
 
 // A point is hidden if one face seen within about a pixel hides it, or if all of these faces are in front of it. All are
 // in front where faces are smaller than pixels, or meet over the point as exactly as rounding can tell.
 fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
-  let middle = place_at(at);
+  let middle = texel_at(at);
   if (is_veiled(middle, middle, certainly_ahead(dot(point, frame.forward), abs(point)))) {
     return true;
   }
   // The face seen at the point decides most cases. The result does not depend on the order of the faces.
-  let own = face_at(middle);
-  var is_open = own == 0u;
+  let face_here = face_at(middle);
+  var is_open = face_here == 0u;
   if (!is_open) {
-    let verdict = verdict(own - 1u, point);
+    let verdict = verdict(face_here - 1u, point);
     if (verdict == HIDES) {
       return true;
     }
     is_open = verdict == BEYOND;
   }
   let first = max(middle - reach(), vec2<i32>(0));
-  let last = min(middle + reach(), last_place());
+  let last = min(middle + reach(), last_texel());
   // Faces are gathered before they are looked at: neighbouring points then look at theirs together.
-  var last_faces = vec4<u32>(own, 0u, 0u, 0u);
-  var place = first;
-  // Each turn but the last takes as many places as there are faces to gather, of 49.
+  var last_faces = vec4<u32>(face_here, 0u, 0u, 0u);
+  var texel = first;
+  // Each turn but the last takes as many texels as there are faces to gather, of 49.
   // Turns: 7.
-  while (place.y <= last.y) {
+  while (texel.y <= last.y) {
     var gathered: array<u32, GATHERED>;
     var count = 0u;
     // Turns: 49.
-    while (place.y <= last.y && count < GATHERED) {
-      let face = face_at(place);
-      let is_end = place.x == last.x;
-      place = vec2<i32>(select(place.x + 1, first.x, is_end), place.y + i32(is_end));
+    while (texel.y <= last.y && count < GATHERED) {
+      let face = face_at(texel);
+      let is_end = texel.x == last.x;
+      texel = vec2<i32>(select(texel.x + 1, first.x, is_end), texel.y + i32(is_end));
       is_open = is_open || face == 0u;
       if (face != 0u && !any(last_faces == vec4<u32>(face))) {
         last_faces = vec4<u32>(face, last_faces.xyz);

@@ -129,7 +129,7 @@ impl<'a> Canvas<'a> {
         Self {
             colour: target("colour", FORMAT, SAMPLES, TextureUsages::empty()),
             depth: target("depth", TextureFormat::Depth32Float, SAMPLES, TextureUsages::empty()),
-            survey: Survey::new(factory, size, frame.places()),
+            survey: Survey::new(factory, size, frame.survey_scale()),
             occlusion: target("occlusion", TextureFormat::R8Unorm, 1, readable),
             finished: factory.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
             factory,
@@ -192,8 +192,8 @@ impl<'a> Canvas<'a> {
         let darkening = factory.group(&pipelines.darkening, &[seen, occlusion]);
         let results = extraction.bind_group(&pipelines.results, 0)?;
         let survey = self.survey.group(factory, &pipelines.survey, buffers);
-        let places = [self.finished.width(), self.finished.height()].map(|pixels| frame.places() * pixels);
-        let veils = pipelines.veils.record(factory, encoder, &survey, places);
+        let survey_size = [self.finished.width(), self.finished.height()].map(|pixels| frame.survey_scale() * pixels);
+        let veils = pipelines.veils.record(factory, encoder, &survey, survey_size);
         let finished = view(&self.finished);
         let mut pass = color_pass(encoder, "lines", (&self.colour, Some(&finished)), None, None);
         if region.keep(&mut pass) {

@@ -24,7 +24,7 @@
 
 fn depth_at(pixel: vec2<i32>) -> f32 {
   let inside = clamp(pixel, vec2<i32>(0), vec2<i32>(frame.size) - 1);
-  return depth_of(textureLoad(seen, frame.places * inside, 0));
+  return depth_of(textureLoad(seen, frame.survey_scale * inside, 0));
 }
 
 fn view_at(pixel: vec2<i32>) -> vec3<f32> {
@@ -76,7 +76,7 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 // Multiplies the occlusion into the picture, smoothed over neighbours on the same surface.
 @fragment fn darken_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   let pixel = vec2<i32>(at.xy);
-  let here = depth_of(textureLoad(seen, frame.places * pixel, 0));
+  let here = depth_of(textureLoad(seen, frame.survey_scale * pixel, 0));
   if (here == 0.0) {
     return vec4<f32>(1.0);
   }
@@ -86,7 +86,7 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
   for (var y = -3; y <= 3; y++) {
     for (var x = -3; x <= 3; x++) {
       let other = clamp(pixel + vec2<i32>(x, y), vec2<i32>(0), last);
-      let there = depth_of(textureLoad(seen, frame.places * other, 0));
+      let there = depth_of(textureLoad(seen, frame.survey_scale * other, 0));
       let weight = exp(-f32(x * x + y * y) / 8.0) * saturate(1.0 - abs(there / here - 1.0) * 60.0);
       sum += weight * textureLoad(occlusion, other, 0).r;
       weights += weight;

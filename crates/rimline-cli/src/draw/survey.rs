@@ -20,11 +20,11 @@ pub(super) const SEEN: BindingType = BindingType::Texture {
     multisampled: false,
 };
 
-/// Pictures with more pixels than this, in which faces smaller than pixels are rare, have one place a pixel.
+/// Pictures with more pixels than this, in which faces smaller than pixels are rare, have one texel of the survey a pixel.
 const MOST_FINE: u64 = 1 << 23;
 
-/// How many places each way a pixel of a picture of this size has in the survey.
-pub(super) fn places([width, height]: [u32; 2], most: u32) -> u32 {
+/// Texels of the survey along a pixel's side, for a picture of this size.
+pub(super) fn scale([width, height]: [u32; 2], most: u32) -> u32 {
     let is_small = u64::from(width) * u64::from(height) <= MOST_FINE && width.max(height) <= most / 2;
     if is_small { 2 } else { 1 }
 }
@@ -35,10 +35,10 @@ pub(super) struct Survey {
 }
 
 impl Survey {
-    /// For a picture of this size, with so many places each way a pixel.
-    pub(super) fn new(factory: &PipelineFactory, size: [u32; 2], places: u32) -> Self {
+    /// For a picture of this size. `scale`: texels along a pixel's side.
+    pub(super) fn new(factory: &PipelineFactory, size: [u32; 2], scale: u32) -> Self {
         let target =
-            |label, format, usage| view(&factory.target(label, size.map(|pixels| places * pixels), format, 1, usage));
+            |label, format, usage| view(&factory.target(label, size.map(|pixels| scale * pixels), format, 1, usage));
         Self {
             seen: target("survey", FORMAT, TextureUsages::TEXTURE_BINDING),
             depth: target("survey depth", TextureFormat::Depth32Float, TextureUsages::empty()),
@@ -64,8 +64,8 @@ impl Survey {
         factory.draw(&mut pass, pipeline, &[geometry], corners);
     }
 
-    /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read
-    /// by there leaves no room for more storage buffers.
+    /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists
+    /// are read by there leaves no room for more storage buffers.
     pub(super) fn layout(factory: &PipelineFactory) -> BindGroupLayout {
         rimline_picture::layout(&factory.device, ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
     }
@@ -105,16 +105,16 @@ impl Veils {
         Self { layout, finest, coarser }
     }
 
-    /// Records the veils of a survey with so many places each way. Returns the group that lines read the veils with.
+    /// Records the veils of a survey of this size. Returns the group that lines read the veils with.
     pub(super) fn record(
         &self,
         factory: &PipelineFactory,
         encoder: &mut wgpu::CommandEncoder,
         survey: &BindGroup,
-        places: [u32; 2],
+        texels: [u32; 2],
     ) -> BindGroup {
         // Each level has half of the squares of the finer one, and none is left over.
-        let size = places.map(|places| places.div_ceil(SQUARE).next_power_of_two());
+        let size = texels.map(|texels| texels.div_ceil(SQUARE).next_power_of_two());
         let levels = size[0].max(size[1]).ilog2() + 1;
         let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
         let plain = plain_texture("veils", size, VEIL, usage);

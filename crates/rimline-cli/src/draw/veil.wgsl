@@ -1,5 +1,6 @@
-// Veils: how far away what lies behind everything seen in a part of the picture is certainly hidden there, whatever the line.
-// The coarsest question that lines ask, of squares of the survey and of larger ones: most lines of many bodies end here.
+// Veils: how far away what lies behind everything seen in a part of the picture is certainly hidden there, whatever the
+// line. The coarsest question that lines ask, of squares of the survey and of larger ones: most lines of many bodies
+// end here.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
@@ -35,7 +36,7 @@ fn veil_of(face: u32) -> f32 {
 // Bits of the largest veil in a square. Positive floats have the order of their bits.
 @fragment fn veil_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<u32> {
   let first = SQUARE * vec2<i32>(at.xy);
-  let end = min(first + SQUARE, frame.places * vec2<i32>(frame.size));
+  let end = min(first + SQUARE, frame.survey_scale * vec2<i32>(frame.size));
   var known = 0u;
   var largest = 0.0;
   // Turns: SQUARE.
@@ -67,8 +68,8 @@ fn veil_of(face: u32) -> f32 {
   var largest = 0u;
   for (var corner = 0; corner < 4; corner++) {
     // A side of one square has no second one: nothing is there, and 0 is read or the same square again.
-    let place = first + vec2<i32>(corner & 1, corner >> 1u);
-    largest = max(largest, textureLoad(seen, place, 0).r);
+    let texel = first + vec2<i32>(corner & 1, corner >> 1u);
+    largest = max(largest, textureLoad(seen, texel, 0).r);
   }
   return vec4<u32>(largest);
 }

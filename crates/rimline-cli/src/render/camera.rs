@@ -21,8 +21,8 @@ pub(crate) fn camera(
     bounds: &Bounds,
     points: impl Iterator<Item = [f32; 3]> + Clone,
 ) -> Result<Camera, UsageError> {
-    if let Some(own) = &args.camera {
-        return Ok(of_file(own, args.size));
+    if let Some(file_camera) = &args.camera {
+        return Ok(of_file(file_camera, args.size));
     }
     let vector = |p: [f32; 3]| Vec3::from(p).as_dvec3();
     let mut target = args.target.map_or(bounds.centre().as_dvec3(), vector);
@@ -67,10 +67,10 @@ pub(crate) fn camera(
 }
 
 /// A camera of a file, for a picture of this size.
-fn of_file(own: &SceneCamera, size: [u32; 2]) -> Camera {
-    let [eye, forward, up] = [own.eye, own.forward, own.up].map(Vec3::from);
+fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
+    let [eye, forward, up] = [camera.eye, camera.forward, camera.up].map(Vec3::from);
     let [width, height] = size.map(|pixels| pixels as f32);
-    let (scale_y, near, far) = match own.projection {
+    let (scale_y, near, far) = match camera.projection {
         CameraProjection::Perspective { yfov, znear, .. } => ((0.5 * yfov).tan().recip(), znear, None),
         CameraProjection::Orthographic { ymag, znear, zfar, .. } => (ymag.abs().recip(), znear, Some(zfar)),
     };

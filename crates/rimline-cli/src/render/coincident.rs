@@ -1,6 +1,6 @@
-//! Faces that coincide with faces of the opposite direction: one with the same corners, or flat patches with one outline that are
-//! cut into triangles along other diagonals. Rasterisers give the two depths that differ in their last bits, so which of them is
-//! nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
+//! Faces that coincide with faces of the opposite direction: one with the same corners, or flat patches with one
+//! outline that are cut into triangles along other diagonals. Rasterisers give the two depths that differ in their last
+//! bits, so which of them is nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
 
 mod patches;
 
@@ -33,11 +33,11 @@ impl Coincident {
         let count = faces.clone().count();
         let mut found = Self::by_corners(faces.clone());
         for [first, second] in patches::turned(faces) {
-            let own = found.get_or_insert_with(|| Self { turned: vec![None; count], later: vec![false; count] });
+            let coincident = found.get_or_insert_with(|| Self { turned: vec![None; count], later: vec![false; count] });
             for (of, others, is_later) in [(&first, &second, false), (&second, &first, true)] {
                 for (at, &face) in of.iter().enumerate() {
-                    own.turned[face as usize] = Some(others[at % others.len()]);
-                    own.later[face as usize] = is_later;
+                    coincident.turned[face as usize] = Some(others[at % others.len()]);
+                    coincident.later[face as usize] = is_later;
                 }
             }
         }
@@ -76,7 +76,7 @@ impl Coincident {
     pub(crate) fn seen_instead(&self, number: usize, face: Corners, eye: Vec3) -> Option<usize> {
         let turned = self.turned.get(number).copied().flatten()?;
         let (corners, is_odd) = sorted(face);
-        is_averted(corners, is_odd, eye).then_some(turned as usize)
+        is_back_facing(corners, is_odd, eye).then_some(turned as usize)
     }
 }
 
@@ -107,19 +107,19 @@ impl Repeated {
         let words = (8 * count).next_power_of_two().max(64) / 64;
         let mut found = Self { once: vec![0; words], twice: vec![0; words] };
         for number in numbers {
-            let (word, bit) = found.place(number);
+            let (word, bit) = found.word_and_bit(number);
             found.twice[word] |= found.once[word] & bit;
             found.once[word] |= bit;
         }
         found
     }
 
-    fn place(&self, number: u64) -> (usize, u64) {
+    fn word_and_bit(&self, number: u64) -> (usize, u64) {
         ((number / 64) as usize % self.once.len(), 1 << (number % 64))
     }
 
     fn may_hold(&self, number: u64) -> bool {
-        let (word, bit) = self.place(number);
+        let (word, bit) = self.word_and_bit(number);
         self.twice[word] & bit != 0
     }
 }
@@ -136,7 +136,7 @@ fn mixed(words: &[u32]) -> u64 {
 
 /// Whether the eye is behind a face. The eye is behind one of two opposite faces that coincide, because their corners
 /// are taken in the same order. It is behind neither if it is in their plane as far as rounding tells.
-fn is_averted(corners: [[u32; 3]; 3], is_odd: bool, eye: Vec3) -> bool {
+fn is_back_facing(corners: [[u32; 3]; 3], is_odd: bool, eye: Vec3) -> bool {
     let [a, b, c] = corners.map(|bits| DVec3::from(bits.map(|bits| f64::from(f32::from_bits(bits)))) - eye.as_dvec3());
     // An eye on the front side sees the corners counter-clockwise.
     let volume = a.dot((b - a).cross(c - a));
@@ -196,9 +196,9 @@ mod tests {
     fn squares_in_any_plane_have_backs_along_the_other_diagonal() {
         for number in 0..5000 {
             let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.37 * number as f32, 1.13 * number as f32, 0.71);
-            let place = Vec3::new(3.0, -2.0, 0.1 * number as f32);
+            let shift = Vec3::new(3.0, -2.0, 0.1 * number as f32);
             let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
-                .map(|[x, y]| (place + turn * Vec3::new(x, y, 0.0)).to_array());
+                .map(|[x, y]| (shift + turn * Vec3::new(x, y, 0.0)).to_array());
             let found = Coincident::of(corners(&square, &[[0, 1, 2], [0, 2, 3], [3, 1, 0], [3, 2, 1]]));
             assert!(found.is_some(), "square {number}");
         }

@@ -86,8 +86,8 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) load: LoadArgs,
 
     /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME,
-    /// file:INDEX (from 0) or file:all (lights of the first file, as `info` lists them). Options can follow, see below. The option can be repeated. By default there is one light,
-    /// above the eye and to its left
+    /// file:INDEX (from 0) or file:all (lights of the first file, as `info` lists them). Options can follow, see below.
+    /// The option can be repeated. By default there is one light, above the eye and to its left
     #[arg(long = "light", value_name = "SPEC[,OPTION]...", allow_hyphen_values = true, value_parser = spec::shaded)]
     pub(crate) lights: Vec<ShadedLightSpec>,
 
@@ -182,14 +182,15 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "PREFIX")]
     pub(crate) mask: Option<PathBuf>,
 
-    /// Search, before anything is drawn, for faces whose shadow lies wholly in the shadow of other faces, and leave them out of
-    /// the shadow volumes, where that spares sides. Shadows stay the same. It pays where a model covers much of others
+    /// Search, before anything is drawn, for faces whose shadow lies wholly in the shadow of other faces, and leave
+    /// them out of the shadow volumes, where that spares sides. Shadows stay the same. It pays where a model covers
+    /// much of others
     #[arg(long, conflicts_with = "area")]
     pub(crate) hide_covered: bool,
 
-    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it, without
-    /// silhouettes. Without a number, SIDE is 1024. A light among the models has six maps. Borders of shadows are off by up to a
-    /// texel. For comparison, and to try out depth maps
+    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it,
+    /// without silhouettes. Without a number, SIDE is 1024. A light among the models has six maps. Borders of shadows
+    /// are off by up to a texel. For comparison, and to try out depth maps
     #[arg(
         long,
         value_name = "SIDE",
@@ -201,9 +202,9 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) from_depth: Option<u32>,
 
-    /// Let the depth map in this file cast the only shadows: one that any program made, with its projection. The models are lit
-    /// from where it was seen, and receive its shadows. With one --light, which must be there, they have its color and range.
-    /// docs/formats.md has the arrays
+    /// Let the depth map in this file cast the only shadows: one that any program made, with its projection. The models
+    /// are lit from where it was seen, and receive its shadows. With one --light, which must be there, they have its
+    /// color and range. docs/formats.md has the arrays
     #[arg(
         long,
         value_name = "MAP.npz",
@@ -212,18 +213,19 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) depth: Option<PathBuf>,
 
-    /// With --from-depth: also write PREFIX.<light>.npz for each light, its depth map with its projection, as --depth takes it
+    /// With --from-depth: also write PREFIX.<light>.npz for each light, its depth map with its projection, as --depth
+    /// takes it
     #[arg(long, value_name = "PREFIX", requires = "from_depth", conflicts_with_all = ["area", "depth"])]
     pub(crate) save_depth: Option<PathBuf>,
 
-    /// With --from-depth or --depth: how shadows are found in a map. `automatic`, the default with --from-depth, takes edges where
-    /// depths jump by more than slopes beside them tell; `every` takes all, and is the default with --depth; `differences` those
-    /// where device depths differ by more than T, 0 to 1; `second` by more than HIGH, or by more than LOW and than beside them.
-    /// `contours` draws walls over contours that are traced along jumps of more than T and fitted to 0.1 texels and 4 T of depth:
-    /// fewer triangles and smoother borders, but specks at rims of facets close to the eye. All but `every` and `automatic` take
-    /// one map a light with --from-depth. Edges between `objects` of a file of --depth are taken, too. Unless every
-    /// edge is taken, the models must then contain all that a map casts, at the same position. A threshold that is too
-    /// large turns shadows round in streaks
+    /// With --from-depth or --depth: how shadows are found in a map. `automatic`, the default with --from-depth, takes
+    /// edges where depths jump by more than slopes beside them tell; `every` takes all, and is the default with
+    /// --depth; `differences` those where device depths differ by more than T, 0 to 1; `second` by more than HIGH, or
+    /// by more than LOW and than beside them. `contours` draws walls over contours that are traced along jumps of more
+    /// than T and fitted to 0.1 texels and 4 T of depth: fewer triangles and smoother borders, but specks at rims of
+    /// facets close to the eye. All but `every` and `automatic` take one map a light with --from-depth. Edges between
+    /// `objects` of a file of --depth are taken, too. Unless every edge is taken, the models must then contain all that
+    /// a map casts, at the same position. A threshold that is too large turns shadows round in streaks
     #[arg(
         long,
         value_name = "automatic|every|differences=T|second=LOW,HIGH|contours=T",
@@ -232,8 +234,9 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) detector: Option<DepthMapMethod>,
 
-    /// With any --detector but `every` and `contours`: go on where an edge dangles, that is, ends in a cell that has no other. There SHARE of
-    /// the detector's thresholds, 0 to 1, is left, for up to CELLS cells, 1 to 64. Without values: 0.5,8
+    /// With any --detector but `every` and `contours`: go on where an edge dangles, that is, ends in a cell that has no
+    /// other. There SHARE of the detector's thresholds, 0 to 1, is left, for up to CELLS cells, 1 to 64. Without
+    /// values: 0.5,8
     #[arg(
         long,
         value_name = "SHARE,CELLS",
@@ -311,13 +314,14 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::length)]
     pub(crate) seconds: Option<f32>,
 
-    /// Lead the camera around what it looks at, by so many degrees in the whole film: 360 is once around, against the clock from
-    /// above. The camera then stands so far away that all is seen from everywhere. Without an animation, the film lasts 4 seconds
+    /// Lead the camera around what it looks at, by so many degrees in the whole film: 360 is once around, against the
+    /// clock from above. The camera then stands so far away that all is seen from everywhere. Without an animation, the
+    /// film lasts 4 seconds
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::orbit)]
     pub(crate) orbit: Option<f32>,
 
-    /// The folder for 0000.png, 0001.png and so on, which is made if it does not exist. See below if it has an earlier film. Or a
-    /// file that moves: .gif, .apng, or .mp4, which needs ffmpeg
+    /// The folder for 0000.png, 0001.png and so on, which is made if it does not exist. See below if it has an earlier
+    /// film. Or a file that moves: .gif, .apng, or .mp4, which needs ffmpeg
     #[arg(long, value_name = "DIR|FILE")]
     pub(crate) out: PathBuf,
 

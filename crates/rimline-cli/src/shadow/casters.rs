@@ -60,12 +60,12 @@ impl<'a> Casters<'a> {
     }
 
     /// Takes the bodies with the faces that they have now.
-    pub(crate) fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    pub(crate) fn set_bodies(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         let gpu = self.gpu();
         for body in bodies {
             check_model(gpu, body.faces.len(), body.world.len()).on(gpu)?;
         }
-        self.shadows.place(bodies)?;
+        self.shadows.set_bodies(bodies)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         for (number, body) in bodies.iter().enumerate() {
             if !shown.get(number).is_some_and(|(.., old)| old.is_of(body)) {
@@ -142,8 +142,9 @@ fn surface(
     Surface::new(&resources.shared, number, buffers, masks)
 }
 
-/// Normals and colours of corners, and where faces' masks are. Faces that are turned away from the eye have those of the faces that
-/// they coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the others' to the last bit.
+/// Normals and colours of corners, and where faces' masks are. Faces that are turned away from the eye have those of
+/// the faces that they coincide with. All are drawn: shadow volumes end at some of them, and their depths are not the
+/// others' to the last bit.
 struct Corners<'a> {
     normals: Vec<u32>,
     colors: Cow<'a, [u32]>,
@@ -167,9 +168,9 @@ impl<'a> Corners<'a> {
         let run_of = |face: usize| masks.runs.iter().position(|(faces, _)| faces.contains(&(face as u32)));
         for (number, front) in fronts.into_iter().enumerate() {
             let Some(front) = front else { continue };
-            let place = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
-            let [own, other] = [number, front].map(|face| body.faces[face].map(place));
-            for (corner, at) in own.into_iter().enumerate() {
+            let position = |corner: u32| body.world[corner as usize].map(|c| c + 0.0);
+            let [corners, other] = [number, front].map(|face| body.faces[face].map(position));
+            for (corner, at) in corners.into_iter().enumerate() {
                 let same = other.iter().position(|&there| there == at).unwrap_or(corner);
                 normals[3 * number + corner] = normals[3 * front + same];
                 if !colors.is_empty() {

@@ -128,8 +128,8 @@ impl CoveredFaces {
         for body in bodies {
             let (mut meshes, mut instances, mut vertices) = (BTreeMap::new(), Vec::new(), 0);
             for &topology in &body.topologies {
-                if let Entry::Vacant(place) = meshes.entry(topology) {
-                    place.insert(body.mesh_of(topology)?);
+                if let Entry::Vacant(entry) = meshes.entry(topology) {
+                    entry.insert(body.mesh_of(topology)?);
                 }
                 let end = vertices + body.input.model().geometries()[topology.geometry].positions().len();
                 instances.push((topology, vertices..end));

@@ -5,8 +5,8 @@ use rimline::wgpu::TextureFormat;
 
 use crate::output::note;
 
-/// The nearest near plane with which 24 bits tell distances half a pixel apart, where `pixel` is the size of one at a distance of
-/// 1: two numbers next to each other are `distance² / (2²⁴ near)` apart.
+/// The nearest near plane with which 24 bits tell distances half a pixel apart, where `pixel` is the size of one at a
+/// distance of 1: two numbers next to each other are `distance² / (2²⁴ near)` apart.
 fn nearest(farthest: f32, pixel: f32) -> f32 {
     farthest / (16_777_216.0 * 0.5 * pixel)
 }
@@ -26,9 +26,9 @@ pub(super) fn too_coarse(format: TextureFormat, near: f32, farthest: f32, pixel:
 /// The most that the stencil counts to; 256 looks like 0.
 pub(super) const MOST: u32 = 255;
 
-/// Tells the user where shadows may be wrong. Counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts lights, or
-/// samples, whose counts may exceed what the stencil holds. All casters count into one stencil. Pieces of twisted polygons may
-/// have no room.
+/// Tells the user where shadows may be wrong. Counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts
+/// lights, or samples, whose counts may exceed what the stencil holds. All casters count into one stencil. Pieces of
+/// twisted polygons may have no room.
 pub(crate) fn warn_of_limits(found: ShadowStatistics) {
     let ShadowStatistics { count_bound, may_wrap, .. } = found;
     if let Some(warning) = too_many_pieces(&found) {
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coarse_depth_is_told_with_what_to_set() {
+    fn coarse_depth_is_reported_with_what_to_set() {
         let bits = TextureFormat::Depth24PlusStencil8;
         let warning = |bits, near| too_coarse(bits, near, 10.0, 1.0 / 1024.0);
         // 10 · 2¹⁰ · 2 / 2²⁴.
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_without_room_are_told() {
+    fn pieces_without_room_are_reported() {
         let found = |lost_pieces| ShadowStatistics { lost_pieces, most_pieces: 600, ..Zeroable::zeroed() };
         assert_eq!(too_many_pieces(&found(0)), None);
         let warning = too_many_pieces(&found(1)).expect("one is lost");

@@ -1,6 +1,6 @@
-// The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before nothing, as
-// the light sees it, and some of the rays there. Where a list overflowed, every cell is shown, as every cell is drawn. Fragments
-// are those of volumes.
+// The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before
+// nothing, as the light sees it, and some of the rays there. Where a list overflowed, every cell is shown, as every
+// cell is drawn. Fragments are those of volumes.
 
 // A map as the picture's camera sees it.
 struct DepthView {
@@ -42,20 +42,20 @@ struct Sample {
 
 fn sample_at(map: u32, texel: vec2<i32>) -> Sample {
   let is_outside = any(texel < vec2<i32>(0)) || any(texel >= vec2<i32>(maps.size));
-  let place = texel + vec2<i32>(vec2<u32>(map % 3u, map / 3u) * maps.size);
-  let depth = textureLoad(depths, clamp(place, vec2<i32>(0), vec2<i32>(textureDimensions(depths)) - 1), 0).x;
+  let texel_position = texel + vec2<i32>(vec2<u32>(map % 3u, map / 3u) * maps.size);
+  let depth = textureLoad(depths, clamp(texel_position, vec2<i32>(0), vec2<i32>(textureDimensions(depths)) - 1), 0).x;
   // Neither is so for NaN.
   let casts = select((depth < 1.0), (depth > 0.0), maps.is_reversed != 0u);
   return Sample(map, texel, clamp(depth, 0.0, 1.0), is_outside || !casts);
 }
 
 fn sample_clip(s: Sample) -> vec4<f32> {
-  let place = (2.0 * vec2<f32>(s.texel) + 1.0) / vec2<f32>(maps.size) - 1.0;
+  let ndc = (2.0 * vec2<f32>(s.texel) + 1.0) / vec2<f32>(maps.size) - 1.0;
   let view = maps.views[s.map];
   if (s.is_far) {
-    return view.far_across * place.x - view.far_up * place.y + view.far_middle;
+    return view.far_across * ndc.x - view.far_up * ndc.y + view.far_middle;
   }
-  return view.across * place.x - view.up * place.y + view.depth * s.depth + view.middle;
+  return view.across * ndc.x - view.up * ndc.y + view.depth * s.depth + view.middle;
 }
 
 struct DepthTriangle {
@@ -77,8 +77,8 @@ fn key_distance(a: Sample, b: Sample) -> u32 {
   return max(key_of(a), key_of(b)) - min(key_of(a), key_of(b));
 }
 
-// Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split. Where the
-// list overflowed, of any cell, unless all of it is far.
+// Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split.
+// Where the list overflowed, of any cell, unless all of it is far.
 fn triangle(number: u32, second: u32) -> DepthTriangle {
   let is_of_all = overflows();
   let entry = select(cells[min(1u + number, arrayLength(&cells) - 1u)], number, is_of_all);
@@ -123,20 +123,20 @@ fn triangle(number: u32, second: u32) -> DepthTriangle {
 
 const NOWHERE = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
-// A corner of a wall or flap: a place in parts of 256 of a texel, with texel (0, 0) at (256, 256), and a distance from the near
-// plane.
+// A corner of a wall or flap: a position in parts of 256 of a texel, with texel (0, 0) at (256, 256), and a distance
+// from the near plane.
 fn wall_clip(number: u32, corner: u32) -> vec4<f32> {
   let word = 4u + 12u * number + 3u * corner;
   let size = vec2<f32>(maps.size);
-  let place = (vec2<f32>(vec2<u32>(cells[word], cells[word + 1u])) / 128.0 - 1.0) / size - 1.0;
+  let ndc = (vec2<f32>(vec2<u32>(cells[word], cells[word + 1u])) / 128.0 - 1.0) / size - 1.0;
   let distance = cells[word + 2u];
   let view = maps.views[0];
   if (distance == 0x7fffffffu) {
-    return view.far_across * place.x - view.far_up * place.y + view.far_middle;
+    return view.far_across * ndc.x - view.far_up * ndc.y + view.far_middle;
   }
   let depth = f32(distance) / 536870912.0;
   let device = select(depth, 1.0 - depth, maps.is_reversed != 0u);
-  return view.across * place.x - view.up * place.y + view.depth * device + view.middle;
+  return view.across * ndc.x - view.up * ndc.y + view.depth * device + view.middle;
 }
 
 fn is_wall() -> bool {
@@ -148,15 +148,15 @@ fn is_wall() -> bool {
   if (is_wall()) {
     return wall_clip(index / 6u, select(vertex, select(0u, vertex - 2u, vertex > 3u), vertex >= 3u));
   }
-  var own = triangle(index / 6u, vertex / 3u);
-  if (!own.is_drawn) {
+  var drawn = triangle(index / 6u, vertex / 3u);
+  if (!drawn.is_drawn) {
     return NOWHERE;
   }
-  return sample_clip(own.corners[vertex % 3u]);
+  return sample_clip(drawn.corners[vertex % 3u]);
 }
 
-// For each triangle a line between its two corners that cast, then a ray, if the third is far. A cell has six ends of lines in
-// each of two instances, of which the first eight are taken.
+// For each triangle a line between its two corners that cast, then a ray, if the third is far. A cell has six ends of
+// lines in each of two instances, of which the first eight are taken.
 @vertex fn depth_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> Edge {
   let vertex = 6u * instance + index % 6u;
   let nothing = Edge(NOWHERE, 0.0);
@@ -167,14 +167,14 @@ fn is_wall() -> bool {
   if (is_wall()) {
     return Edge(wall_clip(index / 6u, (vertex / 2u + vertex % 2u) % 4u), 0.4);
   }
-  var own = triangle(index / 6u, vertex / 4u);
-  if (!own.is_drawn) {
+  var drawn = triangle(index / 6u, vertex / 4u);
+  if (!drawn.is_drawn) {
     return nothing;
   }
   var far = 3u;
   var count = 0u;
   for (var corner = 0u; corner < 3u; corner++) {
-    if (own.corners[corner].is_far) {
+    if (drawn.corners[corner].is_far) {
       far = corner;
       count++;
     }
@@ -182,8 +182,8 @@ fn is_wall() -> bool {
   if (count != 1u) {
     return nothing;
   }
-  let one = own.corners[(far + 1u) % 3u];
-  let other = own.corners[(far + 2u) % 3u];
+  let one = drawn.corners[(far + 1u) % 3u];
+  let other = drawn.corners[(far + 2u) % 3u];
   let end = vertex & 1u;
   if ((vertex & 2u) == 0u) {
     var at = one;

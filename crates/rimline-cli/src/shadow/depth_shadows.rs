@@ -50,7 +50,7 @@ impl<'a> DepthShadows<'a> {
 }
 
 impl Shadows for DepthShadows<'_> {
-    fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    fn set_bodies(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         let gpu = self.gpu;
         for (number, body) in bodies.iter().enumerate() {
             if self.files.get(number).is_some_and(|file| file.surface.is_of(body)) {
@@ -99,9 +99,9 @@ impl Shadows for DepthShadows<'_> {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
-        let VolumePipelines::Depth(own, _) = pipelines else { return Ok(()) };
+        let VolumePipelines::Depth(plain, _) = pipelines else { return Ok(()) };
         let frame = self.lights.get(light).and_then(|maps| maps.frame.as_ref());
-        Ok(frame.map_or(Ok(()), |frame| frame.draw(pass, own))?)
+        Ok(frame.map_or(Ok(()), |frame| frame.draw(pass, plain))?)
     }
 
     fn facing(&self, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {

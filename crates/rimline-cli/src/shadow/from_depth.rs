@@ -53,8 +53,8 @@ impl FromDepth {
         Ok(Some(Self { given, size, method: continued(method, args.dangling)? }))
     }
 
-    /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the
-    /// same.
+    /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths
+    /// are much the same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
         use DepthMapMethod::{Contours, Differences, SecondDifferences};
         if self.given.is_some()
@@ -131,8 +131,8 @@ impl DepthFound {
 const BUSY: u64 = 1 << 20;
 
 impl DepthsFound {
-    /// Tells the user where maps are borders all over, such as noise: each cell bounds a volume as long as the shadow. Returns
-    /// a line of progress for it.
+    /// Tells the user where maps are borders all over, such as noise: each cell bounds a volume as long as the shadow.
+    /// Returns a line of progress for it.
     pub(crate) fn warn_if_busy(&self, progress: &Progress) -> Option<String> {
         let (drawn, cells) = self.busy()?;
         progress.aside(|| {
@@ -276,13 +276,13 @@ pub(super) fn check_lights(
     let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
     let centre = stage.models.centre().as_dvec3();
     // In extents from the middle of the models.
-    let place = |light: &Light| {
+    let position = |light: &Light| {
         let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
         let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.models.extent()) };
         towards.normalize_or_zero() * distance.min(FAR)
     };
     let (map, given) = (map.cameras.light(), shaded.light);
-    let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
+    let is_near = (position(&map) - position(&given)).length() <= MOST * position(&given).length().max(1.0);
     if !is_near {
         return Err(UsageError::DepthLightApart { given: spec(&given, origin), map: spec(&map, origin) });
     }

@@ -29,15 +29,15 @@ impl LightCameras {
         let from_centre = || points().map(|point| point - centre.as_dvec3());
         let extent = from_centre().map(DVec3::length).fold(0.0, f64::max).max(1e-30);
         let xyz = Vec3::from(light.xyz).as_dvec3();
-        let place = xyz / f64::from(light.w) - centre.as_dvec3();
+        let towards_light = xyz / f64::from(light.w) - centre.as_dvec3();
         // Farther away, the numbers of the camera leave the range of f32, and no texel tells the difference.
-        let is_parallel = light.w == 0.0 || place.length() > FARTHEST * extent;
-        let towards = if is_parallel { xyz } else { place };
-        let around = || Self::around(centre, place, extent, side);
+        let is_parallel = light.w == 0.0 || towards_light.length() > FARTHEST * extent;
+        let towards = if is_parallel { xyz } else { towards_light };
+        let around = || Self::around(centre, towards_light, extent, side);
         let Some(forward) = (-towards).try_normalize() else { return around() };
         let right = forward.any_orthonormal_vector();
         let axes = [right, right.cross(forward), forward];
-        let distance = if is_parallel { 0.0 } else { place.length() };
+        let distance = if is_parallel { 0.0 } else { towards_light.length() };
         let seen = || from_centre().map(|point| DVec3::from_array(axes.map(|axis| axis.dot(point))));
         let (near, far) =
             seen().fold((f64::INFINITY, f64::NEG_INFINITY), |(near, far), p| (near.min(p.z), far.max(p.z)));
@@ -87,15 +87,15 @@ impl LightCameras {
         }
         // The place where x, y and w are 0.
         let rows = DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
-        let place = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
-        Light::point((place + Vec3::from(camera.origin).as_dvec3()).as_vec3().into())
+        let position = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
+        Light::point((position + Vec3::from(camera.origin).as_dvec3()).as_vec3().into())
     }
 
-    fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Result<Self, DepthMapError> {
+    fn around(centre: Vec3, from_centre: DVec3, extent: f64, side: u32) -> Result<Self, DepthMapError> {
         // No camera may have a nearer one.
         let near = (1e-4 * extent).max(1e-33) as f32;
-        let place = (centre.as_dvec3() + place).as_vec3().to_array();
-        let cameras = DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side)?;
+        let position = (centre.as_dvec3() + from_centre).as_vec3().to_array();
+        let cameras = DepthMapCube::cameras(position, near, None, DepthDirection::Reversed, side)?;
         Ok(Self(cameras.to_vec()))
     }
 }
@@ -108,8 +108,8 @@ fn camera([x, y, z, w]: [DVec4; 4], origin: Vec3) -> ShadowCamera {
     }
 }
 
-/// Instances of the draws of triangles and of lines. A cell has six vertices in each: two triangles, and of the twelve ends of
-/// lines eight, two lines for each triangle.
+/// Instances of the draws of triangles and of lines. A cell has six vertices in each: two triangles, and of the twelve
+/// ends of lines eight, two lines for each triangle.
 const INSTANCES: [u32; 2] = [1, 2];
 
 /// Layout of `DepthView` in `overlay.wgsl`.
@@ -139,7 +139,8 @@ struct DepthViews {
 /// Buffers of the overlay of a light's maps.
 pub(super) struct ShownMaps {
     pub(super) views: wgpu::Buffer,
-    /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls overflowed.
+    /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls
+    /// overflowed.
     pub(super) draws: wgpu::Buffer,
     has_walls: bool,
 }
@@ -165,10 +166,10 @@ impl ShownMaps {
         let all = &cameras.0;
         let mut views = [DepthView::default(); 6];
         let light = cameras.light();
-        let place = (light.w != 0.0).then(|| Vec3::from(light.xyz).as_dvec3() / f64::from(light.w));
+        let light_position = (light.w != 0.0).then(|| Vec3::from(light.xyz).as_dvec3() / f64::from(light.w));
         let away = -Vec3::from(light.xyz).as_dvec3();
         for (view, camera) in views.iter_mut().zip(all) {
-            *view = depth_view(camera, eye, place, away);
+            *view = depth_view(camera, eye, light_position, away);
         }
         let is_reversed = u32::from(all.first().is_some_and(|camera| camera.depth == DepthDirection::Reversed));
         // No maps: the list is one of walls.
@@ -185,18 +186,21 @@ impl ShownMaps {
     }
 }
 
-/// A map's coordinates in an eye's clip space. `place` is where the map is seen from, if not from infinity; then the rays run
-/// `away`.
-fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, place: Option<DVec3>, away: DVec3) -> DepthView {
+/// A map's coordinates in an eye's clip space. `place` is where the map is seen from, if not from infinity; then the
+/// rays run `away`.
+fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, light_position: Option<DVec3>, away: DVec3) -> DepthView {
     let matrix = |camera: &ShadowCamera| Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
     let [origin, eye_origin] = [camera, eye].map(|camera| Vec3::from(camera.origin).as_dvec3());
     let inverse = matrix(camera).inverse();
     let to_eye = matrix(eye);
     let whole = to_eye * DMat4::from_translation(origin - eye_origin) * inverse;
-    let ray =
-        |of: DVec4| place.map_or(DVec4::ZERO, |place| to_eye * (of.truncate() - of.w * (place - origin)).extend(0.0));
+    let ray = |of: DVec4| {
+        light_position.map_or(DVec4::ZERO, |light_position| {
+            to_eye * (of.truncate() - of.w * (light_position - origin)).extend(0.0)
+        })
+    };
     let near = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
-    let far_middle = match place {
+    let far_middle = match light_position {
         Some(_) => ray(inverse.w_axis + near * inverse.z_axis),
         None => to_eye * away.extend(0.0),
     };
@@ -293,9 +297,9 @@ mod tests {
     #[test]
     fn a_light_among_the_casters_has_a_cube() {
         let points = corners(1.0, [0.0; 3]);
-        for place in [[0.0; 3], [0.5, 0.9, 0.0], [0.0, 1.2, 0.0]] {
-            let cameras = LightCameras::new(&Light::point(place), &points, 64);
-            assert!(cameras.is_ok_and(|cameras| cameras.is_cube()), "{place:?}");
+        for position in [[0.0; 3], [0.5, 0.9, 0.0], [0.0, 1.2, 0.0]] {
+            let cameras = LightCameras::new(&Light::point(position), &points, 64);
+            assert!(cameras.is_ok_and(|cameras| cameras.is_cube()), "{position:?}");
         }
     }
 }

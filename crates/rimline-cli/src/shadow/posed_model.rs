@@ -52,19 +52,19 @@ impl<'a> PosedModel<'a> {
         let (topologies, faces, world, colors) = (Vec::new(), Vec::new(), Vec::new(), None);
         let mut body =
             Self { input, animations, displaced, shape, positions, topologies, faces, world, colors, is_plain };
-        body.place(gpu, time_s).on(gpu)?;
+        body.set_pose(gpu, time_s).on(gpu)?;
         Ok(body)
     }
 
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         if let Shape::Posed { .. } = self.shape {
             self.shape = self.input.shape(self.animations, time_s, self.displaced)?;
-            self.place(gpu, time_s).on(gpu)?;
+            self.set_pose(gpu, time_s).on(gpu)?;
         }
         Ok(())
     }
 
-    fn place(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), GpuError> {
+    fn set_pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), GpuError> {
         let topologies = self.topologies_now();
         if topologies != self.topologies {
             self.faces = faces(self.input, &topologies);

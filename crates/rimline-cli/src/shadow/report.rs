@@ -140,15 +140,15 @@ impl Report {
         };
         let statistics = |File { name, found: Found { shadow, extraction, is_whole, .. }, .. }: &File| {
             // With several files, these are known for all of them together.
-            let own = |count: u32| is_whole.then_some(count);
+            let if_whole = |count: u32| is_whole.then_some(count);
             json!({
                 "file": name,
                 "skipped": shadow.skipped,
                 "every_face": shadow.every_face,
                 "capped": shadow.near_capped,
-                "count_bound": own(shadow.count_bound),
-                "may_wrap": own(shadow.may_wrap),
-                "overflowed_caps": own(shadow.overflowed_caps),
+                "count_bound": if_whole(shadow.count_bound),
+                "may_wrap": if_whole(shadow.may_wrap),
+                "overflowed_caps": if_whole(shadow.overflowed_caps),
                 "undecided_pairs": extraction.undecided_pairs,
                 "overflowed_lists": extraction.overflowed_lists,
             })

@@ -98,14 +98,14 @@ impl<'a> SceneShadows<'a> {
     }
 }
 
-/// The place of a caster in the table, and its group.
-fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
+/// The index of a caster in the table, and its group.
+fn index_and_group(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
     frame.locate(caster).ok_or(ShadowError::Removed { what: "caster" })
 }
 
 impl Shadows for SceneShadows<'_> {
     /// An instance that is mirrored anew has other faces, so another caster takes its place.
-    fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+    fn set_bodies(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         self.layers = None;
         let Self { gpu, scene, files, max_lights, .. } = self;
         files.resize_with(bodies.len(), File::default);
@@ -121,10 +121,10 @@ impl Shadows for SceneShadows<'_> {
                 }
                 let mesh = match meshes.entry(topology) {
                     Entry::Occupied(mesh) => *mesh.get(),
-                    Entry::Vacant(place) => {
+                    Entry::Vacant(entry) => {
                         let rest = body.input.model().geometries()[topology.geometry].positions();
                         let mesh = if body.has_polygons() { body.mesh()? } else { body.mesh_of(topology)? };
-                        *place.insert(scene.add_mesh(&mesh, rest).on(gpu)?)
+                        *entry.insert(scene.add_mesh(&mesh, rest).on(gpu)?)
                     }
                 };
                 let Some(positions) = body.positions.of_instance(instance) else { break };
@@ -163,14 +163,14 @@ impl Shadows for SceneShadows<'_> {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &VolumePipelines, light: usize) -> Result<(), GpuError> {
-        let VolumePipelines::Scene(own, batches) = pipelines else { return Ok(()) };
+        let VolumePipelines::Scene(plain, batches) = pipelines else { return Ok(()) };
         if let Some(layers) = &self.layers
             && layers.draw(pass, batches, light)?
         {
             return Ok(());
         }
         let handle = *self.lights.get(light).ok_or(ShadowError::NotEncoded)?;
-        Ok(self.frame()?.draw(pass, own, 0, handle)?)
+        Ok(self.frame()?.draw(pass, plain, 0, handle)?)
     }
 
     fn facing(&self, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
@@ -194,11 +194,11 @@ impl Shadows for SceneShadows<'_> {
             let mut groups = BTreeSet::new();
             let mut words = vec![0; CHOICE_WORDS * frame.batches()];
             for &(_, caster) in &file.casters {
-                let (index, group) = place(frame, caster)?;
+                let (index, group) = index_and_group(frame, caster)?;
                 groups.insert(group);
                 for (batch, sum) in words.chunks_exact_mut(CHOICE_WORDS).enumerate() {
-                    let own = chosen.iter().skip(CHOICE_WORDS * (batch * casters + index as usize));
-                    sum.iter_mut().zip(own).for_each(|(sum, word)| *sum |= word);
+                    let choice = chosen.iter().skip(CHOICE_WORDS * (batch * casters + index as usize));
+                    sum.iter_mut().zip(choice).for_each(|(sum, word)| *sum |= word);
                 }
             }
             let mut silhouettes = vec![0; lights];

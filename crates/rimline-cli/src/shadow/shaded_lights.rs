@@ -18,12 +18,12 @@ use super::posed_model::PosedModel;
 /// A little warm.
 const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
 
-/// The lights of the command line, or else `own`, or the one that is there by default.
+/// The lights of the command line, or else `file_light`, or the one that is there by default.
 pub(crate) fn shaded_lights(
     args: &ShadowSceneArgs,
     (first, view): (&PosedModel<'_>, &PlacedView),
     stage: &SceneBounds,
-    own: Option<Light>,
+    file_light: Option<Light>,
 ) -> Result<Vec<ShadedLight>, Failure> {
     let mut chosen = Vec::new();
     for spec in &args.lights {
@@ -32,14 +32,14 @@ pub(crate) fn shaded_lights(
         check_options(spec, &lights)?;
         chosen.extend(lights.into_iter().map(|light| (spec, light)));
     }
-    let of_file = chosen.iter().filter_map(|(_, chosen)| chosen.own.as_ref());
-    let brightest = of_file.map(|own| illuminance(own, stage)).fold(0.0, f64::max);
+    let of_file = chosen.iter().filter_map(|(_, chosen)| chosen.of_file.as_ref());
+    let brightest = of_file.map(|of_file| illuminance(of_file, stage)).fold(0.0, f64::max);
     let mut shaded_lights: Vec<ShadedLight> =
         chosen.iter().map(|(spec, chosen)| shaded(spec, chosen, brightest, stage)).collect();
     if shaded_lights.is_empty() {
-        let light = own.unwrap_or_else(|| default_light(view, stage));
+        let light = file_light.unwrap_or_else(|| default_light(view, stage));
         let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
-        shaded_lights.push(shaded(&spec, &ChosenLight { light, own: None }, 0.0, stage));
+        shaded_lights.push(shaded(&spec, &ChosenLight { light, of_file: None }, 0.0, stage));
     }
     // Once for every way to cast: depth maps and areas would take such a light for another.
     let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
@@ -55,23 +55,23 @@ pub(crate) fn shaded_lights(
 /// Takes a light's options from the command line, or else from the file. The brightest light of its file counts as 1.
 fn shaded(spec: &ShadedLightSpec, chosen: &ChosenLight, brightest: f64, stage: &SceneBounds) -> ShadedLight {
     let light = chosen.light;
-    let own = chosen.own.as_ref();
-    let relative = |own| if brightest > 0.0 { (illuminance(own, stage) / brightest) as f32 } else { 0.0 };
-    let intensity = spec.intensity.or_else(|| own.map(relative)).unwrap_or(1.0);
-    let color = spec.color.or(own.map(|own| own.color)).unwrap_or([1.0; 3]);
-    let range = spec.range.or(own.and_then(|own| own.range)).unwrap_or(f32::INFINITY);
+    let of_file = chosen.of_file.as_ref();
+    let relative = |of_file| if brightest > 0.0 { (illuminance(of_file, stage) / brightest) as f32 } else { 0.0 };
+    let intensity = spec.intensity.or_else(|| of_file.map(relative)).unwrap_or(1.0);
+    let color = spec.color.or(of_file.map(|of_file| of_file.color)).unwrap_or([1.0; 3]);
+    let range = spec.range.or(of_file.and_then(|of_file| of_file.range)).unwrap_or(f32::INFINITY);
     ShadedLight {
         color: color.map(|c| c * intensity),
         range: if light.w == 0.0 { f32::INFINITY } else { range },
         begin: spec.begin.unwrap_or(0.0),
         exponent: spec.exponent.unwrap_or(1.0),
-        cone: own.and_then(|own| own.cone),
+        cone: of_file.and_then(|of_file| of_file.cone),
         ..ShadedLight::new(light)
     }
 }
 
 fn spread(shaded: &mut ShadedLight, area: AreaSpec, count: usize, stage: &SceneBounds) {
-    let normal = stage.models.centre().as_dvec3() - shaded.place();
+    let normal = stage.models.centre().as_dvec3() - shaded.position_or_direction();
     let distance = normal.length().max(1e-3 * f64::from(stage.models.extent()));
     let shape = match area {
         AreaSpec::Given(shape) => shape,
@@ -101,13 +101,14 @@ fn vector(v: [f32; 3]) -> DVec3 {
 
 /// Illuminance of the file's light at the middle of the models, in lux, on a surface perpendicular to its rays. It
 /// ignores range and cone. Lights among the models count as half their extent away.
-fn illuminance(own: &SceneLight, stage: &SceneBounds) -> f64 {
-    let intensity = f64::from(own.intensity);
-    if own.light.w == 0.0 {
+fn illuminance(light: &SceneLight, stage: &SceneBounds) -> f64 {
+    let intensity = f64::from(light.intensity);
+    if light.light.w == 0.0 {
         return intensity;
     }
-    let distance =
-        (vector(own.light.xyz) - stage.models.centre().as_dvec3()).length().max(0.5 * f64::from(stage.models.extent()));
+    let distance = (vector(light.light.xyz) - stage.models.centre().as_dvec3())
+        .length()
+        .max(0.5 * f64::from(stage.models.extent()));
     intensity / (distance * distance)
 }
 
@@ -115,12 +116,12 @@ fn illuminance(own: &SceneLight, stage: &SceneBounds) -> f64 {
 fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), UsageError> {
     let mut first = None;
     let mut wrong = 0;
-    for ChosenLight { light, own } in lights {
-        let Err(problem) = spec.check(*light, own.as_ref().and_then(|own| own.range)) else { continue };
+    for ChosenLight { light, of_file } in lights {
+        let Err(problem) = spec.check(*light, of_file.as_ref().and_then(|of_file| of_file.range)) else { continue };
         wrong += 1;
         let is_grave = matches!(problem, SpecError::BeginBeyondRange { .. });
         if is_grave || first.is_none() {
-            let name = own.as_ref().and_then(|own| own.name.clone()).unwrap_or_default();
+            let name = of_file.as_ref().and_then(|of_file| of_file.name.clone()).unwrap_or_default();
             first = Some(UsageError::LampOptions { name, problem });
         }
         if is_grave {
@@ -146,8 +147,8 @@ fn default_light(view: &PlacedView, stage: &SceneBounds) -> Light {
     let backward = level.unwrap_or(DVec3::new(azimuth.sin(), 0.0, azimuth.cos()));
     let right = DVec3::Y.cross(backward);
     let towards = (-0.8 * right + 1.15 * DVec3::Y + 0.42 * backward).normalize();
-    let place = stage.models.centre().as_dvec3() + 3.5 * f64::from(stage.models.extent()) * towards;
-    Light::point(place.as_vec3().into())
+    let position = stage.models.centre().as_dvec3() + 3.5 * f64::from(stage.models.extent()) * towards;
+    Light::point(position.as_vec3().into())
 }
 
 #[cfg(test)]
@@ -163,7 +164,7 @@ mod tests {
         let kind = rimline::gltf::SceneLightKind::Point;
         ChosenLight {
             light,
-            own: Some(SceneLight { name: None, light, kind, color: [1.0; 3], intensity, range, cone: None }),
+            of_file: Some(SceneLight { name: None, light, kind, color: [1.0; 3], intensity, range, cone: None }),
         }
     }
 
@@ -171,10 +172,13 @@ mod tests {
     fn the_files_brightest_light_counts_as_1() {
         let spec = spec::shaded("file:all").expect("a good light");
         let [near, far] = [2.0, 4.0].map(|x| chosen(Light::point([x, 1.0, 0.0]), 80.0, None));
-        let brightest = near.own.as_ref().map_or(0.0, |own| illuminance(own, &STAGE));
+        let brightest = near.of_file.as_ref().map_or(0.0, |of_file| illuminance(of_file, &STAGE));
         let color = |chosen| shaded(&spec, chosen, brightest, &STAGE).color;
         assert_eq!((color(&near), color(&far)), ([1.0; 3], [0.25; 3]));
-        assert_eq!(illuminance(&chosen(Light::directional([0.0, 3.0, 0.0]), 7.0, None).own.expect("own"), &STAGE), 7.0);
+        assert_eq!(
+            illuminance(&chosen(Light::directional([0.0, 3.0, 0.0]), 7.0, None).of_file.expect("own"), &STAGE),
+            7.0
+        );
         let dark = shaded(&spec, &chosen(Light::point([9.0; 3]), 0.0, None), 0.0, &STAGE);
         assert_eq!(dark.color, [0.0; 3]);
     }

@@ -113,7 +113,7 @@ impl<'a> ShadowScene<'a> {
         args: &'a ShadowSceneArgs,
         bodies: Vec<PosedModel<'a>>,
         points: &[[f32; 3]],
-        own_light: Option<Light>,
+        file_light: Option<Light>,
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
         let failed = Failure::input(&first.input.file);
@@ -123,7 +123,7 @@ impl<'a> ShadowScene<'a> {
         let view = placed(args, first, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
-        let shaded_lights = shaded_lights(args, (first, &view), &stage, own_light)?;
+        let shaded_lights = shaded_lights(args, (first, &view), &stage, file_light)?;
         let samples = args.samples();
         if shaded_lights.len() * samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
@@ -207,7 +207,7 @@ impl<'a> ShadowScene<'a> {
         self.shaded_lights.iter().map(|shaded| shaded.samples.len()).sum()
     }
 
-    /// What a picture shows.
+    /// The scene as a picture shows it.
     fn view(&self) -> SceneView<'_> {
         let Self { camera, part, stage: bounds, shaded_lights: lights, reach, .. } = self;
         SceneView { camera, size: self.args.view.size, part, bounds, lights, reach: *reach }

@@ -22,7 +22,7 @@ use rimline_picture::FacingMasks;
 
 pub(crate) trait Shadows {
     /// Takes the bodies with their current faces. Bodies that are there already stay.
-    fn place(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure>;
+    fn set_bodies(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure>;
 
     /// Records extraction and choice for all lights. There are as many as before.
     fn encode(

@@ -43,9 +43,9 @@ fn pictures() -> Outcome {
     }
     // A reason why colours are missing is told where they would be shown.
     folder.write("red.mtl", "newmtl blue\n")?;
-    for (options, is_told) in [("", true), ("--plain", false)] {
+    for (options, is_warned) in [("", true), ("--plain", false)] {
         let run = folder.run(&format!("shadow @colored.obj {options} --size 40x30 --out @p.png"));
-        ensure!(run.stderr.contains("no material is named") == is_told, "{options}: {}", run.stderr);
+        ensure!(run.stderr.contains("no material is named") == is_warned, "{options}: {}", run.stderr);
     }
     Ok(())
 }

@@ -68,8 +68,8 @@ const SINGLE: Entry = Entry {
 const DOUBLE: Entry = Entry { row_bytes: 24 + 16, accepts: is_real, ..SINGLE };
 
 /// Reads the array `points` (P,3) float32 or float64; either byte order, either array order. There may be an `origin` (3),
-/// which they are relative to, and `on_face` (P) integers, the face that each point is on. More than `memory_limit` bytes are
-/// refused.
+/// which they are relative to, and `on_face` (P) integers, the face that each point is on. More than `memory_limit`
+/// bytes are refused.
 pub fn read_points(reader: impl Read + Seek, memory_limit: u64) -> Result<PointArrays, NpzError> {
     let mut archive = Archive::open(reader, memory_limit)?;
     let (points, count) = match archive.rows(&SINGLE, FLOAT) {

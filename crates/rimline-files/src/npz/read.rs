@@ -249,8 +249,8 @@ pub(super) struct Values<T> {
     pub(super) elements: Vec<T>,
 }
 
-/// An archive, and the memory that reading it may take, with everything that is made of it. What is charged is the peak of the
-/// memory in use at one time.
+/// An archive, and the memory that reading it may take, with everything that is made of it. What is charged is the peak
+/// of the memory in use at one time.
 pub(super) struct Archive<R> {
     zip: ZipArchive<R>,
     limit: u64,
@@ -306,8 +306,8 @@ impl<R: Read + Seek> Archive<R> {
         Ok(Arrays { positions, faces, origin, ..Arrays::default() })
     }
 
-    /// The array `origin`, if there is one: the point of the world that positions, lights and points are relative to. Without it
-    /// the origin is zero.
+    /// The array `origin`, if there is one: the point of the world that positions, lights and points are relative to.
+    /// Without it the origin is zero.
     pub(super) fn origin(&mut self) -> Result<Origin, NpzError> {
         let given = self.point(&ORIGIN)?;
         match given.iter().find(|c| !c.is_finite()) {
@@ -341,7 +341,8 @@ impl<R: Read + Seek> Archive<R> {
         Ok(self.rows(entry, decode)?.into_iter().map(|[value]| value).collect())
     }
 
-    /// An array whose shape `fits` accepts. It has at most three dimensions, and so few values that their number is no question.
+    /// An array whose shape `fits` accepts. It has at most three dimensions, and so few values that their number is no
+    /// question.
     pub(super) fn values<T: Copy + Default>(
         &mut self,
         entry: &Entry,
@@ -463,9 +464,9 @@ fn in_c_order<T: Copy>(values: &[T], shape: &[u64]) -> Vec<T> {
     let mut sides = [1, 1, 1];
     sides.iter_mut().rev().zip(shape.iter().rev()).for_each(|(side, &given)| *side = given as usize);
     let [planes, rows, columns] = sides;
-    let places = (0..planes).flat_map(|plane| (0..rows).map(move |row| plane + planes * row));
-    let places = places.flat_map(|first| (0..columns).map(move |column| first + planes * rows * column));
-    places.filter_map(|place| values.get(place).copied()).collect()
+    let indices = (0..planes).flat_map(|plane| (0..rows).map(move |row| plane + planes * row));
+    let indices = indices.flat_map(|first| (0..columns).map(move |column| first + planes * rows * column));
+    indices.filter_map(|index| values.get(index).copied()).collect()
 }
 
 #[cfg(test)]

@@ -108,7 +108,7 @@ impl App {
             let window = Arc::clone(&shown.screen.window);
             self.shown = None;
             let shown = Shown::on(&window, options)?;
-            viewer.handle(Event::Told("the device was lost; everything was made anew".into()));
+            viewer.handle(Event::Message("the device was lost; everything was made anew".into()));
             self.shown = Some(shown);
             self.redraw();
             return Ok(());
@@ -153,12 +153,12 @@ impl App {
                     let copied = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.set_text(line.clone()));
                     let said = if copied.is_ok() { "copied" } else { "no clipboard; printed" };
                     println!("{line}");
-                    self.viewer.handle(Event::Told(format!("{said}: {line}")));
+                    self.viewer.handle(Event::Message(format!("{said}: {line}")));
                 }
                 Request::Screenshot { scale } => {
                     let said = self.screenshot(scale);
                     self.viewer.handle(match said {
-                        Ok(path) => Event::Told(format!("wrote {}", path.display())),
+                        Ok(path) => Event::Message(format!("wrote {}", path.display())),
                         Err(why) => Event::Opened(Err(("the screenshot".into(), why))),
                     });
                 }

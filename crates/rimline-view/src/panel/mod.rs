@@ -1,10 +1,10 @@
 //! The user interface around the picture, by egui: it makes events of what egui hears, and shows the state.
 
-mod figures;
 mod help;
 mod lights;
 mod models;
 mod picture;
+mod statistics;
 mod style;
 mod switches;
 mod time;
@@ -189,7 +189,7 @@ fn side_panel(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, histo
             models::show(ui, viewer);
             lights::show(ui, viewer);
             switches::show(ui, viewer);
-            figures::show(ui, viewer, renderer, history);
+            statistics::show(ui, viewer, renderer, history);
         });
     });
 }

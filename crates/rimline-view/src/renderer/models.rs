@@ -99,12 +99,12 @@ impl Models {
             }
             let handle = models.scene.insert_model(body.model(), &pose, DeformerOptions::default());
             let handle = handle.map_err(|error| failed(&error))?;
-            models.placed.push(models.place(resources, normals, (handle, body), State::of(&pose, viewer))?);
+            models.placed.push(models.placed_body(resources, normals, (handle, body), State::of(&pose, viewer))?);
         }
         Ok(models)
     }
 
-    fn place(
+    fn placed_body(
         &self,
         resources: &Resources,
         normals: &NormalPipeline,
@@ -139,7 +139,7 @@ impl Models {
             self.scene.set_pose(handle, &pose).map_err(|error| RenderError::body(index, &body.name, &error))?;
             let state = State::of(&pose, viewer);
             if self.placed[index].state != state {
-                self.placed[index] = self.place(resources, normals, (handle, body), state)?;
+                self.placed[index] = self.placed_body(resources, normals, (handle, body), state)?;
                 self.frame = None;
             }
         }

@@ -6,7 +6,7 @@ use rimline_picture::{Camera, Part, SceneBounds, SceneView, ShadedLight, reach};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
 
-/// What a picture of the viewer shows.
+/// The scene that a picture of the viewer shows.
 pub(super) struct SeenScene {
     camera: Camera,
     size: [u32; 2],
@@ -26,8 +26,8 @@ impl SeenScene {
         let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).enumerate();
         let lights: Vec<_> = lamps
             .map(|(number, lamp)| {
-                let own = sources.iter().filter(|(of, _)| *of == number).map(|(_, source)| source.light());
-                ShadedLight { samples: own.collect(), shown: Some(number as u32), ..shaded(lamp) }
+                let lights_of_lamp = sources.iter().filter(|(of, _)| *of == number).map(|(_, source)| source.light());
+                ShadedLight { samples: lights_of_lamp.collect(), shown: Some(number as u32), ..shaded(lamp) }
             })
             .collect();
         let reach = reach(&lights, &bounds.models.corners().map(Into::into), &bounds);

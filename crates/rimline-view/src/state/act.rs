@@ -1,4 +1,4 @@
-//! What keys and buttons do.
+//! Actions of keys and buttons.
 
 use glam::Vec3;
 use rimline_picture::Mode;

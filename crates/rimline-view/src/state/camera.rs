@@ -28,7 +28,8 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// The camera that shows all of a box, and points such as handles of lights, in a picture of this shape, width over height.
+    /// The camera that shows all of a box, and points such as handles of lights, in a picture of this shape, width over
+    /// height.
     pub fn showing(bounds: &Bounds, points: &[Vec3], aspect: f32) -> Self {
         let fov = 35.0_f32;
         let mut orbit =

@@ -1,4 +1,4 @@
-//! What the pointer does on the picture: it drags lights, and turns and moves the camera.
+//! Actions of the pointer on the picture: it drags lights, and turns and moves the camera.
 
 use glam::{Vec2, Vec3};
 

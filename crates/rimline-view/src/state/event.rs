@@ -49,6 +49,6 @@ pub enum Event {
     Opened(Result<Box<Body>, (String, String)>),
     /// The scene was replaced, by models of the viewer's own.
     Replaced(Vec<Body>),
-    /// Something else is to be told.
-    Told(String),
+    /// Something else to tell the user.
+    Message(String),
 }

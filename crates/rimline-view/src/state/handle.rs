@@ -1,4 +1,4 @@
-//! What the pointer takes hold of.
+//! Handles, which the pointer takes hold of.
 
 use super::event::Modifiers;
 

@@ -8,8 +8,8 @@ use super::event::Event;
 use super::viewer::Viewer;
 
 impl Viewer {
-    /// Shows a file that was read, beside those that are shown already and relative to their origin, or says why it cannot be
-    /// shown. `path` is what the command calls it.
+    /// Shows a file that was read, beside those that are shown already and relative to their origin, or says why it
+    /// cannot be shown. `path` is what the command calls it.
     pub fn open(&mut self, name: &str, path: String, file: Result<File, FileError>) {
         let is_first = self.bodies.iter().all(|body| body.file.is_none());
         let origin = (!is_first).then_some(self.origin);

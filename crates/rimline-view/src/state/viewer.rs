@@ -190,7 +190,7 @@ impl Viewer {
             Event::Opened(Ok(body)) => self.add(*body),
             Event::Opened(Err((name, why))) => self.message = Some((Tone::Error, format!("{name}: {why}"))),
             Event::Replaced(bodies) => self.replace(bodies),
-            Event::Told(text) => self.message = Some((Tone::Note, text)),
+            Event::Message(text) => self.message = Some((Tone::Note, text)),
         }
     }
 

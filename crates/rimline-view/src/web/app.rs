@@ -48,8 +48,8 @@ pub(super) async fn run(page: &Page) -> Result<(), String> {
     let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(canvas.clone())).map_err(text)?;
     let adapter = super::adapter(&instance, Some(&surface)).await?;
     let gpu = Gpu::open(&adapter).await.map_err(text)?;
-    let told = page.clone();
-    gpu.device.on_uncaptured_error(Arc::new(move |error| told.stop(&format!("The device refuses: {error}"))));
+    let failed_page = page.clone();
+    gpu.device.on_uncaptured_error(Arc::new(move |error| failed_page.stop(&format!("The device refuses: {error}"))));
     let mut config = surface.get_default_config(&adapter, 1, 1).ok_or("The browser's GPU cannot draw on a page")?;
     // egui encodes colours itself.
     config.format = config.format.remove_srgb_suffix();
@@ -246,10 +246,10 @@ impl App {
 /// Does what the viewer asked for.
 fn fulfil(app: &Shared, request: Request) {
     let page = app.borrow().page.clone();
-    let told = Rc::clone(app);
+    let event_app = Rc::clone(app);
     let tell = move |event| {
-        told.borrow_mut().viewer.handle(event);
-        ask_for_frame(&told);
+        event_app.borrow_mut().viewer.handle(event);
+        ask_for_frame(&event_app);
     };
     match request {
         // The browser closes pages.
@@ -265,7 +265,7 @@ fn fulfil(app: &Shared, request: Request) {
         }
         Request::Copy(line) => wasm_bindgen_futures::spawn_local(async move {
             let said = if page.copy(&line).await { "copied" } else { "no clipboard; it is" };
-            tell(Event::Told(format!("{said}: {line}")));
+            tell(Event::Message(format!("{said}: {line}")));
         }),
         Request::Screenshot { scale } => {
             let picture = {
@@ -281,7 +281,7 @@ fn fulfil(app: &Shared, request: Request) {
                     Ok::<_, String>(name)
                 };
                 tell(match saved.await {
-                    Ok(name) => Event::Told(format!("saved {name}")),
+                    Ok(name) => Event::Message(format!("saved {name}")),
                     Err(reason) => Event::Opened(Err(("the screenshot".into(), reason))),
                 });
             });

@@ -11,9 +11,10 @@ pub(super) async fn run(page: &Page, is_planted: bool) -> Result<(), String> {
     let instance = super::instance();
     let adapter = super::adapter(&instance, None).await?;
     let gpu = Gpu::open(&adapter).await.map_err(|error| error.to_string())?;
-    let told = page.clone();
-    gpu.device
-        .on_uncaptured_error(std::sync::Arc::new(move |error| told.stop(&format!("The device refuses: {error}"))));
+    let failed_page = page.clone();
+    gpu.device.on_uncaptured_error(std::sync::Arc::new(move |error| {
+        failed_page.stop(&format!("The device refuses: {error}"))
+    }));
     page.show_check();
     let copied = page.clone();
     listen(&page.element::<EventTarget>("copy")?, "click", move |_: web_sys::Event| {

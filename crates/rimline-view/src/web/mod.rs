@@ -13,8 +13,8 @@ use page::Page;
 /// Runs what the address of the page asks for.
 pub fn start() {
     let Some(page) = Page::of_window() else { return };
-    let told = page.clone();
-    std::panic::set_hook(Box::new(move |panic| told.stop(&format!("The viewer stopped: {panic}"))));
+    let failed_page = page.clone();
+    std::panic::set_hook(Box::new(move |panic| failed_page.stop(&format!("The viewer stopped: {panic}"))));
     wasm_bindgen_futures::spawn_local(async move {
         let query = page.query();
         let begun = if query.contains("check") {

@@ -12,16 +12,16 @@ const CHANNEL: u8 = 24;
 pub(crate) const TOLERANCE: f64 = 0.001;
 
 /// The part of the pixels that differ between a picture of the page and one of this process.
-pub(crate) fn from_own(name: &str, page: &Picture, viewer: &Viewer) -> Result<f64, String> {
-    let own = draw(viewer)?;
+pub(crate) fn from_desktop(name: &str, page: &Picture, viewer: &Viewer) -> Result<f64, String> {
+    let desktop = draw(viewer)?;
     // Somebody who sets this wants to look.
     if let Some(folder) = std::env::var_os("RIMLINE_PICTURES") {
-        for (whose, picture) in [("page", page), ("own", &own)] {
+        for (whose, picture) in [("page", page), ("own", &desktop)] {
             let path = std::path::Path::new(&folder).join(format!("{name}_{whose}.png"));
             std::fs::write(path, picture.png().map_err(say)?).map_err(say)?;
         }
     }
-    different(page, &own)
+    different(page, &desktop)
 }
 
 /// The part of the pixels that differ.

@@ -9,7 +9,7 @@ use rimline_view::{Action, Event, LampKind, Picture, Viewer, scenes};
 use serde_json::json;
 
 use crate::browser::{Browser, SIZE, say};
-use crate::pictures::{TOLERANCE, decode, different, from_own};
+use crate::pictures::{TOLERANCE, decode, different, from_desktop};
 
 pub(crate) const TEST: (&str, fn() -> Result<(), String>) =
     ("a file is dropped, a light dragged, a bad file refused, and pictures are those without a page", session);
@@ -78,7 +78,7 @@ fn session() -> Result<(), String> {
     screenshot(&mut browser, 1)?;
     browser.press("r")?;
     let (mut viewer, before) = (twin()?, screenshot(&mut browser, 2)?);
-    let parts = from_own("before", &before, &viewer)?;
+    let parts = from_desktop("before", &before, &viewer)?;
     println!("before: {:.3} % of the pixels differ from those without a page", 100.0 * parts);
     expect(parts <= TOLERANCE, format!("{parts} of the pixels differ before the drag"))?;
 
@@ -91,7 +91,7 @@ fn session() -> Result<(), String> {
     follow(&mut viewer, &mut browser)?;
     let there = handle(&viewer).ok_or("no handle")?;
     expect(there.distance(to) < 3.0, format!("the pointer is at {to}, and the light at {there}"))?;
-    let (moved, parts) = (different(&before, &after)?, from_own("after", &after, &viewer)?);
+    let (moved, parts) = (different(&before, &after)?, from_desktop("after", &after, &viewer)?);
     println!(
         "after: {:.3} % differ from those before, {:.3} % from those without a page",
         100.0 * moved,

@@ -12,38 +12,38 @@ const MOST_FACES: usize = 1 << 20;
 /// Faces at one side that are looked at: more are no surface.
 const MOST_MEETING: usize = 16;
 
-/// How far a corner may be off the plane of a face for a flat patch, in parts of the face's size; and of its distance from the
-/// origin, whose rounding it has.
+/// How far a corner may be off the plane of a face for a flat patch, in parts of the face's size; and of its distance
+/// from the origin, whose rounding it has.
 const FLAT: f64 = 1e-6;
 const ROUNDED: f64 = 3e-7;
 
 /// The bits of a position, where −0 is 0.
-type Place = [u32; 3];
+type PositionBits = [u32; 3];
 
-/// A side of a face, which it walks from one place to the other.
+/// A side of a face, which it walks from one end to the other.
 struct Side {
-    places: [Place; 2],
+    ends: [PositionBits; 2],
     face: u32,
     /// The corner opposite.
     third: [f32; 3],
 }
 
-/// The faces of either direction, in patches that lie in the same place, the earlier patch first.
+/// The faces of either direction, in patches that coincide, the earlier patch first.
 pub(super) fn turned(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]> {
     let faces: Vec<Corners> = faces.take(MOST_FACES + 1).collect();
     if faces.len() > MOST_FACES || !may_fold(&faces) {
         return Vec::new();
     }
     let mut sides: Vec<Side> = (0..).zip(&faces).flat_map(|(number, &face)| sides_of(number, face)).collect();
-    sides.sort_unstable_by_key(|side| undirected(side.places));
+    sides.sort_unstable_by_key(|side| undirected(side.ends));
     let mut patches = Joined::new(faces.len());
     // Whether a side is inside of a patch, and whether the surface folds back onto itself there.
     let (mut is_inner, mut folds) = (vec![false; sides.len()], false);
     let mut first = 0;
-    for run in sides.chunk_by(|a, b| undirected(a.places) == undirected(b.places)) {
+    for run in sides.chunk_by(|a, b| undirected(a.ends) == undirected(b.ends)) {
         let meeting = if run.len() > MOST_MEETING { &[] } else { run };
         for (i, one) in meeting.iter().enumerate() {
-            for (j, other) in meeting.iter().enumerate().skip(i + 1).filter(|(_, other)| other.places != one.places) {
+            for (j, other) in meeting.iter().enumerate().skip(i + 1).filter(|(_, other)| other.ends != one.ends) {
                 match fold(faces[one.face as usize], faces[other.face as usize], other.third) {
                     Fold::None => {}
                     Fold::Flat => {
@@ -60,9 +60,9 @@ pub(super) fn turned(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]>
     if folds { with_one_outline(&faces, &mut patches, sides.iter().zip(is_inner)) } else { Vec::new() }
 }
 
-/// Whether two faces may lie on each other's backs at a side. Most models have none, and need no closer look. Both sides of a fold
-/// have one key: the ends, and the normal of the face that walks up from one to the other, or that of the other turned around.
-/// Where the surface goes on smoothly, these are opposite.
+/// Whether two faces may lie on each other's backs at a side. Most models have none, and need no closer look. Both
+/// sides of a fold have one key: the ends, and the normal of the face that walks up from one to the other, or that of
+/// the other turned around. Where the surface goes on smoothly, these are opposite.
 fn may_fold(faces: &[Corners]) -> bool {
     let mut keys = Vec::with_capacity(3 * faces.len());
     for &face in faces {
@@ -98,18 +98,18 @@ fn with_one_outline<'a>(
     for face in 0..faces.len() as u32 {
         members.entry(patches.root(face)).or_default().push(face);
     }
-    let mut outlines: BTreeMap<u32, Vec<[Place; 2]>> = BTreeMap::new();
+    let mut outlines: BTreeMap<u32, Vec<[PositionBits; 2]>> = BTreeMap::new();
     for (side, _) in sides.filter(|&(_, is_inner)| !is_inner) {
-        outlines.entry(patches.root(side.face)).or_default().push(side.places);
+        outlines.entry(patches.root(side.face)).or_default().push(side.ends);
     }
     for outline in outlines.values_mut() {
         outline.sort_unstable();
     }
-    let by_outline: BTreeMap<&[[Place; 2]], u32> =
+    let by_outline: BTreeMap<&[[PositionBits; 2]], u32> =
         outlines.iter().map(|(&root, outline)| (outline.as_slice(), root)).collect();
     let mut found = Vec::new();
     for (&root, outline) in &outlines {
-        let mut turned: Vec<[Place; 2]> = outline.iter().map(|&[a, b]| [b, a]).collect();
+        let mut turned: Vec<[PositionBits; 2]> = outline.iter().map(|&[a, b]| [b, a]).collect();
         turned.sort_unstable();
         let other = by_outline.get(turned.as_slice()).copied();
         let both = other.filter(|&other| root < other).and_then(|other| Some([&members[&root], members.get(&other)?]));
@@ -121,11 +121,15 @@ fn with_one_outline<'a>(
 }
 
 fn sides_of(face: u32, corners: Corners) -> [Side; 3] {
-    let place = |at: usize| corners[at].map(|c| (c + 0.0).to_bits());
-    [0, 1, 2].map(|at| Side { places: [place(at), place((at + 1) % 3)], face, third: corners[(at + 2) % 3] })
+    let position_bits = |at: usize| corners[at].map(|c| (c + 0.0).to_bits());
+    [0, 1, 2].map(|at| Side {
+        ends: [position_bits(at), position_bits((at + 1) % 3)],
+        face,
+        third: corners[(at + 2) % 3],
+    })
 }
 
-fn undirected([a, b]: [Place; 2]) -> [Place; 2] {
+fn undirected([a, b]: [PositionBits; 2]) -> [PositionBits; 2] {
     [a.min(b), a.max(b)]
 }
 

@@ -1,11 +1,12 @@
 //! How many faces lie over each other as seen from a light: a bound that holds for every ray, where every face casts.
 //!
 //! The number N(r) of faces that a ray r meets is at least any count along it. If r moves, N changes only where r crosses an
-//! edge at which faces begin or end, all turned to the light: by at most the sum of their signs there. So in a convex cell of
-//! rays N is at most N of one of them, plus these sums for the edges that touch the cell, and at most the faces that touch it.
-//! A cell with too large a bound is cut into four. A ray that meets too many faces ends the search. Signs and touching are
-//! decided in `f64` with a slack; what is undecided counts. Around a vertex with many faces that share no edges, the bound is
-//! their number. A bound for 8 bits of stencil: docs/numerics/receivers.md, "Bound on counts".
+//! edge at which faces begin or end, all turned to the light: by at most the sum of their signs there. So in a convex
+//! cell of rays N is at most N of one of them, plus these sums for the edges that touch the cell, and at most the faces
+//! that touch it. A cell with too large a bound is cut into four. A ray that meets too many faces ends the search.
+//! Signs and touching are decided in `f64` with a slack; what is undecided counts. Around a vertex with many faces that
+//! share no edges, the bound is their number. A bound for 8 bits of stencil: docs/numerics/receivers.md, "Bound on
+//! counts".
 
 use glam::DVec3;
 use rimline::Light;
@@ -16,8 +17,8 @@ const MOST_CUTS: u32 = 24;
 /// Faces and edges that are looked at for a light, besides some turns over all of them.
 const MOST_WORK: usize = 1 << 26;
 
-/// At most so many faces meet any ray from the light. If that is not above `enough`, it holds; else more may be there than that,
-/// or it is not known.
+/// At most so many faces meet any ray from the light. If that is not above `enough`, it holds; else more may be there
+/// than that, or it is not known.
 pub(super) fn deepest(light: Light, positions: &[[f32; 3]], faces: &[[u32; 3]], enough: u32) -> u32 {
     let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| positions.get(v as usize).is_some_and(|&p| is_finite(p)));
     let faces: Vec<[u32; 3]> = faces.iter().filter(is_drawn).copied().collect();
@@ -26,8 +27,8 @@ pub(super) fn deepest(light: Light, positions: &[[f32; 3]], faces: &[[u32; 3]], 
     }
     let (mut rays, roots) = Rays::new(light, positions, faces);
     // The light is in the plane of a face that it is a corner of, and such faces count nowhere.
-    let places = &rays.places;
-    rays.faces.retain(|face| face.iter().all(|&v| places[v as usize] != glam::DVec3::ZERO));
+    let positions = &rays.positions;
+    rays.faces.retain(|face| face.iter().all(|&v| positions[v as usize] != glam::DVec3::ZERO));
     let all: Vec<u32> = (0..rays.faces.len() as u32).collect();
     let sides = rays.sides();
     let mut search = Search { rays, enough, left: MOST_WORK + 64 * (all.len() + sides.len()), most: 0 };
@@ -50,8 +51,8 @@ struct Search {
 }
 
 impl Search {
-    /// Bounds the faces over each other in a cell, which may meet these faces and sides. From the middle ray to any other the number
-    /// changes at sides alone.
+    /// Bounds the faces over each other in a cell, which may meet these faces and sides. From the middle ray to any
+    /// other the number changes at sides alone.
     fn cut(&mut self, cell: Cell, faces: &[u32], sides: &[Side], cuts: u32) {
         let ray = cell.middle();
         let met = faces.iter().filter(|&&face| self.rays.meets(ray, face)).count();
@@ -72,7 +73,7 @@ impl Search {
             let rays = &self.rays;
             let near = |face: &u32| may_meet(rays.corners(*face), &planes, &corners);
             let faces: Vec<u32> = faces.iter().copied().filter(near).collect();
-            let near = |side: &Side| may_meet(side.ends.map(|v| rays.places[v as usize]), &planes, &corners);
+            let near = |side: &Side| may_meet(side.ends.map(|v| rays.positions[v as usize]), &planes, &corners);
             let sides: Vec<Side> = sides.iter().copied().filter(near).collect();
             self.cut(quarter, &faces, &sides, cuts + 1);
         }
@@ -82,10 +83,10 @@ impl Search {
 /// Bound on rounding errors, as a share of the computed value.
 const SLACK: f64 = 1e-11;
 
-/// Faces as rays from the light see them: a place stands for all on its ray. With a light at infinity rays are parallel, and a place
-/// is where its ray meets a plane before the light.
+/// Faces as rays from the light see them: a place stands for all on its ray. With a light at infinity rays are
+/// parallel, and a place is where its ray meets a plane before the light.
 pub(super) struct Rays {
-    pub(super) places: Vec<DVec3>,
+    pub(super) positions: Vec<DVec3>,
     pub(super) faces: Vec<[u32; 3]>,
 }
 
@@ -152,28 +153,28 @@ impl Rays {
         let world = positions.iter().map(|&[x, y, z]| DVec3::new(x.into(), y.into(), z.into()));
         let (i, j, k) = (DVec3::X, DVec3::Y, DVec3::Z);
         if w != 0.0 {
-            let place = DVec3::new(x, y, z) / w;
-            let places = world.map(|p| p - place).collect();
+            let apex = DVec3::new(x, y, z) / w;
+            let positions = world.map(|p| p - apex).collect();
             let sides = [[i, j, k], [-i, j, k], [j, k, i], [-j, k, i], [k, i, j], [-k, i, j]];
-            return (Self { places, faces }, sides.map(|[ahead, right, up]| Cell::whole(ahead, right, up)).to_vec());
+            return (Self { positions, faces }, sides.map(|[ahead, right, up]| Cell::whole(ahead, right, up)).to_vec());
         }
         let towards = (DVec3::new(x, y, z) / x.abs().max(y.abs()).max(z.abs())).normalize_or(j);
         let (right, up) = towards.any_orthonormal_pair();
-        let mut places: Vec<DVec3> = world.map(|p| DVec3::new(right.dot(p), up.dot(p), 1.0)).collect();
+        let mut positions: Vec<DVec3> = world.map(|p| DVec3::new(right.dot(p), up.dot(p), 1.0)).collect();
         let used = || faces.iter().flatten().map(|&v| v as usize);
-        let low = used().fold(DVec3::INFINITY, |low, v| low.min(places[v]));
-        let high = used().fold(DVec3::NEG_INFINITY, |high, v| high.max(places[v]));
+        let low = used().fold(DVec3::INFINITY, |low, v| low.min(positions[v]));
+        let high = used().fold(DVec3::NEG_INFINITY, |high, v| high.max(positions[v]));
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         // A little more, so that nothing lies on the border.
         let scale = 1.001 * half.x.max(half.y).max(f64::MIN_POSITIVE);
-        for place in &mut places {
-            *place = ((*place - middle) / scale).with_z(1.0);
+        for position in &mut positions {
+            *position = ((*position - middle) / scale).with_z(1.0);
         }
-        (Self { places, faces }, vec![Cell::whole(k, i, j)])
+        (Self { positions, faces }, vec![Cell::whole(k, i, j)])
     }
 
     pub(super) fn corners(&self, face: u32) -> [DVec3; 3] {
-        self.faces[face as usize].map(|v| self.places[v as usize])
+        self.faces[face as usize].map(|v| self.positions[v as usize])
     }
 
     /// Which way a face turns to the light, 1 or −1; 0 if rounding leaves it open.
@@ -221,17 +222,17 @@ impl Rays {
 }
 
 /// Whether a face, or an edge, may meet rays of a cell.
-pub(super) fn may_meet<const N: usize>(places: [DVec3; N], planes: &[DVec3; 5], corners: &[DVec3; 4]) -> bool {
-    let sizes = places.map(DVec3::length);
+pub(super) fn may_meet<const N: usize>(positions: [DVec3; N], planes: &[DVec3; 5], corners: &[DVec3; 4]) -> bool {
+    let sizes = positions.map(DVec3::length);
     let is_outside = |plane: &DVec3| {
-        places.iter().zip(sizes).all(|(place, size)| plane.dot(*place) < -SLACK * size * plane.length())
+        positions.iter().zip(sizes).all(|(position, size)| plane.dot(*position) < -SLACK * size * plane.length())
     };
     if planes.iter().any(is_outside) {
         return false;
     }
     let pairs = if N == 2 { 1 } else { N };
     for first in 0..pairs {
-        let (a, b) = (places[first], places[(first + 1) % N]);
+        let (a, b) = (positions[first], positions[(first + 1) % N]);
         let plane = a.cross(b);
         let open = SLACK * a.length() * b.length();
         let turns = corners.map(|ray| plane.dot(ray) / ray.length());
@@ -240,10 +241,10 @@ pub(super) fn may_meet<const N: usize>(places: [DVec3; N], planes: &[DVec3; 5], 
             return false;
         }
         if N == 3 {
-            let third = places[(first + 2) % N];
-            let own = plane.dot(third);
+            let third = positions[(first + 2) % N];
+            let third_distance = plane.dot(third);
             let open = open * third.length();
-            if (own > open && before) || (own < -open && after) {
+            if (third_distance > open && before) || (third_distance < -open && after) {
                 return false;
             }
         }

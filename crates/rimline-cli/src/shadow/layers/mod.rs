@@ -1,5 +1,5 @@
-//! Casters whose faces lie over each other more often than the stencil counts: they are drawn in batches of few layers, each of
-//! which darkens what it covers before the next is counted.
+//! Casters whose faces lie over each other more often than the stencil counts: they are drawn in batches of few layers,
+//! each of which darkens what it covers before the next is counted.
 
 mod batches;
 mod deepest;
@@ -36,8 +36,9 @@ pub(super) struct Batch {
 }
 
 impl Layers {
-    /// Counts what lies over each other for these lights, and makes batches for up to `max_lights` at a time where the stencil would
-    /// not do. They are to be encoded before they are drawn. `None` if no reasonable number of batches would do.
+    /// Counts what lies over each other for these lights, and makes batches for up to `max_lights` at a time where the
+    /// stencil would not do. They are to be encoded before they are drawn. `None` if no reasonable number of batches
+    /// would do.
     pub(super) fn new(
         gpu: &Gpu,
         bodies: &[PosedModel<'_>],
@@ -125,10 +126,10 @@ impl Batch {
                 let geometry = &body.input.model().geometries()[topology.geometry];
                 let rest = geometry.positions();
                 end += geometry.faces().len() as u32;
-                let (own, others) = of.split_at(of.partition_point(|&face| face < end));
+                let (of_layer, others) = of.split_at(of.partition_point(|&face| face < end));
                 of = others;
                 let corners = |&face: &u32| body.faces[(face - first_face) as usize].map(|v| v - first_vertex);
-                let mesh = body.part(rest.len(), own.iter().map(corners).collect())?;
+                let mesh = body.part(rest.len(), of_layer.iter().map(corners).collect())?;
                 first_vertex += rest.len() as u32;
                 let (Some(mesh), Some(positions)) = (mesh, body.positions.of_instance(instance)) else { continue };
                 let mesh = scene.add_mesh(&mesh, rest).on(gpu)?;
