@@ -31,7 +31,7 @@ Commands:
   circles  Check that no modules of a crate import one another in a circle
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
            compilers, the bits on SwiftShader, then fuzz for 10 seconds a target
-  fuzz     Feed mutated glTF, .npz, OBJ, WGSL and arguments to what reads them; --seconds N for each of the five (60)
+  fuzz     Feed mutated files, WGSL and arguments to what reads them; --seconds N for each target (60)
   web      Build the viewer as a page in target/web; --test tries it in headless Chromium, too
   mutants  Make the code wrong in a copy, in one place after the other, and tell which tests notice; --only TEXT
 

@@ -1,4 +1,4 @@
-//! What the passes of a picture draw.
+//! The bodies and overlays of a picture, for its passes.
 
 use rimline::wgpu;
 use rimline_picture::{Subject, Surface};
@@ -12,7 +12,7 @@ use crate::gpu_error::GpuError;
 #[derive(Clone, Copy)]
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters<'a>,
-    /// What draws the shadow volumes, and what is drawn over the light. `None`: not known yet.
+    /// The pipelines of the shadow volumes, and the overlay over the light. `None`: not known yet.
     pub(super) drawn: Option<(&'a VolumePipelines, Option<&'a Overlay>)>,
     /// Samples of all lights together.
     pub(crate) samples: usize,
