@@ -53,6 +53,17 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
         if ui.small_button("Show all").on_hover_text("reset the camera (R)").clicked() {
             viewer.handle(Event::Acted(Action::ResetCamera));
         }
+        let cameras = viewer.cameras();
+        if cameras.is_empty() {
+            return;
+        }
+        let current = cameras.iter().find(|(_, orbit)| *orbit == viewer.orbit);
+        let text = current.map_or("camera", |(name, _)| name.as_str());
+        egui::ComboBox::from_id_salt("camera").selected_text(text).width(110.0).show_ui(ui, |ui| {
+            for (name, orbit) in &cameras {
+                ui.selectable_value(&mut viewer.orbit, *orbit, name);
+            }
+        });
     });
 }
 

@@ -21,6 +21,7 @@ impl Viewer {
             Action::OpenFile => self.requests.push(Request::OpenFiles),
             Action::NextScene => self.requests.push(Request::NextScene),
             Action::ResetCamera => self.reset_camera(),
+            Action::NextCamera => self.next_camera(),
             Action::TurnLeft => self.orbit.turn(-STEP, 0.0),
             Action::TurnRight => self.orbit.turn(STEP, 0.0),
             Action::TurnUp => self.orbit.turn(0.0, STEP),
@@ -82,6 +83,19 @@ impl Viewer {
         let duration = self.duration();
         if duration > 0.0 {
             self.clock.seconds = (self.clock.seconds + seconds).rem_euclid(duration);
+        }
+    }
+
+    fn next_camera(&mut self) {
+        let cameras = self.cameras();
+        let current = cameras.iter().position(|(_, orbit)| *orbit == self.orbit);
+        let next = current.map_or(0, |current| (current + 1) % cameras.len());
+        match cameras.get(next) {
+            Some((name, orbit)) => {
+                self.orbit = *orbit;
+                self.message = Some((Tone::Note, format!("camera {name}")));
+            }
+            None => self.message = Some((Tone::Note, "these models have no cameras".to_owned())),
         }
     }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::{self, Debug, Formatter};
 
 use rimline::cpu::{Threads, deform};
-use rimline::gltf::{Asset, Colors, GltfError, SceneLight};
+use rimline::gltf::{Asset, Colors, GltfError, SceneCamera, SceneLight};
 use rimline::mesh::{EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError, Model, ModelError, Pose};
 use rimline_files::{File, FileError};
@@ -52,6 +52,11 @@ pub trait Source: Send {
         Vec::new()
     }
 
+    /// Cameras of the file, at rest.
+    fn cameras(&self) -> Vec<SceneCamera> {
+        Vec::new()
+    }
+
     /// Base colours of one of the model's geometries. `None`: all is white.
     fn colors(&self, _geometry: usize) -> Option<&Colors> {
         None
@@ -78,6 +83,10 @@ impl Source for Asset {
         self.each_light(None, 0.0).into_iter().flatten().flatten().collect()
     }
 
+    fn cameras(&self) -> Vec<SceneCamera> {
+        self.each_camera(None, 0.0).into_iter().flatten().flatten().collect()
+    }
+
     fn colors(&self, geometry: usize) -> Option<&Colors> {
         self.colors(geometry)
     }
@@ -99,6 +108,10 @@ impl Source for File {
 
     fn lights(&self) -> Vec<SceneLight> {
         self.asset().map_or_else(Vec::new, Source::lights)
+    }
+
+    fn cameras(&self) -> Vec<SceneCamera> {
+        self.asset().map_or_else(Vec::new, Source::cameras)
     }
 
     fn colors(&self, geometry: usize) -> Option<&Colors> {
@@ -127,6 +140,7 @@ pub struct Body {
     pub animation: Option<usize>,
     source: Box<dyn Source>,
     animations: Vec<(String, f32)>,
+    cameras: Vec<SceneCamera>,
     report: Report,
     bounds: Bounds,
 }
@@ -199,7 +213,17 @@ impl Body {
             non_manifold: found.non_manifold_edges,
             inconsistent: found.edges.inconsistent,
         };
-        Ok(Self { name: name.to_owned(), file, animation, source: Box::new(source), animations, report, bounds })
+        let cameras = source.cameras();
+        Ok(Self {
+            name: name.to_owned(),
+            file,
+            animation,
+            source: Box::new(source),
+            animations,
+            cameras,
+            report,
+            bounds,
+        })
     }
 
     /// The model.
@@ -228,6 +252,11 @@ impl Body {
     /// Lights of the file.
     pub fn lights(&self) -> Vec<SceneLight> {
         self.source.lights()
+    }
+
+    /// Cameras of the file.
+    pub fn cameras(&self) -> &[SceneCamera] {
+        &self.cameras
     }
 
     /// Base colours of one of the model's geometries. `None`: all is white.

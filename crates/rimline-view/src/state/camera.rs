@@ -1,6 +1,7 @@
 //! The camera: an eye that goes around a target.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
+use rimline::gltf::{CameraProjection, SceneCamera};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_picture::Bounds;
 
@@ -46,6 +47,21 @@ impl Orbit {
         let others = points.iter().map(|&point| needed(point, FILLED_BY_HANDLES));
         orbit.distance = corners.chain(others).fold(1e-3 * bounds.extent(), f32::max);
         orbit
+    }
+
+    /// The view of a camera of a file on models in `bounds`. It stands upright, and looks with perspective.
+    pub fn of_file(camera: &SceneCamera, bounds: &Bounds) -> Self {
+        let (eye, forward) = (Vec3::from(camera.eye), Vec3::from(camera.forward));
+        let ahead = (bounds.centre() - eye).dot(forward).max(0.1 * bounds.extent());
+        let target = eye + ahead * forward;
+        let (fov, distance) = match camera.projection {
+            CameraProjection::Perspective { yfov, .. } => (yfov.to_degrees().clamp(1.0, 170.0), ahead),
+            // From far away with a narrow field of view, which shows as much.
+            CameraProjection::Orthographic { ymag, .. } => (5.0, ymag.abs() / 2.5_f32.to_radians().tan()),
+        };
+        let azimuth = (-forward.x).atan2(-forward.z).to_degrees().rem_euclid(360.0);
+        let elevation = (-forward.y).clamp(-1.0, 1.0).asin().to_degrees().clamp(-89.0, 89.0);
+        Self { target, azimuth, elevation, distance, fov }
     }
 
     /// Right, up and forward, at right angles, of length 1.

@@ -55,6 +55,11 @@ impl Viewer {
                     let _ = write!(line, ",range={range}");
                 }
             }
+            // The command has one area for all lights.
+            let radius = self.lamps.iter().filter(|lamp| lamp.is_on).filter_map(|lamp| lamp.radius).reduce(f32::max);
+            if let Some(radius) = radius {
+                let _ = write!(line, " --area sphere:{radius}");
+            }
             let _ = write!(line, " --method {} --mode {}", counting_name(options.counting), options.mode.name());
             if options.overlays.volumes {
                 line += " --volumes";

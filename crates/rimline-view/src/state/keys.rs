@@ -10,6 +10,7 @@ pub enum Action {
     OpenFile,
     NextScene,
     ResetCamera,
+    NextCamera,
     TurnLeft,
     TurnRight,
     TurnUp,
@@ -76,7 +77,7 @@ const fn shift(key: egui::Key, action: Action, what: &'static str) -> KeyBinding
 }
 
 /// All keys. W, A, S, D, Q and E fly besides while they are held.
-pub const KEYS: [KeyBinding; 47] = {
+pub const KEYS: [KeyBinding; 48] = {
     use egui::Key as K;
     [
         key(K::F1, Action::Help, "this list; ? too"),
@@ -84,6 +85,7 @@ pub const KEYS: [KeyBinding; 47] = {
         key(K::O, Action::OpenFile, "open files"),
         key(K::N, Action::NextScene, "next built-in scene"),
         key(K::R, Action::ResetCamera, "show everything"),
+        key(K::V, Action::NextCamera, "next camera of the files"),
         key(K::ArrowLeft, Action::TurnLeft, "turn left"),
         key(K::ArrowRight, Action::TurnRight, "turn right"),
         key(K::ArrowUp, Action::TurnUp, "turn up"),

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use rimline::Origin;
+use rimline::gltf::SceneCamera;
 use rimline_picture::{Bounds, Mode};
 
 use super::body::Body;
@@ -132,6 +133,16 @@ impl Viewer {
     /// The camera.
     pub fn camera(&self) -> Camera {
         self.orbit.camera(self.size, &self.bounds(), self.ground())
+    }
+
+    /// Names and views of the files' cameras.
+    pub fn cameras(&self) -> Vec<(String, Orbit)> {
+        let bounds = self.bounds();
+        let cameras = self.bodies.iter().flat_map(Body::cameras).enumerate();
+        let named = |(number, camera): (usize, &SceneCamera)| {
+            (camera.name.clone().unwrap_or_else(|| format!("camera {number}")), Orbit::of_file(camera, &bounds))
+        };
+        cameras.map(named).collect()
     }
 
     /// The longest animation that plays, in seconds.

@@ -3,19 +3,23 @@
 use glam::{Vec2, Vec3};
 use rimline::Light;
 use rimline::cpu::{Threads, shadow_depth};
+use rimline::gltf::{CameraProjection, SceneCamera};
 use rimline_files::{ReadOptions, read_bytes};
 use rimline_testkit::harness::Test;
-use rimline_view::{Action, Body, Counting, Event, LampKind, Mode, Modifiers, Picture, Skipping, Viewer, scenes};
+use rimline_view::{
+    Action, Body, BodyError, Counting, Event, LampKind, Mode, Modifiers, Picture, Skipping, Source, Viewer, scenes,
+};
 
 use crate::support::{Outcome, drag, finish, gpu, handle, hold, on_ground, picture, say, viewer};
 
-pub(crate) const TESTS: [Test; 10] = [
+pub(crate) const TESTS: [Test; 11] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
     ("a still viewer draws nothing", a_still_viewer_draws_nothing),
     ("counting methods and levels of skipping change no picture", switches_change_no_picture),
     ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
+    ("cameras of the file are looked through", cameras),
     ("models have their base colours, or are of clay", base_colors),
     ("built-in scenes are drawn in every moment", scenes_are_drawn),
     ("a screenshot has more pixels and the same picture", screenshots),
@@ -272,6 +276,60 @@ fn overlays_change_the_picture() -> Outcome {
         hold((now == before) == (mode == Mode::Additive), name)?;
     }
     Ok(())
+}
+
+/// A block with cameras.
+struct Filmed(rimline::Model, Vec<SceneCamera>);
+
+impl Source for Filmed {
+    fn model(&self) -> &rimline::Model {
+        &self.0
+    }
+
+    fn pose(&self, _: Option<usize>, _: f32) -> Result<rimline::Pose, BodyError> {
+        Ok(rimline::Pose::new(vec![rimline::InstancePose::new([glam::Affine3A::IDENTITY], Vec::new())?]))
+    }
+
+    fn cameras(&self) -> Vec<SceneCamera> {
+        self.1.clone()
+    }
+}
+
+fn cameras() -> Outcome {
+    let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let geometry = rimline::Geometry::new(positions, faces, rimline::GeometryOptions::default()).map_err(say)?;
+    let model = rimline::Model::new(vec![geometry], vec![rimline::Instance::new(0, None)]).map_err(say)?;
+    let (eye, forward) = (Vec3::new(3.0, 4.0, 5.0), Vec3::new(-3.0, -3.5, -5.0).normalize());
+    let up = Vec3::Y.reject_from_normalized(forward).normalize();
+    let of = |name: Option<&str>, projection| SceneCamera {
+        name: name.map(str::to_owned),
+        eye: eye.into(),
+        forward: forward.into(),
+        up: up.into(),
+        projection,
+    };
+    let perspective = CameraProjection::Perspective { yfov: 0.5, aspect_ratio: None, znear: 0.1, zfar: None };
+    let parallel = CameraProjection::Orthographic { xmag: 2.0, ymag: 1.5, znear: 0.0, zfar: 50.0 };
+    let cameras = vec![of(Some("door"), perspective), of(None, parallel)];
+    let mut viewer = Viewer::new(vec![Body::new("block", None, Filmed(model, cameras)).map_err(say)?]);
+    viewer.handle(Event::Resized([200, 150]));
+    let names: Vec<String> = viewer.cameras().into_iter().map(|(name, _)| name).collect();
+    hold(names == ["door", "camera 1"], format!("{names:?}"))?;
+    viewer.handle(Event::Acted(Action::NextCamera));
+    let camera = viewer.camera();
+    hold(camera.eye.distance(eye) < 1e-4 && camera.forward.distance(forward) < 1e-4, format!("{camera:?}"))?;
+    hold(
+        camera.up.distance(up) < 1e-4 && (viewer.orbit.fov - 0.5_f32.to_degrees()).abs() < 1e-3,
+        format!("{camera:?}"),
+    )?;
+    // A point at the upper border of what the parallel camera sees, beside what it looks at.
+    viewer.handle(Event::Acted(Action::NextCamera));
+    let target = viewer.orbit.target;
+    let border = viewer.camera().project(target + 1.5 * up).ok_or("the border is behind the eye")?;
+    hold(border.y.abs() < 0.5 && (border.x - 100.0).abs() < 0.1, format!("{border}"))?;
+    viewer.handle(Event::Acted(Action::NextCamera));
+    hold(viewer.camera().eye.distance(eye) < 1e-4, "after the last camera comes the first")
 }
 
 fn base_colors() -> Outcome {
