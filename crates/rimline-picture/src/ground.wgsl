@@ -46,7 +46,7 @@ fn is_lit() -> bool {
   if (!is_lit()) {
     discard;
   }
-  let point = point(at.xy);
+  let point = ground_point(at.xy);
   let light = arriving(point.q);
   return vec4<f32>((1.0 - point.faded) * ALBEDO * light.color * max(0.0, light.towards.y), 0.0);
 }
