@@ -168,7 +168,7 @@ impl Seeds {
         }
         match status.code() {
             Some(0) => Ok(true),
-            Some(1..=5) => Ok(false),
+            Some(1..=6) => Ok(false),
             _ => Err(format!("{status}: {said:.1000}")),
         }
     }

@@ -179,11 +179,11 @@ impl Browser {
     pub(crate) fn wait_for(&mut self, id: &str, is_there: impl Fn(&str) -> bool) -> Result<String, String> {
         let until = Instant::now() + PATIENCE;
         loop {
+            let given_up = self.text("why")? + &self.text("reason")?;
             let text = self.text(id)?;
             if is_there(&text) {
                 return Ok(text);
             }
-            let given_up = self.text("why")? + &self.text("reason")?;
             if !given_up.is_empty() || Instant::now() > until {
                 return Err(format!("`{id}` says `{text}`; {given_up}; {}", self.errors.join("; ")));
             }
