@@ -76,9 +76,10 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// Sides have room for those of all listed silhouettes, as far as one binding has. Capacities of caps are those of the options. By default
-    /// near caps have room for `few_caps` and sixteen times the square root of the faces, other caps for all faces that may have
-    /// one; both shrink in proportion if they do not fit one binding.
+    /// Sides have room for those of all listed silhouettes, as far as one binding has: two an edge where every face casts,
+    /// but one for a boundary. Capacities of caps are those of the options. By default near caps have room for `few_caps` and
+    /// sixteen times the square root of the faces, other caps for all faces that may have one; both shrink in proportion if
+    /// they do not fit one binding.
     pub(crate) fn new(
         options: &SceneOptions,
         group: &GroupSize,
@@ -97,7 +98,8 @@ impl Room {
             Counting::ZpPlus2005 => faces,
         };
         let far = if options.counting.may_fail() || options.end_at_range { faces } else { group.proxies.max(1) };
-        let sides = silhouettes.saturating_add(silhouettes.saturating_sub(group.boundaries)).min(fitting(SIDE_COUNTS));
+        let two_sided = silhouettes.min(group.edges.saturating_sub(group.boundaries));
+        let sides = silhouettes.saturating_add(two_sided).min(fitting(SIDE_COUNTS));
         let mut room = Self { lights, lists_offset: 0, silhouettes, sides, near, far, pieces: 0 };
         if let Some(capacity) = options.capacities.caps {
             let given = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };
