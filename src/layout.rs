@@ -484,7 +484,7 @@ shared_structs! {
         light: u32,
         classes: u32,
         is_reversed: u32,
-        samples: u32,
+        reserved: u32,
     }
 
     /// A group of a scene's casters and a light, whose outlines are drawn.

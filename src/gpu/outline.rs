@@ -327,8 +327,7 @@ impl From<ShadowError> for OutlineError {
 ///
 /// A line is hidden where the depth at the line says so, not at the pixel beside it. It can be up to a pixel too long
 /// at what hides it, and within two pixels of the picture's border parts may be missing. Lines of a translucent colour
-/// are darker where they join, and so, a little, are the soft borders of all lines; less in a picture of several
-/// samples.
+/// are darker where they join, and so, a little, are the soft borders of all lines.
 #[derive(Debug)]
 pub struct OutlinePipeline {
     shared: Pipelines,
@@ -455,13 +454,10 @@ impl OutlinePipeline {
         camera.check_any_hand()?;
         style.check()?;
         self.check_depth(depth)?;
-        let view = |light: usize| {
-            let view = style.view(camera, light, depth, marked.is_some());
-            OutlineView { samples: self.format.samples, ..view }
-        };
         match of {
             OutlineSource::Extraction(extraction, light) => {
-                let parts = vec![self.of_extraction(extraction, light, depth, marked, &view(light))?];
+                let view = style.view(camera, light, depth, marked.is_some());
+                let parts = vec![self.of_extraction(extraction, light, depth, marked, &view)?];
                 Ok(Outline { source: Source::Extraction(extraction.clone()), parts })
             }
             OutlineSource::Scene(frame, light) => {
@@ -473,7 +469,7 @@ impl OutlinePipeline {
                 if !frame.has_positions_for(camera) {
                     return Err(OutlineError::NoView);
                 }
-                let parts = self.of_scene(frame, light, depth, &view(0))?;
+                let parts = self.of_scene(frame, light, depth, &style.view(camera, 0, depth, false))?;
                 Ok(Outline { source: Source::Scene(frame.clone()), parts })
             }
         }
@@ -588,7 +584,6 @@ impl OutlineStyle {
         }
     }
 
-    /// The uniform of a light's outline, for one sample a pixel.
     fn view(&self, camera: &ShadowCamera, light: usize, depth: &wgpu::TextureView, has_marks: bool) -> OutlineView {
         let size = [depth.texture().width(), depth.texture().height()];
         let colors = [self.silhouette, self.boundary, self.crease, self.marked.filter(|_| has_marks)];
@@ -610,7 +605,7 @@ impl OutlineStyle {
             light: light as u32,
             classes,
             is_reversed: u32::from(camera.depth == DepthDirection::Reversed),
-            samples: 1,
+            reserved: 0,
         }
     }
 }

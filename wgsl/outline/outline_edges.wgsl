@@ -34,8 +34,7 @@ struct OutlineView {
   classes: u32,
   // 1 if a larger depth is nearer.
   is_reversed: u32,
-  // Samples a pixel of the image.
-  samples: u32,
+  reserved: u32,
 }
 
 @group(1) @binding(0) var<uniform> outline: OutlineView;
@@ -217,16 +216,10 @@ fn is_hidden(point: vec2<f32>, depth: f32) -> bool {
   return forward_depth(depth) > farthest + slopes + outline.depth_bias;
 }
 
-// The ink of a line in a pixel: as few of its samples as have room for it.
-struct Ink {
-  @location(0) color: vec4<f32>,
-  @builtin(sample_mask) samples: u32,
-}
-
-// Lines share the pixels around their ends with the next line, so ink must not add up there. Round ends have the share
-// of which two make the coverage, and lines take the same samples first.
+// Lines share the pixels around their ends with the next line, and ink must not add up there: round ends have the share
+// of which two make the coverage.
 @fragment
-fn outline_ink(in: OutlinePoint) -> Ink {
+fn outline_ink(in: OutlinePoint) -> @location(0) vec4<f32> {
   let span = in.ends.zw - in.ends.xy;
   let along = dot(in.clip.xy - in.ends.xy, span) / max(dot(span, span), 1e-12);
   let fraction = saturate(along);
@@ -236,7 +229,5 @@ fn outline_ink(in: OutlinePoint) -> Ink {
     discard;
   }
   coverage = select(1.0 - sqrt(1.0 - coverage), coverage, fraction == along);
-  let covered = coverage * f32(outline.samples);
-  let samples = max(ceil(covered), 1.0);
-  return Ink(vec4<f32>(in.color.rgb, in.color.a * covered / samples), (1u << u32(samples)) - 1u);
+  return vec4<f32>(in.color.rgb, in.color.a * coverage);
 }
