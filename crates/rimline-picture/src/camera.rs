@@ -3,6 +3,8 @@
 use glam::{DQuat, Mat4, Vec3, Vec4};
 use rimline::{DepthDirection, Light, ShadowCamera};
 
+use crate::bounds::SceneBounds;
+
 /// A right-handed camera with reversed depth. A perspective one has an infinite far plane and depth `near / distance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -35,6 +37,18 @@ impl Camera {
             origin: self.eye.into(),
             depth: DepthDirection::Reversed,
         }
+    }
+
+    /// A near plane as far away as the models, the nearest of which are so far ahead, and the ground below the eye allow:
+    /// depth is then finest.
+    pub fn near_plane(&self, bounds: &SceneBounds, nearest: f32) -> f32 {
+        let height = self.eye.y - bounds.ground;
+        let extent = bounds.models.extent();
+        let least = 1e-3 * extent;
+        let most = if height > 0.0 { 0.2 * height } else { f32::INFINITY };
+        let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + extent)) } else { least };
+        // So far away that the extent is lost beside the distance, the distance alone counts.
+        wanted.min(most).max(1e-6 * nearest.max(least))
     }
 
     /// The eye as a light, at infinity for an orthographic camera.

@@ -282,17 +282,10 @@ fn placed(args: &ShadowSceneArgs, first: &PosedModel<'_>, time_s: f32) -> Result
     first.input.view(&args.view, first.animations, time_s)
 }
 
-/// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.
+/// The near plane for models with these points.
 fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     let ahead = |&point: &[f32; 3]| (Vec3::from(point) - camera.eye).dot(camera.forward);
-    let nearest = points.iter().map(ahead).fold(f32::INFINITY, f32::min);
-    let height = camera.eye.y - stage.ground;
-    let extent = stage.models.extent();
-    let least = 1e-3 * extent;
-    let most = if height > 0.0 { 0.2 * height } else { f32::INFINITY };
-    let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + extent)) } else { least };
-    // So far away that the extent is lost beside the distance, the distance alone counts.
-    wanted.min(most).max(1e-6 * nearest.max(least))
+    camera.near_plane(stage, points.iter().map(ahead).fold(f32::INFINITY, f32::min))
 }
 
 /// How far away the farthest shadows are that matter.

@@ -19,9 +19,7 @@ impl SeenScene {
     /// In a picture of this size.
     pub(super) fn of(viewer: &Viewer, size: [u32; 2]) -> Self {
         let bounds = SceneBounds { models: viewer.bounds(), ground: viewer.ground() };
-        let of = viewer.orbit.camera(size, &bounds.models, bounds.ground);
-        let (eye, right, up, forward) = (of.eye, of.right, of.up, of.forward);
-        let camera = Camera { eye, right, up, forward, scale: of.scale.into(), near: of.near, far: None };
+        let camera = viewer.orbit.camera(size, &bounds.models, bounds.ground).view;
         let sources = viewer.sources();
         let lamps = viewer.lamps.iter().filter(|lamp| lamp.is_on).enumerate();
         let lights: Vec<_> = lamps

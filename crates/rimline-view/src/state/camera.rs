@@ -1,9 +1,8 @@
 //! The camera: an eye that goes around a target.
 
-use glam::{Mat4, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 use rimline::gltf::{CameraProjection, SceneCamera};
-use rimline::{DepthDirection, ShadowCamera};
-use rimline_picture::Bounds;
+use rimline_picture::{Bounds, SceneBounds};
 
 /// Degrees to the right of the models' front, which is +Z, and above the ground.
 const AZIMUTH: f32 = 33.0;
@@ -106,91 +105,45 @@ impl Orbit {
         let [right, up, forward] = self.axes();
         let scale_y = 1.0 / (self.fov.to_radians() / 2.0).tan();
         let size = size.map(|side| side.max(1) as f32);
-        let mut camera = Camera {
-            eye: self.eye(),
-            right,
-            up,
-            forward,
-            scale: Vec2::new(scale_y * size[1] / size[0], scale_y),
-            near: 1.0,
-            size: Vec2::from(size),
-        };
-        camera.near = near(&camera, bounds, ground);
-        camera
+        let scale = [scale_y * size[1] / size[0], scale_y];
+        let mut view = rimline_picture::Camera { eye: self.eye(), right, up, forward, scale, near: 1.0, far: None };
+        let from_box = (view.eye.clamp(bounds.min, bounds.max) - view.eye).length();
+        let ahead = bounds.corners().map(|corner| (corner - view.eye).dot(forward));
+        let nearest = ahead.into_iter().fold(f32::INFINITY, f32::min).min(from_box);
+        view.near = view.near_plane(&SceneBounds { models: *bounds, ground }, nearest).max(1e-30);
+        Camera { view, size: Vec2::from(size) }
     }
 }
 
-/// A near plane as far away as the models, and the ground below the eye, allow: depth is then finest.
-fn near(camera: &Camera, bounds: &Bounds, ground: f32) -> f32 {
-    let extent = bounds.extent();
-    let from_box = (camera.eye.clamp(bounds.min, bounds.max) - camera.eye).length();
-    let ahead = bounds.corners().map(|corner| (corner - camera.eye).dot(camera.forward));
-    let nearest = ahead.into_iter().fold(f32::INFINITY, f32::min).min(from_box);
-    let height = camera.eye.y - ground;
-    let least = 1e-3 * extent;
-    let most = if height > 0.0 { 0.2 * height } else { f32::INFINITY };
-    let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + extent)) } else { least };
-    wanted.min(most).max(1e-6 * nearest.max(least)).max(1e-30)
-}
-
-/// A right-handed perspective camera with an infinite far plane and reversed depth, and the size of its picture.
+/// A perspective camera, and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The position of the eye.
-    pub eye: Vec3,
-    /// To the right of the picture.
-    pub right: Vec3,
-    /// To its top.
-    pub up: Vec3,
-    /// Into it.
-    pub forward: Vec3,
-    /// Clip units per unit of view space at distance 1.
-    pub scale: Vec2,
-    /// The distance of the near plane.
-    pub near: f32,
+    /// The camera.
+    pub view: rimline_picture::Camera,
     /// Width and height in pixels.
     pub size: Vec2,
 }
 
 impl Camera {
-    /// From positions less the eye to clip space.
-    pub fn view_projection(&self) -> Mat4 {
-        let rows = [
-            (self.scale.x * self.right).extend(0.0),
-            (self.scale.y * self.up).extend(0.0),
-            Vec4::new(0.0, 0.0, 0.0, self.near),
-            self.forward.extend(0.0),
-        ];
-        let [x, y, z, w] = rows;
-        Mat4::from_cols(x, y, z, w).transpose()
-    }
-
-    /// The same for shadow volumes.
-    pub fn shadow_camera(&self) -> ShadowCamera {
-        ShadowCamera {
-            view_projection: self.view_projection().to_cols_array_2d(),
-            origin: self.eye.to_array(),
-            depth: DepthDirection::Reversed,
-        }
-    }
-
     /// The pixel that shows a point, from the upper left corner of the picture. `None` if it is not before the eye.
     pub fn project(&self, point: Vec3) -> Option<Vec2> {
-        let from_eye = point - self.eye;
-        let ahead = from_eye.dot(self.forward);
-        let ndc = Vec2::new(from_eye.dot(self.right), from_eye.dot(self.up)) * self.scale / ahead;
-        (ahead > self.near).then(|| (ndc * Vec2::new(0.5, -0.5) + 0.5) * self.size)
+        let view = &self.view;
+        let from_eye = point - view.eye;
+        let ahead = from_eye.dot(view.forward);
+        let ndc = Vec2::new(from_eye.dot(view.right), from_eye.dot(view.up)) * Vec2::from(view.scale) / ahead;
+        (ahead > view.near).then(|| (ndc * Vec2::new(0.5, -0.5) + 0.5) * self.size)
     }
 
-    /// The direction from the eye through a pixel, with length 1 along [`Self::forward`].
+    /// The direction from the eye through a pixel, with length 1 along its view.
     pub fn ray(&self, pixel: Vec2) -> Vec3 {
-        let ndc = (pixel / self.size - 0.5) * Vec2::new(2.0, -2.0);
-        ndc.x / self.scale.x * self.right + ndc.y / self.scale.y * self.up + self.forward
+        let view = &self.view;
+        let ndc = (pixel / self.size - 0.5) * Vec2::new(2.0, -2.0) / Vec2::from(view.scale);
+        ndc.x * view.right + ndc.y * view.up + view.forward
     }
 
     /// The length of a pixel at a distance ahead of 1.
     pub fn pixel(&self) -> f32 {
-        2.0 / (self.scale.y * self.size.y)
+        2.0 / (self.view.scale[1] * self.size.y)
     }
 }
 
@@ -208,7 +161,7 @@ mod tests {
             for corner in BOX.corners() {
                 let pixel = camera.project(corner).expect("it is before the eye");
                 assert!(pixel.cmpge(Vec2::ZERO).all() && pixel.cmple(camera.size).all(), "{size:?}: {pixel}");
-                let back = camera.eye + camera.ray(pixel) * (corner - camera.eye).dot(camera.forward);
+                let back = camera.view.eye + camera.ray(pixel) * (corner - camera.view.eye).dot(camera.view.forward);
                 assert!((back - corner).length() < 1e-3, "{corner} {back}");
             }
         }
@@ -230,7 +183,7 @@ mod tests {
         for elevation in [-89.0, 0.0, 89.0] {
             let mut orbit = Orbit { elevation, ..Orbit::showing(&BOX, &[], 1.6) };
             for _ in 0..2 {
-                assert_eq!(orbit.camera([1280, 800], &BOX, 9.0).shadow_camera().check(), Ok(()));
+                assert_eq!(orbit.camera([1280, 800], &BOX, 9.0).view.shadow_camera().check(), Ok(()));
                 orbit.zoom(1e-9, 2.0);
             }
         }

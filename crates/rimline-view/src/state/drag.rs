@@ -65,7 +65,7 @@ impl Viewer {
         let (camera, bounds) = (self.camera(), self.bounds());
         let (Handle::Lamp(number) | Handle::Target(number)) = handle;
         let Some(lamp) = self.lamps.get_mut(number) else { return };
-        let (ray, from) = (camera.ray(pixel), camera.eye);
+        let (ray, from) = (camera.ray(pixel), camera.view.eye);
         let target = lamp.target(&bounds).filter(|_| handle == Handle::Target(number));
         let at = target.unwrap_or_else(|| lamp.handle(&bounds));
         // Where the ray meets a plane through the handle, but not farther than can be worked with.
@@ -75,12 +75,12 @@ impl Viewer {
             (along.is_finite() && along > 0.0 && along < most).then(|| from + along * ray)
         };
         let moved = if modifiers.shift {
-            let level = Vec3::new(camera.forward.x, 0.0, camera.forward.z).normalize_or(camera.up);
+            let level = Vec3::new(camera.view.forward.x, 0.0, camera.view.forward.z).normalize_or(camera.view.up);
             meet(level).map(|there| Vec3::new(at.x, there.y, at.z))
         } else if modifiers.control {
             meet(Vec3::Y)
         } else {
-            meet(camera.forward)
+            meet(camera.view.forward)
         };
         if target.is_some() {
             lamp.aim(moved.unwrap_or(at));

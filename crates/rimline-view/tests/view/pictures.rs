@@ -31,7 +31,7 @@ pub(crate) const TESTS: [Test; 11] = [
 fn wrong_on_ground(viewer: &Viewer, picture: &Picture, dark: &Picture) -> Result<[usize; 3], String> {
     let lamps: Vec<Light> = viewer.lamps.iter().filter(|lamp| lamp.is_on).map(rimline_view::Lamp::light).collect();
     let points = ground_pixels(viewer);
-    let eye = Light::point(viewer.camera().eye.into());
+    let eye = Light::point(viewer.camera().view.eye.into());
     let (mut wrong, mut shadowed, mut lit) = (0, 0, 0);
     // Each point and four around it: where all five agree, no border is near.
     let near = 1.5 * viewer.camera().pixel() * viewer.orbit.distance;
@@ -108,7 +108,8 @@ fn soft_shadows() -> Outcome {
     let (mut viewer, mut renderer) = viewer(scenes::still_life, [420, 300])?;
     viewer.lamps.truncate(1);
     viewer.lamps[0].color = [1.0; 3];
-    viewer.lamps[0].radius = Some(0.25 * viewer.bounds().extent());
+    let radius = 0.25 * viewer.bounds().extent();
+    viewer.lamps[0].radius = Some(radius);
     let soft = picture(&viewer, &mut renderer)?;
     let ambient = ambient_only(&mut viewer, &mut renderer)?;
     viewer.options.shadows = false;
@@ -118,7 +119,7 @@ fn soft_shadows() -> Outcome {
     hold(sources.len() == 16, "an area has sixteen samples")?;
     let pixels = ground_pixels(&viewer);
     let points: Vec<[f32; 3]> = pixels.iter().map(|(_, point)| point.to_array()).collect();
-    let lights: Vec<Light> = sources.iter().copied().chain([Light::point(viewer.camera().eye.into())]).collect();
+    let lights: Vec<Light> = sources.iter().copied().chain([Light::point(viewer.camera().view.eye.into())]).collect();
     let counts = counts_between(&viewer, &points, &lights)?;
     let (mut wrong, mut between) = (0, 0);
     for ((at, _), counts) in pixels.iter().zip(&counts) {
@@ -133,6 +134,7 @@ fn soft_shadows() -> Outcome {
     }
     println!("{wrong} wrong of {between} in half shadow");
     hold(wrong == 0 && between > 60, format!("{wrong} wrong of {between} in half shadow"))?;
+    hold(viewer.command().contains(&format!(" --area sphere:{radius} ")), viewer.command())?;
     viewer.lamps[0].radius = None;
     let hard = picture(&viewer, &mut renderer)?;
     let differing = pixels.iter().filter(|(at, _)| (sum(&hard, *at) - sum(&soft, *at)).abs() > 20).count();
@@ -156,7 +158,7 @@ fn spots() -> Outcome {
         let (mut wrong, mut counts) = (0, [0; 2]);
         let pixels = ground_pixels(viewer);
         let points: Vec<[f32; 3]> = pixels.iter().map(|(_, point)| point.to_array()).collect();
-        let before = counts_between(viewer, &points, &[Light::point(viewer.camera().eye.into())])?;
+        let before = counts_between(viewer, &points, &[Light::point(viewer.camera().view.eye.into())])?;
         for ((at, point), before) in pixels.into_iter().zip(before) {
             let away = (point - from).normalize().angle_between(axis);
             let is_lit = away < 0.7 * angle;
@@ -318,9 +320,9 @@ fn cameras() -> Outcome {
     hold(names == ["door", "camera 1"], format!("{names:?}"))?;
     viewer.handle(Event::Acted(Action::NextCamera));
     let camera = viewer.camera();
-    hold(camera.eye.distance(eye) < 1e-4 && camera.forward.distance(forward) < 1e-4, format!("{camera:?}"))?;
+    hold(camera.view.eye.distance(eye) < 1e-4 && camera.view.forward.distance(forward) < 1e-4, format!("{camera:?}"))?;
     hold(
-        camera.up.distance(up) < 1e-4 && (viewer.orbit.fov - 0.5_f32.to_degrees()).abs() < 1e-3,
+        camera.view.up.distance(up) < 1e-4 && (viewer.orbit.fov - 0.5_f32.to_degrees()).abs() < 1e-3,
         format!("{camera:?}"),
     )?;
     // A point at the upper border of what the parallel camera sees, beside what it looks at.
@@ -329,7 +331,7 @@ fn cameras() -> Outcome {
     let border = viewer.camera().project(target + 1.5 * up).ok_or("the border is behind the eye")?;
     hold(border.y.abs() < 0.5 && (border.x - 100.0).abs() < 0.1, format!("{border}"))?;
     viewer.handle(Event::Acted(Action::NextCamera));
-    hold(viewer.camera().eye.distance(eye) < 1e-4, "after the last camera comes the first")
+    hold(viewer.camera().view.eye.distance(eye) < 1e-4, "after the last camera comes the first")
 }
 
 fn base_colors() -> Outcome {

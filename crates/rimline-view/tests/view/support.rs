@@ -72,6 +72,6 @@ pub(crate) fn drag(viewer: &mut Viewer, from: Vec2, to: Vec2, modifiers: Modifie
 pub(crate) fn on_ground(viewer: &Viewer, [x, y]: [u32; 2]) -> Option<Vec3> {
     let camera = viewer.camera();
     let ray = camera.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
-    let along = (viewer.ground() - camera.eye.y) / ray.y;
-    (along > 0.0 && along.is_finite()).then(|| camera.eye + along * ray)
+    let along = (viewer.ground() - camera.view.eye.y) / ray.y;
+    (along > 0.0 && along.is_finite()).then(|| camera.view.eye + along * ray)
 }
