@@ -132,7 +132,7 @@ shared_structs! {
         undecided_pairs: u32,
         /// The undecided pairs whose determinant is exactly zero.
         exact_zeros: u32,
-        /// A bit for each light for which a polygon is L-twisted. Lights whose numbers differ by 32 share a bit.
+        /// A bit for each light for which a polygon is twisted. Lights whose numbers differ by 32 share a bit.
         twisted_lights: u32,
     }
 
@@ -562,7 +562,7 @@ shared_structs! {
         light_back: DrawArguments,
     }
 
-    /// The draws of the pieces of a light's L-twisted polygons.
+    /// The draws of the pieces of a light's twisted polygons.
     struct PieceDraws {
         plain: DrawArguments,
         clipped: DrawArguments,
@@ -611,7 +611,7 @@ shared_structs! {
         /// Skipped pairs whose box the light does not reach, likewise. Scenes cull most of these pairs earlier:
         /// [`SceneStatistics::pairs_culled_by_range`].
         culled_by_range: u32,
-        /// Pieces of L-twisted polygons that there was no room for. If there are any, shadows are wrong where they would be, and
+        /// Pieces of twisted polygons that there was no room for. If there are any, shadows are wrong where they would be, and
         /// [`Capacities::pieces`](crate::gpu::Capacities::pieces) must be larger.
         lost_pieces: u32,
         /// The most pieces that a caster has for a light: room for so many loses none.

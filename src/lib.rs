@@ -98,7 +98,7 @@
 //!   the models that a frame needs. `gltf` (a feature, on by default) loads them from glTF 2.0.
 //! * [`gpu::depth_map`]: shadows of what has no mesh, from depth maps of a light (feature `depth-map`, on by default).
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
-//! * [`cpu`]: extraction, deformation and the query without a device, with the same bits as on the GPU. Without the
+//! * [`cpu`]: extraction and the query with the GPU's bits, and deformation, without a device. Without the
 //!   feature `gpu`, on by default, the library brings neither wgpu nor naga.
 //! * [`Origin`]: moves models with large coordinates, such as those of surveys, to where `f32` is fine.
 //!

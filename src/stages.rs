@@ -128,6 +128,7 @@ pub const FILES: &[(&str, &str)] = files![
     "common/determinant",
     "common/exact_sign",
     "common/extraction",
+    "common/order_keys",
     "common/positions",
     "deform/deform",
     "deform/displace",

@@ -1,7 +1,7 @@
 //! Most items that an invocation takes in turn, so that its loops end. llvmpipe silently ends all loops of an
 //! invocation after 65,535 turns together, and drivers stop what runs long. docs/numerics/loops.md says how turns
-//! count. A comment above each loop says how many it has, and a test adds them up: a new loop without one, or one above
-//! the bound, fails it.
+//! count. The head of a loop says how many it has, or a comment above it, and a test adds them up: a new loop without
+//! either, or one above the bound, fails it.
 
 /// Groups of 1,024 faces that one dispatch of a query goes over. With 31, a word also has a bit for each and one more.
 pub const QUERY_GROUPS: u32 = 31;

@@ -5,8 +5,8 @@ use super::topology::EdgeKind;
 
 /// The silhouette edges of a mesh for one light, in the order of their records. For outlines the eye is the light.
 ///
-/// Boundary edges are always part of it, but for those of L-twisted polygons. For a light for which a polygon is
-/// L-twisted, the polygon counts nowhere, and the edges of its neighbours are boundaries.
+/// Boundary edges are always part of it, but for those of twisted polygons. For a light for which a polygon is
+/// twisted, the polygon counts nowhere, and the edges of its neighbours are boundaries.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Silhouette {
     edges: Vec<SilhouetteEdge>,

@@ -20,7 +20,7 @@ type Test = (&'static str, fn() -> Outcome);
 fn main() {
     let tests: [Test; 13] = [
         ("every_file_is_a_stage_or_an_include", files),
-        ("stages_have_twins_or_oracles_and_entry_points_of_their_name", names),
+        ("stages_have_references_or_oracles_and_entry_points_of_their_name", names),
         ("vertex_shaders_are_listed_and_have_oracles", vertex_shaders),
         ("constants_are_those_of_rust", constants),
         ("wgsl_composes", composes),
@@ -81,8 +81,8 @@ fn files() -> Outcome {
 
 fn names() -> Outcome {
     let is_stage = |name: &str| STAGES.iter().chain(DRAWN).any(|stage| stage.name == name);
-    if let Some((name, _)) = WITHOUT_TWIN.iter().find(|(name, _)| !is_stage(name)) {
-        return Err(format!("{name} is listed as a stage without a twin, and is none"));
+    if let Some((name, _)) = WITHOUT_REFERENCE.iter().find(|(name, _)| !is_stage(name)) {
+        return Err(format!("{name} is listed as a stage without a reference, and is none"));
     }
     for stage in STAGES {
         let (module, _) = validated(&stage.wgsl())?;
@@ -94,27 +94,27 @@ fn names() -> Outcome {
         if !found.iter().all(carries_name) {
             return Err(format!("{}: entry points {found:?} do not carry the name", stage.name));
         }
-        let path = twin(stage);
-        if let Some((_, test)) = WITHOUT_TWIN.iter().find(|(name, _)| *name == stage.name) {
-            check_without_twin(stage, &path, test)?;
+        let path = reference(stage);
+        if let Some((_, test)) = WITHOUT_REFERENCE.iter().find(|(name, _)| *name == stage.name) {
+            check_without_reference(stage, &path, test)?;
             continue;
         }
-        let twin = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let reference = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         // The stage's own name, or that of a function in its WGSL file.
         let text = source(stage.file).unwrap_or_default();
         let functions = text.lines().filter_map(|line| line.strip_prefix("fn ")?.split('(').next());
         let mut shared = functions.chain([stage.name]);
         let is_shown =
-            |name: &str| ["pub", "pub(crate)"].iter().any(|shown| twin.contains(&format!("{shown} fn {name}(")));
+            |name: &str| ["pub", "pub(crate)"].iter().any(|shown| reference.contains(&format!("{shown} fn {name}(")));
         if !shared.any(is_shown) {
-            return Err(format!("{}: the twin has no function of the stage's outside of its file", stage.name));
+            return Err(format!("{}: the reference has no function of the stage's outside of its file", stage.name));
         }
     }
     Ok(())
 }
 
 /// Stages without a CPU reference, and the test that runs them against an oracle or goldens.
-const WITHOUT_TWIN: &[(&str, &str)] = &[
+const WITHOUT_REFERENCE: &[(&str, &str)] = &[
     ("compact", "tests/extract/stages.rs"),
     ("arguments", "tests/extract/stages.rs"),
     ("depth_arguments", "tests/query/shadow_query.rs"),
@@ -160,20 +160,20 @@ const WITHOUT_TWIN: &[(&str, &str)] = &[
 ];
 
 /// The test has the stage's constant, or its name in backticks, and there is no CPU reference.
-fn check_without_twin(stage: &Stage, twin: &Path, test: &str) -> Outcome {
+fn check_without_reference(stage: &Stage, reference: &Path, test: &str) -> Outcome {
     let text =
         std::fs::read_to_string(root().join(test)).map_err(|error| format!("{}, {test}: {error}", stage.name))?;
     let constant = stage.name.to_uppercase();
     let mut words = text.split(|c: char| c != '_' && !c.is_alphanumeric());
-    match (twin.exists(), words.any(|word| word == constant) || text.contains(&format!("`{}`", stage.name))) {
+    match (reference.exists(), words.any(|word| word == constant) || text.contains(&format!("`{}`", stage.name))) {
         (false, true) => Ok(()),
-        (true, _) => Err(format!("{}: there is a twin, {}", stage.name, twin.display())),
+        (true, _) => Err(format!("{}: there is a reference, {}", stage.name, reference.display())),
         (_, false) => Err(format!("{}: {test} does not name the stage", stage.name)),
     }
 }
 
 /// The CPU reference's file: in `src/cpu`, in the folder of the stage's subject.
-fn twin(stage: &Stage) -> PathBuf {
+fn reference(stage: &Stage) -> PathBuf {
     let subject = stage.file.split('/').next().unwrap_or_default();
     root().join("src/cpu").join(subject).join(format!("{}.rs", stage.name))
 }
@@ -193,9 +193,9 @@ fn vertex_shaders() -> Outcome {
         if check_vertex_shaders(stage, &stage.entry_points[1..]).is_ok() {
             return Err(format!("negative control: a vertex shader of {} is not listed, unnoticed", stage.name));
         }
-        let test = WITHOUT_TWIN.iter().find(|(name, _)| *name == stage.name);
+        let test = WITHOUT_REFERENCE.iter().find(|(name, _)| *name == stage.name);
         let (_, test) = test.ok_or_else(|| format!("{}: no test is named", stage.name))?;
-        check_without_twin(stage, &twin(stage), test)?;
+        check_without_reference(stage, &reference(stage), test)?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! L-twisted boundaries with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns
+//! twisted boundaries with as many cuts as the GPU takes. llvmpipe ends an invocation's loops after 65,535 turns
 //! without a word, so pieces are counted, and must close. Those of edges that are seen in line are goldens, made of the
 //! twin that there was. docs/numerics/loops.md and docs/numerics/twisted-polygons.md.
 

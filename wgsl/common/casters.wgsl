@@ -118,12 +118,3 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, term_bound: 
 
 // Written out, so that all devices compute the same bits.
 fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-// `order_keys`: integers with the order of the floats, from the floats' bits. `floats_of_keys`: back to floats.
-fn order_keys(bits: vec3<u32>) -> vec3<u32> {
-  return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
-}
-
-fn floats_of_keys(bits: vec3<u32>) -> vec3<f32> {
-  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
-}

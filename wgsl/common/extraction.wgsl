@@ -65,7 +65,7 @@ struct ExtractionStatistics {
   // Pairs of face and light that the filter passed to exact arithmetic, and those of them whose determinant is zero.
   undecided_pairs: atomic<u32>,
   exact_zeros: atomic<u32>,
-  // Lights for which a polygon is L-twisted: its boundary crosses itself as seen from light L, so it has lit and dark parts.
+  // Lights for which a polygon is twisted: its boundary crosses itself as seen from light L, so it has lit and dark parts.
   // Bit n stands for the lights n, n + 32, …
   twisted_lights: atomic<u32>,
 }

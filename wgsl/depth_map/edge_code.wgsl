@@ -1,7 +1,7 @@
-// Edge codes of cells: which of a cell's four edges are marked, because a border of shadow may cross them. From the code
-// follow the triangles of the cell that are drawn. Also an exact comparison of a depth difference with a threshold.
+// Edge codes of cells: which of a cell's four edges are marked, because a border of shadow may cross them. The code
+// decides which triangles of the cell are drawn. Also an exact comparison of a depth difference with a threshold.
 // Imported by `depth_cells`; by `depth_edges`, which marks edges by other rules; by `contour_marks`, for objects; and by
-// surface.wgsl, whose draws decide about each cell if the list overflowed. Importers bind what samples.wgsl has, and
+// surface.wgsl, for near caps, and for each cell if the list overflowed. Importers bind what samples.wgsl has, and
 // `object_texture`.
 // A mark depends only on the two samples of the edge, so both cells at an edge agree. A triangle with a marked edge is
 // always drawn: one that is missing would leave a gap in the boundary, one too many changes nothing. Integers decide
@@ -130,7 +130,7 @@ fn sample_offset(index: u32) -> vec2<u32> {
 // Bits 0 to 3: the edge code. Bits 4 to 11: two edges out of the cell at each of its samples, first the horizontal one.
 fn edges_in_and_around(first_sample: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
-  // A loop that is not unrolled has one copy of `is_marked`.
+  // `opaque` keeps the loop from being unrolled into 12 copies of `is_marked`.
   for (var edge = 0u; edge < opaque(12u); edge++) {
     // The samples at the ends of edges 0 to 3, two bits each.
     var start = (0x24u >> (2u * edge)) & 3u;
@@ -153,8 +153,8 @@ fn edges_in_and_around(first_sample: vec2<u32>, keys: vec4<u32>) -> u32 {
   return code;
 }
 
-// `cell_entry_bits` with `depth_map.spread`: a triangle is drawn if one of its samples is at the end of a marked edge and
-// not far.
+// `cell_entry_bits` with `depth_map.spread`: a triangle is also drawn if one of its samples is at the end of a marked edge
+// and not far.
 fn spread_entry_bits(first_sample: vec2<u32>) -> u32 {
   let keys = load_cell_keys(first_sample);
   let code = edges_in_and_around(first_sample, keys);
@@ -200,7 +200,7 @@ fn load_cell_keys(first_sample: vec2<u32>) -> vec4<u32> {
     load_key(first_sample + vec2<u32>(1u, 1u)));
 }
 
-// The entry of a cell, listed or not.
+// The entry of any cell.
 fn entry_of_cell(cell: u32) -> u32 {
   return cell | cell_entry_bits(first_sample_of_cell(cell));
 }

@@ -1,4 +1,4 @@
-// Compact: makes lists of silhouette edges for each light of a batch (up to 32), in edge order, for callers that ask for
+// Stage `compact` (`arguments` is below): makes lists of silhouette edges for each light of a batch (up to 32), in edge order, for callers that ask for
 // ordered lists. It reads the masks of `edges` or `per_edge`, which then append nothing. Three passes for each batch.
 // `compact_count`: an invocation an edge; counts the bits of each block of 256 edges. `compact_scan`: a workgroup a light;
 // turns the counts into offsets and writes the light's count. `compact_scatter`: an invocation an edge; writes the lists,
@@ -26,7 +26,7 @@ fn edge_masks(edge: u32) -> EdgeMasks {
   return EdgeMasks(0u, 0u);
 }
 
-// Sets the bits of `members`, which are zero addend, from the masks of all invocations.
+// Sets the bits of `members`, which are zero before, from the masks of all invocations.
 fn gather_members(silhouette: u32, lane: u32) {
   for (var remaining = silhouette; remaining != 0u; remaining &= remaining - 1u) {
     atomicOr(&members[firstTrailingBit(remaining) * BLOCK_WORDS + lane / 32u], 1u << (lane % 32u));
@@ -85,7 +85,7 @@ fn scan_light(light: u32, lane: u32) {
   }
 }
 
-// A workgroup takes a light. If the device allows fewer workgroups than lights, it takes several.
+// A workgroup takes a light, or several if the device allows fewer than 32 workgroups.
 @compute @workgroup_size(BLOCK)
 fn compact_scan(
   @builtin(workgroup_id) group: vec3<u32>,

@@ -72,7 +72,7 @@ fn rimline_faces_light(face: u32, light: u32) -> bool {
   return rimline_has_light(light) && (rimline_facing[face] & rimline_light_bit(light)) != 0u;
 }
 
-// Whether a face is L-twisted for a light. Such a face counts as absent: its neighbours' edges to it are boundaries.
+// Whether a face is twisted for a light. Such a face counts as absent: its neighbours' edges to it are boundaries.
 fn rimline_is_twisted(face: u32, light: u32) -> bool {
   return rimline_info.twisted_offset != 0u && rimline_has_light(light)
     && (rimline_facing[rimline_info.twisted_offset + face] & rimline_light_bit(light)) != 0u;

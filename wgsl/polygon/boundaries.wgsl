@@ -41,7 +41,7 @@ const GROUP_CUTS: u32 = 8u;
 // * IN_HALF_SPACE to OFF_PLANE: `polygon_pairs` sets a light's bit if one edge shows it. All corners lie in a half-space as
 //   seen from the light; the edge meets another, or the winding number on its left is not 0 or 1; that number is 1; it is 0;
 //   the edge and a corner are not in one plane with the light.
-// * TWISTED_QUAD: lights for which f32 proves that a quadrilateral is L-twisted (its boundary crosses itself as seen from
+// * TWISTED_QUAD: lights for which f32 proves that a quadrilateral is twisted (its boundary crosses itself as seen from
 //   the light).
 // * TURN_0, TURN_1: those of them that see a counter-clockwise turn at corner 0, at corner 1.
 const RECORD_WORDS: u32 = 10u;

@@ -8,6 +8,7 @@
 
 #import common/determinant
 #import common/exact_sign
+#import common/order_keys
 #import extract/one_caster
 
 struct Turn {
@@ -71,11 +72,6 @@ fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light_index: u32) -> Turn {
 fn is_between(p: vec3<u32>, middle: vec3<u32>, q: vec3<u32>) -> bool {
   let before = order_keys(p) < order_keys(middle);
   return any((before != (order_keys(q) < order_keys(middle))) & (p != middle) & (q != middle));
-}
-
-// Integers with the order of the floats, so that comparing cannot flush or round.
-fn order_keys(bits: vec3<u32>) -> vec3<u32> {
-  return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
 // The value of a determinant, from fixed point, rounded once. Ratios of nearly equal turns are exact but for the last bits,

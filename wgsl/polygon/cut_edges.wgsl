@@ -1,4 +1,4 @@
-// Cut edges: lists the pieces of L-twisted polygons, whose boundaries cross themselves as seen from light L. A piece is a
+// Cut edges: lists the pieces of twisted polygons, whose boundaries cross themselves as seen from light L. A piece is a
 // part of an edge between two cuts, directed so that the polygon's shadow is on its left. Four passes for each batch, after
 // `polygon_masks`, for shadow volumes only; each reads in `pieces` what the previous one wrote. `cut_edges`: a
 // workgroup an entry of `polygon_masks`; finds the cuts of each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts
@@ -9,6 +9,7 @@
 // loop is its most iterations. Claims: docs/numerics/twisted-polygons.md.
 
 #import common/exact_sign
+#import common/order_keys
 #import extract/one_caster
 #import polygon/cuts
 #import polygon/list_pieces

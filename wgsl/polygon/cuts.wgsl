@@ -1,7 +1,8 @@
-// Cuts: where an edge of an L-twisted boundary is crossed by another as seen from light L. (Such a boundary crosses itself.)
+// Cuts: where an edge of a twisted boundary is crossed by another as seen from light L. (Such a boundary crosses itself.)
 // First the records of cuts, then their order along the edge that they cut. Only the passes of cut_edges.wgsl import this
 // file. `Turns:` above a loop is its most iterations. Claim: docs/numerics/twisted-polygons.md, "Order of cuts".
 
+#import common/order_keys
 #import extract/one_caster
 #import polygon/list_pieces
 #import polygon/boundaries

@@ -1,5 +1,5 @@
-// The lists of pieces of L-twisted polygons, and the points where edges cross, for `cut_edges` and `cut_quads`. The boundary
-// of an L-twisted polygon crosses itself as seen from light L. A piece is a part of a boundary edge, directed so that the
+// The lists of pieces of twisted polygons, and the points where edges cross, for `cut_edges` and `cut_quads`. The boundary
+// of a twisted polygon crosses itself as seen from light L. A piece is a part of a boundary edge, directed so that the
 // shadow is on its left as seen from the light. All pieces of a polygon are the border of its shadow. The counts are cleared
 // for each batch of up to 32 lights before `cut_edges`. `piece_crossings`, `piece_arguments` and the vertex shaders of
 // shadow/piece_volumes.wgsl read the lists. A list has no particular order. The count of a full list still grows, so
@@ -93,7 +93,7 @@ fn write_piece(light: u32, index: u32, from_end: vec3<u32>, to_end: vec3<u32>, i
   }
 }
 
-// Stage `cut_quads`: lists the pieces of L-twisted quadrilaterals that `polygon_turns` decided. Two neighbouring corners
+// Stage `cut_quads`: lists the pieces of twisted quadrilaterals that `polygon_turns` decided. Two neighbouring corners
 // turn left and the others right, so the two edges between them cross. Each of the two lobes has the sense of its corners.
 // Dispatched after the passes of `cut_edges`, an invocation a record of `undecided`. It appends
 // six pieces for each light. It must come last, because the passes of `cut_edges` read all listed pieces as their cuts. Both

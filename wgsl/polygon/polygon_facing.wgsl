@@ -159,7 +159,7 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
 
 // Stage `polygon_turns`: dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`. It
 // decides a quadrilateral of two triangles if f32 is certain of all four turns and these do not alternate. It is
-// front-facing, back-facing, or L-twisted: its boundary crosses itself as seen from light L. It decides another loop, of at
+// front-facing, back-facing, or twisted: its boundary crosses itself as seen from light L. It decides another loop, of at
 // most 256 edges, if it is strictly convex. It overwrites the polygon's facing masks, and writes to the record the undecided
 // lights (LIGHTS), and TWISTED_QUAD, TURN_0 and TURN_1 of a twisted quadrilateral. For LIGHTS it lists entries, parts of the
 // work, for `polygon_pairs`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted quadrilaterals.
@@ -250,7 +250,7 @@ struct Decided {
 }
 
 // Decides a quadrilateral by the turns at its corners, four lights at a time, if all four are certain. If three are equal,
-// the loop is simple and has their sense. If two neighbours differ from the other two, two edges cross: it is L-twisted. If
+// the loop is simple and has their sense. If two neighbours differ from the other two, two edges cross: it is twisted. If
 // turns alternate, it goes around the light, and nothing is decided.
 fn decided_quad(boundary: PolygonBoundary) -> Decided {
   var decided = Decided(0u, 0u, 0u, 0u, 0u);
@@ -348,7 +348,7 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
 }
 
 // Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left undecided, is
-// in a plane with it, or is L-twisted. Dispatched after `polygon_pairs`, an invocation a record. It adds facing bits of the
+// in a plane with it, or is twisted. Dispatched after `polygon_pairs`, an invocation a record. It adds facing bits of the
 // polygon's triangles (first half of `facing_masks`) and writes their twisted masks (second half) and masks of excluding
 // lights. Twisted masks are cleared before, and excluding ones except for exclusions by the caller. It also adds to
 // statistics. A polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces.

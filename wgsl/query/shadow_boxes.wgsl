@@ -7,14 +7,13 @@
 // bits everywhere. docs/numerics/query.md.
 
 #import common/extraction
+#import common/order_keys
 #import common/positions
 #import query/records
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> range: FaceRange;
 @group(0) @binding(6) var<storage, read_write> clusters: array<FaceCluster>;
-
-const SIGN: u32 = 0x80000000u;
 
 // The lowest and highest keys, and the bits of the largest absolute coordinate. `any_face`: 1 if a face can count, else 0.
 struct Keys {
@@ -26,16 +25,6 @@ struct Keys {
 
 var<workgroup> group_keys: array<Keys, CLUSTER>;
 
-// The bits of floats as integers with the order of the floats.
-fn order_keys(bits: vec3<u32>) -> vec3<u32> {
-  return select(bits | vec3<u32>(SIGN), ~bits, bits >= vec3<u32>(SIGN));
-}
-
-// The bits of the floats with these keys.
-fn bits_of_keys(keys: vec3<u32>) -> vec3<u32> {
-  return select(~keys, keys & ~vec3<u32>(SIGN), keys >= vec3<u32>(SIGN));
-}
-
 fn empty_keys() -> Keys {
   return Keys(vec3<u32>(0xffffffffu), 0u, vec3<u32>(0u), 0u);
 }
@@ -45,7 +34,7 @@ fn join(a: Keys, b: Keys) -> Keys {
 }
 
 fn keys_of_point(bits: vec3<u32>) -> Keys {
-  let magnitudes = bits & ~vec3<u32>(SIGN);
+  let magnitudes = bits & ~vec3<u32>(SIGN_BIT);
   return Keys(order_keys(bits), max(max(magnitudes.x, magnitudes.y), magnitudes.z), order_keys(bits), 1u);
 }
 

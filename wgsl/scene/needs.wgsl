@@ -1,10 +1,8 @@
-// Stage `needs`: finds which deforming casters of a scene a frame needs, from boxes that the caller states. A caster is
-// a mesh that throws shadows; it is deforming if `deform` or the caller may compute its positions again. Dispatched
-// before `deform` if the caller asks for it, an invocation a deforming caster. A frame needs the caster if a camera may
-// see it, or may see its shadow from a light that affects it. Tests have slack, so that no visible caster is culled. It
-// writes a word for each caster: 2 if the frame needs it, else 1. The words are copied for `deform` and `cull_lights`.
-// `deform` moves the other casters into a point, and `cull_lights` culls them. Claim: docs/numerics/scene.md,
-// "Deforming casters that a frame needs".
+// Stage `needs`: finds which casters of models in a scene a frame needs, from the boxes of their poses. Dispatched before
+// `deform`, an invocation a caster of a model. A frame needs the caster if a camera may see it, or may see its shadow from a
+// light that affects it. Tests have slack, so that no visible caster is culled. The words are copied for `deform`, which moves
+// the other casters into a point, and for `cull_lights`, which culls them. Claim: docs/numerics/scene.md, "Deforming casters
+// that a frame needs".
 
 #import common/casters
 #import shadow/culling
@@ -15,10 +13,9 @@ struct NeedsDispatch {
   views: u32,
   lights: u32, // Lights of each view, at least 1.
   parts: u32, // Vec4s of each caster in `deforming_casters`.
-  all: u32, // 1: the frame needs every caster.
-  // 1: casters out of a light's range are culled, and shadows that a camera cannot see.
-  cull_by_range: u32,
-  cull_by_view: u32,
+  all: u32, // 1: all are needed, or views and lights are too many for NEEDS_BOXES.
+  cull_by_range: u32, // 1: by range and cone of lights.
+  cull_by_view: u32, // 1: shadows that a camera cannot see.
   reserved: u32,
 }
 

@@ -8,6 +8,7 @@
 // zero.
 
 #import common/casters
+#import common/order_keys
 #import shadow/caster
 #import shadow/choices
 #import shadow/shadow
@@ -20,7 +21,7 @@
 // empty box. 6: whether a face with three different vertices has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
-@group(0) @binding(6) var<storage, read> relevant_lights: array<u32>; // Of each batch and caster.
+@group(0) @binding(6) var<storage, read> relevant_lights: array<u32>; // By batch and caster.
 
 // Whether a stage reads any box of the group.
 fn is_any_box_read() -> bool {

@@ -9,6 +9,7 @@
 // `positions`.
 
 #import common/casters
+#import common/order_keys
 #import shadow/shadow
 
 fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }

@@ -20,8 +20,8 @@ const CHOICE_NEAR_CAP: u32 = 2u; // The volume may need near caps.
 // The volume has near caps: `caps` has listed one, or pieces of polygons may have one.
 const CHOICE_LISTED_NEAR_CAP: u32 = 3u;
 const CHOICE_EXCLUDES: u32 = 4u; // The caster may have excluded faces.
-// Only in the words of the first caster of a group: some caster has excluded faces. MAY: only if the light lies in the plane
-// of a face. Sides may then lie at edges that are no silhouettes.
+// Only in the words of the first caster of a group: a caster of it has excluded faces (DOES), or has some if the light lies in
+// the plane of a face (MAY). Sides may then lie at edges that are no silhouettes.
 const CHOICE_MAY_EXCLUDE: u32 = 5u;
 const CHOICE_DOES_EXCLUDE: u32 = 6u;
 // Only in the words of the first caster of a group: the lists for the view are dirty. Choices for other lights are cached.
@@ -39,9 +39,8 @@ fn has_measures() -> bool {
   return shape.end_at_range != 0u || shape.has_receivers != 0u || shape.counting == COUNT_ZP_PLUS_2005;
 }
 
-// The light with the choices for a caster, except for the end of the volume. `words` are the caster's words 0 to 3,
-// `excludes` is CHOICE_EXCLUDES. `bit` is the light's bit of these and of `near_caps`, which tells whether the volume has
-// near caps.
+// The light with the choices for a caster, except for the measures. `words` are the caster's words 0 to 3, `excludes` is
+// CHOICE_EXCLUDES. `bit`: the light's bit in these and in `near_caps`, where it is 1 if the volume has near caps.
 fn with_choices(light: ShadowLight, bit: u32, words: vec4<u32>, excludes: u32, near_caps: u32) -> ShadowLight {
   var result = light;
   result.casting = CAST_NOTHING;
@@ -72,7 +71,7 @@ fn choice_part(caster: u32, batch: u32, view: u32, part: u32) -> vec4<u32> {
 fn with_stored_choices(caster: u32, light: ShadowLight, light_index: u32, view: u32) -> ShadowLight {
   let words = choice_part(caster, light_index / 32u, view, 0u);
   let excludes = choice_part(caster, light_index / 32u, view, 1u).x;
-  // ZP+ as published has near caps wherever it does not leave the caster to z-fail.
+  // ZP+ as published has CHOICE_NEAR_CAP alone: where that is not set, z-fail counts.
   let near_caps = select(
     words[CHOICE_NEAR_CAP] & words[CHOICE_LISTED_NEAR_CAP],
     words[CHOICE_NEAR_CAP],

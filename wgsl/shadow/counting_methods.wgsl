@@ -18,12 +18,12 @@
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
-// For each group and batch the lights for which a polygon of its only caster is L-twisted: its boundary crosses itself as
+// For each group and batch the lights for which a polygon of its only caster is twisted: its boundary crosses itself as
 // seen from light L. 0 for casters of triangles.
 @group(0) @binding(4) var<storage, read> twisted_lights: array<u32>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then their measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
-@group(0) @binding(7) var<storage, read> relevant_lights: array<u32>; // Of each batch and caster.
+@group(0) @binding(7) var<storage, read> relevant_lights: array<u32>; // By batch and caster.
 
 // Whether the box may meet the box around the near rectangle, in the camera frame.
 fn can_meet_near_rectangle(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
@@ -86,7 +86,7 @@ fn frustum_near_end(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<
   return select(1.0, highest, highest > 0.0);
 }
 
-// Whether a polygon of the caster is L-twisted for a light. Such a polygon is excluded, so the caster is not closed.
+// Whether a polygon of the caster is twisted for a light. Such a polygon is excluded, so the caster is not closed.
 fn has_twisted_polygon(caster: u32, light_index: u32) -> bool {
   return ((twisted_lights[caster_part(caster, 7u).y * shape.batches + light_index / 32u] >> (light_index % 32u)) & 1u) != 0u;
 }

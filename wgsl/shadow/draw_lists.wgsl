@@ -1,5 +1,5 @@
 // Lists of what is drawn for each light of a batch (up to 32 lights) in a view: faces with caps, edges with sides, pieces.
-// Pieces are parts of L-twisted polygons. The boundary of an L-twisted polygon crosses itself as seen from light
+// Pieces are parts of twisted polygons. The boundary of a twisted polygon crosses itself as seen from light
 // L.
 // `caps` and `list_sides` write the lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. Stages that
 // make draw arguments or bound counts read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of
@@ -114,7 +114,7 @@ fn edge_side(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide
   return side_of_edge(light.casting, faces, facing != vec2<u32>(0u), excluded != vec2<u32>(0u));
 }
 
-// Pieces of L-twisted polygons. A piece is a segment of the border between lit and dark parts of a polygon, as seen from
+// Pieces of twisted polygons. A piece is a segment of the border between lit and dark parts of a polygon, as seen from
 // light L, with the dark part on its left. `pieces` has a count for each of 32 lights, then a list for each light. A piece
 // is nine words: the positions of its begin, of its end, and of the middle of its polygon. Caps are fans of triangles around
 // the middle.

@@ -1,4 +1,4 @@
-// Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of an L-twisted polygon
+// Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of a twisted polygon
 // crosses itself as seen from light L. A piece is a segment of the border between its lit and dark parts
 // (shadow/draw_lists.wgsl).
 // The indirect draws of `piece_arguments` have an instance for each piece that `cut_edges` or `cut_quads` listed for the

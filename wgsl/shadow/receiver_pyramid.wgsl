@@ -8,6 +8,7 @@
 // docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
+#import common/order_keys
 #import shadow/receivers
 
 // Stage `receiver_depth`: finds the farthest receiver of each tile, for the first level of the pyramid. The variant SAMPLES

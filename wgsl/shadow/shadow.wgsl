@@ -22,7 +22,7 @@ struct ShadowStatistics {
   cached_lists: atomic<u32>, // Lists of a light, a group of casters and a view that are cached.
   culled_by_receivers: atomic<u32>, // Pairs culled by receivers: no receiver can lie in the volume.
   culled_by_range: atomic<u32>, // Pairs culled by light range.
-  lost_pieces: atomic<u32>, // Pieces of L-twisted polygons that the list has no room for. Shadows are wrong there.
+  lost_pieces: atomic<u32>, // Pieces of twisted polygons that the list has no room for. Shadows are wrong there.
   most_pieces: atomic<u32>, // The most pieces of a caster for a light, including those without room.
 }
 
@@ -56,7 +56,7 @@ struct ShadowLight {
   // * Light at infinity: it is the position plus 1 / end times the direction away from the light.
   end: f32,
   // 1: the caster may have excluded faces for this light. These are faces with the light in their plane, faces that are not
-  // finite, L-twisted polygons (shadow/draw_lists.wgsl), and faces that the caller excludes.
+  // finite, twisted polygons (shadow/draw_lists.wgsl), and faces that the caller excludes.
   excludes: u32,
   scale: f32, // The caster's light in the scene table, times `scale`, is `light` (`light_for_caster`).
   // Rows x, y and w of the matrix of the light's frustum, for ZP+ as published. It maps (position in the camera frame, 1).
@@ -111,7 +111,7 @@ struct ShadowShape {
   used_lights: u32, // The index of the last light that is used, plus 1.
   has_receivers: u32, // 1: views may have receivers. Volumes may then end behind all of them.
   largest_count: u32, // The largest count that the counting bits of the stencil hold.
-  piece_capacity: u32, // Pieces of L-twisted polygons that the list of one light has room for.
+  piece_capacity: u32, // Pieces of twisted polygons that the list of one light has room for.
 }
 
 // The light of a draw, or the light batch of a dispatch.

@@ -93,7 +93,7 @@ fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
   }
 }
 
-// Stage `piece_arguments`: from the counts of `cut_edges` and `cut_quads`, which list pieces of L-twisted polygons
+// Stage `piece_arguments`: from the counts of `cut_edges` and `cut_quads`, which list pieces of twisted polygons
 // (shadow/draw_lists.wgsl), and from the choices for the only caster of the group.
 
 // The draws of the pieces of one light.

@@ -86,7 +86,7 @@ fn stencil_crossings(
   }
 }
 
-// Stage `piece_crossings`: adds the sides of pieces of L-twisted polygons (shadow/draw_lists.wgsl), each with the weight 1.
+// Stage `piece_crossings`: adds the sides of pieces of twisted polygons (shadow/draw_lists.wgsl), each with the weight 1.
 // If the list of a light overflowed, all its pieces count in every bin.
 
 @group(0) @binding(4) var<storage, read> pieces: array<u32>;

@@ -8,6 +8,7 @@
 // Tests of boxes have slack, so no caster that the axis meets is missed. docs/numerics/receivers.md, "Bound on counts".
 
 #import common/casters
+#import common/order_keys
 #import shadow/caster
 #import shadow/choices
 #import shadow/half_plane_bins

@@ -3,14 +3,14 @@
 use std::io::{self, BufRead, ErrorKind};
 
 /// The statements of a reader, one after the other.
-pub(crate) struct Lines<R> {
+pub(crate) struct Statements<R> {
     reader: R,
     text: Vec<u8>,
     /// Lines read so far.
     count: usize,
 }
 
-/// One statement without its comment.
+/// One statement, with its comment.
 pub(crate) struct Statement<'a> {
     /// The number of its first line, from 1.
     pub(crate) line: usize,
@@ -27,12 +27,12 @@ pub(crate) enum Next<'a> {
     },
 }
 
-impl<R: BufRead> Lines<R> {
+impl<R: BufRead> Statements<R> {
     pub(crate) fn new(reader: R) -> Self {
         Self { reader, text: Vec::new(), count: 0 }
     }
 
-    /// The next statement, if it has at most `most` bytes.
+    /// The next statement, of at most `most` bytes with the end of its line.
     pub(crate) fn next(&mut self, most: u64) -> io::Result<Next<'_>> {
         self.text.clear();
         let line = self.count + 1;
@@ -50,7 +50,7 @@ impl<R: BufRead> Lines<R> {
             }
             // Only what is new is searched, since a statement may go on for a million lines.
             is_comment |= self.text.get(start..).is_some_and(|new| new.contains(&b'#'));
-            // Comments do not go on: one that ends in a folder's name would take the next line with it.
+            // Comments do not go on: one may end in a folder's name, such as `C:\models\`.
             if self.text.last() != Some(&b'\\') || is_comment {
                 return Ok(Next::Statement(Statement { line, text: &self.text }));
             }
@@ -117,7 +117,7 @@ fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
 }
 
 impl<'a> Statement<'a> {
-    /// Its words.
+    /// Its words, without the comment.
     pub(crate) fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let text = self.text.split(|&byte| byte == b'#').next().unwrap_or_default();
         let start = if self.line == 1 { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };

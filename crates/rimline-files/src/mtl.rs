@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::collected::WHITE;
 use crate::coordinates::number;
-use crate::line::{Lines, Next};
+use crate::line::{Next, Statements};
 
 /// An .mtl file is not read if it has more bytes.
 const MAX_BYTES: u64 = 16 << 20;
@@ -95,7 +95,7 @@ impl<'a> Materials<'a> {
     /// # Errors
     /// An error of the reader.
     pub fn parse(&mut self, reader: impl BufRead) -> io::Result<()> {
-        let (mut lines, mut name) = (Lines::new(reader), None);
+        let (mut lines, mut name) = (Statements::new(reader), None);
         while let Next::Statement(statement) = lines.next(MAX_BYTES)? {
             let mut words = statement.words();
             match words.next() {

@@ -6,7 +6,7 @@ use rimline::mesh::MAX_POLYGON_CORNERS;
 
 use crate::collected::{Collected, Refused, WHITE};
 use crate::coordinates::number;
-use crate::line::{Lines, Next, Statement};
+use crate::line::{Next, Statement, Statements};
 use crate::mtl::{self, Materials, joined, linear};
 use crate::npz::Arrays;
 
@@ -61,7 +61,7 @@ const FIRST_WORDS: [&[u8]; 10] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"s", b"
 /// Whether text begins like an OBJ file.
 pub fn begins_like(bytes: &[u8]) -> bool {
     const FAR: usize = 1 << 16;
-    let mut lines = Lines::new(&bytes[..bytes.len().min(FAR)]);
+    let mut lines = Statements::new(&bytes[..bytes.len().min(FAR)]);
     while let Ok(Next::Statement(statement)) = lines.next(FAR as u64) {
         if let Some(word) = statement.words().next() {
             return FIRST_WORDS.contains(&word);
@@ -81,7 +81,7 @@ pub fn read(
     memory_limit: u64,
     are_whole: bool,
 ) -> Result<Arrays, ObjError> {
-    let mut lines = Lines::new(reader);
+    let mut lines = Statements::new(reader);
     let model = Collected::new(memory_limit, are_whole);
     let mut obj = Obj { model, materials, color: None, highest: (0, 0) };
     loop {

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use rimline::mesh::MAX_FACES;
 
 use crate::charge;
-use crate::line::{Lines, Next};
+use crate::line::{Next, Statements};
 use crate::npz::Arrays;
 
 /// Why a file is refused.
@@ -123,7 +123,7 @@ fn binary(mut reader: impl BufRead, length: u64, model: &mut Triangles) -> Resul
 
 /// Reads the corners of all solids. Normals are made anew of them, and names mean nothing.
 fn text(reader: impl BufRead, model: &mut Triangles) -> Result<(), StlError> {
-    let (mut lines, mut corners) = (Lines::new(reader), 0);
+    let (mut lines, mut corners) = (Statements::new(reader), 0);
     loop {
         // A line and its copy while it grows, and positions, which double.
         let listed = 2 * 12 * model.positions.len() as u64;

@@ -60,7 +60,7 @@ pub fn on_models<E: Into<Failed>>(
     trials
 }
 
-/// A trial on a file of the catalogue, then on a real one, where there are any.
+/// A trial on a file of the catalogue, then on a real one, if the folder of real models is there.
 pub fn on_both<E: Into<Failed>>(
     name: &str,
     [generated, real]: [&'static str; 2],
@@ -84,7 +84,7 @@ pub fn adapter_name() -> String {
     Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone())
 }
 
-/// Runs GPU tests and exits. Without an adapter they fail; none is passed over.
+/// Runs GPU tests and exits. Without an adapter they fail.
 pub fn run(trials: Vec<Trial>) -> ! {
     println!("adapter: {}", adapter_name());
     println!("gpu tests: {}", trials.iter().filter(|trial| !trial.has_ignored_flag()).count());

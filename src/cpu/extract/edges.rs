@@ -1,6 +1,6 @@
 //! Edges: silhouette and winding masks of the edge records, from the facing masks of their faces.
 //!
-//! A face that is L-twisted counts nowhere: its edges are boundaries of its neighbours.
+//! A face that is twisted counts nowhere: its edges are boundaries of its neighbours.
 
 use crate::cpu::common::parallel::Threads;
 use crate::layout::{EdgeMasks, low_bits};

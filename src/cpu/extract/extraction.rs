@@ -21,7 +21,7 @@ pub struct Extraction {
     /// One facing mask for each triangle of [`Mesh::faces`], the same for all of a polygon.
     /// [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them. Empty for the per-edge method.
     pub facing: Vec<u32>,
-    /// For each triangle the lights for which its polygon is L-twisted: its boundary is not simple as seen from them.
+    /// For each triangle the lights for which its polygon is twisted: its boundary is not simple as seen from them.
     /// For these it faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
     pub twisted: Vec<u32>,
     /// Silhouette and winding masks for each edge record.

@@ -1,4 +1,4 @@
-//! Polygons as a light sees them: front-facing, back-facing, in a plane with the light, or L-twisted;
+//! Polygons as a light sees them: front-facing, back-facing, in a plane with the light, or twisted;
 //! docs/numerics/polygons.md.
 
 pub(crate) mod corner_turn;

@@ -1,4 +1,4 @@
-//! Polygon facing: for each polygon and light whether it faces the light, and whether it is L-twisted.
+//! Polygon facing: for each polygon and light whether it faces the light, and whether it is twisted.
 
 use super::orientation::Orientation;
 use super::polygon_masks::{PolygonMasks, polygon_masks};

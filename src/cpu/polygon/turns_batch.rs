@@ -12,7 +12,7 @@ use crate::mesh::{Polygons, is_loop};
 pub(crate) struct Decided {
     /// The lights that it faces.
     pub(crate) facing: u32,
-    /// The lights for which it is L-twisted.
+    /// The lights for which it is twisted.
     pub(crate) twisted: u32,
     /// The lights for which it is not convex, and all lights if `f32` leaves a sign undecided.
     pub(crate) undecided: u32,

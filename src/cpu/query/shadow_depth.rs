@@ -13,7 +13,7 @@ use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 
 /// The depths of `points` for `lights`: the number of faces of `mesh` strictly between point and light. Each face
 /// counts once, in either orientation. A polygon counts once if an odd number of its triangles lie between, and not at
-/// all otherwise: where it is folded, it darkens what its boundary does, L-twisted or not. All inputs are in one space.
+/// all otherwise: where it is folded, it darkens what its boundary does, twisted or not. All inputs are in one space.
 /// Points follow each other in the result, with one number for each light. A point that is infinite or NaN has −1.
 ///
 /// Two kinds of faces do not count: those with an infinite or NaN vertex, and those that name a vertex twice. A face that

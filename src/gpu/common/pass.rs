@@ -14,7 +14,7 @@ pub(crate) enum Workgroups {
 }
 
 impl Workgroups {
-    /// So many, in as few rows as the device allows.
+    /// `count`, or all that the device allows, in as few rows as it allows.
     pub(crate) fn over(device: &wgpu::Device, count: u32) -> Self {
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = count.div_ceil(most).min(most);
@@ -30,7 +30,7 @@ pub(crate) struct Dispatch {
     /// The dynamic offsets of the group's uniforms.
     pub(crate) offsets: Vec<u32>,
     pub(crate) workgroups: Workgroups,
-    /// The batch of 32 lights. 0 for stages that do not go by batches.
+    /// The batch of 32 lights by which `record` selects. Only stages of shadows set it.
     pub(crate) batch: usize,
 }
 

@@ -191,7 +191,7 @@ impl Extractor {
         &self.shared.buffers.excluded
     }
 
-    /// For each batch of lights the pieces of L-twisted polygons, of the last encode once submitted: the number of pieces of
+    /// For each batch of lights the pieces of twisted polygons, of the last encode once submitted: the number of pieces of
     /// each of 32 lights, then for each light as many pieces as there is room for, of nine words: where it begins, where
     /// it ends, and the middle of its polygon. Empty without polygons, and unless they are found for volumes.
     #[doc(hidden)]

@@ -1,5 +1,5 @@
 //! The buffers of a mesh of polygons: their boundaries, those that are undecided, and the pieces of those that are
-//! L-twisted.
+//! twisted.
 
 use super::errors::ExtractorError;
 use super::options::MAX_BOUNDARY_EDGES;

@@ -11,7 +11,7 @@ pub struct ExtractionResults<'a> {
     pub edge_faces: &'a wgpu::Buffer,
     /// One buffer for each batch, with a facing mask for each face: one `u32`. Empty for the per-edge method. A mesh of
     /// polygons has one for each triangle, the same for all of a polygon. After these come as many masks of the lights for
-    /// which the polygon is L-twisted. [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them.
+    /// which the polygon is twisted. [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them.
     pub facing: &'a [wgpu::Buffer],
     /// One buffer for each batch, with an [`EdgeMasks`](crate::gpu::EdgeMasks) for each edge record. Empty unless
     /// requested.

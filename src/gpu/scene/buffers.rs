@@ -41,7 +41,7 @@ pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
     pub(crate) undecided: B,
     /// The arguments of dispatches over them.
     pub(crate) arguments: B,
-    /// Pieces of L-twisted polygons.
+    /// Pieces of twisted polygons.
     pub(crate) pieces: B,
 }
 

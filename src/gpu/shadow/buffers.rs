@@ -49,7 +49,7 @@ pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
     pub(crate) lists: Vec<Vec<Lists<B>>>,
     /// For each group of a caster with polygons [`PieceDraws`] for each view and light.
     pub(crate) piece_draws: Vec<Option<B>>,
-    /// For each group and batch the lights for which polygons of its caster are L-twisted.
+    /// For each group and batch the lights for which polygons of its caster are twisted.
     pub(crate) twisted_lights: B,
     pub(crate) statistics: B,
 }

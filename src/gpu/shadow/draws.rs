@@ -22,7 +22,7 @@ pub(crate) struct LightDraws<'a> {
     pub(crate) may_end: bool,
     /// Whether some casters are not in the depth buffer.
     pub(crate) has_proxies: bool,
-    /// Pieces of L-twisted polygons and their [`PieceDraws`](crate::layout::PieceDraws), and the offset of those of the
+    /// Pieces of twisted polygons and their [`PieceDraws`](crate::layout::PieceDraws), and the offset of those of the
     /// light.
     pub(crate) pieces: Option<(&'a wgpu::BindGroup, &'a wgpu::Buffer)>,
     pub(crate) first_piece: u64,

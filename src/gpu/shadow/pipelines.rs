@@ -60,7 +60,7 @@ pub(crate) enum Part {
     Ends,
     /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+.
     Proxies,
-    /// Pieces of L-twisted polygons.
+    /// Pieces of twisted polygons.
     Pieces,
 }
 

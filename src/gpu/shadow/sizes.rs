@@ -71,7 +71,7 @@ pub(crate) struct Room {
     pub(crate) near: u32,
     /// Entries of both lists of other caps together.
     pub(crate) far: u32,
-    /// Pieces of L-twisted polygons. 0: the casters have triangles only.
+    /// Pieces of twisted polygons. 0: the casters have triangles only.
     pub(crate) pieces: u32,
 }
 

@@ -1,8 +1,8 @@
-// Passes over the whole target: the blur of the contact shadow, ambient occlusion, and how it darkens the picture.
+// Passes after frame.wgsl: contact_shadow.rs blurs; outline_picture.rs finds ambient occlusion and darkens by it.
 
 @group(1) @binding(0) var sharp: texture_2d<f32>;
 @group(1) @binding(1) var linear: sampler;
-// From a sample to the next, in pixels.
+// The step between samples, in pixels.
 @group(1) @binding(2) var<uniform> pitch: vec2<f32>;
 
 // One direction of a Gaussian blur.
@@ -33,8 +33,8 @@ fn view_at(pixel: vec2<i32>) -> vec3<f32> {
   return vec3<f32>(ndc / vec2<f32>(frame.scale_x, frame.scale_y) * shrinking(distance), distance);
 }
 
-// The shorter of two differences: the one that does not leap over an edge.
-fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+// The difference with less depth: it does not leap over an edge.
+fn flatter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
   return select(b, a, abs(a.z) < abs(b.z));
 }
 
@@ -47,12 +47,12 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return vec4<f32>(1.0);
   }
   let here = view_at(pixel);
-  let dx = shorter(view_at(pixel + vec2<i32>(1, 0)) - here, here - view_at(pixel - vec2<i32>(1, 0)));
-  let dy = shorter(view_at(pixel + vec2<i32>(0, 1)) - here, here - view_at(pixel - vec2<i32>(0, 1)));
+  let dx = flatter(view_at(pixel + vec2<i32>(1, 0)) - here, here - view_at(pixel - vec2<i32>(1, 0)));
+  let dy = flatter(view_at(pixel + vec2<i32>(0, 1)) - here, here - view_at(pixel - vec2<i32>(0, 1)));
   // Towards the eye; view space here is left-handed, x to the right, y up, z away, and pixels count downwards.
   var normal = normalize(cross(dx, dy));
-  let along = select(here, vec3<f32>(0.0, 0.0, 1.0), vec3<bool>(is_parallel()));
-  normal = select(normal, -normal, dot(normal, along) > 0.0);
+  let sight = select(here, vec3<f32>(0.0, 0.0, 1.0), vec3<bool>(is_parallel()));
+  normal = select(normal, -normal, dot(normal, sight) > 0.0);
   let radius = 0.10 * frame.extent;
   let pixels = clamp(radius * frame.scale_y / shrinking(here.z) * 0.5 * frame.size.y, 3.0, 0.2 * frame.size.y);
   let turn = dither(at.xy) * 6.2831853;
@@ -93,6 +93,6 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     }
   }
   let light = sum / max(weights, 1e-6);
-  // Occluded clay is warmer: light that gets there has met more clay.
+  // Occluded parts are darker and a little bluer.
   return vec4<f32>(mix(vec3<f32>(0.26, 0.27, 0.32), vec3<f32>(1.0), light), 1.0);
 }

@@ -56,7 +56,7 @@ impl Overlays {
         self.generation == viewer.generation()
     }
 
-    /// Extracts the silhouettes of all lights that are on, then of the eye, from positions that were encoded before.
+    /// Extracts from positions that were encoded before: for the first sample of each light that is on, then for the eye.
     pub(super) fn encode(
         &mut self,
         gpu: &Gpu,
@@ -83,7 +83,7 @@ impl Overlays {
         Ok(())
     }
 
-    /// Draws the volumes of a light, by a point of its that shines and its own number.
+    /// Draws the volumes of a light. `numbers`: that of its first sample, and its own.
     pub(super) fn draw_volumes(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
