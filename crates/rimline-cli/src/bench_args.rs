@@ -10,7 +10,7 @@ use crate::spec::{self, LightSpec};
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
 pub(crate) struct BenchArgs {
-    /// A model to measure instead of meshes and scenes made by code: a .gltf, .glb, .obj or .npz file. It is measured
+    /// A model to measure instead of meshes and scenes made by code: a .gltf, .glb, .obj, .ply, .stl or .npz file. It is measured
     /// at rest
     pub(crate) file: Option<PathBuf>,
 

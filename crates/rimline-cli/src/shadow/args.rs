@@ -71,7 +71,7 @@ impl ModeArg {
 /// Options that pictures with shadows share.
 #[derive(Args, Debug)]
 pub(crate) struct ShadowSceneArgs {
-    /// .gltf, .glb, .obj or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains
+    /// .gltf, .glb, .obj, .ply, .stl or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains
     /// `positions` (V,3) float32 and `faces` (F,3) of any integer type
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
