@@ -1,6 +1,8 @@
 //! Pixels with the edge that a side begins at so close to their centre, or to a sample of theirs, that a GPU may see it
 //! on the other side: docs/numerics/rasterisers.md, "Hairlines".
 
+use std::collections::BTreeSet;
+
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use rimline::Counting;
 
@@ -103,6 +105,21 @@ impl<'a> Hairlines<'a> {
         let around = (-FINE..FINE).flat_map(|y| (-FINE..FINE).map(move |x| at + DVec2::new(off(x), off(y))));
         let mut seen = around.filter(|point| point.min_element() >= 0.0 && point.cmplt(end).all());
         seen.any(|point| fits(self.tracer.pixel(self.rays.at(point), &self.frame.lights)[self.number]))
+    }
+
+    /// The counts that rays find up to half a pixel from a pixel's. A back-facing surface of a caster is in its own shadow.
+    pub(crate) fn counts_near(&self, pixel: (u32, u32), every: &[bool]) -> BTreeSet<u8> {
+        const STEPS: i32 = 8;
+        let at = self.at(pixel);
+        let off = |step: i32| f64::from(step) / f64::from(2 * STEPS);
+        let offsets = (-STEPS..=STEPS).flat_map(|y| (-STEPS..=STEPS).map(move |x| DVec2::new(off(x), off(y))));
+        let count = |by: DVec2| {
+            let (point, start) = self.tracer.first(self.rays.at(at + by))?;
+            let between = self.tracer.towards(point, start, self.number, &self.frame.lights[self.number]);
+            let is_shadowed = start.of.caster.is_some() && start.of.sides[self.number] < 0;
+            Some((between.count(every) + u16::from(is_shadowed)) as u8)
+        };
+        offsets.filter_map(count).collect()
     }
 
     /// Whether an edge passes a pixel's ray on another side when its ends are on the grid.

@@ -10,6 +10,7 @@
 // the loop below it has at most.
 
 #import common/casters
+#import common/order_keys
 #import shadow/shadow
 
 // The output of the vertex shaders of volumes. Draws of one volume must agree in every bit, so the position is invariant.
@@ -274,17 +275,34 @@ fn near_cap_vertex(view: ShadowView, light: ShadowLight, face: CapFace, vertex: 
   return selected.clip;
 }
 
-// A side that the hardware clips, as a strip of four vertices: both ends of the edge, then their far vertices.
+// Whether a position comes before another. Sides of equal edges with opposite directions cancel, so that they must have the
+// same triangles, or a driver could round their depths differently. docs/numerics/shadow-volumes.md, "Sides that cancel".
+fn precedes(p: vec3<f32>, q: vec3<f32>) -> bool {
+  let a = order_keys(bitcast<vec3<u32>>(p));
+  let b = order_keys(bitcast<vec3<u32>>(q));
+  if (a.x != b.x) {
+    return a.x < b.x;
+  }
+  return a.y < b.y || (a.y == b.y && a.z < b.z);
+}
+
+// A side that the hardware clips, as a strip of four vertices that begins at the end that comes first: both ends of the
+// edge, then their far vertices, or each end with its far vertex.
 fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
-  let position = select(first, second, (vertex & 1u) != 0u);
-  if (vertex < 2u) {
+  let is_along = precedes(first, second);
+  let bits = vec2<bool>((vertex & 1u) != 0u, vertex >= 2u);
+  let is_second = select(!bits.y, bits.x, is_along);
+  let is_far = select(bits.x, bits.y, is_along);
+  let position = select(first, second, is_second);
+  if (!is_far) {
     return to_clip(view, position);
   }
   return far_vertex(view, light, position);
 }
 
 // A side clipped at the near plane, as a strip of five vertices. `is_ordered`: the first end has the lower vertex index. Its
-// vertices follow the boundary of the quad: from the first end to the second, then back along the far vertices.
+// vertices follow the boundary of the quad: from the end that comes first to the other, then back along the far vertices.
+// If this is not the direction of the side, the strip is reversed.
 fn clipped_side_vertex(
   view: ShadowView,
   light: ShadowLight,
@@ -293,16 +311,18 @@ fn clipped_side_vertex(
   is_ordered: bool,
   vertex: u32,
 ) -> vec4<f32> {
-  let p = corner(view, light, first);
-  let q = corner(view, light, second);
+  let is_along = precedes(first, second);
+  let p = corner(view, light, select(second, first, is_along));
+  let q = corner(view, light, select(first, second, is_along));
+  let is_p_lower = is_ordered == is_along;
   let has_first = p.height >= 0.0;
   let has_second = q.height >= 0.0;
   let has_first_far = p.far_height >= 0.0;
   let has_second_far = q.far_height >= 0.0;
-  var selected = select_strip_vertex(vertex);
+  var selected = select_strip_vertex(select(4u - vertex, vertex, is_along));
   selected = emit_vertex(selected, behind_near_plane(view, p.near), has_first);
   if (has_first != has_second) {
-    if (is_ordered) {
+    if (is_p_lower) {
       selected = emit_vertex(selected, on_near_plane(view, p, q), true);
     } else {
       selected = emit_vertex(selected, on_near_plane(view, q, p), true);
@@ -312,7 +332,7 @@ fn clipped_side_vertex(
   selected = emit_vertex(selected, project_to_near_plane(view, light, q), has_second != has_second_far);
   selected = emit_vertex(selected, q.far, has_second_far);
   if (has_first_far != has_second_far) {
-    if (is_ordered) {
+    if (is_p_lower) {
       selected = emit_vertex(selected, parallel_to_near_plane(p, q), true);
     } else {
       selected = emit_vertex(selected, parallel_to_near_plane(q, p), true);
