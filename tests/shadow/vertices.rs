@@ -25,6 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("clipped_sides_and_near_caps_close", volumes_close),
     ("light_caps_close_clipped_volumes", volumes_of_proxies_close),
     ("vertices_lie_where_exact_clipping_has_them", exact_vertices),
+    ("sides_of_an_edge_in_both_directions_have_the_same_triangles", opposite_sides),
 ];
 
 type Outcome = Result<(), String>;
@@ -462,4 +463,83 @@ fn exact_vertices() -> Outcome {
     assert!(stars.of_bound.min(meetings.of_bound).min(turns.of_bound) > 0.02, "the bounds are near");
     let moved = Worst::default().add("moved", DVec2::ONE, DVec2::splat(0.99), DVec2::splat(1e-3), 1.0);
     must_fail("a moved vertex", &moved)
+}
+
+type Triangle = [[u32; 4]; 3];
+
+/// The triangles of a strip by their bits, in the order of their corners, each from its lowest corner on.
+fn triangles(strip: &[[f32; 4]]) -> Vec<Triangle> {
+    let corners: Vec<_> = strip.iter().map(|corner| corner.map(f32::to_bits)).collect();
+    let of = |first: usize| -> Option<Triangle> {
+        let [a, b, c] = [0, 1 + first % 2, 2 - first % 2].map(|at| corners[first + at]);
+        let has_area = a != b && b != c && c != a;
+        has_area.then(|| {
+            if a < b && a < c {
+                [a, b, c]
+            } else if b < c {
+                [b, c, a]
+            } else {
+                [c, a, b]
+            }
+        })
+    };
+    let mut all: Vec<_> = (0..corners.len() - 2).filter_map(of).collect();
+    all.sort_unstable();
+    all
+}
+
+/// The same triangles with opposite orders of their corners.
+fn turned(all: Vec<Triangle>) -> Vec<Triangle> {
+    let mut turned: Vec<Triangle> = all.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    turned.sort_unstable();
+    turned
+}
+
+fn opposite_sides() -> Outcome {
+    let (gpu, mut random) = Gpu::seeded(94)?;
+    let probe = Probe::of(
+        &gpu,
+        &SIDES,
+        [2, 18],
+        "
+    let a = input_position(0u);
+    let b = input_position(1u);
+    for (var vertex = 0u; vertex < 4u; vertex++) {
+      out[vertex] = side_vertex(pair.view, pair.light, a, b, vertex);
+      out[4u + vertex] = side_vertex(pair.view, pair.light, b, a, vertex);
+    }
+    for (var vertex = 0u; vertex < 5u; vertex++) {
+      out[8u + vertex] = clipped_side_vertex(pair.view, pair.light, a, b, true, vertex);
+      out[13u + vertex] = clipped_side_vertex(pair.view, pair.light, b, a, false, vertex);
+    }",
+    )?;
+    let mut compared = 0;
+    for number in 0..12 {
+        let scene = scene(&mut random, number, 8);
+        let (_, positions, mesh) = &scene.caster;
+        let view = shadow::view(&scene.camera).map_err(|error| error.to_string())?;
+        let seen: Vec<_> =
+            scene.lights.iter().map(|&given| (view, shadow::light(&scene.camera, &view, given))).collect();
+        let ends = |edge: [u32; 2]| edge_of(edge[0], edge[1]).map(|vertex| positions[vertex as usize]);
+        let edges: Vec<_> = mesh.edges().vertices().iter().step_by(7).map(|&edge| ends(edge)).collect();
+        let inputs: Vec<_> =
+            (0..seen.len() as u32).flat_map(|light| edges.iter().map(move |&edge| (light, edge))).collect();
+        for strips in probe.run(&gpu, &[], &seen, &inputs)? {
+            for [one, other] in [[0..4, 4..8], [8..13, 13..18]] {
+                let (one, other) = (triangles(&strips[one]), triangles(&strips[other]));
+                compared += one.len();
+                if one != turned(other) {
+                    return Err(format!("{}: sides in both directions have other triangles", scene.name));
+                }
+            }
+        }
+    }
+    // By another diagonal they would.
+    let corner = |x: f32, y: f32| [x, y, 0.0, 1.0];
+    let quad = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0)];
+    let other = [quad[1], quad[0], quad[3], quad[2]];
+    let same = if triangles(&quad) == turned(triangles(&other)) { Ok(()) } else { Err("another diagonal".to_owned()) };
+    must_fail("another diagonal", &same)?;
+    println!("{compared} triangles");
+    if compared > 5000 { Ok(()) } else { Err("too few triangles".to_owned()) }
 }
