@@ -254,7 +254,7 @@ impl SceneFrame {
         let MaskInputs { depth, view, lights, target } = *inputs;
         let EncodedView { convention, camera, .. } = self.check_view(view)?;
         let encoded = lights.iter().map(|&light| self.check_drawn(view, light)).collect::<Result<Vec<_>, _>>()?;
-        check_same(["the masks", "the scene"], [masks.shared.device(), &self.device])?;
+        check_same(["`ShadowMasks`", "the scene"], [masks.shared.device(), &self.device])?;
         let layers = inputs.check()?;
         let map = depth.texture();
         let (size, samples) = ([map.width(), map.height()], map.sample_count());
