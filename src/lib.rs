@@ -75,7 +75,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **How many faces are between points and lights**, exactly: `0` is lit.
+//! **How many faces are between points and lights**, exactly: `0` is lit. [`cpu::shadow_depth`] needs no device:
 //!
 //! ```no_run
 //! # use rimline::{gpu::*, *};

@@ -130,7 +130,10 @@ pub enum LightError {
     #[error("`max_lights` is 0; make room for at least one light")]
     NoRoom,
     /// There are more lights than [`MAX_LIGHTS`], or more than the extractor has room for.
-    #[error("{count} lights given, at most {limit} fit; split them over several extractions")]
+    #[error(
+        "{count} lights given, at most {limit} fit; {}",
+        if *.limit < MAX_LIGHTS { "raise `max_lights`" } else { "split them over several extractions" }
+    )]
     TooMany {
         /// Lights given.
         count: usize,

@@ -1,5 +1,5 @@
 //! The stages on the GPU. They are recorded into the caller's encoder. Only [`read_back`], its variants,
-//! [`StageTimer::read`] and [`Extraction::read_edges`] read anything back.
+//! [`StageTimer::read`], [`Extraction::read_edges`] and [`ShadowQuery::read_occluder_counts`] read anything back.
 
 mod common;
 mod deform;

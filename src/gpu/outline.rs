@@ -182,7 +182,7 @@ pub struct OutlineInputs<'a> {
     pub camera: &'a ShadowCamera,
     /// The depth of what hides lines, the model itself too, drawn by this camera. It is a view of level 0 of one layer
     /// with the depth aspect only, of a texture with usage `TEXTURE_BINDING`. It may be the depth attachment of the
-    /// pass if that is read-only there; wgpu refuses that on OpenGL. Its size is that of the picture.
+    /// pass if that is read-only there; wgpu refuses that on OpenGL. Its size is that of the picture, else lines are missing.
     pub depth: &'a wgpu::TextureView,
     /// How lines look.
     pub style: OutlineStyle,

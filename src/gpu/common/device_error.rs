@@ -234,3 +234,8 @@ impl DeviceError {
         )
     }
 }
+
+/// Features by the names of wgpu, for messages.
+pub(crate) fn feature_names(features: wgpu::Features) -> String {
+    features.iter_names().map(|(name, _)| format!("`Features::{name}`")).collect::<Vec<_>>().join(" and ")
+}

@@ -61,7 +61,7 @@ pub enum ExtractorError {
     #[error("the extractor makes no lists to draw from; set `ExtractorOptions::lists`")]
     NoLists,
     /// The extractor makes no lists, or it uses the per-edge method, which has no facing masks.
-    #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
+    #[error("the include needs lists and facing masks; set `ExtractorOptions::lists`")]
     NoInclude,
     /// The extraction has no batch of lights with this index.
     #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]

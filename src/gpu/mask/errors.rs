@@ -1,6 +1,6 @@
 //! Why shadow masks cannot be written.
 
-use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::device_error::{DeviceError, feature_names};
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::shadow::errors::ShadowError;
 
@@ -23,8 +23,9 @@ pub enum MaskError {
     },
     /// Depth of 32 bits needs an optional format with stencil.
     #[error(
-        "depth of format {format:?} is tested in Depth32FloatStencil8, which needs {needed:?}; make the device with it, or draw \
-         the depth in Depth24Plus"
+        "depth of format {format:?} is tested in Depth32FloatStencil8, which needs {}; make the device with it, or draw \
+         the depth in Depth24Plus",
+        feature_names(*.needed)
     )]
     Feature {
         /// The format of the depth.

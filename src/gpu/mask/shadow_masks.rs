@@ -230,9 +230,9 @@ impl SceneFrame {
     /// Writes which lights are in shadow at each pixel, from the depth that the caller drew, for renderers without a
     /// stencil: a bit or a share for each light.
     ///
-    /// A mask has no meaning at pixels where nothing was drawn, out of the light's range or cone, and on back-facing
-    /// surfaces: add no light there. A light out of the view costs nothing. A mask is 0 outside a rectangle around the
-    /// light's range and cone.
+    /// A mask has no meaning at pixels where nothing was drawn, out of the light's range or cone, and where the side that
+    /// is seen is turned away from the light: add no light there. A light out of the view costs nothing. A mask is 0 outside
+    /// a rectangle around the light's range and cone.
     ///
     /// On devices with [`Features::DEPTH32FLOAT_STENCIL8`](wgpu::Features::DEPTH32FLOAT_STENCIL8), volumes are compared with
     /// exactly the depth that `textureLoad` returns. Without it, depth of 16 and 24 bits is stored in 24 bits again, and may
@@ -254,7 +254,7 @@ impl SceneFrame {
         let MaskInputs { depth, view, lights, target } = *inputs;
         let EncodedView { convention, camera, .. } = self.check_view(view)?;
         let encoded = lights.iter().map(|&light| self.check_drawn(view, light)).collect::<Result<Vec<_>, _>>()?;
-        check_same(["the masks", "the scene"], [masks.shared.device(), &self.device])?;
+        check_same(["`ShadowMasks`", "the scene"], [masks.shared.device(), &self.device])?;
         let layers = inputs.check()?;
         let map = depth.texture();
         let (size, samples) = ([map.width(), map.height()], map.sample_count());

@@ -164,7 +164,7 @@ impl SceneFrame {
     ) -> Result<(), ShadowError> {
         let in_view = self.check_view(view)?;
         self.check_drawn(view, light)?;
-        check_same(["the pipelines", "the scene"], [pipelines.volumes.shared().device(), &self.device])?;
+        check_same(["`ShadowPipelines`", "the scene"], [pipelines.volumes.shared().device(), &self.device])?;
         in_view.convention.check_drawn_by(pipelines.volumes.convention)?;
         if (self.count_batches > 1) != pipelines.is_in_batches() {
             return Err(ShadowError::CountBatches { count_batches: self.count_batches });

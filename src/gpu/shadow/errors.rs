@@ -1,7 +1,7 @@
 //! Why pipelines of shadow volumes and scenes cannot be made, changed, recorded or drawn.
 
 use super::format::{ShadowFormat, attachments};
-use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::device_error::{DeviceError, feature_names};
 use crate::gpu::deform::deformer::DeformError;
 use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
@@ -32,7 +32,7 @@ pub enum ShadowError {
     #[error("{0:?} does not hold both depth and stencil; take Depth24PlusStencil8 or Depth32FloatStencil8")]
     NoStencil(wgpu::TextureFormat),
     /// The device was not asked for the format's feature.
-    #[error("{format:?} needs {needed:?}, which the device was not made with")]
+    #[error("{format:?} needs {}; make the device with it", feature_names(*.needed))]
     Feature {
         /// The format.
         format: wgpu::TextureFormat,
