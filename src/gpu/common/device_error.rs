@@ -149,7 +149,7 @@ pub enum DeviceError {
         bytes: u64,
     },
     /// The buffer does not have usage `STORAGE`, so no shader can bind it.
-    #[error("the position buffer lacks usage STORAGE")]
+    #[error("the position buffer lacks usage STORAGE; add it where the buffer is made")]
     NotStorage,
     /// The device cannot bind the buffer: it belongs to another device or was destroyed.
     #[error(

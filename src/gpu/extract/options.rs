@@ -64,7 +64,7 @@ impl ExtractorOptions {
 /// Options of the lists of silhouette edges.
 #[derive(Clone, Copy, Debug)]
 pub struct ListOptions {
-    /// Entries that the list of each light has room for, from 1 to the number of edge records. `None`: room for all
+    /// Entries that the list of each light has room for, clamped to 1 … edge records. `None`: room for all
     /// boundary and inconsistent edges, and for a part of the `n` consistent ones. The part is the largest of
     /// `4n / max_lights`, `16 √n` and 1,024, and at most `n`.
     ///
