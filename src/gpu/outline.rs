@@ -194,6 +194,7 @@ pub struct OutlineInputs<'a> {
 /// Why outlines cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum OutlineError {
     /// The device lacks what outlines need, or is lost, or objects of two devices were used together.
     #[error(transparent)]
@@ -221,72 +222,38 @@ pub enum OutlineError {
     #[error(
         "the pass has {given} colour attachments, and outlines are drawn into one; draw them in a pass of their own"
     )]
-    Colors {
-        /// Colour attachments of the pass.
-        given: usize,
-    },
+    Colors { given: usize },
     /// A pass has other attachments than the pipeline was made for.
     #[error(
         "the pass has {}, and the outline is drawn into {}; make the pipeline with `OutlineFormat::of_pass` of the same pass",
         .pass.attachments(), .format.attachments()
     )]
-    OtherAttachments {
-        /// The format that the pass needs.
-        pass: Box<OutlineFormat>,
-        /// The format that was to begin it.
-        format: Box<OutlineFormat>,
-    },
+    OtherAttachments { pass: Box<OutlineFormat>, format: Box<OutlineFormat> },
     /// The extractor's draws have too few vertices.
     #[error(
         "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::topology` to a triangle strip"
     )]
-    Vertices {
-        /// Vertices for each edge.
-        given: u32,
-    },
+    Vertices { given: u32 },
     /// The depth texture has no depth, or shaders may not read it.
     #[error("the depth texture, of format {format:?}, cannot be read; give one with depth and usage TEXTURE_BINDING")]
-    Depth {
-        /// Its format.
-        format: wgpu::TextureFormat,
-    },
+    Depth { format: wgpu::TextureFormat },
     /// The depth texture is not what the pipeline was made for.
     #[error(
         "the depth texture has {given} samples a pixel, and the pipeline reads {}; set `OutlineFormat::is_depth_multisampled`",
         if *.is_depth_multisampled { "several" } else { "one" }
     )]
-    DepthSamples {
-        /// Samples of the texture.
-        given: u32,
-        /// Whether the pipeline was made for several.
-        is_depth_multisampled: bool,
-    },
+    DepthSamples { given: u32, is_depth_multisampled: bool },
     /// There are too few marks.
     #[error(
         "the marks have {given} bytes, and {edges} edge records need {needed}; give a bit for each, in 32-bit words"
     )]
-    Marks {
-        /// The size of the buffer.
-        given: u64,
-        /// The least size.
-        needed: u64,
-        /// Edge records of the mesh.
-        edges: usize,
-    },
+    Marks { given: u64, needed: u64, edges: usize },
     /// Width, angle or bias is negative or not finite.
     #[error("`{field}` of the style is {given}; it must be finite and not negative")]
-    Style {
-        /// The field of [`OutlineStyle`].
-        field: &'static str,
-        /// Its value.
-        given: f32,
-    },
+    Style { field: &'static str, given: f32 },
     /// The device refuses the attachments or a resource.
     #[error("the device refuses outlines: {message}")]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
+    Refused { message: String },
 }
 
 impl From<ExtractorError> for OutlineError {

@@ -63,6 +63,7 @@ impl<'a> From<&'a Pose> for PoseInputs<'a> {
 /// Why a deformer cannot be made, or a pose cannot be recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum DeformError {
     /// The device lacks what deformation needs, is lost, or is not the timer's. Or the model does not fit it.
     #[error(transparent)]
@@ -70,22 +71,13 @@ pub enum DeformError {
     /// The pose does not fit this model.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A vertex is the sum of more terms than one invocation may add.
+    /// A vertex is the sum of more terms than one invocation may add. `targets` is 0 if the influences alone are too many.
     #[error(
         "a vertex of instance {instance} has {influences} influences, and {targets} morph targets have a weight other than \
          0; together they may be {limit}, because software devices end longer loops without a word. Give fewer, or deform \
          on the CPU (`cpu::deform`)"
     )]
-    TooManyTerms {
-        /// The instance's index.
-        instance: usize,
-        /// Morph targets whose weight is not 0. It is 0 if the influences alone are too many.
-        targets: u32,
-        /// The largest number of influences of one of its vertices.
-        influences: u32,
-        /// The largest sum of both.
-        limit: u32,
-    },
+    TooManyTerms { instance: usize, targets: u32, influences: u32, limit: u32 },
     /// The displacement declares resources but the layout or the bind group is missing, or the displacement declares
     /// none and one was given.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
@@ -93,10 +85,7 @@ pub enum DeformError {
     /// The device cannot make a pipeline of the displacement and the layout. For example the resources do not match the
     /// layout, or there are more of them than the device allows.
     #[error("the device refuses the displacement with the layout given: {message}")]
-    Pipeline {
-        /// The message of the device.
-        message: String,
-    },
+    Pipeline { message: String },
 }
 
 /// Deforms a model every frame into a position buffer of its own. The buffer holds all instances in the vertex order of
