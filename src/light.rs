@@ -198,9 +198,6 @@ pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightEr
 }
 
 /// Checks the number of lights that room is requested for: 1 to [`MAX_LIGHTS`].
-///
-/// # Errors
-/// [`LightError::NoRoom`] or [`LightError::TooMany`].
 #[cfg(feature = "gpu")]
 pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
     match max_lights {

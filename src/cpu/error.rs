@@ -33,18 +33,12 @@ pub enum CpuError {
 }
 
 /// Checks that each vertex of the mesh has a position. There may be more.
-///
-/// # Errors
-/// [`CpuError::TooFewPositions`] if there are fewer.
 pub(crate) fn check_positions(positions: &[[f32; 3]], mesh: &Mesh) -> Result<(), CpuError> {
     let (given, needed) = (positions.len(), mesh.vertex_count());
     if given < needed as usize { Err(CpuError::TooFewPositions { given, needed }) } else { Ok(()) }
 }
 
 /// Checks the faces that points name: one for each point, and each a face of the mesh or [`NO_FACE`].
-///
-/// # Errors
-/// [`CpuError::FaceForEachPoint`] or [`CpuError::NoSuchFace`] otherwise.
 pub(crate) fn check_on_face(on_face: Option<&[u32]>, points: usize, faces: usize) -> Result<(), CpuError> {
     let Some(given) = on_face else { return Ok(()) };
     if given.len() != points {

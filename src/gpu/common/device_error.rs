@@ -110,6 +110,21 @@ pub enum DeviceError {
     ClockBackwards { pass: usize, name: &'static str },
 }
 
+/// Contains the errors of one subject in those of another: in a variant, but for those that both have, whoever finds them.
+macro_rules! contain {
+    ($inner:ident in $outer:ident::$variant:ident but $($same:ident),+) => {
+        impl From<$inner> for $outer {
+            fn from(error: $inner) -> Self {
+                match error {
+                    $($inner::$same(error) => Self::$same(error),)+
+                    error => Self::$variant(error),
+                }
+            }
+        }
+    };
+}
+pub(crate) use contain;
+
 impl DeviceError {
     /// Whether the device's timestamps are no times. Measure with a clock of the CPU then.
     pub fn is_clock(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::device_error::{DeviceError, contain};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::{CameraError, DepthDirection};
@@ -174,12 +174,4 @@ pub(super) fn guard<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Resul
     any_error(device, make).map_err(|message| DepthMapError::Refused { message })
 }
 
-impl From<ShadowError> for DepthMapError {
-    /// An error of the device has one variant, whichever check finds it.
-    fn from(error: ShadowError) -> Self {
-        match error {
-            ShadowError::Device(error) => Self::Device(error),
-            error => Self::Shadow(error),
-        }
-    }
-}
+contain!(ShadowError in DepthMapError::Shadow but Device);

@@ -1,6 +1,7 @@
 //! Why shadow masks cannot be written.
 
-use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::device_error::{DeviceError, contain};
+use crate::gpu::common::memory::any_error;
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::shadow::errors::ShadowError;
 
@@ -11,7 +12,7 @@ use crate::gpu::shadow::errors::ShadowError;
 pub enum MaskError {
     /// The device lacks what shadow volumes need, or is lost, or objects of two devices were used together.
     #[error(transparent)]
-    Device(DeviceError),
+    Device(#[from] DeviceError),
     /// The frame is out of date, has no such view or light, or the device cannot draw its volumes with this number of
     /// samples.
     #[error(transparent)]
@@ -47,23 +48,16 @@ pub enum MaskError {
     Refused { what: &'static str, message: String },
 }
 
-impl From<DeviceError> for MaskError {
-    fn from(error: DeviceError) -> Self {
-        Self::Device(error)
-    }
-}
+contain!(ShadowError in MaskError::Shadow but Device);
 
-impl From<ShadowError> for MaskError {
-    /// A device is refused by the same case, whoever finds it.
-    fn from(error: ShadowError) -> Self {
-        match error {
-            ShadowError::Device(error) => Self::Device(error),
-            error => Self::Shadow(error),
-        }
-    }
-}
-
-/// The message of a device that refuses, or that is lost.
-pub(super) fn refused(device: &wgpu::Device, what: &'static str, message: String) -> MaskError {
-    check_alive(device).map_or_else(MaskError::Device, |()| MaskError::Refused { what, message })
+/// Runs `make`, and returns the message of a device that refuses, behind a hint, or that is lost.
+pub(super) fn tried<T>(
+    device: &wgpu::Device,
+    [what, hint]: [&'static str; 2],
+    make: impl FnOnce() -> T,
+) -> Result<T, MaskError> {
+    any_error(device, make).map_err(|message| {
+        let refused = |()| MaskError::Refused { what, message: format!("{hint}{message}") };
+        check_alive(device).map_or_else(MaskError::Device, refused)
+    })
 }

@@ -1,7 +1,7 @@
 //! Why pipelines of shadow volumes and scenes cannot be made, changed, recorded or drawn.
 
 use super::format::{ShadowFormat, attachments};
-use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::device_error::{DeviceError, contain};
 use crate::gpu::deform::deformer::DeformError;
 use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
@@ -199,13 +199,4 @@ pub enum ShadowError {
     StaleFrame,
 }
 
-impl From<ExtractorError> for ShadowError {
-    /// A device and lights are refused by the same cases, whoever finds it.
-    fn from(error: ExtractorError) -> Self {
-        match error {
-            ExtractorError::Device(error) => Self::Device(error),
-            ExtractorError::Light(error) => Self::Light(error),
-            error => Self::Extraction(error),
-        }
-    }
-}
+contain!(ExtractorError in ShadowError::Extraction but Device, Light);
