@@ -25,42 +25,27 @@ pub struct Displacement {
     uses_resources: bool,
 }
 
-/// Why a displacement is refused. Lines and columns count from 1 in the caller's own source.
+/// Why a displacement is refused. Lines and columns count from 1 in the caller's own source. A message of naga has its
+/// first 500 characters.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum DisplaceError {
     /// It is not valid WGSL.
     #[error("displacement, line {line}, column {column}: {message}")]
-    Wgsl {
-        /// The line, from 1.
-        line: u32,
-        /// The column, from 1.
-        column: u32,
-        /// The message of naga, or its first 500 characters.
-        message: String,
-    },
+    Wgsl { line: u32, column: u32, message: String },
     /// There is no function `displace`.
     #[error("the displacement declares no function `displace`; it needs `{SIGNATURE}`")]
     Missing,
     /// `displace` has other arguments or another result.
     #[error("displacement, line {line}: `displace` must be `{SIGNATURE}`")]
-    Signature {
-        /// The line, from 1.
-        line: u32,
-    },
+    Signature { line: u32 },
     /// A resource lies in another bind group.
     #[error(
         "displacement, line {line}: `{name}` is in bind group {group}; a displacement's resources belong in group 1"
     )]
-    Group {
-        /// The line, from 1.
-        line: u32,
-        /// The resource's name.
-        name: String,
-        /// The bind group that it is in.
-        group: u32,
-    },
-    /// It is too large. A larger source could end the process in naga or in a driver.
+    Group { line: u32, name: String, group: u32 },
+    /// It is too large. A larger source could end the process in naga or in a driver. `needed` is a lower bound.
     ///
     /// Before parsing, the bounds are:
     /// * 65,536 bytes of source.
@@ -78,42 +63,22 @@ pub enum DisplaceError {
     #[error(
         "displacement, line {line}: it has {needed} {what}, more than the {limit} that are allowed; make it smaller"
     )]
-    TooLarge {
-        /// The line, from 1.
-        line: u32,
-        /// The things that are too many, in the plural.
-        what: &'static str,
-        /// Their number, or a lower bound of it.
-        needed: u64,
-        /// The bound.
-        limit: u64,
-    },
+    TooLarge { line: u32, what: &'static str, needed: u64, limit: u64 },
     /// An `enable` directive requests an extension of WGSL. A device has it only if it was opened with it.
     #[error(
         "displacement, line {line}: `enable {names}` asks for an extension of WGSL, which the deform stage does not have; \
          remove the line, and use WGSL without extensions"
     )]
-    Enable {
-        /// The line, from 1.
-        line: u32,
-        /// The names that the directive enables.
-        names: String,
-    },
+    Enable { line: u32, names: String },
     /// The length of an array is an expression whose value has no known bound. See [`Self::TooLarge`].
     #[error(
         "displacement, line {line}: nothing bounds the length of the array; write a number, or sums and products of numbers \
          and constants"
     )]
-    ArrayLength {
-        /// The line, from 1.
-        line: u32,
-    },
+    ArrayLength { line: u32 },
     /// The source has an entry point.
     #[error("the displacement declares the entry point `{name}`; it must have functions only")]
-    EntryPoint {
-        /// The entry point's name.
-        name: String,
-    },
+    EntryPoint { name: String },
 }
 
 /// The most characters of naga's message in an error.

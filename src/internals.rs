@@ -55,33 +55,12 @@ pub mod colors {
 pub mod depth_map {
     use crate::ShadowCamera;
     use crate::gpu::depth_map::DepthMapError;
-    use crate::gpu::depth_map::DepthMetric;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
-    use crate::gpu::depth_map::metric;
+    pub use crate::gpu::depth_map::metric::{metric_steps, metric_view};
     use crate::gpu::depth_map::near::{NearShadow, near_shadow};
     pub use crate::gpu::depth_map::view::Placing;
     use crate::gpu::depth_map::view::depth_map_view;
-    use crate::layout::{DepthMapView, DepthMetricView, DepthNearBox};
-
-    /// How distances of a metric become device depths, for a map of `size` texels.
-    ///
-    /// # Errors
-    /// [`DepthMapError`] if the camera is refused.
-    pub fn metric_view(
-        light: &ShadowCamera,
-        size: [u32; 2],
-        metric: DepthMetric,
-    ) -> Result<DepthMetricView, DepthMapError> {
-        metric::metric_view(light, size, metric)
-    }
-
-    /// How far depths of a converted map may be off: a share of the depth, and a constant.
-    ///
-    /// # Errors
-    /// [`DepthMapError`] if the camera is refused.
-    pub fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapError> {
-        metric::metric_steps(light, metric)
-    }
+    use crate::layout::{DepthMapView, DepthNearBox};
 
     /// The input of the vertex stages for a map of `size` texels with depths in `format`. `eye` has the format of its depth
     /// buffer.

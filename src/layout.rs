@@ -58,568 +58,391 @@ pub(crate) mod caster_flags {
     pub(crate) const BOUNDED: u32 = 256;
 }
 
-/// Declares `#[repr(C)]` structs and lists their layouts in [`LAYOUTS`].
+/// Declares `#[repr(C)]` structs and lists their layouts in [`LAYOUTS`]. Fields that follow each other share the name of
+/// their type.
 macro_rules! shared_structs {
-    ($($(#[$doc:meta])* struct $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
+    ($($(#[$doc:meta])* struct $name:ident {
+        $($(#[$field_doc:meta])* $field:ident $(, $next:ident)*: $type:ty;)*
+    })*) => {
         $(
             $(#[$doc])*
             #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
             #[repr(C)]
-            pub struct $name { $($(#[$field_doc])* pub $field: $type,)* }
+            pub struct $name { $($(#[$field_doc])* pub $field: $type, $(pub $next: $type,)*)* }
         )*
 
         /// Every struct shared with WGSL.
         pub const LAYOUTS: &[StructLayout] = &[$(StructLayout {
             name: stringify!($name),
             size: size_of::<$name>(),
-            fields: &[$(FieldLayout {
-                name: stringify!($field),
-                offset: std::mem::offset_of!($name, $field),
-                size: size_of::<$type>(),
-                rust_type: stringify!($type),
-            },)*],
+            fields: &[$(
+                field!($name, $field, $type),
+                $(field!($name, $next, $type),)*
+            )*],
         },)*];
+    };
+}
+
+/// The layout of a field.
+macro_rules! field {
+    ($name:ident, $field:ident, $type:ty) => {
+        FieldLayout {
+            name: stringify!($field),
+            offset: std::mem::offset_of!($name, $field),
+            size: size_of::<$type>(),
+            rust_type: stringify!($type),
+        }
     };
 }
 
 shared_structs! {
     /// A batch of up to 32 lights, and the layout of the positions.
     struct LightBatch {
-        lights: [[f32; 4]; 32],
-        light_bits: [[u32; 4]; 32],
-        inexact_w: [[f32; 4]; 8],
-        magnitudes: [f32; 2],
-        count: u32,
-        active_bits: u32,
-        position_offset: u32,
-        position_stride: u32,
-        reserved_0: u32,
-        reserved_1: u32,
+        lights: [[f32; 4]; 32];
+        light_bits: [[u32; 4]; 32];
+        inexact_w: [[f32; 4]; 8];
+        magnitudes: [f32; 2];
+        count, active_bits, position_offset, position_stride, reserved_0, reserved_1: u32;
     }
 
     /// The range of faces or edges of one dispatch.
     struct Chunk {
-        first: u32,
-        count: u32,
-        first_light: u32,
-        capacity: u32,
-        blocks: u32,
+        first, count, first_light, capacity, blocks: u32;
     }
 
     /// The sizes for turning counts of edges into draws.
     struct DrawShape {
-        lights: u32,
-        capacity: u32,
-        edges: u32,
-        vertices_per_edge: u32,
+        lights, capacity, edges, vertices_per_edge: u32;
     }
 
     /// The bits of an edge record, one for each light of a batch.
     struct EdgeMasks {
         /// Set if the edge is a silhouette edge.
-        silhouette: u32,
+        silhouette: u32;
         /// Set if face 0 faces the light.
-        winding: u32,
+        winding: u32;
     }
 
     /// Statistics of an extraction.
     struct ExtractionStatistics {
         /// Faces with an infinite or NaN vertex. They face no light.
-        non_finite_faces: u32,
+        non_finite_faces: u32;
         /// Lists that overflowed. The draws of their lights go over all edges.
-        overflowed_lists: u32,
+        overflowed_lists: u32;
         /// Pairs of face and light that the filter left to exact arithmetic.
-        undecided_pairs: u32,
+        undecided_pairs: u32;
         /// The undecided pairs whose determinant is exactly zero.
-        exact_zeros: u32,
+        exact_zeros: u32;
         /// A bit for each light for which a polygon is twisted. Lights whose numbers differ by 32 share a bit.
-        twisted_lights: u32,
+        twisted_lights: u32;
     }
 
     /// The arguments that wgpu's `draw_indirect` reads.
     struct DrawArguments {
         /// Vertices of an instance.
-        vertex_count: u32,
+        vertex_count: u32;
         /// Instances: silhouette edges, or all edges if the list overflowed.
-        instance_count: u32,
+        instance_count: u32;
         /// 0.
-        first_vertex: u32,
+        first_vertex: u32;
         /// 0.
-        first_instance: u32,
+        first_instance: u32;
     }
 
     /// Thirty-two faces and their box. The box holds the faces that count: those that are finite and name three
     /// different vertices.
     struct FaceCluster {
-        low: [u32; 4],
-        high: [u32; 4],
-        group_low: [u32; 4],
-        group_high: [u32; 4],
-        corners: [u32; 96],
-        continues: u32,
-        head: u32,
-        first_face: u32,
-        padding: u32,
+        low, high, group_low, group_high: [u32; 4];
+        corners: [u32; 96];
+        continues, head, first_face, padding: u32;
     }
 
     /// The points of one dispatch of a query of occluder counts.
     struct PointChunk {
-        count: u32,
-        offset: u32,
-        stride: u32,
-        lights: u32,
-        first_light: u32,
-        on_face: u32,
+        count, offset, stride, lights, first_light, on_face: u32;
     }
 
     /// The clusters of faces that one dispatch goes over.
     struct FaceRange {
-        first: u32,
-        end: u32,
-        is_first: u32,
-        before: u32,
+        first, end, is_first, before: u32;
     }
 
     /// The undecided faces of a pair of point and light.
     struct UndecidedFaces {
-        state: u32,
-        face_0: u32,
-        face_1: u32,
-        face_2: u32,
-        recount: u32,
+        state, face_0, face_1, face_2, recount: u32;
     }
 
     /// A dispatch of the deform stage.
     struct DeformDispatch {
-        workgroups: u32,
-        displaced: u32,
-        time: f32,
-        instances: u32,
+        workgroups, displaced: u32;
+        time: f32;
+        instances: u32;
     }
 
     /// A range of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
     struct DeformChunk {
-        first_workgroup: u32,
-        count: u32,
-        rest: u32,
-        morph: u32,
-        skin: u32,
-        sources: u32,
-        positions: u32,
-        palette: u32,
-        targets: u32,
-        target_count: u32,
-        skinned: u32,
-        before: u32,
+        first_workgroup, count, rest, morph, skin, sources, positions, palette, targets, target_count, skinned,
+        before: u32;
     }
 
     /// The part of a batch of lights that the WGSL include reads.
     struct RimlineInfo {
-        edges: u32,
-        capacity: u32,
-        first_light: u32,
-        lights: u32,
-        position_offset: u32,
-        position_stride: u32,
-        twisted_offset: u32,
-        vertices_per_edge: u32,
+        edges, capacity, first_light, lights, position_offset, position_stride, twisted_offset, vertices_per_edge: u32;
     }
 
     /// A caster in the table of casters. Slots are indices in the masks of its group; other indices count in the bound
     /// buffers.
     struct SceneCaster {
-        row_0: [f32; 4],
-        row_1: [f32; 4],
-        row_2: [f32; 4],
-        low: [f32; 3],
-        scale: f32,
-        high: [f32; 3],
-        flags: u32,
-        first_face_slot: u32,
-        faces: u32,
-        first_face: u32,
-        position_offset: u32,
-        first_edge_slot: u32,
-        edges: u32,
-        first_edge: u32,
-        position_stride: u32,
-        version: u32,
-        group: u32,
-        first_caster: u32,
-        clusters_or_deforming_index: u32,
+        row_0, row_1, row_2: [f32; 4];
+        low: [f32; 3];
+        scale: f32;
+        high: [f32; 3];
+        flags, first_face_slot, faces, first_face, position_offset, first_edge_slot, edges, first_edge, position_stride,
+        version, group, first_caster, clusters_or_deforming_index: u32;
     }
 
     /// The input of the stage that finds the deforming casters that a frame needs.
     struct NeedsDispatch {
-        casters: u32,
-        views: u32,
-        lights: u32,
-        parts: u32,
-        all: u32,
-        cull_by_range: u32,
-        cull_by_view: u32,
-        reserved: u32,
+        casters, views, lights, parts, all, cull_by_range, cull_by_view, reserved: u32;
     }
 
     /// The lights of a caster of a scene in a batch.
     struct CasterLights {
-        allowed: u32,
-        first: u32,
-        magnitudes: [f32; 2],
+        allowed, first: u32;
+        magnitudes: [f32; 2];
     }
 
     /// A dispatch over a group of casters for a batch of lights.
     struct SceneDispatch {
-        casters: u32,
-        batches: u32,
-        batch: u32,
-        lists_offset: u32,
-        lights_offset: u32,
-        ranges_offset: u32,
-        face_chunks_offset: u32,
-        edge_chunks_offset: u32,
-        face_chunks: u32,
-        edge_chunks: u32,
-        work_count: u32,
-        face_work: u32,
-        edge_work: u32,
-        capacity: u32,
-        structure: u32,
-        uses_cache: u32,
-        clusters_offset: u32,
-        occluders_offset: u32,
-        occluders: u32,
-        world_lights_offset: u32,
+        casters, batches, batch, lists_offset, lights_offset, ranges_offset, face_chunks_offset, edge_chunks_offset,
+        face_chunks, edge_chunks, work_count, face_work, edge_work, capacity, structure, uses_cache, clusters_offset,
+        occluders_offset, occluders, world_lights_offset: u32;
     }
 
     /// Counts of an encode of a scene.
     struct SceneStatistics {
         /// Relevant pairs of caster and light: the light is allowed and culled by none of the rules below.
-        pairs: u32,
+        pairs: u32;
         /// The relevant pairs whose facing bits an earlier encode cached.
-        cached_pairs: u32,
+        cached_pairs: u32;
         /// Pairs of caster and allowed light that are culled by the light's range or cone.
-        pairs_culled_by_range: u32,
+        pairs_culled_by_range: u32;
         /// Pairs of caster and light that are culled by an occluder between them.
-        pairs_culled_by_occluders: u32,
+        pairs_culled_by_occluders: u32;
         /// Faces that were tested, for each batch of 32 lights.
-        faces: u32,
+        faces: u32;
         /// Edge records that were tested, for each batch of 32 lights.
-        edges: u32,
+        edges: u32;
         /// Faces that were not tested, because each active light decides the whole cluster.
-        untested_faces: u32,
+        untested_faces: u32;
         /// Edge records that were not tested, because their clusters have no silhouette edge.
-        untested_edges: u32,
+        untested_edges: u32;
         /// Instances of models that the frame does not need, so they were not deformed:
         /// [`Scene::insert_model`](crate::gpu::Scene::insert_model).
-        culled_casters: u32,
+        culled_casters: u32;
     }
 
     /// A camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
     struct ShadowView {
-        view_projection: [[f32; 4]; 4],
-        near_plane: [f32; 4],
-        placement: [[f32; 4]; 3],
-        near_min: [f32; 3],
-        near_w: f32,
-        near_max: [f32; 3],
-        near_z: f32,
+        view_projection: [[f32; 4]; 4];
+        near_plane: [f32; 4];
+        placement: [[f32; 4]; 3];
+        near_min: [f32; 3];
+        near_w: f32;
+        near_max: [f32; 3];
+        near_z: f32;
     }
 
     /// A light, and what the GPU chose for it and a caster.
     struct ShadowLight {
-        light: [f32; 4],
-        clip: [f32; 4],
-        height: f32,
-        range: f32,
-        casting: u32,
-        counting: u32,
-        frustum_near: f32,
-        end: f32,
-        excludes: u32,
-        scale: f32,
-        frustum_x: [f32; 4],
-        frustum_y: [f32; 4],
-        frustum_w: [f32; 4],
+        light, clip: [f32; 4];
+        height, range: f32;
+        casting, counting: u32;
+        frustum_near, end: f32;
+        excludes: u32;
+        scale: f32;
+        frustum_x, frustum_y, frustum_w: [f32; 4];
     }
 
     /// A light and a camera, with 512 bytes: bindings begin at multiples of 256.
     struct ViewLight {
-        view: ShadowView,
-        light: ShadowLight,
-        version: [u32; 4],
-        cone: LightCone,
-        reserved: [[u32; 4]; 12],
+        view: ShadowView;
+        light: ShadowLight;
+        version: [u32; 4];
+        cone: LightCone;
+        reserved: [[u32; 4]; 12];
     }
 
     /// The cone of a spot light, in world space.
     struct LightCone {
-        apex: [f32; 4],
-        axis: [f32; 4],
+        apex, axis: [f32; 4];
     }
 
     /// The receivers of a view.
     struct ReceiverView {
-        inverse: [[f32; 4]; 4],
-        near_min: [f32; 3],
-        near_z: f32,
-        near_max: [f32; 3],
-        sky_receives: u32,
-        pixels: [u32; 2],
-        offset: u32,
-        reserved: u32,
+        inverse: [[f32; 4]; 4];
+        near_min: [f32; 3];
+        near_z: f32;
+        near_max: [f32; 3];
+        sky_receives: u32;
+        pixels: [u32; 2];
+        offset, reserved: u32;
     }
 
     /// A depth map, and how its edges are found.
     struct DepthMapShape {
-        size: [u32; 2],
-        cells: u32,
-        blocks: u32,
-        capacity: u32,
-        every_cell: u32,
-        threshold: u32,
-        is_reversed: u32,
-        faces: u32,
-        has_objects: u32,
-        spread: u32,
-        unused: u32,
+        size: [u32; 2];
+        cells, blocks, capacity, every_cell, threshold, is_reversed, faces, has_objects, spread, unused: u32;
     }
 
     /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the
     /// range of device depths.
     struct ContourShape {
-        tiles: [u32; 2],
-        words: u32,
-        capacity: u32,
-        threshold: i32,
-        certain_threshold: i32,
-        sideways: i32,
-        tolerance: i32,
-        shift: u32,
-        slope_bias: i32,
-        noise_share: i32,
-        noise_constant: i32,
+        tiles: [u32; 2];
+        words, capacity: u32;
+        threshold, certain_threshold, sideways, tolerance: i32;
+        shift: u32;
+        slope_bias, noise_share, noise_constant: i32;
     }
 
     /// The rule that marks edges of a depth map. Where a field has two values, the second applies next to the end of a marked
     /// edge.
     struct DepthEdgeRule {
-        words: [u32; 2],
-        blocks: u32,
-        high_threshold: u32,
-        low_thresholds: [u32; 2],
-        slopes: [u32; 2],
-        noise: u32,
-        noise_exponents: u32,
+        words: [u32; 2];
+        blocks, high_threshold: u32;
+        low_thresholds, slopes: [u32; 2];
+        noise, noise_exponents: u32;
     }
 
     /// The samples of a depth map that the near rectangle of a camera is among.
     struct DepthNearBox {
-        first: [u32; 2],
-        size: [u32; 2],
-        key: u32,
-        distance: i32,
-        unused: [u32; 2],
+        first, size: [u32; 2];
+        key: u32;
+        distance: i32;
+        unused: [u32; 2];
     }
 
     /// How distances become the device depths of a depth map.
     struct DepthMetricView {
-        across: [f32; 4],
-        down: [f32; 4],
-        middle: [f32; 4],
-        far: f32,
-        far_remainder: f32,
-        has_far: f32,
-        scale: f32,
-        min_distance: f32,
-        max_distance: f32,
-        metric: u32,
-        is_parallel: u32,
+        across, down, middle: [f32; 4];
+        far, far_remainder, has_far, scale, min_distance, max_distance: f32;
+        metric, is_parallel: u32;
     }
 
     /// A depth map as a camera sees it. A position on the lattice is twice the distance from its middle.
     struct DepthMapView {
-        across: [f32; 4],
-        down: [f32; 4],
-        depth: [f32; 4],
-        middle: [f32; 4],
-        far_across: [f32; 4],
-        far_down: [f32; 4],
-        far_middle: [f32; 4],
-        near_across: [f32; 4],
-        near_up: [f32; 4],
-        near_middle: [f32; 4],
-        infinity: [f32; 4],
-        bias: [f32; 4],
+        across, down, depth, middle, far_across, far_down, far_middle, near_across, near_up, near_middle, infinity,
+        bias: [f32; 4];
     }
 
     /// The light of a depth map that meshes are drawn into.
     struct MeshDepthView {
-        columns: [[f32; 4]; 4],
+        columns: [[f32; 4]; 4];
     }
 
     /// A mesh that is drawn into a depth map.
     struct MeshDepthCaster {
-        row_0: [f32; 4],
-        row_1: [f32; 4],
-        row_2: [f32; 4],
-        position_offset: u32,
-        position_stride: u32,
-        first_face: u32,
-        face_count: u32,
+        row_0, row_1, row_2: [f32; 4];
+        position_offset, position_stride, first_face, face_count: u32;
     }
 
     /// Camera and style of outlines.
     struct OutlineView {
-        columns: [[f32; 4]; 4],
-        origin: [f32; 3],
-        half_width: f32,
-        silhouette: [f32; 4],
-        boundary: [f32; 4],
-        crease: [f32; 4],
-        marked: [f32; 4],
-        size: [f32; 2],
-        depth_bias: f32,
-        crease_cosine: f32,
-        light: u32,
-        classes: u32,
-        is_reversed: u32,
-        reserved: u32,
+        columns: [[f32; 4]; 4];
+        origin: [f32; 3];
+        half_width: f32;
+        silhouette, boundary, crease, marked: [f32; 4];
+        size: [f32; 2];
+        depth_bias, crease_cosine: f32;
+        light, classes, is_reversed, reserved: u32;
     }
 
     /// A group of a scene's casters and a light, whose outlines are drawn.
     struct OutlinedGroup {
-        /// The offset in the table, in units of 16 bytes, of the casters of all chunks of edges.
-        edge_chunks_offset: u32,
-        /// The offset in the relevant lights of casters of the light's batch, for the first caster, in words.
-        relevant_lights_offset: u32,
-        /// Entries that the list of each light has room for.
-        capacity: u32,
-        /// The offset of the twisted masks, which lie behind the facing masks, in words. 0: there are none.
-        twisted_offset: u32,
-        /// The light's bit in its batch.
-        bit: u32,
-        /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
-        /// 0.
-        reserved_2: u32,
+        edge_chunks_offset, relevant_lights_offset, capacity, twisted_offset, bit, reserved_0, reserved_1,
+        reserved_2: u32;
     }
 
     /// Casters that are drawn together, and the caller's options for their volumes.
     struct ShadowShape {
-        casters: u32,
-        lights: u32,
-        batches: u32,
-        faces: u32,
-        edges: u32,
-        capacity: u32,
-        side_capacity: u32,
-        near_capacity: u32,
-        far_capacity: u32,
-        allow_back_facing: u32,
-        counting: u32,
-        cull_by_range: u32,
-        cull_by_view: u32,
-        end_at_range: u32,
-        choices_offset: u32,
-        measures_offset: u32,
-        lights_offset: u32,
-        face_chunks_offset: u32,
-        edge_chunks_offset: u32,
-        views: u32,
-        count_batches: u32,
-        proxies: u32,
-        group_and_batch: u32,
-        first_caster: u32,
-        lists_offset: u32,
-        uses_cache: u32,
-        needs_boxes: u32,
-        used_lights: u32,
-        has_receivers: u32,
-        largest_count: u32,
-        piece_capacity: u32,
+        casters, lights, batches, faces, edges, capacity, side_capacity, near_capacity, far_capacity, allow_back_facing,
+        counting, cull_by_range, cull_by_view, end_at_range, choices_offset, measures_offset, lights_offset,
+        face_chunks_offset, edge_chunks_offset, views, count_batches, proxies, group_and_batch, first_caster,
+        lists_offset, uses_cache, needs_boxes, used_lights, has_receivers, largest_count, piece_capacity: u32;
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
     struct ShadowDraw {
-        light: u32,
-        first_light: u32,
-        view: u32,
-        count_batch: u32,
+        light, first_light, view, count_batch: u32;
     }
 
     /// The draws of one light's shadow volume.
     struct ShadowDraws {
-        plain: DrawArguments,
-        clipped: DrawArguments,
-        near_front: DrawArguments,
-        near_back: DrawArguments,
-        far_front: DrawArguments,
-        far_back: DrawArguments,
-        light_front: DrawArguments,
-        light_back: DrawArguments,
+        plain, clipped, near_front, near_back, far_front, far_back, light_front, light_back: DrawArguments;
     }
 
     /// The draws of the pieces of a light's twisted polygons.
     struct PieceDraws {
-        plain: DrawArguments,
-        clipped: DrawArguments,
-        near_front: DrawArguments,
-        near_back: DrawArguments,
-        light_cap: DrawArguments,
-        dark_cap: DrawArguments,
+        plain, clipped, near_front, near_back, light_cap, dark_cap: DrawArguments;
     }
 
     /// A pencil of half planes that bounds the stencil counts of a light.
     struct StencilPencil {
-        light_position: [f32; 3],
-        kind: u32,
-        forward: [f32; 3],
-        first_key: f32,
-        aside: [f32; 3],
-        bins_per_key: f32,
+        light_position: [f32; 3];
+        kind: u32;
+        forward: [f32; 3];
+        first_key: f32;
+        aside: [f32; 3];
+        bins_per_key: f32;
     }
 
     /// Statistics of an encode of shadow volumes. `count_bound` apart, they count lights, or pairs of caster and light.
     struct ShadowStatistics {
         /// Lights for which the caster is skipped: it is out of range, or its shadow is out of sight or falls on no receiver.
-        skipped: u32,
+        skipped: u32;
         /// Lights for which every face casts.
-        every_face: u32,
+        every_face: u32;
         /// Lights with a near cap.
-        near_capped: u32,
+        near_capped: u32;
         /// Lights with a list of cap faces that overflowed. Their draws go over all faces.
-        overflowed_caps: u32,
+        overflowed_caps: u32;
         /// Lights with a list of sides that overflowed. Their draws go over all edges.
-        overflowed_sides: u32,
+        overflowed_sides: u32;
         /// Lights whose volume ends, at the light's range or behind all receivers.
-        ended: u32,
+        ended: u32;
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was requested.
-        count_bound: u32,
+        count_bound: u32;
         /// Lights, in each view, whose bound is larger than the largest count: 255, or less with fewer
         /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0
         /// unless it was requested.
-        may_wrap: u32,
+        may_wrap: u32;
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.
-        cached_lists: u32,
+        cached_lists: u32;
         /// Skipped pairs whose volume no receiver can be in. Pairs that were skipped in an earlier encode, and are cached,
         /// are not among them.
-        culled_by_receivers: u32,
+        culled_by_receivers: u32;
         /// Skipped pairs whose box the light does not reach, likewise. Scenes cull most of these pairs earlier:
         /// [`SceneStatistics::pairs_culled_by_range`].
-        culled_by_range: u32,
+        culled_by_range: u32;
         /// Pieces of twisted polygons that there was no room for. If there are any, shadows are wrong where they would be, and
         /// [`Capacities::pieces`](crate::gpu::Capacities::pieces) must be larger.
-        lost_pieces: u32,
+        lost_pieces: u32;
         /// The most pieces that a caster has for a light: room for so many loses none.
-        most_pieces: u32,
+        most_pieces: u32;
     }
 }
 
 /// A mask of the lowest `count` bits of a word. `count` is at most 32.
 pub const fn low_bits(count: usize) -> u32 {
     if count >= 32 { u32::MAX } else { (1 << count) - 1 }
+}
+
+/// The set bits of a word, lowest first.
+pub(crate) fn bits(mut word: u32) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (bit < 32).then_some(bit)
+    })
 }

@@ -100,6 +100,7 @@
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
 //! * [`cpu`]: extraction and the query with the GPU's bits, and deformation, without a device. Without the
 //!   feature `gpu`, on by default, the library brings neither wgpu nor naga.
+//! * Errors: an enum for each subject, whose messages say what fields are and what to do.
 //! * [`Origin`]: moves models with large coordinates, such as those of surveys, to where `f32` is fine.
 //!
 //! Files of `docs/numerics` that these pages name, with error bounds and proofs, and those of `tests` lie in the

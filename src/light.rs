@@ -125,6 +125,7 @@ impl MeshSpace {
 /// Why a list of lights is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum LightError {
     /// The requested room is 0 lights.
     #[error("`max_lights` is 0; make room for at least one light")]
@@ -134,59 +135,29 @@ pub enum LightError {
         "{count} lights given, at most {limit} fit; {}",
         if *.limit < MAX_LIGHTS { "raise `max_lights`" } else { "split them over several extractions" }
     )]
-    TooMany {
-        /// Lights given.
-        count: usize,
-        /// Lights that fit.
-        limit: usize,
-    },
+    TooMany { count: usize, limit: usize },
     /// All four components are zero, which is no point.
     #[error("light {index} is (0, 0, 0, 0), which is neither a point nor a direction")]
-    Zero {
-        /// Position in the list.
-        index: usize,
-    },
+    Zero { index: usize },
     /// A component is infinite or NaN.
     #[error("light {index} is ({}, {}, {}, {}), and every component must be finite", .xyzw[0], .xyzw[1], .xyzw[2], .xyzw[3])]
-    NotFinite {
-        /// Position in the list.
-        index: usize,
-        /// The light as given.
-        xyzw: [f32; 4],
-    },
+    NotFinite { index: usize, xyzw: [f32; 4] },
     /// The range is neither positive nor infinite.
     #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
-    Range {
-        /// Position in the list.
-        index: usize,
-        /// The range given.
-        range: f32,
-    },
+    Range { index: usize, range: f32 },
     /// The axis of a cone has no direction, or its cosine is none.
     #[error(
         "light {index} has a cone about ({}, {}, {}) of cosine {cosine}; the axis must be finite and not zero, and the cosine \
          -1 to 1",
         .axis[0], .axis[1], .axis[2]
     )]
-    Cone {
-        /// Position in the list.
-        index: usize,
-        /// The axis given.
-        axis: [f32; 3],
-        /// The cosine given.
-        cosine: f32,
-    },
+    Cone { index: usize, axis: [f32; 3], cosine: f32 },
     /// The weight is negative, and shadows refuse it.
     #[error(
         "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four \
          components"
     )]
-    NegativeWeight {
-        /// Position in the list.
-        index: usize,
-        /// Its weight.
-        w: f32,
-    },
+    NegativeWeight { index: usize, w: f32 },
 }
 
 /// Checks a list of lights: at most `limit` of them, all finite, none all zeros, ranges positive, cones with a direction.
@@ -230,9 +201,6 @@ pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightEr
 }
 
 /// Checks the number of lights that room is requested for: 1 to [`MAX_LIGHTS`].
-///
-/// # Errors
-/// [`LightError::NoRoom`] or [`LightError::TooMany`].
 #[cfg(feature = "gpu")]
 pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
     match max_lights {

@@ -159,7 +159,7 @@ fn is_held(point: &[f64; 3]) -> bool {
 }
 
 /// The largest power of two that is not above `size`, which is positive, normal and finite.
-fn power_of_two_below(size: f64) -> f64 {
+pub(crate) fn power_of_two_below(size: f64) -> f64 {
     f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000)
 }
 

@@ -4,6 +4,7 @@ use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
+use crate::origin::power_of_two_below;
 
 /// Value of [`ShadowLight::casting`]: no face casts.
 pub const CAST_NOTHING: u32 = 0;
@@ -79,6 +80,17 @@ pub enum DepthDirection {
     Reversed,
     /// Near is 0 and far is 1. The smaller depth is nearer.
     Standard,
+}
+
+#[cfg(feature = "gpu")]
+impl DepthDirection {
+    /// The comparison that nearer depths pass.
+    pub(crate) fn nearer(self) -> wgpu::CompareFunction {
+        match self {
+            Self::Reversed => wgpu::CompareFunction::Greater,
+            Self::Standard => wgpu::CompareFunction::Less,
+        }
+    }
 }
 
 /// The camera that shadow volumes are drawn for.
@@ -228,9 +240,6 @@ impl ShadowCamera {
     }
 
     /// The camera as the GPU needs it.
-    ///
-    /// # Errors
-    /// The errors of [`Self::check`].
     pub(crate) fn view(&self) -> Result<ShadowView, CameraError> {
         let matrix = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
         let origin = Vec3::from_array(self.origin);
@@ -320,11 +329,6 @@ impl ShadowCamera {
             ..bytemuck::Zeroable::zeroed()
         }
     }
-}
-
-/// The largest power of two that is not above `size`. `size` is positive and finite.
-fn power_of_two_below(size: f64) -> f64 {
-    f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// The share of a light's intensity that arrives at `distance`, from 1 to 0 (Bergeron 1986). All lengths are in one

@@ -117,94 +117,34 @@ stages! {
     SHADOW_MASKS = mask / shadow_masks: mask_whole;
 }
 
-/// Lists files by their names.
+/// Lists files by folder and name.
 macro_rules! files {
-    ($($name:literal,)*) => { &[$(($name, include_str!(concat!("../wgsl/", $name, ".wgsl")))),*] };
+    ($($folder:ident: $($name:ident),+;)*) => {
+        &[$($((
+            concat!(stringify!($folder), "/", stringify!($name)),
+            include_str!(concat!("../wgsl/", stringify!($folder), "/", stringify!($name), ".wgsl")),
+        ),)+)*]
+    };
 }
 
 /// Every WGSL file: its name without `.wgsl`, and its text.
-pub const FILES: &[(&str, &str)] = files![
-    "common/casters",
-    "common/determinant",
-    "common/exact_sign",
-    "common/extraction",
-    "common/order_keys",
-    "common/positions",
-    "deform/deform",
-    "deform/displace",
-    "depth_map/cell_words",
-    "depth_map/contour",
-    "depth_map/contour_crossings",
-    "depth_map/contour_marks",
-    "depth_map/contour_rim",
-    "depth_map/contour_tiles",
-    "depth_map/contour_walls",
-    "depth_map/converted_maps",
-    "depth_map/depth_cells",
-    "depth_map/depth_edges",
-    "depth_map/depth_near",
-    "depth_map/depth_walls",
-    "depth_map/edge_code",
-    "depth_map/mesh_depth",
-    "depth_map/samples",
-    "depth_map/scan",
-    "depth_map/surface",
-    "extract/compact",
-    "extract/edge_lists",
-    "extract/edges",
-    "extract/exact_facing",
-    "extract/facing",
-    "extract/one_caster",
-    "extract/per_edge",
-    "extract/results",
-    "interface/caster",
-    "interface/outlined",
-    "mask/shadow_masks",
-    "outline/mesh_edges",
-    "outline/outline_edges",
-    "outline/scene_edges",
-    "polygon/boundaries",
-    "polygon/corner_turn",
-    "polygon/cut_edges",
-    "polygon/cuts",
-    "polygon/list_pieces",
-    "polygon/polygon_facing",
-    "polygon/polygon_pairs",
-    "query/exact_shadow_depth",
-    "query/records",
-    "query/shadow_boxes",
-    "query/shadow_depth",
-    "query/shadow_pairs",
-    "query/shadow_segments",
-    "scene/clusters",
-    "scene/cull_lights",
-    "scene/listed_chunks",
-    "scene/many_casters",
-    "scene/needs",
-    "scene/table",
-    "shadow/bounds",
-    "shadow/cap_faces",
-    "shadow/caps",
-    "shadow/caster",
-    "shadow/choices",
-    "shadow/counting_methods",
-    "shadow/culling",
-    "shadow/draw_lists",
-    "shadow/half_plane_bins",
-    "shadow/list_sides",
-    "shadow/piece_volumes",
-    "shadow/receiver_pyramid",
-    "shadow/receivers",
-    "shadow/relist",
-    "shadow/shadow",
-    "shadow/shadow_arguments",
-    "shadow/sides",
-    "shadow/stencil_bound",
-    "shadow/stencil_crossings",
-    "shadow/stencil_pencil",
-    "shadow/vertices",
-    "shadow/zp_plus_2005_cases",
-];
+pub const FILES: &[(&str, &str)] = files! {
+    common: casters, determinant, exact_sign, extraction, order_keys, positions;
+    deform: deform, displace;
+    depth_map: cell_words, contour, contour_crossings, contour_marks, contour_rim, contour_tiles, contour_walls,
+        converted_maps, depth_cells, depth_edges, depth_near, depth_walls, edge_code, mesh_depth, samples, scan,
+        surface;
+    extract: compact, edge_lists, edges, exact_facing, facing, one_caster, per_edge, results;
+    interface: caster, outlined;
+    mask: shadow_masks;
+    outline: mesh_edges, outline_edges, scene_edges;
+    polygon: boundaries, corner_turn, cut_edges, cuts, list_pieces, polygon_facing, polygon_pairs;
+    query: exact_shadow_depth, records, shadow_boxes, shadow_depth, shadow_pairs, shadow_segments;
+    scene: clusters, cull_lights, listed_chunks, many_casters, needs, table;
+    shadow: bounds, cap_faces, caps, caster, choices, counting_methods, culling, draw_lists, half_plane_bins,
+        list_sides, piece_volumes, receiver_pyramid, receivers, relist, shadow, shadow_arguments, sides, stencil_bound,
+        stencil_crossings, stencil_pencil, vertices, zp_plus_2005_cases;
+};
 
 /// The text of a file. In builds with debug assertions the variable `RIMLINE_WGSL` may name a folder
 /// that is read instead of what was compiled in.

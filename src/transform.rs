@@ -27,6 +27,10 @@ pub struct Transform {
 }
 
 impl Transform {
+    /// The rows of a transform that moves nothing.
+    #[cfg(feature = "gpu")]
+    pub(crate) const UNIT: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
     /// The rows: each axis of world space from `(x, y, z, 1)`.
     pub const fn rows(self) -> Matrix3x4 {
         self.rows

@@ -51,8 +51,7 @@ const OFFSET: u64 = 12;
 /// their new indices. The table of groups is not larger than the last two, and is freed before.
 const WELDING: u64 = 4 + 4 + 8 + 4;
 /// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records during construction. The most of a
-/// face are the mesh's copy, the mates of its half-edges and three boundary records, or the copy and the half-edges sorted
-/// twice.
+/// face are the mesh's copy, the mates of its half-edges and three boundary records.
 const PLACED_FACE: u64 = 12 + 12 + 3 * 16;
 const PLACED_VERTEX: u64 = 8;
 /// Bytes for an instance, for a matrix of its pose, and for a morph weight.

@@ -19,21 +19,13 @@ impl Asset {
         time_s: f32,
     ) -> Result<Vec<Result<SceneCamera, GltfError>>, GltfError> {
         let world = self.state(animations, time_s)?.world;
-        Ok(self.camera_nodes().map(|(n, camera)| self.camera(n, camera, &world[n], time_s)).collect())
+        let cameras = self.nodes_with(|node| node.camera.as_ref());
+        Ok(cameras.map(|(n, camera)| self.camera(n, camera, &world[n], time_s)).collect())
     }
 
     /// The name of each of [`Asset::each_camera`], or that of its node.
     pub fn camera_names(&self) -> Vec<Option<&str>> {
-        let name = |(n, camera): (usize, &Part<usize>)| {
-            let camera_name = camera.as_ref().ok().and_then(|&camera| self.document.cameras[camera].name.as_ref());
-            camera_name.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
-        };
-        self.camera_nodes().map(name).collect()
-    }
-
-    /// The nodes of the scene's cameras.
-    fn camera_nodes(&self) -> impl Iterator<Item = (usize, &Part<usize>)> {
-        self.graph.scene.iter().filter_map(|&n| Some((n, self.document.nodes[n].camera.as_ref()?)))
+        self.names(&self.document.cameras, |node| node.camera.as_ref())
     }
 
     /// The camera of node `n`, whose world matrix is given.

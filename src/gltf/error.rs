@@ -9,123 +9,59 @@ use crate::model::ModelError;
 /// `meshes[0].primitives[2].attributes`. Two errors are equal if their messages are.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum GltfError {
     /// The file, or a file that it names, cannot be read.
     #[error("cannot read {}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The error of the system.
-        source: Arc<std::io::Error>,
-    },
+    Read { path: PathBuf, source: Arc<std::io::Error> },
     /// The text is not JSON.
     #[error("the glTF JSON cannot be parsed: {0}")]
     Json(#[source] Arc<serde_json::Error>),
-    /// A part of the file is missing, has an impossible value, or does not fit its use.
+    /// A part of the file is missing, has an impossible value, or does not fit its use. In the container of a GLB the path
+    /// names a byte. `problem` has the words behind the path.
     #[error("{json_path}{problem}")]
-    Invalid {
-        /// JSON path of the part. In the container of a GLB: the byte.
-        json_path: String,
-        /// The fault: the words after the path in the message.
-        problem: String,
-    },
+    Invalid { json_path: String, problem: String },
     /// The file has another glTF version than 2.
     #[error("glTF version {version} is not supported, only 2.0 is; convert the file")]
-    Version {
-        /// The version as written in the file.
-        version: String,
-    },
+    Version { version: String },
     /// The file needs an extension that is not supported.
     #[error("{json_path} needs the extension {name}, which is not supported; {advice}")]
-    Extension {
-        /// The extension.
-        name: String,
-        /// Where the file needs it.
-        json_path: String,
-        /// Advice to the user.
-        advice: &'static str,
-    },
-    /// Loading would take more memory than the caller allows. This guards against small files that fill the memory.
+    Extension { name: String, json_path: String, advice: &'static str },
+    /// Loading would take more memory than [`LoadOptions::memory_limit`](super::LoadOptions::memory_limit). This guards
+    /// against small files that fill the memory. `what` is the next allocation, which is among the bytes needed: a file, or
+    /// a JSON path.
     #[error(
         "{what}: loading needs at least {needed} bytes of memory, more than the limit of {limit}; raise the limit if \
          the file is meant to be that large, else split it"
     )]
-    TooLarge {
-        /// The next allocation: a file, or a JSON path.
-        what: String,
-        /// Bytes that would be in use at one time, including this allocation.
-        needed: u64,
-        /// [`LoadOptions::memory_limit`](super::LoadOptions::memory_limit).
-        limit: u64,
-    },
-    /// A file name leads outside the folder of the glTF.
+    TooLarge { what: String, needed: u64, limit: u64 },
+    /// A file name leads outside the folder of the glTF. `uri` has its first characters.
     #[error(
         "{json_path}: {uri:?} leads to {}, which is outside the glTF's folder and is not read; put the file there, or \
          allow files outside if the glTF is trusted", path.display()
     )]
-    Outside {
-        /// JSON path of the URI.
-        json_path: String,
-        /// Its first characters.
-        uri: String,
-        /// The path that it leads to.
-        path: PathBuf,
-    },
+    Outside { json_path: String, uri: String, path: PathBuf },
     /// There is no such animation.
     #[error("animation {index} was asked for, but the file has {count}")]
-    NoAnimation {
-        /// The requested index.
-        index: usize,
-        /// Animations in the file.
-        count: usize,
-    },
+    NoAnimation { index: usize, count: usize },
     /// The animation is damaged. The rest of the file can be used.
     #[error("animation {index} cannot be played: {source}")]
-    DamagedAnimation {
-        /// The requested index.
-        index: usize,
-        /// The fault, and where it is.
-        source: Box<GltfError>,
-    },
+    DamagedAnimation { index: usize, source: Box<GltfError> },
     /// Two of the animations move the same property of a node, so they cannot play together.
     #[error("animations {first} and {second} both move the {property} of nodes[{node}]; leave one of them out")]
-    SameProperty {
-        /// Index of an animation.
-        first: usize,
-        /// Index of another requested animation.
-        second: usize,
-        /// Index of the node.
-        node: usize,
-        /// `translation`, `rotation`, `scale` or `weights`.
-        property: &'static str,
-    },
+    SameProperty { first: usize, second: usize, node: usize, property: &'static str },
     /// A light is damaged. The rest of the file can be used.
     #[error("the light of nodes[{node}] cannot be used: {source}")]
-    DamagedLight {
-        /// Index of the light's node.
-        node: usize,
-        /// The fault, and where it is.
-        source: Box<GltfError>,
-    },
+    DamagedLight { node: usize, source: Box<GltfError> },
     /// A camera is damaged. The rest of the file can be used.
     #[error("the camera of nodes[{node}] cannot be used: {source}")]
-    DamagedCamera {
-        /// Index of the camera's node.
-        node: usize,
-        /// The fault, and where it is.
-        source: Box<GltfError>,
-    },
+    DamagedCamera { node: usize, source: Box<GltfError> },
     /// The time is NaN.
     #[error("the time is not a number; give seconds")]
     Time,
     /// A matrix or a morph weight is infinite or NaN.
     #[error("{json_path} has no finite transform or morph weights at {time_s} s")]
-    NotFinite {
-        /// JSON path of the node of the instance or light.
-        json_path: String,
-        /// The requested time.
-        time_s: f32,
-    },
+    NotFinite { json_path: String, time_s: f32 },
 }
 
 impl GltfError {

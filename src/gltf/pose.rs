@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::animation::Channel;
 use super::asset::Asset;
-use super::document::{Frame, Named, Part, Placement, Property, Trs};
+use super::document::{Frame, Named, Node, Part, Placement, Property, Trs};
 use super::error::GltfError;
 use super::info::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
@@ -18,6 +18,9 @@ pub(super) struct State {
     /// Only for nodes whose weights an animation moves.
     weights: HashMap<usize, Vec<f64>>,
 }
+
+/// The part of a list that a node has.
+type PartOf = fn(&Node) -> Option<&Part<usize>>;
 
 impl Asset {
     /// The state of the model at a time of its animations, in seconds. Several animations play together from the same
@@ -68,21 +71,27 @@ impl Asset {
         time_s: f32,
     ) -> Result<Vec<Result<SceneLight, GltfError>>, GltfError> {
         let world = self.state(animations, time_s)?.world;
-        Ok(self.light_nodes().map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
+        let lights = self.nodes_with(|node| node.light.as_ref());
+        Ok(lights.map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
     }
 
     /// The name of each of [`Asset::lights`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
-        let name = |(n, light): (usize, &Part<usize>)| {
-            let light_name = light.as_ref().ok().and_then(|&light| self.document.lights[light].name.as_ref());
-            light_name.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
-        };
-        self.light_nodes().map(name).collect()
+        self.names(&self.document.lights, |node| node.light.as_ref())
     }
 
-    /// The nodes of the scene's lights.
-    fn light_nodes(&self) -> impl Iterator<Item = (usize, &Part<usize>)> {
-        self.graph.scene.iter().filter_map(|&n| Some((n, self.document.nodes[n].light.as_ref()?)))
+    /// The nodes of the scene that have a part of a list: a light, or a camera.
+    pub(super) fn nodes_with(&self, part: PartOf) -> impl Iterator<Item = (usize, &Part<usize>)> {
+        self.graph.scene.iter().filter_map(move |&n| Some((n, part(&self.document.nodes[n])?)))
+    }
+
+    /// The names of these parts, or of their nodes.
+    pub(super) fn names<'a, T>(&'a self, list: &'a [Named<T>], part: PartOf) -> Vec<Option<&'a str>> {
+        let name = |(n, part): (usize, &'a Part<usize>)| {
+            let of_part = part.as_ref().ok().and_then(|&part| list[part].name.as_ref());
+            of_part.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
+        };
+        self.nodes_with(part).map(name).collect()
     }
 
     /// The light of node `n`, whose world matrix is given.

@@ -12,20 +12,15 @@ use super::info::SkippedPrimitives;
 /// see [`Asset::warnings`](super::Asset::warnings).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum GltfWarning {
     /// A part of the file is damaged. The scene can be shown without it, so it was left out. A caller that requests the part
     /// gets this fault as an error.
     #[error("{fault}; the scene can be shown without it, so it is left out")]
-    Damaged {
-        /// The fault, and where it is.
-        fault: Box<GltfError>,
-    },
+    Damaged { fault: Box<GltfError> },
     /// The file uses an extension that is not read, and that may transform, shape or move what is drawn.
     #[error("the extension {name} is not read; where it places, shapes or moves something, the result is another")]
-    Extension {
-        /// The extension.
-        name: String,
-    },
+    Extension { name: String },
     /// Primitives were skipped.
     #[error(
         "skipped {} point primitives, {} line primitives and {} primitives without positions", .0.points, .0.lines,
@@ -39,26 +34,12 @@ pub enum GltfWarning {
         if *.is_target { "offsets" } else { "positions" },
         if *.is_target { "; the faces of these vertices are not drawn" } else { "" }
     )]
-    NonFinite {
-        /// JSON path of the attribute.
-        json_path: String,
-        /// The number of such vectors.
-        vertices: usize,
-        /// The first vertex.
-        first: usize,
-        /// Whether they are offsets of a morph target.
-        is_target: bool,
-    },
+    NonFinite { json_path: String, vertices: usize, first: usize, is_target: bool },
     /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners,
     /// indices that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that
     /// move nothing, zero bytes after the JSON.
     #[error("{json_path}{problem}")]
-    Changed {
-        /// JSON path of the part.
-        json_path: String,
-        /// The fault, and how it was read: the words after the path in the message.
-        problem: String,
-    },
+    Changed { json_path: String, problem: String },
 }
 
 impl GltfWarning {

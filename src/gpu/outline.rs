@@ -2,8 +2,9 @@
 
 use std::sync::OnceLock;
 
-use super::common::bindings::{READ, UNIFORM, entries, texture, whole};
-use super::common::device_error::DeviceError;
+use super::common::bindings::{READ, UNIFORM, entries, float_texture, texture, whole};
+use super::common::device_error::{DeviceError, contain};
+use super::common::drawing::{Drawn, depth_stencil};
 use super::common::memory::{any_error, filled};
 use super::common::pipelines::{Pipelines, group};
 use super::common::requirements::{Subject, check_alive, check_same};
@@ -194,6 +195,7 @@ pub struct OutlineInputs<'a> {
 /// Why outlines cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum OutlineError {
     /// The device lacks what outlines need, or is lost, or objects of two devices were used together.
     #[error(transparent)]
@@ -221,109 +223,46 @@ pub enum OutlineError {
     #[error(
         "the pass has {given} colour attachments, and outlines are drawn into one; draw them in a pass of their own"
     )]
-    Colors {
-        /// Colour attachments of the pass.
-        given: usize,
-    },
+    Colors { given: usize },
     /// A pass has other attachments than the pipeline was made for.
     #[error(
         "the pass has {}, and the outline is drawn into {}; make the pipeline with `OutlineFormat::of_pass` of the same pass",
         .pass.attachments(), .format.attachments()
     )]
-    OtherAttachments {
-        /// The format that the pass needs.
-        pass: Box<OutlineFormat>,
-        /// The format that was to begin it.
-        format: Box<OutlineFormat>,
-    },
+    OtherAttachments { pass: Box<OutlineFormat>, format: Box<OutlineFormat> },
     /// The extractor's draws have too few vertices.
     #[error(
         "the extractor draws {given} vertices for each edge, and outlines need 4; set `ListOptions::topology` to a triangle strip"
     )]
-    Vertices {
-        /// Vertices for each edge.
-        given: u32,
-    },
+    Vertices { given: u32 },
     /// The depth texture has no depth, or shaders may not read it.
     #[error("the depth texture, of format {format:?}, cannot be read; give one with depth and usage TEXTURE_BINDING")]
-    Depth {
-        /// Its format.
-        format: wgpu::TextureFormat,
-    },
+    Depth { format: wgpu::TextureFormat },
     /// The depth texture is not what the pipeline was made for.
     #[error(
         "the depth texture has {given} samples a pixel, and the pipeline reads {}; set `OutlineFormat::is_depth_multisampled`",
         if *.is_depth_multisampled { "several" } else { "one" }
     )]
-    DepthSamples {
-        /// Samples of the texture.
-        given: u32,
-        /// Whether the pipeline was made for several.
-        is_depth_multisampled: bool,
-    },
+    DepthSamples { given: u32, is_depth_multisampled: bool },
     /// There are too few marks.
     #[error(
         "the marks have {given} bytes, and {edges} edge records need {needed}; give a bit for each, in 32-bit words"
     )]
-    Marks {
-        /// The size of the buffer.
-        given: u64,
-        /// The least size.
-        needed: u64,
-        /// Edge records of the mesh.
-        edges: usize,
-    },
+    Marks { given: u64, needed: u64, edges: usize },
     /// Width, angle or bias is negative or not finite.
     #[error("`{field}` of the style is {given}; it must be finite and not negative")]
-    Style {
-        /// The field of [`OutlineStyle`].
-        field: &'static str,
-        /// Its value.
-        given: f32,
-    },
+    Style { field: &'static str, given: f32 },
     /// The device refuses the attachments or a resource.
     #[error("the device refuses outlines: {message}")]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
+    Refused { message: String },
 }
 
-impl From<ExtractorError> for OutlineError {
-    /// Errors about the device have one variant, from any function.
-    fn from(error: ExtractorError) -> Self {
-        match error {
-            ExtractorError::Device(error) => Self::Device(error),
-            error => Self::Extraction(error),
-        }
-    }
-}
-
-impl From<ShadowError> for OutlineError {
-    /// Errors about the device have one variant, from any function.
-    fn from(error: ShadowError) -> Self {
-        match error {
-            ShadowError::Device(error) => Self::Device(error),
-            error => Self::Scene(error),
-        }
-    }
-}
+contain!(ExtractorError in OutlineError::Extraction but Device);
+contain!(ShadowError in OutlineError::Scene but Device);
 
 /// Draws edges of extractions and of scenes as lines of a width in pixels, with round joins, smoothed by coverage, and
-/// hidden behind the depth that the caller drew. Nothing is read back. [`OutlineSource`] has an example with a scene.
-///
-/// ```no_run
-/// # use rimline::gpu::{Extraction, OutlineError, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};
-/// # use rimline::{ShadowCamera, wgpu};
-/// # fn outlines(pipeline: &OutlinePipeline, encoder: &mut wgpu::CommandEncoder, extraction: &Extraction, camera: &ShadowCamera,
-/// #     depth: &wgpu::TextureView, pass: &wgpu::RenderPassDescriptor<'_>) -> Result<(), OutlineError> {
-/// // Once: let pipeline = OutlinePipeline::new(device, &OutlineFormat::of_pass(pass, depth)?)?;
-/// let style = OutlineStyle { width: 3.0, crease: Some([0.3, 0.3, 0.3, 1.0]), ..OutlineStyle::default() };
-/// let of = OutlineSource::Extraction(extraction, 0);
-/// let outline = pipeline.prepare(&OutlineInputs { of, camera, depth, style, marked: None })?;
-/// outline.draw(&mut encoder.begin_render_pass(pass))?;
-/// # Ok(()) }
-/// ```
+/// hidden behind the depth that the caller drew. Nothing is read back. The page of the crate has an example, and
+/// [`OutlineSource`] one with a scene.
 ///
 /// A line is hidden where the depth at the line says so, not at the pixel beside it. It can be up to a pixel too long
 /// at what hides it, and within two pixels of the picture's border parts may be missing. Lines of a translucent colour
@@ -618,11 +557,7 @@ fn scene_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
 
 /// The layout of the bind group beside the results.
 fn view_layout(pipelines: &Pipelines, is_depth_multisampled: bool, has_marks: bool) -> wgpu::BindGroupLayout {
-    let depth = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: is_depth_multisampled,
-    };
+    let depth = float_texture(is_depth_multisampled);
     let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
     let types = [(vertex | fragment, UNIFORM), (fragment, depth), (vertex, READ), (vertex, READ)];
     let types = types.into_iter().take(if has_marks { 4 } else { 3 });
@@ -636,41 +571,22 @@ fn pipeline(
     Pair { stage, layouts, .. }: &Pair,
     entry_point: &str,
 ) -> wgpu::RenderPipeline {
-    let device = shared.device();
     let module = &shared.module(stage.module, &stage.wgsl());
-    let (label, options) = (Some(entry_point), wgpu::PipelineCompilationOptions::default());
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label,
-        bind_group_layouts: &layouts.each_ref().map(Some),
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label,
-        layout: Some(&layout),
-        vertex: wgpu::VertexState { module, entry_point: label, compilation_options: options.clone(), buffers: &[] },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..wgpu::PrimitiveState::default()
-        },
-        depth_stencil: format.depth_stencil.map(|format| wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("outline_ink"),
-            compilation_options: options,
-            targets: &[Some(wgpu::ColorTargetState {
-                format: format.color,
-                blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
+    let [results, view] = layouts;
+    let state = |format| depth_stencil(format, false, wgpu::CompareFunction::Always, wgpu::StencilState::default());
+    shared.draws(&Drawn {
+        label: entry_point,
+        layouts: &[results, view],
+        vertex: (module, entry_point),
+        fragment: Some((module, "outline_ink")),
+        constants: &[],
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
+        depth_stencil: format.depth_stencil.map(state),
+        samples: format.samples,
+        targets: &[Some(wgpu::ColorTargetState {
+            format: format.color,
+            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+            write_mask: wgpu::ColorWrites::ALL,
+        })],
     })
 }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::faces::Mesh;
 use super::topology::{Edge, EdgeCounts, EdgeKind, is_degenerate};
+use super::weld::root;
 
 /// Result of [`MeshDiagnostics::of`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -116,15 +117,6 @@ impl Components {
         }
         volumes.iter().zip(is_open).filter(|([sum, size], is_open)| !is_open && *sum < -LEAST_VOLUME * size).count()
     }
-}
-
-fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
-    while parents[vertex as usize] != vertex {
-        let grandparent = parents[parents[vertex as usize] as usize];
-        parents[vertex as usize] = grandparent;
-        vertex = grandparent;
-    }
-    vertex
 }
 
 /// The number of edges with more than one record. k faces at an edge make ⌈k / 2⌉ records, so more than one record

@@ -1,7 +1,8 @@
 //! Edge records: which faces meet at each edge, for any set of triangles or polygons.
 //!
-//! Stable counting sorts order the half-edges by their two vertices, so the time is linear. A run of equal vertex pairs
-//! holds all faces at one edge, lowest face first. It is split into records of at most two faces.
+//! A stable counting sort puts the half-edges in buckets by their lower vertex, and a stable sort orders each bucket, mostly of
+//! few, by the upper one. A run of equal vertex pairs holds all faces at one edge, lowest face first. It is split into records
+//! of at most two faces.
 
 /// How the two faces of an edge record traverse it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -215,33 +216,23 @@ fn for_each_half_edge(faces: &(impl HalfEdges + ?Sized), mut visit: impl FnMut(u
 fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
     let mut starts = vec![0_u32; vertex_count + 1];
     for_each_half_edge(faces, |lower, _| starts[lower as usize + 1] += 1);
-    let largest = starts.iter().copied().max().unwrap_or(0);
     prefix_sum(&mut starts);
     let mut entries = vec![Entry::default(); starts[vertex_count] as usize];
-    if largest <= INSERTION_SORT_LIMIT {
-        let mut next = starts.clone();
-        for_each_half_edge(faces, |lower, entry| put(&mut next, &mut entries, lower, entry));
-        for bucket in buckets(&starts) {
-            insertion_sort(&mut entries[bucket]);
-        }
-    } else {
-        // One vertex has so many edges that only a second counting sort keeps the time linear.
-        entries = sorted_by_both(faces, &starts);
-    }
+    let mut next = starts.clone();
+    for_each_half_edge(faces, |lower, entry| put(&mut next, &mut entries, lower, entry));
     let mut mates = vec![UNUSED; faces.number_limit()];
-    for bucket in buckets(&starts) {
-        for run in entries[bucket].chunk_by(|a, b| a.upper == b.upper) {
+    for range in starts.windows(2) {
+        let bucket = &mut entries[range[0] as usize..range[1] as usize];
+        bucket.sort_by_key(|entry| entry.upper);
+        for run in bucket.chunk_by(|a, b| a.upper == b.upper) {
             pair_run(run, &mut mates);
         }
     }
     mates
 }
 
-/// Buckets up to this size are sorted in place. This is quadratic, but nothing is faster for an average of three
-/// entries.
-const INSERTION_SORT_LIMIT: u32 = 64;
-
-fn prefix_sum(starts: &mut [u32]) {
+/// Counts become the ends of buckets.
+pub(super) fn prefix_sum(starts: &mut [u32]) {
     let mut sum = 0;
     for start in starts {
         sum += *start;
@@ -249,43 +240,11 @@ fn prefix_sum(starts: &mut [u32]) {
     }
 }
 
-fn put<T>(next: &mut [u32], sorted: &mut [T], key: u32, value: T) {
+/// Puts a value where its bucket goes on.
+pub(super) fn put<T>(next: &mut [u32], sorted: &mut [T], key: u32, value: T) {
     let slot = &mut next[key as usize];
     sorted[*slot as usize] = value;
     *slot += 1;
-}
-
-fn buckets(starts: &[u32]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
-    starts.windows(2).map(|pair| pair[0] as usize..pair[1] as usize)
-}
-
-fn insertion_sort(entries: &mut [Entry]) {
-    for end in 1..entries.len() {
-        let entry = entries[end];
-        let mut hole = end;
-        while hole > 0 && entries[hole - 1].upper > entry.upper {
-            entries[hole] = entries[hole - 1];
-            hole -= 1;
-        }
-        entries[hole] = entry;
-    }
-}
-
-/// Sorts by two stable counting sorts: by the upper vertex and then by the lower.
-fn sorted_by_both(faces: &(impl HalfEdges + ?Sized), starts: &[u32]) -> Vec<Entry> {
-    let mut next = vec![0_u32; starts.len()];
-    for_each_half_edge(faces, |_, entry| next[entry.upper as usize + 1] += 1);
-    prefix_sum(&mut next);
-    let mut by_upper = vec![(0_u32, Entry::default()); starts.last().map_or(0, |&total| total as usize)];
-    for_each_half_edge(faces, |lower, entry| {
-        put(&mut next, &mut by_upper, entry.upper, (lower, entry));
-    });
-    next.copy_from_slice(starts);
-    let mut sorted = vec![Entry::default(); by_upper.len()];
-    for (lower, entry) in by_upper {
-        put(&mut next, &mut sorted, lower, entry);
-    }
-    sorted
 }
 
 /// Pairs the half-edges of one edge, lowest face first: opposite traversals first, then the rest.

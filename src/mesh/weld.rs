@@ -7,6 +7,7 @@ mod near;
 use std::hash::{BuildHasher, RandomState};
 
 use super::topology::is_degenerate;
+pub(super) use cells::root;
 pub(crate) use cells::{NearGroups, near_groups};
 pub use distance::WeldDistance;
 

@@ -132,7 +132,7 @@ fn all_shapes() -> Vec<(&'static str, Shape)> {
         ("moebius", shapes::moebius(12, 3)),
         ("three sheets", shapes::three_sheets(5)),
         ("fan of few", shapes::fan(11)),
-        // Hubs with more edges than the insertion sort takes: the second counting sort.
+        // Hubs with many edges.
         ("fan of many", shapes::fan(500)),
     ]
 }

@@ -6,7 +6,7 @@ use crate::cpu::common::determinant::{cross_product, difference, local_form, loc
 use crate::cpu::common::filter;
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::common::positions::{is_finite, position};
-use crate::layout::LightBatch;
+use crate::layout::{LightBatch, bits};
 use crate::light::Light;
 use crate::mesh::is_degenerate;
 use crate::method::Predicate;
@@ -256,7 +256,7 @@ impl Face {
         }
         let exact = ExactFace::new(self.a, self.b, self.c);
         for light in bits(undecided) {
-            let sign = exact.sign(light_batch.light_bits[light].map(f32::from_bits));
+            let sign = exact.sign(light_batch.light_bits[light as usize].map(f32::from_bits));
             facing |= u32::from(sign > 0) << light;
             statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(sign == 0));
         }
@@ -277,7 +277,8 @@ impl Face {
         let [u, v] = [u.map(f32::abs), v.map(f32::abs)];
         let n_abs = [u[1] * v[2] + u[2] * v[1], u[2] * v[0] + u[0] * v[2], u[0] * v[1] + u[1] * v[0]];
         let underflow = filter::underflow_bound(largest);
-        for light in bits(light_batch.active_bits) {
+        for bit in bits(light_batch.active_bits) {
+            let light = bit as usize;
             let l = light_batch.lights[light];
             let d = local_form(n, a, l);
             let inexact_w = light_batch.inexact_w[light / 4][light % 4];
@@ -285,8 +286,8 @@ impl Face {
             let bound = filter::RELATIVE * (n_abs[0] * sizes[0] + n_abs[1] * sizes[1] + n_abs[2] * sizes[2])
                 + underflow * (1.0 + sizes[0] + sizes[1] + sizes[2]);
             if d.abs() > bound {
-                decision.undecided &= !(1 << light);
-                decision.facing |= u32::from(d > 0.0) << light;
+                decision.undecided &= !(1 << bit);
+                decision.facing |= u32::from(d > 0.0) << bit;
             }
         }
         decision
@@ -297,13 +298,4 @@ impl Face {
 struct Decision {
     facing: u32,
     undecided: u32,
-}
-
-/// The set bits, lowest first.
-fn bits(mut word: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = word.trailing_zeros();
-        word &= word.wrapping_sub(1);
-        (bit < 32).then_some(bit as usize)
-    })
 }

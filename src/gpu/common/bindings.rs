@@ -25,7 +25,7 @@ impl Bindings {
                     Some(texture_type(wgpu::TextureSampleType::Depth, multi))
                 }
                 naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, kind }, .. } => {
-                    Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { FLOAT_TEXTURE })
+                    Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { float_texture(false) })
                 }
                 naga::TypeInner::Image { class: naga::ImageClass::Storage { format, .. }, .. } => {
                     Some(written_type(format))
@@ -95,8 +95,9 @@ const fn texture_type(sample_type: wgpu::TextureSampleType, multisampled: bool) 
 }
 
 /// A texture that is not filtered. A depth texture is one, too.
-pub(crate) const FLOAT_TEXTURE: wgpu::BindingType =
-    texture_type(wgpu::TextureSampleType::Float { filterable: false }, false);
+pub(crate) const fn float_texture(multisampled: bool) -> wgpu::BindingType {
+    texture_type(wgpu::TextureSampleType::Float { filterable: false }, multisampled)
+}
 /// A texture of integers.
 pub(crate) const UINT_TEXTURE: wgpu::BindingType = texture_type(wgpu::TextureSampleType::Uint, false);
 

@@ -12,142 +12,62 @@ pub struct Allocation {
 /// Why a device cannot be used, or buffers cannot be made, bound or read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum DeviceError {
     /// A limit of the device is too small.
     #[error(
         "{subject} needs `{limit}` of at least {needed}, and the device has {there}; request the device with \
          `required_limits: wgpu::Limits::default()`, or with this limit raised"
     )]
-    Limit {
-        /// The subject whose stages need it.
-        subject: &'static str,
-        /// The field of [`wgpu::Limits`].
-        limit: &'static str,
-        /// The smallest value that works.
-        needed: u64,
-        /// The value of the device.
-        there: u64,
-    },
+    Limit { subject: &'static str, limit: &'static str, needed: u64, there: u64 },
     /// An alignment of offsets of the device is too coarse.
     #[error(
         "{subject} needs `{limit}` of at most {needed}, and the device has {there}; request the device with \
          `required_limits: wgpu::Limits::default()`, or with this limit lowered"
     )]
-    Alignment {
-        /// The subject whose stages need it.
-        subject: &'static str,
-        /// The field of [`wgpu::Limits`].
-        limit: &'static str,
-        /// The largest value that works.
-        needed: u64,
-        /// The value of the device.
-        there: u64,
-    },
+    Alignment { subject: &'static str, limit: &'static str, needed: u64, there: u64 },
     /// The adapter lacks a downlevel flag. A device does not list these flags, so each is tried once.
     #[error(
         "{subject} needs `DownlevelFlags::{flag}`, which the adapter lacks; take another adapter or backend: {message}"
     )]
-    Downlevel {
-        /// The subject whose stages need it.
-        subject: &'static str,
-        /// The flag of [`wgpu::DownlevelFlags`].
-        flag: &'static str,
-        /// The message of the device.
-        message: String,
-    },
+    Downlevel { subject: &'static str, flag: &'static str, message: String },
     /// The device was lost or destroyed.
     #[error("the device is lost; make a new one, and everything on it anew")]
     Lost,
     /// Objects of two devices were used together. This is found only for devices of one [`wgpu::Instance`]. For two
     /// instances wgpu cannot distinguish the objects; it panics or confuses them.
     #[error("{what} is of another device than {with}; make both on one device")]
-    OtherDevice {
-        /// The object that was given.
-        what: &'static str,
-        /// The object that it was given to.
-        with: &'static str,
-    },
+    OtherDevice { what: &'static str, with: &'static str },
     /// The device refuses an object for no reason that limits, features or flags show.
     #[error("the device refuses what Rimline makes: {message}")]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
+    Refused { message: String },
 
-    /// One buffer is larger than the device allows.
+    /// One buffer is larger than the `max_buffer_size` of the device.
     #[error("{label} needs {bytes} bytes in one buffer, and the device allows {limit}; split the mesh")]
-    BufferTooLarge {
-        /// The buffer's label.
-        label: &'static str,
-        /// Bytes needed.
-        bytes: u64,
-        /// `max_buffer_size` of the device.
-        limit: u64,
-    },
-    /// An array that has to be bound at once, such as the share of a single workgroup, does not fit one binding.
+    BufferTooLarge { label: &'static str, bytes: u64, limit: u64 },
+    /// An array that has to be bound at once, such as the share of a single workgroup, does not fit one binding:
+    /// `max_storage_buffer_binding_size` of the device.
     #[error("{what} needs {bytes} bytes in one binding, and the device allows {limit}; request a larger limit")]
-    BindingTooLarge {
-        /// The array that is bound.
-        what: &'static str,
-        /// Bytes needed.
-        bytes: u64,
-        /// `max_storage_buffer_binding_size` of the device.
-        limit: u64,
-    },
+    BindingTooLarge { what: &'static str, bytes: u64, limit: u64 },
     /// A gathered array needs more bindings than the shaders have.
     #[error("{what} take {bytes} bytes, and four bindings of the device hold {limit}; split the mesh")]
-    GatheredTooLarge {
-        /// The array that is gathered from.
-        what: &'static str,
-        /// Bytes needed.
-        bytes: u64,
-        /// Four times `max_storage_buffer_binding_size` of the device.
-        limit: u64,
-    },
+    GatheredTooLarge { what: &'static str, bytes: u64, limit: u64 },
     /// All buffers together exceed the caller's limit.
     #[error(
         "{bytes} bytes needed in all, {limit} allowed (`memory_limit`); the largest is {} with {} bytes",
         .largest.label, .largest.bytes
     )]
-    MemoryLimit {
-        /// Bytes needed.
-        bytes: u64,
-        /// The limit given.
-        limit: u64,
-        /// The largest buffer.
-        largest: Allocation,
-    },
+    MemoryLimit { bytes: u64, limit: u64, largest: Allocation },
     /// The device ran out of memory. The buffers that had been made are freed.
     #[error("the device has no room for {bytes} bytes: {message}")]
-    OutOfMemory {
-        /// Bytes needed in all.
-        bytes: u64,
-        /// The message of the device.
-        message: String,
-    },
+    OutOfMemory { bytes: u64, message: String },
 
     /// The offset or the stride is not a multiple of 4, or the stride is smaller than 12.
     #[error("positions at offset {offset}, stride {stride}: both must be multiples of 4, and the stride at least 12")]
-    PositionLayout {
-        /// The offset given.
-        offset: u64,
-        /// The stride given.
-        stride: u64,
-    },
+    PositionLayout { offset: u64, stride: u64 },
     /// The buffer ends before the last vertex.
     #[error("{vertices} vertices at offset {offset}, stride {stride} need {needed} bytes, and the buffer has {bytes}")]
-    PositionsTooShort {
-        /// Vertices of the mesh.
-        vertices: u32,
-        /// The offset given.
-        offset: u64,
-        /// The stride given.
-        stride: u64,
-        /// Bytes needed.
-        needed: u64,
-        /// Bytes of the buffer.
-        bytes: u64,
-    },
+    PositionsTooShort { vertices: u32, offset: u64, stride: u64, needed: u64, bytes: u64 },
     /// The buffer does not have usage `STORAGE`, so no shader can bind it.
     #[error("the position buffer lacks usage STORAGE; add it where the buffer is made")]
     NotStorage,
@@ -155,10 +75,7 @@ pub enum DeviceError {
     #[error(
         "the device does not bind the buffer; give one of the device that the stages are on, not destroyed: {message}"
     )]
-    BufferRefused {
-        /// The message of the device.
-        message: String,
-    },
+    BufferRefused { message: String },
 
     /// The buffer was made without usage `COPY_SRC`.
     #[error("the buffer to read lacks usage COPY_SRC")]
@@ -166,53 +83,47 @@ pub enum DeviceError {
     /// The device was lost, or it refused the copy or the mapping. For example it lacks the memory, or the buffer
     /// belongs to another device or was destroyed.
     #[error("the device did not hand back {bytes} bytes: {message}")]
-    ReadBack {
-        /// Requested bytes.
-        bytes: u64,
-        /// The message of the device.
-        message: String,
-    },
+    ReadBack { bytes: u64, message: String },
     /// The platform is a browser, where no thread may wait for the device.
     #[error(
         "this platform does not wait for the device; await `read_back_async`, `StageTimer::read_async` or `Extraction::read_edges_async` instead"
     )]
     CannotWait,
 
-    /// The queue has no length of a tick.
+    /// The queue has no length of a tick: [`wgpu::Queue::get_timestamp_period`].
     #[error("the queue's timestamp period is {period} ns, so its timestamps are no times; measure by a clock")]
-    TimestampPeriod {
-        /// Nanoseconds for each tick, as [`wgpu::Queue::get_timestamp_period`] returns it.
-        period: f32,
-    },
+    TimestampPeriod { period: f32 },
     /// All timestamps are equal, so no time was measured.
     #[error(
         "{passes} passes were timed, and all timestamps are equal: the device's clock stands still, or is too coarse; \
          measure by a clock"
     )]
-    ClockStill {
-        /// Passes that were timed.
-        passes: usize,
-    },
+    ClockStill { passes: usize },
     /// Timestamps of compute passes are written too late, as Mesa's llvmpipe does once it has drawn anything.
     #[error(
         "a load of at least {least_ms} ms took {ms} ms by the device's timestamps: they do not belong to their passes; measure by a \
          clock, or on a device that draws nothing"
     )]
-    ClockLate {
-        /// The time of the load by the timestamps, in milliseconds.
-        ms: f64,
-        /// The time that the load takes at least.
-        least_ms: f64,
-    },
+    ClockLate { ms: f64, least_ms: f64 },
     /// A pass ended before it began, or before the first pass began.
     #[error("pass {pass} ({name}) ended before it began: the device's clock runs backwards; measure by a clock")]
-    ClockBackwards {
-        /// The number of the pass, in the order of recording.
-        pass: usize,
-        /// The name of its stage.
-        name: &'static str,
-    },
+    ClockBackwards { pass: usize, name: &'static str },
 }
+
+/// Contains the errors of one subject in those of another: in a variant, but for those that both have, whoever finds them.
+macro_rules! contain {
+    ($inner:ident in $outer:ident::$variant:ident but $($same:ident),+) => {
+        impl From<$inner> for $outer {
+            fn from(error: $inner) -> Self {
+                match error {
+                    $($inner::$same(error) => Self::$same(error),)+
+                    error => Self::$variant(error),
+                }
+            }
+        }
+    };
+}
+pub(crate) use contain;
 
 impl DeviceError {
     /// Whether the device's timestamps are no times. Measure with a clock of the CPU then.

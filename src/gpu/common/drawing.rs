@@ -2,7 +2,7 @@
 
 use super::pipelines::Pipelines;
 
-/// A render pipeline that draws triangles, without vertex buffers and without changing a colour.
+/// A render pipeline without vertex buffers.
 pub(crate) struct Drawn<'a> {
     /// The label, and the bind group layouts.
     pub(crate) label: &'a str,
@@ -14,29 +14,44 @@ pub(crate) struct Drawn<'a> {
     /// Constants of the vertex stage.
     pub(crate) constants: &'a [(&'a str, f64)],
     pub(crate) primitive: wgpu::PrimitiveState,
-    pub(crate) format: wgpu::TextureFormat,
-    pub(crate) writes_depth: bool,
-    pub(crate) compare: wgpu::CompareFunction,
-    pub(crate) stencil: wgpu::StencilState,
+    pub(crate) depth_stencil: Option<wgpu::DepthStencilState>,
     pub(crate) samples: u32,
-    pub(crate) colors: &'a [Option<wgpu::TextureFormat>],
+    pub(crate) targets: &'a [Option<wgpu::ColorTargetState>],
+}
+
+/// A depth-stencil state without bias.
+pub(crate) fn depth_stencil(
+    format: wgpu::TextureFormat,
+    writes_depth: bool,
+    compare: wgpu::CompareFunction,
+    stencil: wgpu::StencilState,
+) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format,
+        depth_write_enabled: Some(writes_depth),
+        depth_compare: Some(compare),
+        stencil,
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// Targets of these formats that stay as they are.
+pub(crate) fn unchanged(colors: &[Option<wgpu::TextureFormat>]) -> Vec<Option<wgpu::ColorTargetState>> {
+    let write_mask = wgpu::ColorWrites::empty();
+    let target = |format| wgpu::ColorTargetState { format, blend: None, write_mask };
+    colors.iter().map(|color| color.map(target)).collect()
 }
 
 impl Pipelines {
     /// Makes a render pipeline.
     pub(crate) fn draws(&self, drawn: &Drawn<'_>) -> wgpu::RenderPipeline {
-        let (label, bias) = (Some(drawn.label), wgpu::DepthBiasState::default());
+        let label = Some(drawn.label);
         let groups: Vec<_> = drawn.layouts.iter().copied().map(Some).collect();
         let layout = self.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let unchanged = |color: &Option<wgpu::TextureFormat>| {
-            let write_mask = wgpu::ColorWrites::empty();
-            color.map(|format| wgpu::ColorTargetState { format, blend: None, write_mask })
-        };
-        let targets: Vec<_> = drawn.colors.iter().map(unchanged).collect();
         let constants = wgpu::PipelineCompilationOptions { constants: drawn.constants, ..Default::default() };
         self.device().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label,
@@ -48,19 +63,13 @@ impl Pipelines {
                 buffers: &[],
             },
             primitive: drawn.primitive,
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: drawn.format,
-                depth_write_enabled: Some(drawn.writes_depth),
-                depth_compare: Some(drawn.compare),
-                stencil: drawn.stencil.clone(),
-                bias,
-            }),
+            depth_stencil: drawn.depth_stencil.clone(),
             multisample: wgpu::MultisampleState { count: drawn.samples, ..Default::default() },
             fragment: drawn.fragment.map(|(module, entry_point)| wgpu::FragmentState {
                 module,
                 entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &targets,
+                targets: drawn.targets,
             }),
             multiview_mask: None,
             cache: None,

@@ -75,6 +75,11 @@ pub(crate) struct Program {
     further: Option<wgpu::BindGroupLayout>,
 }
 
+/// A constant that is 1 or 0.
+pub(crate) fn switch(is_on: bool) -> f64 {
+    f64::from(u8::from(is_on))
+}
+
 impl Program {
     /// The entry point with the name of the stage.
     pub(crate) fn of(stage: &'static Stage, constants: &[(&'static str, f64)]) -> Self {

@@ -2,7 +2,7 @@
 
 use wgpu::BufferUsages;
 
-use super::model_data::{ModelData, Plan, PlannedDispatch, PoseLayout};
+use super::model_data::{ARRAYS, ModelData, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::bindings::{part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
@@ -15,7 +15,7 @@ use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::layout::{DeformChunk, DeformDispatch};
-use crate::model::{Geometry, Model, ModelError, Pose};
+use crate::model::{Model, ModelError, Pose};
 use crate::turns::DEFORM_TERMS;
 
 /// The displacement of a [`Deformer`], beside morph targets and skins, and its memory limit.
@@ -63,6 +63,7 @@ impl<'a> From<&'a Pose> for PoseInputs<'a> {
 /// Why a deformer cannot be made, or a pose cannot be recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum DeformError {
     /// The device lacks what deformation needs, is lost, or is not the timer's. Or the model does not fit it.
     #[error(transparent)]
@@ -70,22 +71,13 @@ pub enum DeformError {
     /// The pose does not fit this model.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A vertex is the sum of more terms than one invocation may add.
+    /// A vertex is the sum of more terms than one invocation may add. `targets` is 0 if the influences alone are too many.
     #[error(
         "a vertex of instance {instance} has {influences} influences, and {targets} morph targets have a weight other than \
          0; together they may be {limit}, because software devices end longer loops without a word. Give fewer, or deform \
          on the CPU (`cpu::deform`)"
     )]
-    TooManyTerms {
-        /// The instance's index.
-        instance: usize,
-        /// Morph targets whose weight is not 0. It is 0 if the influences alone are too many.
-        targets: u32,
-        /// The largest number of influences of one of its vertices.
-        influences: u32,
-        /// The largest sum of both.
-        limit: u32,
-    },
+    TooManyTerms { instance: usize, targets: u32, influences: u32, limit: u32 },
     /// The displacement declares resources but the layout or the bind group is missing, or the displacement declares
     /// none and one was given.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
@@ -93,10 +85,7 @@ pub enum DeformError {
     /// The device cannot make a pipeline of the displacement and the layout. For example the resources do not match the
     /// layout, or there are more of them than the device allows.
     #[error("the device refuses the displacement with the layout given: {message}")]
-    Pipeline {
-        /// The message of the device.
-        message: String,
-    },
+    Pipeline { message: String },
 }
 
 /// Deforms a model every frame into a position buffer of its own. The buffer holds all instances in the vertex order of
@@ -109,19 +98,13 @@ pub struct Deformer {
     positions: wgpu::Buffer,
     pose: wgpu::Buffer,
     dispatches: wgpu::Buffer,
-    /// For each instance 1 if its positions are a point, since it was not needed.
+    /// For each instance 1 if its positions are a point, since it was not needed. It is copied to the pose, where for each
+    /// instance 1 follows if it is not needed now, which an upload makes 0.
     held: wgpu::Buffer,
-    /// The word of the pose where that is copied to. For each instance 1 if it is not needed now follows, which an
-    /// upload makes 0.
-    before: u64,
-    layouts: Vec<PoseLayout>,
-    /// Where the positions of each instance begin, in bytes.
-    offsets: Vec<u64>,
-    /// The constant part of each chunk, and its instance.
-    chunks: Vec<(usize, DeformChunk)>,
-    /// The constant part of each dispatch's uniform.
-    plan: Vec<DeformDispatch>,
+    /// Without its arrays, which are in buffers.
+    data: ModelData,
     pass: Step,
+    displaced: bool,
     pub(crate) has_resources: bool,
     /// The size of all buffers.
     pub(crate) bytes: u64,
@@ -165,7 +148,7 @@ impl Deformer {
         }
         let split = DispatchLimits::new(&device.limits());
         let data = ModelData::new(model, &split)?;
-        for (instance, layout) in data.pose_layouts.iter().enumerate() {
+        for (instance, layout) in data.layouts.iter().enumerate() {
             check_terms(instance, 0, layout)?;
         }
         let bytes = data.check(&split, options.memory_limit)?;
@@ -176,69 +159,50 @@ impl Deformer {
             pipelines.get(&Program::deform(options.displacement, options.displacement_layout))
         })
         .map_err(|message| DeformError::Pipeline { message })?;
-        let made = guarded(device, bytes, || {
-            Self::build(device, model, &data, &split, &pipeline, options.displacement.is_some(), has_resources)
-        })?;
-        Ok(Self { bytes, ..made })
+        let displaced = options.displacement.is_some();
+        let made = guarded(device, bytes, || Self::build(device, data, &pipeline, displaced))?;
+        Ok(Self { has_resources, bytes, ..made })
     }
 
-    fn build(
-        device: &wgpu::Device,
-        model: &Model,
-        data: &ModelData,
-        split: &DispatchLimits,
-        pipeline: &Pipeline,
-        displaced: bool,
-        has_resources: bool,
-    ) -> Self {
+    fn build(device: &wgpu::Device, mut data: ModelData, pipeline: &Pipeline, displaced: bool) -> Self {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let positions = buffer(device, "positions", data.vertices * 12, storage | BufferUsages::VERTEX);
-        let [rest, morph, skin, source_vertices] = data.upload(device, model);
-        let Plan { dispatches: planned, chunks, workgroups } = data.plan(model, split);
+        let words = std::mem::take(&mut data.arrays);
+        let upload =
+            |array: usize| filled(device, ARRAYS[array], bytemuck::cast_slice(&words[array]), BufferUsages::STORAGE);
+        let arrays = [0, 1, 2, 3].map(upload);
         // Each encode writes what comes before the chunks of the workgroups.
         let mut words = vec![0; data.pose_words as usize];
-        words.extend(workgroups);
+        words.extend(&data.workgroups);
         let pose = filled(device, "pose", bytemuck::cast_slice(&words), storage);
-        let mut table = UniformTable::default();
-        let dispatch = |planned: &PlannedDispatch| DeformDispatch {
-            workgroups: planned.first_word,
-            displaced: u32::from(displaced),
-            time: 0.0,
-            instances: model.instances().len() as u32,
-        };
-        let plan: Vec<DeformDispatch> = planned.iter().map(dispatch).collect();
-        let offsets: Vec<u32> = plan.iter().map(|dispatch| table.push(dispatch)).collect();
-        let dispatches = table.into_buffer(device, "deform dispatches");
-        let bind = |(planned, offset): (&PlannedDispatch, u32)| {
-            let [planned_rest, planned_morph, planned_skin, planned_sources, planned_positions] =
-                planned.arrays.clone();
+        let dispatches = data.uniforms(displaced, 0.0).into_buffer(device, "deform dispatches");
+        let bind = |(offset, planned): (usize, &PlannedDispatch)| {
+            let of_array = |array: usize| part(&arrays[array], planned.bound[array].clone());
             pipeline.dispatch(device, Workgroups::Known([planned.workgroups, 1]), |name| {
                 Some(match name {
-                    "dispatch" => uniform::<DeformDispatch>(&dispatches, offset),
-                    "rest" => part(&rest, planned_rest.clone()),
-                    "morph" => part(&morph, planned_morph.clone()),
-                    "skin" => part(&skin, planned_skin.clone()),
+                    "dispatch" => uniform::<DeformDispatch>(&dispatches, offset as u32),
+                    "rest" => of_array(0),
+                    "morph" => of_array(1),
+                    "skin" => of_array(2),
+                    "source_vertices" => of_array(3),
                     "pose" => whole(&pose),
-                    "source_vertices" => part(&source_vertices, planned_sources.clone()),
-                    "positions" => part(&positions, planned_positions.clone()),
+                    "positions" => part(&positions, planned.bound[4].clone()),
                     _ => return None,
                 })
             })
         };
-        let pass = pipeline.pass(planned.iter().zip(offsets).map(bind));
+        let offsets = (0..).step_by(UniformTable::stride::<DeformDispatch>());
+        let pass = pipeline.pass(offsets.zip(&data.dispatches).map(bind));
         Self {
             device: device.clone(),
             positions,
-            held: buffer(device, "deformed", 4 * data.pose_layouts.len() as u64, storage),
-            before: data.before,
+            held: buffer(device, "deformed", 4 * data.layouts.len() as u64, storage),
             pose,
             dispatches,
-            layouts: data.pose_layouts.clone(),
-            offsets: instance_offsets(model),
-            chunks,
-            plan,
+            data,
             pass,
-            has_resources,
+            displaced,
+            has_resources: false,
             bytes: 0,
         }
     }
@@ -250,7 +214,7 @@ impl Deformer {
 
     /// The positions of instance number `instance`, once the encoder was submitted. `None` if the model has fewer instances.
     pub fn instance_positions(&self, instance: usize) -> Option<PositionBuffer<'_>> {
-        let offset = *self.offsets.get(instance)?;
+        let offset = self.data.layouts.get(instance)?.positions;
         Some(PositionBuffer { buffer: &self.positions, offset, stride: 12 })
     }
 
@@ -296,11 +260,7 @@ impl Deformer {
 
     /// The uniforms of the dispatches.
     pub(crate) fn uniforms(&self, time_s: f32) -> UniformTable {
-        let mut table = UniformTable::default();
-        for &dispatch in &self.plan {
-            table.push(&DeformDispatch { time: time_s, ..dispatch });
-        }
-        table
+        self.data.uniforms(self.displaced, time_s)
     }
 
     /// The buffers that [`Self::record`] reads, and what is to be uploaded to them.
@@ -310,7 +270,7 @@ impl Deformer {
         uniforms: &'a UniformTable,
     ) -> impl Iterator<Item = (&'a wgpu::Buffer, &'a [u8])> {
         let uploads = [(&self.dispatches, uniforms.bytes()), (&self.pose, bytemuck::cast_slice(words))];
-        uploads.into_iter().filter(|_| !self.plan.is_empty())
+        uploads.into_iter().filter(|_| !self.data.dispatches.is_empty())
     }
 
     /// Records the deformation of what was uploaded. `states` has a word for each instance, from a byte offset on: 1 if
@@ -322,34 +282,35 @@ impl Deformer {
         resources: Option<&wgpu::BindGroup>,
         timer: Option<&mut StageTimer>,
     ) {
-        if !self.plan.is_empty() {
-            let bytes = 4 * self.layouts.len() as u64;
-            encoder.copy_buffer_to_buffer(&self.held, 0, &self.pose, 4 * self.before, bytes);
+        if !self.data.dispatches.is_empty() {
+            let bytes = 4 * self.data.layouts.len() as u64;
+            encoder.copy_buffer_to_buffer(&self.held, 0, &self.pose, 4 * self.data.before, bytes);
             if let Some((words, from)) = states {
-                encoder.copy_buffer_to_buffer(words, from, &self.pose, 4 * self.before + bytes, bytes);
+                encoder.copy_buffer_to_buffer(words, from, &self.pose, 4 * self.data.before + bytes, bytes);
             }
             // The same commands write what the positions are, so an encoder that is dropped changes both or neither.
-            encoder.copy_buffer_to_buffer(&self.pose, 4 * self.before + bytes, &self.held, 0, bytes);
+            encoder.copy_buffer_to_buffer(&self.pose, 4 * self.data.before + bytes, &self.held, 0, bytes);
         }
         record_with([&self.pass], encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
     }
 
     /// The words of an instance's pose among those of all.
     pub(crate) fn words_of<'a>(&self, instance: usize, words: &'a [u32]) -> &'a [u32] {
-        let at = |instance: usize| self.layouts.get(instance).map_or(words.len(), |layout| layout.palette as usize);
+        let at =
+            |instance: usize| self.data.layouts.get(instance).map_or(words.len(), |layout| layout.palette as usize);
         words.get(at(instance)..at(instance + 1).min(words.len())).unwrap_or_default()
     }
 
     /// The chunks and the pose in the words that the shader reads.
     pub(crate) fn pose_words(&self, pose: &Pose) -> Result<Vec<u32>, DeformError> {
-        let mut words = vec![0; self.chunks.len() * size_of::<DeformChunk>() / 4];
-        let mut target_counts = Vec::with_capacity(self.layouts.len());
-        if pose.instances().len() != self.layouts.len() {
-            let (given, needed) = (pose.instances().len(), self.layouts.len());
+        let mut words = vec![0; self.data.chunks.len() * size_of::<DeformChunk>() / 4];
+        let mut target_counts = Vec::with_capacity(self.data.layouts.len());
+        if pose.instances().len() != self.data.layouts.len() {
+            let (given, needed) = (pose.instances().len(), self.data.layouts.len());
             return Err(ModelError::PoseInstances { given, needed }.into());
         }
-        for (instance, (layout, pose)) in self.layouts.iter().zip(pose.instances()).enumerate() {
-            layout.check(instance, pose)?;
+        for (instance, (layout, pose)) in self.data.layouts.iter().zip(pose.instances()).enumerate() {
+            pose.check_counts(instance, layout.joints as usize, layout.target_count as usize)?;
             words.resize(layout.palette as usize, 0);
             for row in pose.palette().iter().take(layout.joints as usize).flat_map(|matrix| matrix.rows()) {
                 words.extend(row.map(f32::to_bits));
@@ -366,22 +327,11 @@ impl Deformer {
             let target_count = target_counts.get(instance).copied().unwrap_or_default();
             DeformChunk { target_count, ..chunk }
         };
-        let chunks: Vec<DeformChunk> = self.chunks.iter().map(chunk).collect();
+        let chunks: Vec<DeformChunk> = self.data.chunks.iter().map(chunk).collect();
         let chunks: &[u32] = bytemuck::cast_slice(&chunks);
         words.splice(..chunks.len(), chunks.iter().copied());
         Ok(words)
     }
-}
-
-/// Where the positions of each instance begin, in bytes.
-fn instance_offsets(model: &Model) -> Vec<u64> {
-    let mut next = 0;
-    let offset = |geometry: &Geometry| {
-        let offset = next;
-        next += 12 * geometry.positions().len() as u64;
-        offset
-    };
-    model.placed_geometries().map(offset).collect()
 }
 
 /// Checks that one invocation may add all terms of a vertex of instance number `instance`, with `targets` active morph

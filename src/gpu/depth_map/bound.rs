@@ -1,7 +1,32 @@
-//! Bindings of a map.
+//! Stages of a map with objects or without, and what they bind.
 
 use crate::gpu::common::bindings::{Resource, texture, uniform};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::layout::{ContourShape, DepthMapShape};
+use crate::stages::Stage;
+
+/// A stage without and with edges between objects. The pipeline without them is smaller; the other is made for the first
+/// objects.
+#[derive(Debug)]
+pub(super) struct ObjectStage([Program; 2]);
+
+impl ObjectStage {
+    pub(super) fn new(
+        shared: &Pipelines,
+        stage: &'static Stage,
+        entry_point: &'static str,
+        constants: &[(&'static str, f64)],
+    ) -> Self {
+        let program = |objects| Program::at(stage, entry_point, &[constants, &[("OBJECTS", objects)]].concat());
+        let stage = Self([program(0.0), program(1.0)]);
+        stage.get(shared, false);
+        stage
+    }
+
+    pub(super) fn get(&self, shared: &Pipelines, objects: bool) -> Pipeline {
+        shared.get(&self.0[usize::from(objects)])
+    }
+}
 
 /// The resources of a map that stages and draws bind.
 pub(super) struct Bound<'a> {

@@ -1,16 +1,15 @@
 //! The stages that rebuild a map's boundary as walls over its contours.
 
-use super::bound::Bound;
+use super::bound::{Bound, ObjectStage};
 use super::edges::lattice;
 use super::error::DepthMapError;
 use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
-use super::stage::ObjectStage;
 use crate::gpu::common::bindings::{Resource, whole};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::filled;
 use crate::gpu::common::pass::{Step, Workgroups};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, switch};
 use crate::gpu::common::wanted::Wanted;
 use crate::layout::{ContourShape, DepthMapView};
 use crate::stages::{CONTOUR_CROSSINGS, CONTOUR_MARKS, CONTOUR_TILES, CONTOUR_WALLS};
@@ -127,7 +126,7 @@ impl Contours {
         pipelines.walls()?;
         let max_workgroups = shared.device().limits().max_compute_workgroups_per_dimension;
         let limits = [("MAX_WORKGROUPS", f64::from(max_workgroups))];
-        let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
+        let lists = |lists: bool| [("LISTS", switch(lists))];
         let stages = [
             shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),
             shared.compute(&CONTOUR_TILES, "contour_tiles_list", &limits),

@@ -2,13 +2,13 @@
 
 use bytemuck::Zeroable;
 
+use super::bound::ObjectStage;
 use super::error::DepthMapError;
 use super::frame::DepthMapFrame;
 use super::meeting::{cameras, check_meeting};
 use super::options::{DepthCubeMaps, DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
 use super::recording::Inputs;
-use super::stage::ObjectStage;
 use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::{DepthMapVolumes, MAX_CELLS};
 use crate::ShadowCamera;
@@ -159,7 +159,7 @@ impl DepthMapCube {
         }
         self.check_objects(maps)?;
         check_alive(self.shared.device())?;
-        let has_objects = self.volumes.uses_objects && maps.objects != [None; 6];
+        let has_objects = self.volumes.uses_objects() && maps.objects != [None; 6];
         if has_objects && self.objects.is_none() {
             self.objects = Some(self.object_texture()?);
         }

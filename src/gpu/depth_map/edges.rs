@@ -1,14 +1,14 @@
 //! Detectors that read more than the two samples of an edge, or continue edges. They mark all edges, and cells are decided
 //! from the marks.
 
+use super::bound::ObjectStage;
 use super::options::{DanglingEdges, DepthMapMethod};
-use super::stage::ObjectStage;
 use super::view::steps;
 use crate::gpu::common::bindings::{Resource, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::filled;
 use crate::gpu::common::pass::{Dispatch, Step, Workgroups};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, switch};
 use crate::gpu::common::wanted::Wanted;
 use crate::layout::DepthEdgeRule;
 use crate::shadow::DepthDirection;
@@ -114,7 +114,7 @@ pub(super) struct EdgeStages {
 impl EdgeStages {
     pub(super) fn new(shared: &Pipelines, detector: Detector, buffers: [wgpu::Buffer; 4]) -> Self {
         // Each pass has only its constants, so that more pipelines are shared.
-        let mark = [("SECOND", detector.second), ("CONTINUES", u32::from(detector.dangling.is_some()))];
+        let mark = [("SECOND", f64::from(detector.second)), ("CONTINUES", switch(detector.dangling.is_some()))];
         let count = [("RINGS", f64::from(detector.rings))];
         let passes = [("depth_edges_continue", &[][..]), ("depth_edges_count", &count)];
         let stages = passes.map(|(entry_point, constants)| shared.compute(&DEPTH_EDGES, entry_point, constants));

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::device_error::{DeviceError, contain};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::{CameraError, DepthDirection};
@@ -12,6 +12,7 @@ use crate::shadow::{CameraError, DepthDirection};
 /// `map` names a texture: the map, its objects, the map of a cube or of a merge.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum DepthMapError {
     /// The device lacks something, is lost, or is another one. Or buffers or textures do not fit it, or the positions of a
     /// mesh cannot be read.
@@ -31,20 +32,10 @@ pub enum DepthMapError {
         "the device refuses a resource of depth maps: {message}; give two-dimensional views of one layer and aspect, and \
          buffers that are not destroyed, all on the same device"
     )]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
+    Refused { message: String },
     /// Two things that are used together have different depth directions.
     #[error("{what} has {given:?} depth, and {made:?} is needed; give both the same `DepthDirection`")]
-    Depth {
-        /// Which of them is wrong.
-        what: &'static str,
-        /// Its direction.
-        given: DepthDirection,
-        /// The direction of the other.
-        made: DepthDirection,
-    },
+    Depth { what: &'static str, given: DepthDirection, made: DepthDirection },
 
     /// There are no such bits in the stencil.
     #[error(
@@ -57,12 +48,7 @@ pub enum DepthMapError {
         "bit {bit} of the stencil is one of the {count_bits} bits of counts (`ShadowFormat::count_bits`); take a higher bit \
          for parity, or fewer bits of counts, in the format of all pipelines and in `SceneOptions::stencil`"
     )]
-    Counted {
-        /// The lowest bit given.
-        bit: u32,
-        /// Low bits of counts.
-        count_bits: u32,
-    },
+    Counted { bit: u32, count_bits: u32 },
 
     /// The map has no texel, or too many.
     #[error(
@@ -76,22 +62,10 @@ pub enum DepthMapError {
          or a device with a larger `max_texture_dimension_2d`",
         .size[0], .size[1]
     )]
-    Texture {
-        /// Texels that the texture needs.
-        size: [u32; 2],
-        /// Largest side of textures on the device.
-        max_side: u32,
-    },
+    Texture { size: [u32; 2], max_side: u32 },
     /// A value of [`DepthMapOptions`](crate::gpu::depth_map::DepthMapOptions), its method or a cube is out of range.
     #[error("`{name}` is {given}; take {range}")]
-    Option {
-        /// Name of the field.
-        name: &'static str,
-        /// Its value.
-        given: f32,
-        /// The allowed values.
-        range: &'static str,
-    },
+    Option { name: &'static str, given: f32, range: &'static str },
     /// `rounded_to` is not a format of maps.
     #[error(
         "`rounded_to` is {0:?}, which is not a format of depth maps; take Depth16Unorm, Depth24Plus, Depth32Float, \
@@ -119,37 +93,19 @@ pub enum DepthMapError {
     Position([f32; 3]),
     /// The far plane is not behind the near plane.
     #[error("`far` is {far} and `near` {near}; take a finite distance above `near`, or `None` for no far plane")]
-    Far {
-        /// The distance of the near plane.
-        near: f32,
-        /// The distance of the far plane.
-        far: f32,
-    },
+    Far { near: f32, far: f32 },
     /// A camera of a cube is refused.
     #[error("the light of map {face}: {error}")]
-    CubeLight {
-        /// Index of the map.
-        face: usize,
-        /// Why.
-        error: CameraError,
-    },
+    CubeLight { face: usize, error: CameraError },
     /// A camera of a cube is orthographic.
     #[error("the camera of map {face} is orthographic; a light in a cube has a position")]
-    Parallel {
-        /// Index of the map.
-        face: usize,
-    },
+    Parallel { face: usize },
     /// A map of a cube does not meet its neighbours.
     #[error(
         "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or rotate them all \
          together"
     )]
-    Apart {
-        /// Index of the map.
-        face: usize,
-        /// The difference.
-        what: &'static str,
-    },
+    Apart { face: usize, what: &'static str },
 
     /// A texture has another size than its user was made for.
     #[error(
@@ -157,49 +113,22 @@ pub enum DepthMapError {
          or call `new` again",
         .given[0], .given[1], .made[0], .made[1]
     )]
-    MapSize {
-        /// Which texture.
-        map: String,
-        /// Its size.
-        given: [u32; 2],
-        /// The size that is needed.
-        made: [u32; 2],
-    },
+    MapSize { map: String, given: [u32; 2], made: [u32; 2] },
     /// A texture has a format that is not accepted.
     #[error("{map} has {format:?}; take {accepted}")]
-    MapFormat {
-        /// Which texture.
-        map: String,
-        /// Its format.
-        format: wgpu::TextureFormat,
-        /// Formats that are accepted.
-        accepted: &'static str,
-    },
+    MapFormat { map: String, format: wgpu::TextureFormat, accepted: &'static str },
     /// A texture has several samples a texel.
     #[error("{map} has {samples} samples a texel; resolve it, or render it with one")]
-    Samples {
-        /// Which texture.
-        map: String,
-        /// Its samples.
-        samples: u32,
-    },
+    Samples { map: String, samples: u32 },
     /// A texture has several levels. wgpu does not say which one a view shows.
     #[error("{map} has {levels} mip levels; give a texture of one, for example a copy of that level")]
-    MipLevels {
-        /// Which texture.
-        map: String,
-        /// Its levels.
-        levels: u32,
-    },
+    MipLevels { map: String, levels: u32 },
     /// A texture lacks a usage.
     #[error("{0} lacks usage TEXTURE_BINDING; make the texture with it")]
     Usage(String),
     /// A map of a cube has no objects, and another has.
     #[error("map {face} of the cube has no texture of objects; give one for each map that is there, or none")]
-    NoObjects {
-        /// Index of the map.
-        face: usize,
-    },
+    NoObjects { face: usize },
     /// The map is the result that is written.
     #[error("a map is the result of the same merge or conversion; give it to another one")]
     OwnResult,
@@ -209,38 +138,23 @@ pub enum DepthMapError {
          distance"
     )]
     FarPlane,
-    /// The planes of the camera are out of the range for which distances are converted.
+    /// The planes of the camera are out of the range for which distances are converted. They are in the metric.
     #[error(
         "distances are not converted for a camera with its near plane at {near} and its far plane at {far}, or as wide or as \
          far aside; the planes are from 2⁻¹⁰⁰ to 2¹⁰⁰ units away and not within a thousandth of each other, and rays at most 1000 \
          times longer than the way along the axis"
     )]
-    Distances {
-        /// Distance of the near plane, in the metric.
-        near: f64,
-        /// Distance of the far plane.
-        far: f64,
-    },
+    Distances { near: f64, far: f64 },
 
     /// The formats of the eye's depth differ, so the bias of the boundary is wrong.
     #[error(
         "the volumes were made for an eye's depth of {volumes:?}, and the pipelines have {pipelines:?}; use the same \
          `ShadowFormat::depth_stencil`"
     )]
-    DepthFormat {
-        /// Format of the pipelines that the volumes were made with.
-        volumes: wgpu::TextureFormat,
-        /// Format of the pipelines.
-        pipelines: wgpu::TextureFormat,
-    },
+    DepthFormat { volumes: wgpu::TextureFormat, pipelines: wgpu::TextureFormat },
     /// The counts of bits differ.
     #[error("the volumes were made with {volumes} bits, and the pipelines have {pipelines}; take the same pipelines")]
-    DrawBits {
-        /// Bits of the pipelines that the volumes were made with.
-        volumes: u32,
-        /// Bits of the pipelines.
-        pipelines: u32,
-    },
+    DrawBits { volumes: u32, pipelines: u32 },
     /// A later encode overwrites what is drawn.
     #[error(
         "a later encode of these volumes overwrites this frame; draw a frame before the next encode, or make further volumes"
@@ -260,12 +174,4 @@ pub(super) fn guard<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Resul
     any_error(device, make).map_err(|message| DepthMapError::Refused { message })
 }
 
-impl From<ShadowError> for DepthMapError {
-    /// An error of the device has one variant, whichever check finds it.
-    fn from(error: ShadowError) -> Self {
-        match error {
-            ShadowError::Device(error) => Self::Device(error),
-            error => Self::Shadow(error),
-        }
-    }
-}
+contain!(ShadowError in DepthMapError::Shadow but Device);

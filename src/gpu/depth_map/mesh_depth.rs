@@ -4,7 +4,7 @@ use super::error::{DepthMapError, guard};
 use crate::gpu::PositionBuffer;
 use crate::gpu::common::bindings::{READ, entries, part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::drawing::Drawn;
+use crate::gpu::common::drawing::{Drawn, depth_stencil};
 use crate::gpu::common::memory::filled;
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_alive};
@@ -16,9 +16,6 @@ use crate::{Matrix3x4, Mesh, ShadowCamera, Transform};
 
 /// Bindings of a draw: view, positions, caster.
 const BINDINGS: u32 = 3;
-
-/// The unit matrix.
-pub(super) const UNIT: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// Draws the depth of a mesh into a depth map, for [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Both front
 /// and back faces are drawn. One pass may draw many meshes, and anything else that writes depth. For the casters of a scene
@@ -70,7 +67,7 @@ impl MeshDepth {
         positions: PositionBuffer<'_>,
         light: &ShadowCamera,
     ) -> Result<(), DepthMapError> {
-        self.draw_rigid(pass, positions, UNIT, light)
+        self.draw_rigid(pass, positions, Transform::UNIT, light)
     }
 
     /// Like [`Self::draw`], with `positions` in mesh space. `mesh_to_world` places them in world space.
@@ -168,15 +165,9 @@ impl DepthPipeline {
                 fragment: None,
                 constants: &[],
                 primitive: wgpu::PrimitiveState::default(),
-                format,
-                writes_depth: true,
-                compare: match depth {
-                    DepthDirection::Reversed => wgpu::CompareFunction::Greater,
-                    DepthDirection::Standard => wgpu::CompareFunction::Less,
-                },
-                stencil: wgpu::StencilState::default(),
+                depth_stencil: Some(depth_stencil(format, true, depth.nearer(), wgpu::StencilState::default())),
                 samples: 1,
-                colors: &[],
+                targets: &[],
             });
             (layout, pipeline)
         })?;

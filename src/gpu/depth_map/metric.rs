@@ -119,7 +119,10 @@ fn stretch(rays: &[DVec3; 3]) -> f64 {
 }
 
 /// The parameters that convert distances of a metric to device depths, for a map of `size` texels.
-pub(crate) fn metric_view(
+///
+/// # Errors
+/// [`DepthMapError`] if the camera is refused.
+pub fn metric_view(
     light: &ShadowCamera,
     size: [u32; 2],
     metric: DepthMetric,
@@ -153,7 +156,10 @@ pub(crate) fn metric_view(
 }
 
 /// The error of the depths of a converted map: a share of the depth, which may be negative, and a constant.
-pub(crate) fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapError> {
+///
+/// # Errors
+/// [`DepthMapError`] if the camera is refused.
+pub fn metric_steps(light: &ShadowCamera, metric: DepthMetric) -> Result<[f64; 2], DepthMapError> {
     if metric == DepthMetric::Device {
         return Ok([0.0; 2]);
     }

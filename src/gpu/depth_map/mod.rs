@@ -50,7 +50,6 @@ mod options;
 pub(crate) mod pipelines;
 mod recording;
 mod scene_depth;
-mod stage;
 mod statistics;
 mod texture;
 pub(crate) mod view;

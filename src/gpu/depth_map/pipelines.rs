@@ -6,9 +6,9 @@ use std::sync::OnceLock;
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::error::DepthMapError;
-use crate::gpu::common::bindings::{FLOAT_TEXTURE, READ, UINT_TEXTURE, UNIFORM, entries};
+use crate::gpu::common::bindings::{READ, UINT_TEXTURE, UNIFORM, entries, float_texture};
 use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::common::drawing::Drawn;
+use crate::gpu::common::drawing::{Drawn, depth_stencil, unchanged};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::{Subject, check_sample_shading};
@@ -48,7 +48,7 @@ impl BitPipelines {
     ) -> Self {
         let make = |entry_points, compare| make(shared, format, inverted(bit), layout, entry_points, compare);
         Self {
-            surface: make([SURFACE, NOTHING], format.nearer()),
+            surface: make([SURFACE, NOTHING], format.depth.nearer()),
             near_cap: make([NEAR_CAP, behind], CompareFunction::Always),
         }
     }
@@ -138,7 +138,7 @@ impl DepthMapPipelines {
         let Self { shared, format, bits, .. } = self;
         let made = any_error(shared.device(), || {
             let layout = wall_layout(shared);
-            let walls = make(shared, format, inverted(bits.start), &layout, [WALLS, NOTHING], format.nearer());
+            let walls = make(shared, format, inverted(bits.start), &layout, [WALLS, NOTHING], format.depth.nearer());
             (walls, BitPipelines::new(shared, format, bits.start, &layout, BEHIND_CONTOURS))
         });
         let made = made.map_err(|message| DeviceError::Refused { message })?;
@@ -181,7 +181,7 @@ const BEHIND_CONTOURS: EntryPoint = (&DEPTH_WALLS, "depth_walls_near_cap_fragmen
 
 /// Map, texture, cells, view, objects.
 const SURFACE_BINDINGS: [(u32, wgpu::BindingType); 5] =
-    [(0, UNIFORM), (1, FLOAT_TEXTURE), (2, READ), (3, READ), (4, UINT_TEXTURE)];
+    [(0, UNIFORM), (1, float_texture(false)), (2, READ), (3, READ), (4, UINT_TEXTURE)];
 /// Crossings, contours, counts, marks.
 const WALL_BINDINGS: [(u32, wgpu::BindingType); 4] = [(5, READ), (6, UNIFORM), (7, READ), (8, READ)];
 
@@ -226,11 +226,8 @@ fn make(
         fragment: Some((&fragment_module, fragment.1)),
         constants: &[],
         primitive: wgpu::PrimitiveState::default(),
-        format: format.depth_stencil,
-        writes_depth: false,
-        compare,
-        stencil,
+        depth_stencil: Some(depth_stencil(format.depth_stencil, false, compare, stencil)),
         samples: format.samples,
-        colors: &format.colors,
+        targets: &unchanged(&format.colors),
     })
 }

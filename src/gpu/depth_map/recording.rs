@@ -86,7 +86,7 @@ impl DepthMapVolumes {
         let views = self.views(inputs)?;
         check_alive(device)?;
         let depth = inputs.lights.first().map_or(DepthDirection::Reversed, |light| light.depth);
-        let objects = inputs.objects.filter(|_| self.uses_objects);
+        let objects = inputs.objects.filter(|_| self.uses_objects());
         let is_reversed = u32::from(depth == DepthDirection::Reversed);
         let shape = DepthMapShape { is_reversed, has_objects: u32::from(objects.is_some()), ..self.shape };
         let bind = || {
@@ -130,10 +130,10 @@ impl DepthMapVolumes {
         }
         // A cube has no border.
         let border = if self.shape.faces > 1 { 0.0 } else { 1.0 };
-        let slope_bias = f64::from(self.slope_bias) * (0.5 + max_jitter(self.bits));
+        let slope_bias = f64::from(self.options.slope_bias) * (0.5 + max_jitter(self.bits));
         let view = |light: &ShadowCamera, jitter| {
-            let mut formats = inputs.formats.iter().copied().chain(self.rounded_to);
-            let off = metric_steps(light, self.metric)?;
+            let mut formats = inputs.formats.iter().copied().chain(self.options.rounded_to);
+            let off = metric_steps(light, self.options.metric)?;
             let placing = Placing { border, jitter, slope_bias };
             depth_map_view((light, self.shape.size), (off, &mut formats), (inputs.eye, self.eye.0), &placing)
         };
@@ -182,7 +182,7 @@ impl DepthMapVolumes {
             |stage: &Pipeline, count: u32| stage.pass([stage.dispatch(device, Workgroups::over(device, count), get)]);
         let mut steps = Vec::new();
         if let Some(edges) = &self.edges {
-            let mut formats = inputs.formats.iter().copied().chain(self.rounded_to);
+            let mut formats = inputs.formats.iter().copied().chain(self.options.rounded_to);
             let rule = edges.rule(depth, &mut formats);
             steps.extend(edges.steps(&self.shared, &rule, get, (has_objects, few)));
         }

@@ -3,9 +3,8 @@
 use glam::{DMat4, DVec3};
 
 use super::error::{DepthMapError, guard};
-use super::mesh_depth::{DepthPipeline, UNIT, caster_of, check_depth_format, light_view, storage};
+use super::mesh_depth::{DepthPipeline, caster_of, check_depth_format, light_view, storage};
 use super::view::{matrix, origin};
-use crate::ShadowCamera;
 use crate::gpu::common::bindings::{part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check};
@@ -15,6 +14,7 @@ use crate::gpu::scene::depths::{DepthCaster, DepthGroup, SceneDepthCasters};
 use crate::gpu::scene::scene::Scene;
 use crate::layout::{CHUNK, MeshDepthCaster};
 use crate::shadow::DepthDirection;
+use crate::{ShadowCamera, Transform};
 
 /// Draws the depth of casters of a [`Scene`] into a depth map, for
 /// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Both front and back faces are drawn, and faces that are
@@ -116,8 +116,10 @@ impl SceneDepth {
         light: &ShadowCamera,
     ) -> Result<(wgpu::BindGroup, u32), DepthMapError> {
         let device = self.pipeline.shared.device();
-        let casters: Vec<MeshDepthCaster> =
-            drawn.iter().map(|caster| caster_of(caster.rows.unwrap_or(UNIT), light, caster.layout)).collect();
+        let casters: Vec<MeshDepthCaster> = drawn
+            .iter()
+            .map(|caster| caster_of(caster.rows.unwrap_or(Transform::UNIT), light, caster.layout))
+            .collect();
         let chunks: Vec<[u32; 2]> = (0..)
             .zip(drawn)
             .flat_map(|(index, caster)| (0..caster.layout[3]).step_by(CHUNK as usize).map(move |face| [index, face]))
@@ -150,7 +152,7 @@ impl LightView {
     /// shader's rounding.
     fn is_outside(&self, caster: &DepthCaster) -> bool {
         let Some(bounds) = caster.bounds else { return false };
-        let rows = caster.rows.unwrap_or(UNIT).map(|row| row.map(f64::from));
+        let rows = caster.rows.unwrap_or(Transform::UNIT).map(|row| row.map(f64::from));
         let [low, high] = bounds.map(|corner| corner.map(f64::from));
         let largest: [f64; 3] = std::array::from_fn(|axis| low[axis].abs().max(high[axis].abs()));
         let sizes = DVec3::from_array(std::array::from_fn(|axis| {

@@ -3,13 +3,12 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
+use super::bound::ObjectStage;
 use super::contours::{ContourBuffers, Contours, contour_shape};
 use super::edges::{Detector, EdgeStages, threshold_bits};
 use super::error::DepthMapError;
-use super::metric::DepthMetric;
 use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
-use super::stage::ObjectStage;
 use super::texture::texture;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
@@ -29,44 +28,11 @@ const STRIP: [u64; 2] = [8, 4];
 const BLOCK: u64 = 64;
 
 /// Shadow volumes of casters without a mesh, from the depth map of a light. It finds the edges of the map, and draws the
-/// boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
+/// boundary between light and shadow into one bit of the caller's stencil. It reads nothing back. The module has an example.
 ///
 /// docs/numerics/depth-maps.md has the method and its source.
 ///
 /// Shadows are as precise as the map: a border can be off by the shadow of one texel. Outside the map nothing casts.
-///
-/// ```no_run
-/// use rimline::gpu::ShadowFormat;
-/// use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
-/// use rimline::{ShadowCamera, wgpu};
-///
-/// # fn shadows(
-/// #     device: &wgpu::Device,
-/// #     encoder: &mut wgpu::CommandEncoder,
-/// #     (depth, light): (&wgpu::TextureView, ShadowCamera),
-/// #     camera: &ShadowCamera,
-/// #     depth_stencil: &wgpu::TextureView,
-/// # ) -> Result<(), Box<dyn std::error::Error>> {
-/// // Once, with the format of your depth-stencil attachment, and a bit of the stencil:
-/// let pipelines = DepthMapPipelines::new(device, &ShadowFormat { depth: camera.depth, ..Default::default() }, 0)?;
-/// // Once for each size of map:
-/// let mut volumes = DepthMapVolumes::new(&pipelines, [512, 512], DepthMapOptions::default())?;
-/// // Every frame, after what draws the map:
-/// let shadows = volumes.encode(encoder, &DepthMap::new(depth, light), camera)?;
-/// // After your depth pass. Where bit 0 is still 0, there is light:
-/// let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-///     label: Some("light"),
-///     depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-///         view: depth_stencil,
-///         depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
-///         stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
-///     }),
-///     ..Default::default()
-/// });
-/// shadows.draw(&mut pass, &pipelines)?;
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Debug)]
 pub struct DepthMapVolumes {
     pub(super) shared: Pipelines,
@@ -82,12 +48,8 @@ pub struct DepthMapVolumes {
     pub(super) shape: DepthMapShape,
     /// Bytes of all buffers.
     pub(super) bytes: u64,
-    /// Whether the method marks edges between objects.
-    pub(super) uses_objects: bool,
-    pub(super) slope_bias: f32,
+    pub(super) options: DepthMapOptions,
     pub(super) bits: u32,
-    pub(super) rounded_to: Option<wgpu::TextureFormat>,
-    pub(super) metric: DepthMetric,
     pub(super) eye: (wgpu::TextureFormat, DepthDirection),
     /// Bound in place of missing objects.
     pub(super) no_objects: wgpu::TextureView,
@@ -151,7 +113,7 @@ impl DepthMapVolumes {
         let shared = pipelines.shared();
         let device = shared.device();
         let bits = pipelines.bits().len() as u32;
-        let DepthMapOptions { method, capacity, slope_bias, rounded_to, metric, memory_limit, .. } = options;
+        let DepthMapOptions { method, capacity, memory_limit, .. } = options;
         // A cube has no border.
         let cells_along = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
         let count = size.map(cells_along).into_iter().fold(u64::from(faces), u64::saturating_mul);
@@ -208,7 +170,7 @@ impl DepthMapVolumes {
         let edges = detector.zip(edge_buffers).map(|(detector, buffers)| EdgeStages::new(shared, detector, buffers));
         let no_objects =
             texture(device, "no objects", [1, 1], wgpu::TextureFormat::R32Uint, wgpu::TextureUsages::empty());
-        let spreads = [("SPREADS", shape.spread)];
+        let spreads = [("SPREADS", f64::from(shape.spread))];
         let counts_cells = edges.is_none() && contours.is_none();
         let cell_stages = ["depth_cells_scan", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
         Ok(Self {
@@ -219,17 +181,19 @@ impl DepthMapVolumes {
             contours,
             shape,
             bytes,
-            uses_objects: method != DepthMapMethod::EveryCell,
-            slope_bias,
+            options,
             bits,
-            rounded_to,
-            metric,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
             no_objects: no_objects.create_view(&wgpu::TextureViewDescriptor::default()),
             buffers,
             encodes: Arc::default(),
             shared: shared.clone(),
         })
+    }
+
+    /// Whether the method marks edges between objects.
+    pub(super) fn uses_objects(&self) -> bool {
+        self.options.method != DepthMapMethod::EveryCell
     }
 
     /// Cells, or walls and flaps, that the list has room for. If [`Self::cells`] begins with a larger count, every cell is

@@ -10,6 +10,7 @@ use crate::gpu::common::memory::{check, guarded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::{Account, Wanted};
 use crate::layout::{DrawArguments, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
+use crate::mesh::EdgeCounts;
 use crate::method::Predicate;
 use crate::{Mesh, light};
 
@@ -35,14 +36,16 @@ pub(crate) struct Shape {
 
 impl Shape {
     pub(crate) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> Result<Self, ExtractorError> {
-        let edges = mesh.edges().len();
+        let (edges, counts) = (mesh.edges().len(), mesh.edges().counts());
         let batch = options.max_lights.min(32) as u64;
         let fitting = u32::try_from(split.binding / (4 * batch)).unwrap_or(u32::MAX);
         let capacity = match options.lists {
             None => 0,
             Some(lists) => match lists.capacity {
                 Some(capacity) => capacity,
-                None => default_capacity(mesh, options.max_lights).min(fitting),
+                None => {
+                    (default_capacity(counts, smooth_edges(counts.consistent), options.max_lights) as u32).min(fitting)
+                }
             }
             .clamp(1, edges.max(1) as u32),
         };
@@ -50,9 +53,9 @@ impl Shape {
             let bytes = u64::from(capacity) * 4 * batch;
             return Err(DeviceError::BindingTooLarge { what: "edge lists", bytes, limit: split.binding }.into());
         }
-        let counts = mesh.polygons().map(PolygonCounts::new).transpose()?;
+        let polygons = mesh.polygons().map(PolygonCounts::new).transpose()?;
         let pieces = if options.is_for_volumes() { None } else { Some(0) };
-        let polygons = counts.map(|counts| PolygonShape::new(&counts, options.max_lights, pieces, split.binding));
+        let polygons = polygons.map(|counts| PolygonShape::new(&counts, options.max_lights, pieces, split.binding));
         Ok(Self {
             vertices: mesh.vertex_count(),
             faces: mesh.faces().len(),
@@ -84,13 +87,16 @@ impl Shape {
 }
 
 /// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, so
-/// every edge has room for up to four lights. Each light has room for at least sixteen times the square root of their
-/// number, which is a few times the silhouette of a smooth surface.
-fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
-    let counts = mesh.edges().counts();
-    let smooth = 16 * counts.consistent.isqrt();
+/// every edge has room for up to four lights. Each light has room for at least `smooth` of them, the sum of [`smooth_edges`]
+/// of all meshes.
+pub(crate) fn default_capacity(counts: EdgeCounts, smooth: usize, lights: usize) -> usize {
     let shared = 4 * counts.consistent / lights.max(1);
-    (counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)) as u32
+    counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)
+}
+
+/// How many consistent edges of a smooth surface may be silhouette edges for a light: a few times the root of their number.
+pub(crate) fn smooth_edges(consistent: usize) -> usize {
+    (16 * consistent.isqrt()).min(consistent)
 }
 
 /// Bytes before the undecided faces of a `FacingRecord`: the statistics, and how many faces are undecided.
@@ -113,7 +119,7 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     pub(crate) edge_vertices: B,
     pub(crate) edge_faces: B,
     /// For the per-edge method.
-    pub(super) edge_corners: Option<B>,
+    pub(crate) edge_corners: Option<B>,
     pub(crate) facing: Vec<B>,
     /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are requested.
     pub(crate) masks: Vec<B>,
@@ -121,14 +127,14 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// For which lights a face is excluded, for shadow volumes.
     pub(crate) excluded: Vec<B>,
     /// A `FacingRecord`: the statistics while they are counted, and the undecided faces of exact facing.
-    pub(super) record: B,
-    pub(super) block_offsets: B,
+    pub(crate) record: B,
+    pub(crate) block_offsets: B,
     pub(crate) counts: B,
     pub(crate) draw_arguments: B,
     pub(crate) polygons: Option<PolygonBuffers<B>>,
-    pub(super) light_batches: B,
-    pub(super) chunks: B,
-    pub(super) draw_shape: B,
+    pub(crate) light_batches: B,
+    pub(crate) chunks: B,
+    pub(crate) draw_shape: B,
     pub(crate) statistics: B,
     /// A buffer for bindings that a stage does not use.
     pub(crate) unused: B,

@@ -8,6 +8,7 @@ use crate::turns::POLYGON_TRIANGLES;
 /// Why an extraction cannot be made, recorded, read, drawn or included.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum ExtractorError {
     /// The device lacks what extraction needs, is lost, or is not that of the timer. Or the mesh does not fit it, the
     /// position buffer is refused, or an array needs more than one binding, and the include reads each array from one.
@@ -27,22 +28,12 @@ pub enum ExtractorError {
         "polygon {polygon} has a boundary of {edges} edges, more than {}; cut it, or extract it by `cpu::extract`",
         MAX_BOUNDARY_EDGES
     )]
-    BoundaryTooLarge {
-        /// The polygon.
-        polygon: usize,
-        /// The number of edges of its boundary.
-        edges: usize,
-    },
+    BoundaryTooLarge { polygon: usize, edges: usize },
     /// A polygon has too many triangles, though its boundary has few edges: it walks others both ways.
     #[error(
         "polygon {polygon} has {triangles} triangles, more than {POLYGON_TRIANGLES}; cut it, or extract it by `cpu::extract`"
     )]
-    PolygonTooLarge {
-        /// The polygon.
-        polygon: usize,
-        /// The number of its triangles.
-        triangles: usize,
-    },
+    PolygonTooLarge { polygon: usize, triangles: usize },
     /// The results were overwritten.
     #[error(
         "this extraction is out of date: its extractor was encoded again, which overwrites the results; use the value that \
@@ -51,12 +42,7 @@ pub enum ExtractorError {
     Stale,
     /// The extraction has no light with this index.
     #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
-    NoSuchLight {
-        /// The requested light.
-        light: usize,
-        /// Lights of the extraction.
-        lights: usize,
-    },
+    NoSuchLight { light: usize, lights: usize },
     /// The extractor makes no lists, so there is nothing to draw.
     #[error("the extractor makes no lists to draw from; set `ExtractorOptions::lists`")]
     NoLists,
@@ -65,12 +51,7 @@ pub enum ExtractorError {
     NoInclude,
     /// The extraction has no batch of lights with this index.
     #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]
-    NoSuchBatch {
-        /// The requested batch.
-        batch: usize,
-        /// Batches of the extraction.
-        batches: usize,
-    },
+    NoSuchBatch { batch: usize, batches: usize },
     /// The mesh is not the one that the extractor was made for.
     #[error(
         "the mesh is not the one that was extracted; give the mesh that the extractor was made for, or a clone of it"
@@ -80,8 +61,5 @@ pub enum ExtractorError {
     #[error(
         "the list of light {light} does not hold its silhouette edges; set `ExtractorOptions::lists`, and their `capacity`"
     )]
-    NoFacing {
-        /// The light.
-        light: usize,
-    },
+    NoFacing { light: usize },
 }

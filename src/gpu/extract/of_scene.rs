@@ -5,7 +5,7 @@
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
-use super::polygon_buffers::{HEAD, PolygonBuffers, PolygonCounts, PolygonShape, boundaries};
+use super::polygon_buffers::{HEAD, PolygonBuffers, PolygonCounts, boundaries};
 use super::stages::{Binder, DispatchRanges, from_facing, from_positions, made, programs};
 use crate::Mesh;
 use crate::gpu::common::device_error::DeviceError;
@@ -48,107 +48,46 @@ impl PolygonMesh {
         Ok(Some(Self { counts, boundaries: made.0, head: made.1 }))
     }
 
+    /// The buffers of an extraction: undecided polygons, arguments of dispatches over them, and pieces.
+    pub(crate) fn buffers(&self, of_scene: [&wgpu::Buffer; 3]) -> PolygonBuffers {
+        let [undecided, arguments, pieces] = of_scene.map(wgpu::Buffer::clone);
+        let (boundaries, head) = (self.boundaries.clone(), self.head.clone());
+        PolygonBuffers { boundaries, undecided, head, arguments, pieces: vec![pieces] }
+    }
+
     /// Bytes on the device.
     pub(crate) fn bytes(&self) -> u64 {
         self.boundaries.size()
     }
 }
 
-/// The buffers of a scene that a caster of polygons has for a batch of lights.
-pub(crate) struct PolygonPart<'a> {
-    pub(crate) mesh: &'a PolygonMesh,
-    /// Sizes: the slots of its triangles and edge records, the lights of the batch, the room of its lists.
-    pub(crate) faces: u32,
-    pub(crate) edges: u32,
-    pub(crate) lights: u32,
-    pub(crate) capacity: u32,
-    pub(crate) polygons: PolygonShape,
-    /// The topology, and where vertices are.
-    pub(crate) topology: [&'a wgpu::Buffer; 3],
-    pub(crate) positions: (&'a wgpu::Buffer, BoundPositions),
-    /// The faces that count nowhere, in any extraction.
-    pub(crate) given: Option<&'a wgpu::Buffer>,
-    pub(crate) light_batch: &'a wgpu::Buffer,
-    /// The results: facing masks and behind them twisted masks, excluded masks, statistics, and the lists with bytes before
-    /// them.
-    pub(crate) facing: &'a wgpu::Buffer,
-    pub(crate) excluded: &'a wgpu::Buffer,
-    pub(crate) record: &'a wgpu::Buffer,
-    pub(crate) lists: (&'a wgpu::Buffer, u64),
-    pub(crate) undecided: &'a wgpu::Buffer,
-    pub(crate) arguments: &'a wgpu::Buffer,
-    pub(crate) pieces: &'a wgpu::Buffer,
-}
-
-impl PolygonPart<'_> {
-    /// The steps of the extraction, after light batch and positions were written.
-    pub(crate) fn steps(&self, pipelines: &Pipelines) -> Result<Vec<Step>, DeviceError> {
-        let device = pipelines.device();
-        let limits = DispatchLimits::new(&device.limits());
-        let options = ExtractorOptions { max_lights: self.lights as usize, ..ExtractorOptions::default() };
-        let (faces, edges) = (self.faces as usize, self.edges as usize);
-        let shape = Shape {
-            vertices: 0,
-            faces,
-            edges,
-            max_lights: options.max_lights,
-            capacity: self.capacity,
-            lists_head: self.lists.1,
-            blocks: 0,
-            undecided: 0,
-            face_words: 2 * faces,
-            polygons: Some(self.polygons),
-        };
-        let facing = limits.windows("facing masks", 4 * shape.face_words as u64)?;
-        let mut chunks = UniformTable::default();
-        let ranges = DispatchRanges::new(&shape, [&[], &limits.chunks("edge records", edges, 8)?], &mut chunks);
-        let buffers = self.buffers(chunks.into_buffer(device, "chunks"));
-        let (reading, others) =
-            (from_positions(device, &options, Some(true), 0), from_facing(&options, faces, facing.words));
-        let mut all = programs(reading.iter().chain(&others), &options);
-        // The scene makes draw arguments.
-        all.pop();
-        pipelines.make_together(&all);
-        let (reading, others) = (made(pipelines, reading), made(pipelines, others));
-        let positions = Some((self.positions.0, &self.positions.1));
-        let (shape, buffers, ranges, facing) = (&shape, &buffers, &ranges, &facing);
-        let binder = Binder { device, shape, buffers, ranges, facing, positions, given: self.given };
-        let mut steps =
-            vec![Step::Clear(self.record.clone(), 0..RECORD_HEAD), Step::Clear(self.lists.0.clone(), 0..self.lists.1)];
-        steps.extend(binder.read_positions(&reading, 0));
-        steps.extend(binder.read_facing(&others, 0));
-        Ok(steps)
-    }
-
-    /// The same buffers as an extractor for one batch of lights has.
-    fn buffers(&self, chunks: wgpu::Buffer) -> Buffers {
-        let [faces, edge_vertices, edge_faces] = self.topology.map(wgpu::Buffer::clone);
-        let unused = self.arguments.clone();
-        Buffers {
-            faces,
-            edge_vertices,
-            edge_faces,
-            edge_corners: None,
-            facing: vec![self.facing.clone()],
-            masks: Vec::new(),
-            lists: vec![self.lists.0.clone()],
-            excluded: vec![self.excluded.clone()],
-            record: self.record.clone(),
-            block_offsets: unused.clone(),
-            counts: self.lists.0.clone(),
-            draw_arguments: unused.clone(),
-            polygons: Some(PolygonBuffers {
-                boundaries: self.mesh.boundaries.clone(),
-                undecided: self.undecided.clone(),
-                head: self.mesh.head.clone(),
-                arguments: self.arguments.clone(),
-                pieces: vec![self.pieces.clone()],
-            }),
-            light_batches: self.light_batch.clone(),
-            chunks,
-            draw_shape: unused.clone(),
-            statistics: unused.clone(),
-            unused,
-        }
-    }
+/// The steps of the extraction of a caster of polygons for a batch of lights, after light batch and positions were written.
+/// `buffers` are those of an extractor, but for the chunks. `given`: the faces that count nowhere, in any extraction.
+pub(crate) fn polygon_steps(
+    pipelines: &Pipelines,
+    shape: &Shape,
+    mut buffers: Buffers,
+    positions: (&wgpu::Buffer, &BoundPositions),
+    given: Option<&wgpu::Buffer>,
+) -> Result<Vec<Step>, DeviceError> {
+    let device = pipelines.device();
+    let limits = DispatchLimits::new(&device.limits());
+    let options = ExtractorOptions { max_lights: shape.max_lights, ..ExtractorOptions::default() };
+    let facing = &limits.windows("facing masks", 4 * shape.face_words as u64)?;
+    let mut chunks = UniformTable::default();
+    let ranges = &DispatchRanges::new(shape, [&[], &limits.chunks("edge records", shape.edges, 8)?], &mut chunks);
+    buffers.chunks = chunks.into_buffer(device, "chunks");
+    let (reading, others) =
+        (from_positions(device, &options, Some(true), 0), from_facing(&options, shape.faces, facing.words));
+    let mut all = programs(reading.iter().chain(&others), &options);
+    // The scene makes draw arguments.
+    all.pop();
+    pipelines.make_together(&all);
+    let (reading, others) = (made(pipelines, reading), made(pipelines, others));
+    let Buffers { record, counts, .. } = &buffers;
+    let mut steps = vec![Step::Clear(record.clone(), 0..RECORD_HEAD), Step::Clear(counts.clone(), 0..shape.lists_head)];
+    let binder = Binder { device, shape, buffers: &buffers, ranges, facing, positions: Some(positions), given };
+    steps.extend(binder.read_positions(&reading, 0));
+    steps.extend(binder.read_facing(&others, 0));
+    Ok(steps)
 }

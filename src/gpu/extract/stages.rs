@@ -11,7 +11,7 @@ use super::polygon_buffers::{
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, Windows, exact_workgroups};
 use crate::gpu::common::pass::{Dispatch, Step, Workgroups};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, switch};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{Chunk, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
@@ -49,10 +49,6 @@ pub(crate) struct Planned {
     pub(crate) program: Program,
     over: Over,
     size: Size,
-}
-
-fn switch(is_on: bool) -> f64 {
-    f64::from(u8::from(is_on))
 }
 
 /// Masks are written if they are requested or if ordered lists are made from them. Appending makes unordered lists.

@@ -1,9 +1,8 @@
 //! Attachments of masks, and passes that draw into them.
 
-use super::errors::{MaskError, refused};
+use super::errors::{MaskError, tried};
 use super::pipelines::layout;
 use crate::gpu::common::bindings::texture;
-use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::shadow::DepthDirection;
 
@@ -30,8 +29,7 @@ impl Attachment {
         let is_same = |made: &Self| (made.size, made.format, made.samples) == (size, format, samples);
         let attachment = match cached.take().filter(is_same) {
             Some(attachment) => attachment,
-            None => any_error(shared.device(), || Self::new(shared, size, format, samples))
-                .map_err(|message| refused(shared.device(), "textures of masks", message))?,
+            None => tried(shared.device(), ["textures of masks", ""], || Self::new(shared, size, format, samples))?,
         };
         Ok(cached.insert(attachment).clone())
     }

@@ -1,8 +1,8 @@
 //! The pipelines of masks.
 
-use super::errors::{MaskError, refused};
-use crate::gpu::common::bindings::entries;
-use crate::gpu::common::memory::any_error;
+use super::errors::{MaskError, tried};
+use crate::gpu::common::bindings::{entries, float_texture};
+use crate::gpu::common::drawing::{Drawn, depth_stencil as state};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::gpu::shadow::{ShadowFormat, ShadowPipelines};
@@ -45,13 +45,7 @@ impl Counting {
         };
         let make = if is_in_batches { ShadowPipelines::in_batches } else { ShadowPipelines::new };
         let volumes = make(shared, &format, convention.counting)?;
-        let state = |writes_depth, stencil| wgpu::DepthStencilState {
-            format: depth_stencil,
-            depth_write_enabled: Some(writes_depth),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil,
-            bias: wgpu::DepthBiasState::default(),
-        };
+        let state = |writes_depth, stencil| state(depth_stencil, writes_depth, wgpu::CompareFunction::Always, stencil);
         // Draws where the stencil is not 0, the reference, and sets it to 0.
         let dark = wgpu::StencilFaceState {
             compare: wgpu::CompareFunction::NotEqual,
@@ -73,25 +67,19 @@ impl Counting {
             _ => "mask_dark_bit",
         };
         let is_sampled = samples > 1;
-        let pipelines = any_error(shared.device(), || {
+        let [depth, bit] = tried(shared.device(), ["pipelines of masks", ""], || {
             let whole = wgpu::StencilState::default();
             [("mask_depth", unchanged, state(true, whole)), (entry_point, written, state(false, stencil))].map(
                 |(entry_point, target, state)| pipeline(shared, is_sampled, entry_point, target, Some(state), samples),
             )
-        });
-        let [depth, bit] = pipelines.map_err(|message| refused(shared.device(), "pipelines of masks", message))?;
+        })?;
         Ok(Self { volumes, depth, bit })
     }
 }
 
 /// The layout of the bind group: the texture that is read.
 pub(super) fn layout(shared: &Pipelines, is_sampled: bool) -> wgpu::BindGroupLayout {
-    let source = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: is_sampled,
-    };
-    shared.layout("mask", entries(wgpu::ShaderStages::FRAGMENT, [(0, source)]))
+    shared.layout("mask", entries(wgpu::ShaderStages::FRAGMENT, [(0, float_texture(is_sampled))]))
 }
 
 /// A pipeline for a full-screen draw that reads a texture with one sample or several.
@@ -103,34 +91,17 @@ pub(super) fn pipeline(
     depth_stencil: Option<wgpu::DepthStencilState>,
     samples: u32,
 ) -> wgpu::RenderPipeline {
-    let device = shared.device();
     let stage = if is_sampled { &MASK_SAMPLES } else { &SHADOW_MASKS };
     let module = &shared.module(stage.module, &stage.wgsl());
-    let (label, options) = (Some(entry_point), wgpu::PipelineCompilationOptions::default());
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label,
-        bind_group_layouts: &[Some(&layout(shared, is_sampled))],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label,
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("mask_whole"),
-            compilation_options: options.clone(),
-            buffers: &[],
-        },
+    shared.draws(&Drawn {
+        label: entry_point,
+        layouts: &[&layout(shared, is_sampled)],
+        vertex: (module, "mask_whole"),
+        fragment: Some((module, entry_point)),
+        constants: &[],
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil,
-        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: label,
-            compilation_options: options,
-            targets: &[Some(target)],
-        }),
-        multiview_mask: None,
-        cache: None,
+        samples,
+        targets: &[Some(target)],
     })
 }

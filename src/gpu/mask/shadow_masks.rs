@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use super::errors::{MaskError, refused};
+use super::errors::{MaskError, tried};
 use super::light_bounds::affected_pixels;
 use super::passes::{Attachment, around, begin, draw_into, layer_view, scissor};
 use super::pipelines::{Counting, Setting, layout, pipeline};
 use crate::gpu::common::bindings::texture;
-use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_same, check_sample_shading};
 use crate::gpu::scene::frame::{EncodedView, SceneFrame};
@@ -21,18 +20,6 @@ const GROUP: usize = 32;
 /// The first call makes pipelines, and so does the first call with other formats or another depth direction. A change of the
 /// image size makes new textures, so use one value for each size. Textures take 5 to 13 bytes for each sample of each pixel.
 /// The depth and the target of the last call stay alive.
-///
-/// ```no_run
-/// # use rimline::gpu::{LightHandle, MaskError, MaskInputs, SceneFrame, ShadowMasks};
-/// # use rimline::wgpu;
-/// # fn masks(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, frame: &SceneFrame, lights: &[LightHandle],
-/// #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), MaskError> {
-/// // Once:
-/// let mut masks = ShadowMasks::new(device)?;
-/// // Every frame, after the depth was drawn. `target` is an `R32Uint` texture. Bit `i` of a pixel is 1 if `lights[i]` is in shadow:
-/// frame.write_masks(encoder, &mut masks, &MaskInputs { depth, view: 0, lights, target })?;
-/// # Ok(()) }
-/// ```
 #[derive(Debug)]
 pub struct ShadowMasks {
     /// Whether vertex shaders cut volumes at the frustum, see [`ShadowFormat::trim`](crate::gpu::ShadowFormat::trim).
@@ -128,8 +115,7 @@ impl ShadowMasks {
         }
         let Self { shared, writing, .. } = self;
         let make = || pipeline(shared, is_sampled, entry_point, target.into(), None, 1);
-        let made = any_error(shared.device(), make)
-            .map_err(|message| refused(shared.device(), "pipelines of masks", message))?;
+        let made = tried(shared.device(), ["pipelines of masks", ""], make)?;
         writing.push((key, made.clone()));
         Ok(made)
     }
@@ -141,17 +127,8 @@ impl ShadowMasks {
         } else {
             let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
             let layout = layout(&self.shared, is_sampled);
-            let made = any_error(device, || group(device, "mask depth", &layout, &[texture(depth)]));
-            (
-                depth.clone(),
-                made.map_err(|message| {
-                    refused(
-                        device,
-                        "the depth",
-                        format!("is it a view of the depth aspect alone, of one layer? {message}"),
-                    )
-                })?,
-            )
+            let what = ["the depth", "is it a view of the depth aspect alone, of one layer? "];
+            (depth.clone(), tried(device, what, || group(device, "mask depth", &layout, &[texture(depth)]))?)
         };
         Ok(self.depth.insert(made).1.clone())
     }
@@ -163,7 +140,7 @@ impl ShadowMasks {
             cached
         } else {
             let device = self.shared.device();
-            let made = any_error(device, || {
+            tried(device, ["the target", ""], || {
                 let views: Vec<_> = (0..layers).map(|layer| layer_view(target, layer)).collect();
                 // A destroyed texture, or one of another device, would spoil the caller's encoder. Try it in this one.
                 let mut tried = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -172,8 +149,7 @@ impl ShadowMasks {
                 }
                 drop(tried.finish());
                 (target.clone(), views)
-            });
-            made.map_err(|message| refused(device, "the target", message))?
+            })?
         };
         let (_, views) = self.target.insert(made);
         Ok(views.iter().take(layers as usize).cloned().collect())

@@ -7,6 +7,7 @@ use crate::light::LightError;
 /// Why a query cannot be made or recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum QueryError {
     /// The device lacks what the query needs, is lost, or is not that of the timer. Or the mesh or the counts do not
     /// fit it, or the position buffer is refused.
@@ -29,18 +30,8 @@ pub enum QueryError {
     #[error(
         "faces of points at offset {offset}, stride {stride}: the offset must be a multiple of 4 from 12 to the stride less 4"
     )]
-    FaceOffset {
-        /// The offset given.
-        offset: u64,
-        /// The stride of the points.
-        stride: u64,
-    },
+    FaceOffset { offset: u64, stride: u64 },
     /// There are more points than the query has room for.
     #[error("{count} points given, at most {limit} fit (`max_points`); query them in several encodes")]
-    TooManyPoints {
-        /// Points given.
-        count: u32,
-        /// Points that fit.
-        limit: u32,
-    },
+    TooManyPoints { count: u32, limit: u32 },
 }

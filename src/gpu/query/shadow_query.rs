@@ -15,7 +15,7 @@ use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{check, guarded};
 use crate::gpu::common::pass::{Dispatch, Workgroups, record};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, switch};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer};
 use crate::gpu::common::readback::read_back_first;
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
@@ -105,9 +105,9 @@ impl Passes {
     fn new(pipelines: &Pipelines, kind: PassKind) -> Self {
         let PassKind { skip_by_boxes, has_polygons, names_faces, window_words } = kind;
         let windows = ("WINDOW_WORDS", f64::from(window_words));
-        let skip = ("SKIP", f64::from(u8::from(skip_by_boxes)));
-        let polygons = ("POLYGONS", f64::from(u8::from(has_polygons)));
-        let names = ("NAMES_FACES", f64::from(u8::from(names_faces)));
+        let skip = ("SKIP", switch(skip_by_boxes));
+        let polygons = ("POLYGONS", switch(has_polygons));
+        let names = ("NAMES_FACES", switch(names_faces));
         let pair = |stage: &'static Stage, entry_point: usize| {
             pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons, names])
         };

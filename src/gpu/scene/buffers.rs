@@ -6,7 +6,7 @@ use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, guarded, padded};
 use crate::gpu::common::wanted::{Account, Wanted};
-use crate::gpu::extract::buffers::RECORD_HEAD;
+use crate::gpu::extract::buffers::{RECORD_HEAD, default_capacity};
 use crate::gpu::extract::polygon_buffers::{HEAD_WORDS, PolygonShape};
 use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, LightBatch, SceneStatistics};
 use crate::method::Predicate;
@@ -70,7 +70,10 @@ impl GroupSizes {
         };
         let undecided = undecided.min(slots).min((limits.binding - RECORD_HEAD) / 4).max(1);
         let fitting = (limits.binding - LISTS_HEAD) / 4 / u64::from(lights.max(1));
-        let capacity = options.capacities.lists.map_or_else(|| default_capacity(group, lights), u64::from);
+        let capacity = options
+            .capacities
+            .lists
+            .map_or_else(|| default_capacity(group.counts, group.smooth, lights as usize) as u64, u64::from);
         let capacity = capacity.min(fitting).min(u64::from(group.edge_slots())).max(1);
         let pieces = options.capacities.pieces.map(|pieces| pieces.max(1));
         Self {
@@ -92,15 +95,6 @@ impl GroupSizes {
     pub(crate) fn pieces(&self) -> u64 {
         self.polygons.map_or(0, |polygons| polygons.piece_bytes(self.lights as usize))
     }
-}
-
-/// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, and
-/// each light has room for the silhouettes of smooth casters.
-fn default_capacity(group: &Group, lights: u32) -> u64 {
-    let counts = group.counts;
-    let shared = 4 * counts.consistent / lights.max(1) as usize;
-    let consistent = group.smooth.max(shared).max(1024).min(counts.consistent);
-    (counts.boundary + counts.inconsistent + consistent) as u64
 }
 
 /// The buffers of all groups and batches, and the shared ones.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DMat3, DVec3};
 use slotmap::DefaultKey;
 
 use super::handles::{LightHandle, MeshHandle};
@@ -247,8 +247,7 @@ pub(crate) struct Rigid {
 
 impl Rigid {
     pub(crate) fn new(rows: Matrix3x4) -> Self {
-        let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rows.map(|row| f64::from(row[column])));
-        let transform = DAffine3::from_cols_array_2d(&columns);
+        let transform = Transform::from(rows).to_f64();
         let is_finite = rows.iter().flatten().all(|c| c.is_finite());
         let space = MeshSpace::new(transform).filter(|_| is_finite);
         let scale = space.map_or(0.0, |space| least_scale(transform.matrix3, space.inverse));

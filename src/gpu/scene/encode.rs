@@ -31,20 +31,6 @@ impl Scene {
     /// encodes. Each sees the scene of its moment, and overwrites the results of the one before. An encoder may be dropped, or
     /// submitted after a later one. Memory is kept for the most views of an encode so far.
     ///
-    /// ```no_run
-    /// use rimline::gpu::{FrameInputs, Scene, SceneFrame, ShadowError, StageTimer};
-    /// use rimline::{ShadowCamera, wgpu};
-    ///
-    /// fn frame(
-    ///     scene: &mut Scene,
-    ///     encoder: &mut wgpu::CommandEncoder,
-    ///     camera: ShadowCamera,
-    ///     timer: &mut StageTimer,
-    /// ) -> Result<SceneFrame, ShadowError> {
-    ///     scene.encode(encoder, FrameInputs { views: &[camera.into()], timer: Some(timer), ..Default::default() })
-    /// }
-    /// ```
-    ///
     /// # Errors
     /// [`ShadowError`] if a camera or its [`View::depth`] is refused, the scene does not fit the device or the memory limit, or
     /// the device is lost or not the timer's. Nothing is recorded then, and the next encode is not affected.

@@ -209,9 +209,8 @@ impl SceneFrame {
             if count_batch > 0 {
                 pipelines.resolve(pass);
             }
-            let (batch, light) = (count_batch as usize, light.bit as usize);
-            let draws = volumes.stages.draws(&volumes.buffers, batch, view, light);
-            draws.for_each(|draws| draws.draw(pass, &pipelines.volumes));
+            let of = [count_batch as usize, view, light.bit as usize];
+            volumes.stages.draw(pass, &pipelines.volumes, &volumes.buffers, of);
         }
     }
 
@@ -248,11 +247,11 @@ impl SceneFrame {
         let parts = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
         let groups = parts.filter_map(|(number, (part, buffers))| {
             let views = of.and_then(|of| of.lists.get(number));
-            let room = volumes.and_then(|volumes| volumes.sizes.rooms.get(number));
+            let sizes = volumes.and_then(|volumes| volumes.sizes.parts.get(number));
             Some(SceneGroupResults {
                 clusters: &self.structure.topology.get(part.group)?.clusters,
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
-                side_capacity: room.map_or(0, |room| room.sides),
+                side_capacity: sizes.map_or(0, |sizes| sizes.shape.side_capacity),
                 group: part.group,
                 batch: part.batch,
                 facing: &buffers.facing,

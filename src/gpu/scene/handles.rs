@@ -17,25 +17,31 @@ impl SceneId {
     }
 }
 
-/// A mesh of a [`Scene`](crate::gpu::Scene).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct MeshHandle {
-    pub(crate) scene: SceneId,
-    pub(crate) key: DefaultKey,
+/// Declares handles with a key.
+macro_rules! handles {
+    ($($(#[$doc:meta])* $name:ident of a $what:literal;)*) => { $(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub struct $name {
+            pub(crate) scene: SceneId,
+            pub(crate) key: DefaultKey,
+        }
+
+        impl $name {
+            pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
+                if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: $what }) }
+            }
+        }
+    )* };
 }
 
-/// A caster of a [`Scene`](crate::gpu::Scene).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CasterHandle {
-    pub(crate) scene: SceneId,
-    pub(crate) key: DefaultKey,
-}
-
-/// A model of a [`Scene`](crate::gpu::Scene).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ModelHandle {
-    pub(crate) scene: SceneId,
-    pub(crate) key: DefaultKey,
+handles! {
+    /// A mesh of a [`Scene`](crate::gpu::Scene).
+    MeshHandle of a "mesh";
+    /// A caster of a [`Scene`](crate::gpu::Scene).
+    CasterHandle of a "caster";
+    /// A model of a [`Scene`](crate::gpu::Scene).
+    ModelHandle of a "model";
 }
 
 /// A light of a [`Scene`](crate::gpu::Scene). It keeps its bit until it is removed.
@@ -52,23 +58,5 @@ impl LightHandle {
     /// the same bit at the same time.
     pub const fn bit(self) -> u32 {
         self.bit
-    }
-}
-
-impl MeshHandle {
-    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
-        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "mesh" }) }
-    }
-}
-
-impl ModelHandle {
-    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
-        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "model" }) }
-    }
-}
-
-impl CasterHandle {
-    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, ShadowError> {
-        if self.scene == scene { Ok(self.key) } else { Err(ShadowError::OtherScene { what: "caster" }) }
     }
 }

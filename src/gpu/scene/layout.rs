@@ -14,6 +14,7 @@ use super::table::{LIGHT_PARTS, Part, Slots, Table};
 use super::topology::SlotOrder;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::extract::buffers::smooth_edges;
 use crate::gpu::extract::polygon_buffers::PolygonCounts;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
@@ -57,11 +58,6 @@ pub(crate) struct Layout {
     pub(crate) occluders: OccluderLayout,
     /// Parts of the table that each encode uploads. The casters of chunks follow, and are written once.
     pub(crate) uploaded: usize,
-}
-
-/// How many consistent edges of a smooth surface may be silhouette edges for a light: a few times the root of their number.
-fn smooth_edges(consistent: usize) -> usize {
-    (16 * consistent.isqrt()).min(consistent)
 }
 
 impl Group {

@@ -85,15 +85,6 @@ impl Default for LightMask {
     }
 }
 
-/// The set bits of a word, lowest first.
-pub(crate) fn bits(mut word: u32) -> impl Iterator<Item = u32> {
-    std::iter::from_fn(move || {
-        let bit = word.trailing_zeros();
-        word &= word.wrapping_sub(1);
-        (bit < 32).then_some(bit)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +101,6 @@ mod tests {
         assert_eq!(mask.without(light(1023)).batches(), 2);
         assert_eq!(LightMask::ALL.and(&mask), mask);
         assert!(LightMask::NONE.is_empty() && LightMask::NONE.batches() == 0);
-        assert_eq!(bits(1 << 31 | 5).collect::<Vec<_>>(), [0, 2, 31]);
+        assert_eq!(crate::layout::bits(1 << 31 | 5).collect::<Vec<_>>(), [0, 2, 31]);
     }
 }

@@ -7,7 +7,7 @@ use super::caster::{OccludedFacesOfLight, OcclusionCaster, Placement};
 use super::handles::{CasterHandle, LightHandle};
 use super::options::Measuring;
 use super::scene::Scene;
-use crate::Matrix3x4;
+use crate::Transform;
 use crate::cpu::OccludedFaces;
 use crate::gpu::shadow::errors::ShadowError;
 
@@ -21,8 +21,6 @@ pub struct OccludedCounts {
     /// The occluded faces of these lights, which cast.
     pub ignored_faces: usize,
 }
-
-const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 impl Scene {
     /// Culls occluded faces of static casters for a light. `casters` are the casters of [`OccludedFaces::find`], in that
@@ -126,7 +124,7 @@ impl Scene {
         let is_same = |source: &OcclusionCaster| {
             self.content.casters.get(source.key).is_some_and(|entry| {
                 let is_placed = match &entry.placement {
-                    Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
+                    Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == Transform::UNIT,
                     Placement::World { .. } => {
                         !entry.is_of_model && source.version.is_some() && entry.positions_version == source.version
                     }

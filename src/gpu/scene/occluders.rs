@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, DVec4};
+use glam::{DVec3, DVec4};
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
 use super::content::Content;
-use super::mask::{LightMask, bits};
+use super::mask::LightMask;
 use super::table::{Part, Table};
+use crate::Transform;
 use crate::gpu::shadow::errors::ShadowError;
+use crate::layout::bits;
 use crate::light_batch::ScaledLight;
 
 /// The most corners of an occluder.
@@ -108,8 +110,7 @@ impl OccluderLayout {
 
 /// Corners in world space, rounded once.
 fn in_world(corners: &[[f32; 3]], rigid: &Rigid) -> Vec<[f32; 3]> {
-    let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rigid.rows.map(|row| f64::from(row[column])));
-    let matrix = DAffine3::from_cols_array_2d(&columns);
+    let matrix = Transform::from(rigid.rows).to_f64();
     corners
         .iter()
         .map(|corner| matrix.transform_point3(DVec3::from(corner.map(f64::from))).as_vec3().to_array())

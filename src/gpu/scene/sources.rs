@@ -7,20 +7,11 @@ use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::Placement;
 use super::pages::Page;
-use crate::gpu::common::bindings::{Resource, part};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::shadow::errors::ShadowError;
-
-/// Casters with equal keys share a source.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct SourceKey {
-    page: usize,
-    /// A caller's buffer, and the offset of its bound part.
-    buffer: Option<(wgpu::Buffer, u64)>,
-}
 
 /// A source of positions that casters of one page use.
 #[derive(Debug)]
@@ -29,7 +20,6 @@ pub(crate) struct Source {
     /// `None`: the positions of the page.
     pub(crate) buffer: Option<BoundBuffer>,
     casters: usize,
-    key: SourceKey,
 }
 
 impl Source {
@@ -41,13 +31,7 @@ impl Source {
         }
     }
 
-    /// The bound positions.
-    pub(crate) fn positions<'a>(&'a self, page: &'a Page) -> Resource<'a> {
-        let (buffer, range) = self.bound_positions(page);
-        part(buffer, range)
-    }
-
-    /// The buffers that draws of its casters read.
+    /// The buffers that stages and draws of its casters read.
     pub(crate) fn topology(&self, page: &Page) -> GroupTopology {
         let (positions, range) = self.bound_positions(page);
         GroupTopology {
@@ -56,6 +40,7 @@ impl Source {
             edge_faces: page.edge_faces.clone(),
             positions: (positions.clone(), range),
             clusters: page.clusters.clone(),
+            are_at_rest: self.buffer.is_none(),
         }
     }
 }
@@ -69,10 +54,12 @@ pub(crate) struct GroupTopology {
     pub(crate) positions: (wgpu::Buffer, Range<u64>),
     /// The clusters of its page.
     pub(crate) clusters: wgpu::Buffer,
+    /// Whether the positions are those of the page, in the boxes that the table has.
+    pub(crate) are_at_rest: bool,
 }
 
 /// The part of a caller's buffer that is bound.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct BoundBuffer {
     pub(crate) buffer: wgpu::Buffer,
     pub(crate) range: Range<u64>,
@@ -82,7 +69,8 @@ pub(crate) struct BoundBuffer {
 #[derive(Debug, Default)]
 pub(crate) struct Sources {
     sources: SlotMap<DefaultKey, Source>,
-    by_key: HashMap<SourceKey, DefaultKey>,
+    /// By page and buffer: casters with the same ones share a source.
+    by_key: HashMap<(usize, Option<BoundBuffer>), DefaultKey>,
 }
 
 impl Sources {
@@ -92,10 +80,11 @@ impl Sources {
 
     /// The source of a further caster.
     pub(crate) fn acquire(&mut self, page: usize, buffer: Option<BoundBuffer>) -> DefaultKey {
-        let key = SourceKey { page, buffer: buffer.as_ref().map(|bound| (bound.buffer.clone(), bound.range.start)) };
         let Self { sources, by_key } = self;
-        let new = || sources.insert(Source { page, buffer, casters: 0, key: key.clone() });
-        let source = *by_key.entry(key.clone()).or_insert_with(new);
+        let new = |key: &(usize, Option<BoundBuffer>)| {
+            sources.insert(Source { page: key.0, buffer: key.1.clone(), casters: 0 })
+        };
+        let source = *by_key.entry((page, buffer)).or_insert_with_key(new);
         if let Some(source) = sources.get_mut(source) {
             source.casters += 1;
         }
@@ -109,7 +98,7 @@ impl Sources {
             source.casters == 0
         });
         if is_unused && let Some(source) = self.sources.remove(source) {
-            self.by_key.remove(&source.key);
+            self.by_key.remove(&(source.page, source.buffer));
         }
     }
 }

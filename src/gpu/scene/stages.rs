@@ -1,15 +1,17 @@
 //! The dispatches of a scene's stages, with the buffers that they bind.
 
-use super::buffers::{Buffers, LISTS_HEAD, WORK_WORDS};
+use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, PolygonBuffers, WORK_WORDS};
+use super::sources::GroupTopology;
 use super::structure::{GroupBatch, Inputs, PolygonCaster, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, exact_workgroups, loops_of};
 use crate::gpu::common::pass::{Step, Workgroups};
-use crate::gpu::common::pipelines::Program;
+use crate::gpu::common::pipelines::{Program, switch};
 use crate::gpu::common::positions::{BoundPositions, bound};
-use crate::gpu::extract::of_scene::PolygonPart;
-use crate::gpu::shadow;
+use crate::gpu::extract::buffers::Shape;
+use crate::gpu::extract::of_scene::polygon_steps;
+use crate::gpu::{extract, shadow};
 use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::mesh::EdgeCounts;
 use crate::method::Predicate;
@@ -43,7 +45,6 @@ impl Items {
 
 /// The stages in their order, with their items.
 fn stages(predicate: Predicate) -> Vec<(Program, Items)> {
-    let switch = |is_on: bool| f64::from(u8::from(is_on));
     let is_exact = predicate == Predicate::Exact;
     let plain = |stage| Program::of(stage, &[]);
     let facing = [("PLANE", switch(predicate.is_plane())), ("EXACT", switch(is_exact))];
@@ -77,8 +78,7 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
         programs.extend(shadow::stages::programs(has_pieces, options));
     }
     pipelines.make_together(&programs);
-    let limits = &DispatchLimits::new(&device.limits());
-    let binder = Binder { device, structure, inputs, limits };
+    let binder = Binder::new(inputs, structure);
     let mut steps = clears(structure);
     bound(device, || {
         for (program, items) in stages(predicate) {
@@ -118,14 +118,19 @@ fn clears(structure: &Structure) -> Vec<Step> {
 }
 
 /// Binds the stages of a structure.
-struct Binder<'a> {
+pub(crate) struct Binder<'a> {
     device: &'a wgpu::Device,
     structure: &'a Structure,
     inputs: &'a Inputs<'a>,
-    limits: &'a DispatchLimits,
+    limits: DispatchLimits,
 }
 
 impl<'a> Binder<'a> {
+    pub(crate) fn new(inputs: &'a Inputs<'a>, structure: &'a Structure) -> Self {
+        let device = inputs.pipelines.device();
+        Self { device, structure, inputs, limits: DispatchLimits::new(&device.limits()) }
+    }
+
     fn workgroups(&self, items: Items, part: &GroupBatch) -> Workgroups {
         let most = self.limits.workgroups;
         let chunks = self.structure.layout.groups.get(part.group).map(|group| (group.face_chunks, group.edge_chunks));
@@ -153,43 +158,61 @@ impl<'a> Binder<'a> {
     fn polygons(&self, group_batch: &GroupBatch) -> Option<Result<Vec<Step>, DeviceError>> {
         let Self { structure, inputs, limits, .. } = self;
         let &GroupBatch { group, batch, ref sizes, lights, .. } = group_batch;
-        let buffers = structure.buffers.groups.get(group)?.get(batch)?;
-        let of_polygons = buffers.polygons.as_ref()?;
-        let (page, source) = structure.source(inputs.content, group)?;
+        let GroupBuffers { facing, excluded, record, lists, polygons, .. } =
+            structure.buffers.groups.get(group)?.get(batch)?;
+        let PolygonBuffers { lights: light_batch, undecided, arguments, pieces } = polygons.as_ref()?;
+        let GroupTopology { faces, edge_vertices, edge_faces, positions: (positions, range), .. } =
+            structure.topology.get(group)?;
         let PolygonCaster { mesh, offset_words, stride_words, .. } = structure.polygons(inputs.content, group)?;
-        let (positions, range) = source.bound_positions(page);
         // One binding holds them, so this is no error.
         let windows = limits.windows("positions", range.end - range.start).ok()?;
+        let bound = BoundPositions { base: range.start, windows, offset_words, stride_words };
         let layout = structure.layout.groups.get(group)?;
         let EdgeCounts { consistent, inconsistent, boundary } = layout.counts;
-        let part = PolygonPart {
-            mesh,
-            faces: layout.face_slots(),
-            edges: (consistent + inconsistent + boundary) as u32,
-            lights,
+        let shape = Shape {
+            vertices: 0,
+            faces: layout.face_slots() as usize,
+            edges: consistent + inconsistent + boundary,
+            max_lights: lights as usize,
             capacity: sizes.capacity,
-            polygons: sizes.polygons?,
-            topology: [&page.faces, &page.edge_vertices, &page.edge_faces],
-            positions: (positions, BoundPositions { base: range.start, windows, offset_words, stride_words }),
-            given: structure.exclusions.get(group * structure.batches + batch)?.as_ref(),
-            light_batch: &of_polygons.lights,
-            facing: &buffers.facing,
-            excluded: &buffers.excluded,
-            record: &buffers.record,
-            lists: (&buffers.lists, LISTS_HEAD),
-            undecided: &of_polygons.undecided,
-            arguments: &of_polygons.arguments,
-            pieces: &of_polygons.pieces,
+            lists_head: LISTS_HEAD,
+            blocks: 0,
+            undecided: 0,
+            face_words: 2 * layout.face_slots() as usize,
+            polygons: Some(sizes.polygons?),
         };
-        Some(part.steps(inputs.pipelines))
+        let buffers = extract::buffers::Buffers {
+            faces: faces.clone(),
+            edge_vertices: edge_vertices.clone(),
+            edge_faces: edge_faces.clone(),
+            edge_corners: None,
+            facing: vec![facing.clone()],
+            masks: Vec::new(),
+            lists: vec![lists.clone()],
+            excluded: vec![excluded.clone()],
+            record: record.clone(),
+            block_offsets: arguments.clone(),
+            counts: lists.clone(),
+            draw_arguments: arguments.clone(),
+            polygons: Some(mesh.buffers([undecided, arguments, pieces])),
+            light_batches: light_batch.clone(),
+            chunks: arguments.clone(),
+            draw_shape: arguments.clone(),
+            statistics: arguments.clone(),
+            unused: arguments.clone(),
+        };
+        let given = structure.exclusions.get(group * structure.batches + batch)?.as_ref();
+        Some(polygon_steps(inputs.pipelines, &shape, buffers, (positions, &bound), given))
     }
 
-    fn get(&self, stage: &str, name: &str, group_batch: &GroupBatch) -> Option<Resource<'a>> {
+    /// The resource that a stage binds by this name. Stages and draws of shadow volumes have it here, too.
+    pub(crate) fn get(&self, stage: &str, name: &str, group_batch: &GroupBatch) -> Option<Resource<'a>> {
         let Structure { table, uniforms, shapes, buffers, .. } = self.structure;
         let Buffers { relevant_lights, active_lights, cache, work, statistics, .. } = buffers;
         let &GroupBatch { group, batch, ref sizes, offset, shape, .. } = group_batch;
         let of_group = buffers.groups.get(group)?.get(batch)?;
-        let (page, source) = self.structure.source(self.inputs.content, group)?;
+        let topology = self.structure.topology.get(group)?;
+        let extraction_statistics = || part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64);
         Some(match name {
             "group" => uniform::<SceneDispatch>(uniforms, offset),
             "shape" => uniform::<DrawShape>(shapes, shape),
@@ -200,19 +223,21 @@ impl<'a> Binder<'a> {
             "active_lights" if stage == SCENE_EDGES.name => whole(relevant_lights),
             "active_lights" => whole(active_lights),
             "cache" => whole(cache),
-            "statistics" if stage == ARGUMENTS.name => {
-                part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64)
-            }
+            "statistics" if stage == ARGUMENTS.name => extraction_statistics(),
             "statistics" => whole(statistics),
-            "cluster_words" => whole(&page.clusters),
-            "positions" => source.positions(page),
-            "faces" => whole(&page.faces),
-            "edge_faces" => whole(&page.edge_faces),
+            "extraction_statistics" => extraction_statistics(),
+            "cluster_words" => whole(&topology.clusters),
+            "positions" => part(&topology.positions.0, topology.positions.1.clone()),
+            "faces" => whole(&topology.faces),
+            "edge_vertices" => whole(&topology.edge_vertices),
+            "edge_faces" => whole(&topology.edge_faces),
             "facing_masks" => part(&of_group.facing, 0..sizes.masks),
             "excluded_masks" => part(&of_group.excluded, 0..sizes.masks),
             "record" => part(&of_group.record, 0..sizes.record),
             "lists" => part(&of_group.lists, 0..sizes.lists),
-            "list_counts" | "counts" => part(&of_group.lists, 0..LISTS_HEAD),
+            "list_counts" | "counts" | "silhouette_counts" => part(&of_group.lists, 0..LISTS_HEAD),
+            "silhouettes" => part(&of_group.lists, LISTS_HEAD..sizes.lists),
+            "pieces" => part(&of_group.polygons.as_ref()?.pieces, 0..sizes.pieces()),
             "draw_arguments" => whole(&of_group.draws),
             _ => return None,
         })

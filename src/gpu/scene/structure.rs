@@ -9,8 +9,7 @@ use super::content::Content;
 use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
-use super::pages::Page;
-use super::sources::{GroupTopology, Source};
+use super::sources::GroupTopology;
 use super::table::{Part, Table};
 use crate::Light;
 use crate::gpu::common::device_error::DeviceError;
@@ -208,12 +207,6 @@ impl Structure {
             Some((buffers.lights.clone(), LightBatch::of_bits(light, part.lights, offset_words, stride_words)))
         };
         self.parts.iter().filter_map(light_batch).collect()
-    }
-
-    /// The page of a group, and the source of its positions.
-    pub(crate) fn source<'a>(&self, content: &'a Content, group: usize) -> Option<(&'a Page, &'a Source)> {
-        let source = content.sources.get(self.layout.groups.get(group)?.source)?;
-        Some((content.pages.get(source.page)?, source))
     }
 }
 

@@ -4,11 +4,11 @@ use bytemuck::Zeroable;
 
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
-use super::mask::bits;
+use crate::Transform;
 use crate::layout::caster_flags::{
     BOUNDED, CLOSED, EXCLUDES, GROUP_EXCLUDES, MIRRORED, NON_FINITE, PROXY, RIGID, UNCACHED,
 };
-use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, SceneCaster};
+use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, SceneCaster, bits};
 use crate::light::Light;
 use crate::light_batch::ScaledLight;
 
@@ -89,27 +89,21 @@ impl Table {
     /// Writes a caster with its slots.
     pub(crate) fn put_caster(&mut self, entry: &CasterEntry, mesh: &MeshEntry, slots: Slots) {
         let [faces, edges, _, clusters] = mesh.region.ranges.clone().map(|range| range.start);
-        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
         let [position_offset, position_stride] = entry.position_words(mesh);
-        let rigid = entry.rigid();
-        let no_rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        let [row_0, row_1, row_2] = rigid.map_or(no_rows, |rigid| finite(rigid.rows));
-        let [low, high] = if rigid.is_some() { [mesh.low, mesh.high] } else { stated_box(entry) };
-        let caster = SceneCaster {
+        let is_rigid = entry.rigid().is_some();
+        let [row_0, row_1, row_2] = Transform::UNIT;
+        let mut caster = SceneCaster {
             row_0,
             row_1,
             row_2,
-            low,
-            scale: rigid.map_or(1.0, |rigid| rigid.scale),
-            high,
+            low: mesh.low,
+            scale: 1.0,
+            high: mesh.high,
             flags: flag(mesh.is_closed, CLOSED)
                 | flag(!entry.in_depth, PROXY)
-                | flag(entry.bounds.is_some(), BOUNDED)
-                | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
-                | flag(rigid.is_some(), RIGID)
-                | flag(rigid.is_some() && mesh.is_holed, NON_FINITE)
+                | flag(is_rigid, RIGID)
+                | flag(is_rigid && mesh.is_holed, NON_FINITE)
                 | flag(entry.is_excluding(), EXCLUDES)
-                | flag(entry.is_uncached(), UNCACHED)
                 | flag(slots.group_excludes, GROUP_EXCLUDES),
             first_face_slot: slots.first_face,
             faces: mesh.faces,
@@ -119,43 +113,21 @@ impl Table {
             edges: mesh.edges(),
             first_edge: edges,
             position_stride,
-            version: entry.version,
+            version: 0,
             group: slots.group,
             first_caster: slots.first_caster,
-            clusters_or_deforming_index: match (rigid, &mesh.order) {
-                (None, _) => entry.deforming_index,
-                (Some(_), Some(_)) => clusters,
-                (Some(_), None) => NO_CLUSTERS,
-            },
+            clusters_or_deforming_index: if mesh.order.is_some() { clusters } else { NO_CLUSTERS },
         };
+        set_changes(&mut caster, entry);
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
     }
 
-    /// Writes the parts of a caster that may change without a new layout: the transform if it is rigid, else the stated box,
-    /// and its version.
+    /// Writes the parts of a caster that may change without a new layout.
     pub(crate) fn put_change(&mut self, entry: &CasterEntry) {
         let offset = CASTER_PARTS * entry.index as usize;
-        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-        let mut flags = flag(entry.is_uncached(), UNCACHED);
-        if let Placement::Rigid(rigid) = &entry.placement {
-            self.put(offset, bytemuck::cast_slice(&finite(rigid.rows)));
-            flags |= flag(rigid.is_mirrored, MIRRORED);
-            if let Some(low) = self.parts.get_mut(offset + 3) {
-                low[3] = rigid.scale.to_bits();
-            }
-        } else if let Some([low_part, high_part]) = self.parts.get_mut(offset + 3..offset + 5) {
-            let [low, high] = stated_box(entry);
-            for (part, end) in [(low_part, low), (high_part, high)] {
-                part.iter_mut().zip(end).for_each(|(word, value)| *word = value.to_bits());
-            }
-            flags |= flag(entry.bounds.is_some(), BOUNDED);
-        }
-        if let Some([high, .., last]) = self.parts.get_mut(offset + 4..offset + 8) {
-            high[3] = high[3] & !(MIRRORED | UNCACHED | BOUNDED) | flags;
-            last[0] = entry.version;
-            if let Placement::World { .. } = entry.placement {
-                last[3] = entry.deforming_index;
-            }
+        let parts = self.parts.get_mut(offset..offset + CASTER_PARTS).unwrap_or_default();
+        for caster in bytemuck::cast_slice_mut(parts) {
+            set_changes(caster, entry);
         }
     }
 
@@ -204,9 +176,28 @@ impl Table {
     }
 }
 
-/// The stated box. Low is above high if there is none.
-fn stated_box(entry: &CasterEntry) -> [[f32; 3]; 2] {
-    entry.bounds.unwrap_or([[f32::MAX; 3], [f32::MIN; 3]])
+/// Sets what may change without a new layout: the transform if the caster is rigid, else the stated box and the index among
+/// deforming casters; and the version.
+fn set_changes(caster: &mut SceneCaster, entry: &CasterEntry) {
+    let mut flags = flag(entry.is_uncached(), UNCACHED) | flag(entry.bounds.is_some(), BOUNDED);
+    match &entry.placement {
+        Placement::Rigid(rigid) => {
+            [caster.row_0, caster.row_1, caster.row_2] = finite(rigid.rows);
+            caster.scale = rigid.scale;
+            flags |= flag(rigid.is_mirrored, MIRRORED);
+        }
+        Placement::World { .. } => {
+            // Low is above high if no box is stated.
+            [caster.low, caster.high] = entry.bounds.unwrap_or([[f32::MAX; 3], [f32::MIN; 3]]);
+            caster.clusters_or_deforming_index = entry.deforming_index;
+        }
+    }
+    caster.flags = caster.flags & !(MIRRORED | UNCACHED | BOUNDED) | flags;
+    caster.version = entry.version;
+}
+
+fn flag(is_set: bool, flag: u32) -> u32 {
+    if is_set { flag } else { 0 }
 }
 
 /// Rows, or zeros if a component is not finite. Such a caster casts nothing.

@@ -124,16 +124,16 @@ impl<B> VolumeBuffers<B> {
             receivers: make(Wanted::new("receivers", sizes.receiver_bytes())),
             shapes: make(Wanted::uniforms("shadow shapes", shapes)),
             draw_lights: make(Wanted::uniforms("shadow draw lights", draw_lights)),
-            draws: sizes.groups.iter().map(|_| make(draws)).collect(),
+            draws: sizes.groups().map(|_| make(draws)).collect(),
             bound: sizes.options.stencil.bound_counts.then(|| BoundBuffers {
                 pencils: make(Wanted::new("stencil pencils", pencils)),
                 bin_rows: make(Wanted::new("rows of stencil bins", bin_rows)),
             }),
             lists: sizes
-                .rooms
+                .parts
                 .iter()
-                .map(|room| {
-                    let [(sides, _), (caps, _)] = room.lists();
+                .map(|part| {
+                    let [(sides, _), (caps, _)] = part.lists();
                     let mut of_view = |_| Lists {
                         sides: make(Wanted::new("lists of sides", sides)),
                         caps: make(Wanted::new("lists of cap faces", caps)),
@@ -141,10 +141,11 @@ impl<B> VolumeBuffers<B> {
                     (0..sizes.views).map(&mut of_view).collect()
                 })
                 .collect(),
-            piece_draws: (0..sizes.groups.len())
-                .map(|group| sizes.group_has_pieces(group).then(|| make(piece_draws)))
+            piece_draws: sizes
+                .groups()
+                .map(|part| (part.shape.piece_capacity > 0).then(|| make(piece_draws)))
                 .collect(),
-            twisted_lights: make(Wanted::new("twisted lights", 4 * sizes.rooms.len() as u64).free()),
+            twisted_lights: make(Wanted::new("twisted lights", 4 * sizes.parts.len() as u64).free()),
             statistics: make(Wanted::new("shadow statistics", size_of::<ShadowStatistics>() as u64).free()),
         }
     }
@@ -153,7 +154,7 @@ impl<B> VolumeBuffers<B> {
 /// The shapes of all groups and batches.
 fn shapes(sizes: &VolumeSizes) -> UniformTable {
     let mut shapes = UniformTable::default();
-    for part in 0..sizes.rooms.len() {
+    for part in 0..sizes.parts.len() {
         shapes.push::<ShadowShape>(&sizes.shape(part));
     }
     shapes

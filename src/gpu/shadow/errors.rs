@@ -1,7 +1,7 @@
 //! Why pipelines of shadow volumes and scenes cannot be made, changed, recorded or drawn.
 
 use super::format::{ShadowFormat, attachments};
-use crate::gpu::common::device_error::{DeviceError, feature_names};
+use crate::gpu::common::device_error::{DeviceError, contain, feature_names};
 use crate::gpu::deform::deformer::DeformError;
 use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
@@ -10,6 +10,7 @@ use crate::shadow::{CameraError, Counting, DepthDirection};
 /// Why pipelines of shadow volumes or a scene cannot be made, changed, recorded or drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum ShadowError {
     /// The device lacks what is needed, is lost, or is not that of the pipelines or the timer. Or a mesh or the scene does not fit
     /// it or the memory limit, or a position buffer is refused.
@@ -33,30 +34,15 @@ pub enum ShadowError {
     NoStencil(wgpu::TextureFormat),
     /// The device was not asked for the format's feature.
     #[error("{format:?} needs {}; make the device with it", feature_names(*.needed))]
-    Feature {
-        /// The format.
-        format: wgpu::TextureFormat,
-        /// The feature that the device lacks.
-        needed: wgpu::Features,
-    },
-    /// The format does not allow this number of samples.
+    Feature { format: wgpu::TextureFormat, needed: wgpu::Features },
+    /// The format does not allow this number of samples. Every device allows the supported ones, or some devices with
+    /// `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`.
     #[error("{samples} samples a pixel of {format:?} are not to be had; take one of {supported:?}")]
-    Samples {
-        /// Samples given.
-        samples: u32,
-        /// The depth-stencil format.
-        format: wgpu::TextureFormat,
-        /// The numbers that every device allows, or some devices with
-        /// `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`.
-        supported: Vec<u32>,
-    },
+    Samples { samples: u32, format: wgpu::TextureFormat, supported: Vec<u32> },
     /// The device makes no pipelines for the attachments. For example a format cannot be drawn into, there are too many
     /// attachments, or the adapter lacks the sample count.
     #[error("the device refuses pipelines for these attachments: {message}")]
-    Refused {
-        /// The message of the device.
-        message: String,
-    },
+    Refused { message: String },
     /// The pass has no depth-stencil attachment.
     #[error(
         "the pass has no depth-stencil attachment, and shadow volumes count there; `ShadowFormat::attachment` makes it"
@@ -67,12 +53,7 @@ pub enum ShadowError {
         "the pass has {}, and the format has {}; make the format of this pass by `ShadowFormat::of_pass`, and pipelines of it",
         attachments(.pass), attachments(.format)
     )]
-    OtherAttachments {
-        /// The format that the pass needs.
-        pass: Box<ShadowFormat>,
-        /// The format that was to begin it.
-        format: Box<ShadowFormat>,
-    },
+    OtherAttachments { pass: Box<ShadowFormat>, format: Box<ShadowFormat> },
     /// The pass does not clear its stencil to 0, where counts begin.
     #[error("the pass does not clear its stencil to 0, where counts begin; take `ShadowFormat::attachment`")]
     StencilNotCleared,
@@ -82,14 +63,9 @@ pub enum ShadowError {
          `ShadowFormat::attachment` does"
     )]
     DepthCleared,
-    /// Counts have too few bits of the stencil, or more than it has.
+    /// Counts have too few bits of the stencil, or more than it has. They need two where casters are counted in batches.
     #[error("`count_bits` is {given}; give {least} to 8")]
-    CountBits {
-        /// Bits given.
-        given: u32,
-        /// The fewest: one, or two where casters are counted in batches.
-        least: u32,
-    },
+    CountBits { given: u32, least: u32 },
     /// The far plane would cut off dark caps. The device needs `Features::DEPTH_CLIP_CONTROL`.
     #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
     DepthClip,
@@ -99,34 +75,19 @@ pub enum ShadowError {
         "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \
          method of `SceneOptions::counting`"
     )]
-    OtherCounting {
-        /// Counting method of the volumes.
-        volumes: Counting,
-        /// Counting method of the pipelines.
-        pipelines: Counting,
-    },
+    OtherCounting { volumes: Counting, pipelines: Counting },
     /// The pipelines have another depth direction than the volumes.
     #[error(
         "volumes made for {volumes:?} depth drawn with pipelines of {pipelines:?} depth; take a `ShadowFormat` of that"
     )]
-    OtherDepth {
-        /// Depth direction of the volumes.
-        volumes: DepthDirection,
-        /// Depth direction of the pipelines.
-        pipelines: DepthDirection,
-    },
+    OtherDepth { volumes: DepthDirection, pipelines: DepthDirection },
     /// The camera of the volumes makes a mirror image and the pipelines are made for none, or the other way round. Near
     /// caps would be counted against the sides.
     #[error(
         "volumes whose camera needs front faces {volumes:?} drawn with pipelines of {pipelines:?}; change the sign of the row \
          of y of a camera that mirrors by mistake, or set `ShadowFormat::front_face`"
     )]
-    OtherFrontFace {
-        /// The front faces of the volumes' camera.
-        volumes: wgpu::FrontFace,
-        /// The front faces of the pipelines.
-        pipelines: wgpu::FrontFace,
-    },
+    OtherFrontFace { volumes: wgpu::FrontFace, pipelines: wgpu::FrontFace },
     /// The pipelines clip at the far plane, and those that the volumes were made with do not.
     #[error(
         "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
@@ -137,19 +98,11 @@ pub enum ShadowError {
         "volumes made for counts of {volumes} bits drawn with pipelines of {pipelines}; take a `ShadowFormat` of the same \
          `count_bits` (for a scene, `SceneOptions::stencil`)"
     )]
-    OtherCountBits {
-        /// Bits of counts that the volumes were made for.
-        volumes: u32,
-        /// Bits of counts of the pipelines.
-        pipelines: u32,
-    },
+    OtherCountBits { volumes: u32, pipelines: u32 },
 
     /// All bits of lights are in use.
     #[error("the scene has room for {limit} lights; remove one first, or make the scene with a larger `max_lights`")]
-    NoLightBit {
-        /// The `max_lights` of the scene.
-        limit: usize,
-    },
+    NoLightBit { limit: usize },
     /// Faces of a mesh of polygons were to be excluded, and polygons count as a whole.
     #[error(
         "the mesh has faces of more than three corners, and faces of such a mesh cannot be excluded; make a mesh of its \
@@ -158,61 +111,30 @@ pub enum ShadowError {
     Polygons,
     /// There are fewer positions than the mesh has vertices.
     #[error("{given} positions given, and the mesh has {needed} vertices; give one for each source vertex")]
-    TooFewPositions {
-        /// Positions given.
-        given: usize,
-        /// Vertices of the mesh.
-        needed: u32,
-    },
+    TooFewPositions { given: usize, needed: u32 },
     /// A handle belongs to another scene.
     #[error("the handle of a {what} is of another scene; use it with the scene that returned it")]
-    OtherScene {
-        /// The kind of the handle.
-        what: &'static str,
-    },
+    OtherScene { what: &'static str },
     /// The mesh, caster or light of a handle was removed.
     #[error("the {what} of this handle was removed from the scene; use the handle that the last insertion returned")]
-    Removed {
-        /// The kind of the handle.
-        what: &'static str,
-    },
+    Removed { what: &'static str },
     /// A mesh cannot be removed while casters use it.
     #[error("{casters} casters still use the mesh; remove them first")]
-    MeshInUse {
-        /// The number of casters.
-        casters: usize,
-    },
+    MeshInUse { casters: usize },
     /// Occluded faces of a list of casters, and another number of casters.
     #[error(
         "the occluded faces are those of {found} casters, and {given} casters are given; give those that were searched"
     )]
-    OcclusionCasters {
-        /// Casters given.
-        given: usize,
-        /// Casters that were searched.
-        found: usize,
-    },
+    OcclusionCasters { given: usize, found: usize },
     /// Occluded faces of another mesh, or of a caster given twice.
     #[error(
         "caster {caster} of the list has {faces} faces or stands in the list twice, and occluded faces are those of a mesh with \
          {found} faces; give the casters once and in the order of the search"
     )]
-    OcclusionCaster {
-        /// Number of the caster in the list.
-        caster: usize,
-        /// Faces of its mesh.
-        faces: usize,
-        /// Faces of the mesh that was searched.
-        found: usize,
-    },
+    OcclusionCaster { caster: usize, faces: usize, found: usize },
     /// A face that the mesh does not have was to be excluded.
     #[error("face {face} is to be excluded, and the mesh of the caster has {faces} faces; faces count from 0")]
-    NoSuchFace {
-        /// The face given.
-        face: u32,
-        /// Faces of the mesh.
-        faces: u32,
-    },
+    NoSuchFace { face: u32, faces: u32 },
     /// A caster that is an instance of a model is to be moved or removed by itself.
     #[error(
         "the caster is an instance of a model; move it by `Scene::set_pose`, remove the model by `Scene::remove_model`, or let \
@@ -230,91 +152,45 @@ pub enum ShadowError {
     NoBuffer,
     /// A box is none.
     #[error("the box from {low:?} to {high:?} is none; give finite corners, the lowest first")]
-    Bounds {
-        /// The lowest corner given.
-        low: [f32; 3],
-        /// The highest corner given.
-        high: [f32; 3],
-    },
+    Bounds { low: [f32; 3], high: [f32; 3] },
     /// An occluder has too few or too many corners.
     #[error("occluder {number}: it has {corners} corners; give 3 to 8")]
-    OccluderCorners {
-        /// The number of the polygon.
-        number: usize,
-        /// Corners given.
-        corners: usize,
-    },
+    OccluderCorners { number: usize, corners: usize },
     /// A corner of an occluder is not on the mesh.
     #[error(
         "occluder {number}: corner {corner} at {position:?} is outside the box of the mesh's faces; give positions on its faces, \
          in mesh space"
     )]
-    OccluderOutside {
-        /// The number of the polygon.
-        number: usize,
-        /// The number of the corner.
-        corner: usize,
-        /// Where it is.
-        position: [f32; 3],
-    },
+    OccluderOutside { number: usize, corner: usize, position: [f32; 3] },
     /// The camera of a view of a scene is refused.
     #[error("view {view}: {error}")]
-    ViewCamera {
-        /// The number of the view.
-        view: usize,
-        /// Why.
-        error: CameraError,
-    },
+    ViewCamera { view: usize, error: CameraError },
     /// The texture of receivers has no depth.
     #[error("view {view}: the receivers have the format {format:?}, which has no depth; give the depth attachment")]
-    ReceiversFormat {
-        /// The number of the view.
-        view: usize,
-        /// The format of the texture.
-        format: wgpu::TextureFormat,
-    },
+    ReceiversFormat { view: usize, format: wgpu::TextureFormat },
     /// The texture of receivers cannot be read.
     #[error("view {view}: the depth texture lacks the usage `TEXTURE_BINDING`; add it where the texture is made")]
-    ReceiversUsage {
-        /// The number of the view.
-        view: usize,
-    },
+    ReceiversUsage { view: usize },
     /// The device refuses to read the receivers.
     #[error(
         "view {view}: the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
     )]
-    ReceiversRefused {
-        /// The number of the view.
-        view: usize,
-        /// The message of the device.
-        message: String,
-    },
+    ReceiversRefused { view: usize, message: String },
     /// The frame has no view with this number.
     #[error("view {view} asked for, and {views} cameras were encoded; views count from 0")]
-    NoSuchView {
-        /// The view that was asked for.
-        view: usize,
-        /// Views of the frame.
-        views: usize,
-    },
+    NoSuchView { view: usize, views: usize },
     /// The pipelines and the scene do not agree on whether casters are counted in batches.
     #[error(
         "the scene counts its casters in {count_batches} batches (`StencilCounts::count_batches`); draw several with \
          `ShadowPipelines::in_batches`, and one with `ShadowPipelines::new`"
     )]
-    CountBatches {
-        /// Batches of the scene.
-        count_batches: u32,
-    },
+    CountBatches { count_batches: u32 },
     /// The light was not in the scene when the frame was encoded.
     #[error("the light was not in the scene when this frame was encoded; add it before `Scene::encode`")]
     NotEncoded,
     /// The view leaves out the light.
     #[error("view {view} was encoded without the shadows of this light; add the light to `View::lights`")]
-    NotInView {
-        /// The view that was asked for.
-        view: usize,
-    },
+    NotInView { view: usize },
     /// A later encode overwrote the results of the frame.
     #[error(
         "this frame is out of date: its scene was encoded again, which overwrites the results; use the value that the \
@@ -323,13 +199,4 @@ pub enum ShadowError {
     StaleFrame,
 }
 
-impl From<ExtractorError> for ShadowError {
-    /// A device and lights are refused by the same cases, whoever finds it.
-    fn from(error: ExtractorError) -> Self {
-        match error {
-            ExtractorError::Device(error) => Self::Device(error),
-            ExtractorError::Light(error) => Self::Light(error),
-            error => Self::Extraction(error),
-        }
-    }
-}
+contain!(ExtractorError in ShadowError::Extraction but Device, Light);

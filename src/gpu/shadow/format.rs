@@ -100,14 +100,6 @@ impl ShadowFormat {
         }
     }
 
-    /// The depth comparison that nearer fragments pass.
-    pub(crate) fn nearer(&self) -> wgpu::CompareFunction {
-        match self.depth {
-            DepthDirection::Reversed => wgpu::CompareFunction::Greater,
-            DepthDirection::Standard => wgpu::CompareFunction::Less,
-        }
-    }
-
     /// The bits of the stencil that hold counts.
     pub(crate) fn count_mask(&self) -> u32 {
         low_bits(self.count_bits)

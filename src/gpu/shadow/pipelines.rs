@@ -7,9 +7,9 @@ use wgpu::{CompareFunction, StencilOperation};
 use super::errors::ShadowError;
 use super::format::{Casters, Count, Drawn, Polygons, ShadowFormat, VolumeKey};
 use crate::gpu::common::bindings::{READ, UNIFORM, entries};
-use crate::gpu::common::drawing;
+use crate::gpu::common::drawing::{self, depth_stencil, unchanged};
 use crate::gpu::common::memory::any_error;
-use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::pipelines::{Pipelines, switch};
 use crate::gpu::common::requirements::Subject;
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, PIECE_VOLUMES, SIDES};
@@ -305,7 +305,6 @@ impl VolumePipelines {
         };
         let module = self.shared.module(stage.name, &stage.wgsl());
         let unclipped_depth = count == Count::Behind && format.has_far_plane;
-        let switch = |is_on: bool| f64::from(u8::from(is_on));
         let constants = [
             ("TRIM", switch(format.trim)),
             ("PART", f64::from(part)),
@@ -317,7 +316,9 @@ impl VolumePipelines {
         } else {
             wgpu::PrimitiveTopology::TriangleStrip
         };
-        let front_face = format.front_face;
+        let (front_face, write_mask) = (format.front_face, casters.largest_count(format.count_bits));
+        let compare = if count == Count::Always { CompareFunction::Always } else { format.depth.nearer() };
+        let stencil = stencil(count, is_swapped, write_mask);
         self.shared.draws(&drawing::Drawn {
             label: entry_point,
             layouts: &[frame, data],
@@ -325,12 +326,9 @@ impl VolumePipelines {
             fragment: Some((&module, "nothing")),
             constants: if polygons == Polygons::Caps { &constants } else { &constants[..3] },
             primitive: wgpu::PrimitiveState { topology, front_face, unclipped_depth, ..Default::default() },
-            format: format.depth_stencil,
-            writes_depth: false,
-            compare: if count == Count::Always { CompareFunction::Always } else { format.nearer() },
-            stencil: stencil(count, is_swapped, casters.largest_count(format.count_bits)),
+            depth_stencil: Some(depth_stencil(format.depth_stencil, false, compare, stencil)),
             samples: format.samples,
-            colors: &format.colors,
+            targets: &unchanged(&format.colors),
         })
     }
 }

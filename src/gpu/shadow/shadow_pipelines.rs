@@ -3,7 +3,7 @@
 use super::errors::ShadowError;
 use super::format::{Casters, ShadowFormat};
 use super::pipelines::VolumePipelines;
-use crate::gpu::common::drawing::Drawn;
+use crate::gpu::common::drawing::{Drawn, depth_stencil, unchanged};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::shadow::Counting;
@@ -95,6 +95,8 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
         pass_op: wgpu::StencilOperation::Replace,
         ..wgpu::StencilFaceState::IGNORE
     };
+    let stencil = wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask: format.count_mask() };
+    let compare = wgpu::CompareFunction::Always;
     let pipeline = pipelines.draws(&Drawn {
         label: "resolve counts",
         layouts: &[],
@@ -102,12 +104,9 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
         fragment: Some((&module, "nothing")),
         constants: &[],
         primitive: wgpu::PrimitiveState::default(),
-        format: format.depth_stencil,
-        writes_depth: false,
-        compare: wgpu::CompareFunction::Always,
-        stencil: wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask: format.count_mask() },
+        depth_stencil: Some(depth_stencil(format.depth_stencil, false, compare, stencil)),
         samples: format.samples,
-        colors: &format.colors,
+        targets: &unchanged(&format.colors),
     });
     Resolve { pipeline, dark: counts + 1 }
 }

@@ -4,10 +4,9 @@
 use wgpu::BindingResource;
 
 use super::buffers::{SizedBuffers, VolumeBuffers};
-use super::draws::LightDraws;
-use super::pipelines::{Layouts, layouts};
-use super::sizes::{GroupSize, Room, VolumeSizes};
-use super::source::{Named, VolumeSource, named};
+use super::format::Polygons;
+use super::pipelines::{Layouts, Part, PartDraw, VolumePipelines, layouts};
+use super::sizes::{PartSizes, VolumeSizes};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, loops};
 use crate::gpu::common::pass::{Dispatch, Step, Workgroups, record};
@@ -15,7 +14,9 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::scene::options::SceneOptions;
-use crate::layout::{CHUNK, ExtractionStatistics, LANES, PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ViewLight};
+use crate::layout::{
+    CHUNK, DrawArguments, ExtractionStatistics, LANES, PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ViewLight,
+};
 use crate::stages::{
     BOUNDS, CAPS, COUNTING_METHODS, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS,
     STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL, ZP_PLUS_2005_CASES,
@@ -66,24 +67,14 @@ pub(crate) fn programs(has_pieces: bool, options: &SceneOptions) -> Vec<Program>
     stages(has_pieces, options).into_iter().map(|(program, _)| program).collect()
 }
 
-/// The pipelines of these stages.
-#[derive(Clone, Debug)]
-pub(crate) struct StagePipelines {
-    device: wgpu::Device,
-    layouts: Layouts,
-    stages: Vec<(Pipeline, Over)>,
-}
-
-impl StagePipelines {
-    pub(crate) fn new(pipelines: &Pipelines, has_pieces: bool, options: &SceneOptions) -> Self {
-        let stages = stages(has_pieces, options);
-        pipelines.make_together(&programs(has_pieces, options));
-        Self {
-            device: pipelines.device().clone(),
-            layouts: layouts(pipelines),
-            stages: stages.into_iter().map(|(program, over)| (pipelines.get(&program), over)).collect(),
-        }
-    }
+/// The results of a scene's extraction, which volumes are made of.
+pub(crate) struct VolumeSource<'a> {
+    /// The scene table, with room for a copy of what is chosen.
+    pub(crate) table: &'a wgpu::Buffer,
+    /// For each group whether the boxes of its casters are known, with their rest positions.
+    pub(crate) has_boxes: Vec<bool>,
+    /// The resource that stages and draws bind by a name, for a group and a batch of lights.
+    pub(crate) get: &'a dyn Fn(&str, usize, usize) -> Option<Resource<'a>>,
 }
 
 /// The bind groups of the draws of a group of casters.
@@ -107,13 +98,13 @@ pub(crate) struct VolumeStages {
 
 impl VolumeStages {
     /// Binds everything.
-    pub(crate) fn new(pipelines: &StagePipelines, buffers: &SizedBuffers, source: &VolumeSource<'_>) -> Self {
-        let most = DispatchLimits::new(&pipelines.device.limits()).workgroups;
+    pub(crate) fn new<'a>(pipelines: &'a Pipelines, buffers: &'a SizedBuffers, source: &'a VolumeSource<'a>) -> Self {
+        let most = DispatchLimits::new(&pipelines.device().limits()).workgroups;
         let most = u32::try_from(most).unwrap_or(u32::MAX);
         let SizedBuffers { sizes, of, .. } = buffers;
-        let binder = Binder { pipelines, sizes, buffers: of, source, most };
+        let binder = Binder { pipelines, device: pipelines.device(), sizes, buffers: of, source, most };
         let mut steps = buffers.clears();
-        if !sizes.groups.is_empty() {
+        if !sizes.parts.is_empty() {
             steps.extend(binder.steps());
         }
         Self { steps, groups: binder.draws() }
@@ -125,39 +116,57 @@ impl VolumeStages {
         record(steps, encoder, 0..batches, timer);
     }
 
-    /// The draws of a light in a view for a batch of casters, for each group.
-    pub(crate) fn draws<'a>(
-        &'a self,
-        buffers: &'a SizedBuffers,
-        count_batch: usize,
-        view: usize,
-        light: usize,
-    ) -> impl Iterator<Item = LightDraws<'a>> {
-        let SizedBuffers { sizes, of: buffers, .. } = buffers;
+    /// Draws the shadow volumes of a light in a view, for a batch of casters. Which parts there are is in the arguments.
+    pub(crate) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &VolumePipelines,
+        SizedBuffers { sizes, of: buffers, .. }: &SizedBuffers,
+        [count_batch, view, light]: [usize; 3],
+    ) {
         let (batch, view_light) = (light / 32, view * sizes.lights + light);
-        let uniform = count_batch * sizes.view_lights() + view_light;
-        let groups = self.groups.iter().zip(&buffers.draws).zip(&sizes.groups).zip(&buffers.piece_draws);
-        groups.filter_map(move |(((group, draws), size), piece_draws)| {
-            Some(LightDraws {
-                frame: group.frames.get(batch)?,
-                uniform: (uniform * UniformTable::stride::<ShadowDraw>()) as u32,
-                view_light: (view_light * size_of::<ViewLight>()) as u32,
-                sides: group.sides.get(batch)?.get(view)?,
-                caps: group.caps.get(batch)?.get(view)?,
-                draws,
-                first: (view_light * size_of::<ShadowDraws>()) as u64,
-                may_end: sizes.options.end_at_range,
-                has_proxies: size.proxies > 0,
-                pieces: group.pieces.get(batch).zip(piece_draws.as_ref()),
-                first_piece: (view_light * size_of::<PieceDraws>()) as u64,
-            })
-        })
+        let uniform = (count_batch * sizes.view_lights() + view_light) * UniformTable::stride::<ShadowDraw>();
+        let offsets = [uniform as u32, (view_light * size_of::<ViewLight>()) as u32];
+        let [first, first_piece] =
+            [size_of::<ShadowDraws>(), size_of::<PieceDraws>()].map(|size| (view_light * size) as u64);
+        let groups = self.groups.iter().zip(&buffers.draws).zip(sizes.groups()).zip(&buffers.piece_draws);
+        for (((group, draws), size), piece_draws) in groups {
+            let of_batch = group.sides.get(batch).zip(group.caps.get(batch));
+            let of_view = of_batch.and_then(|(sides, caps)| sides.get(view).zip(caps.get(view)));
+            let (Some(frame), Some((sides, caps))) = (group.frames.get(batch), of_view) else { continue };
+            let pieces = group.pieces.get(batch).zip(piece_draws.as_ref());
+            pass.set_bind_group(0, frame, &offsets);
+            let parts = [
+                (sizes.options.end_at_range, Part::Ends),
+                (size.shape.proxies > 0, Part::Proxies),
+                (true, Part::All),
+                (pieces.is_some(), Part::Pieces),
+            ];
+            let parts = parts.into_iter().filter(|(is_drawn, _)| *is_drawn);
+            let mut set = None;
+            for PartDraw { polygons, argument, pipelines } in parts.flat_map(|(_, part)| pipelines.of(part)) {
+                let (data, arguments, first) = match (polygons, pieces) {
+                    (Polygons::Pieces, Some((pieces, draws))) => (pieces, draws, first_piece),
+                    (Polygons::Caps, _) => (caps, draws, first),
+                    _ => (sides, draws, first),
+                };
+                if set != Some(*polygons) {
+                    pass.set_bind_group(1, data, &[]);
+                    set = Some(*polygons);
+                }
+                for pipeline in pipelines {
+                    pass.set_pipeline(pipeline);
+                    pass.draw_indirect(arguments, first + argument * size_of::<DrawArguments>() as u64);
+                }
+            }
+        }
     }
 }
 
 /// The inputs for binding stages and draws.
 struct Binder<'a> {
-    pipelines: &'a StagePipelines,
+    pipelines: &'a Pipelines,
+    device: &'a wgpu::Device,
     sizes: &'a VolumeSizes,
     buffers: &'a VolumeBuffers,
     source: &'a VolumeSource<'a>,
@@ -182,8 +191,6 @@ impl<'a> Binder<'a> {
     /// The resource that stages bind by this name.
     fn get(&self, name: &str, scope: Scope) -> Option<Resource<'a>> {
         let Self { buffers, source, .. } = *self;
-        let group = source.groups.get(scope.group)?;
-        let batch = group.batches.get(scope.batch)?;
         let lists = || buffers.lists.get(self.group_and_batch(scope))?.get(scope.view);
         // The shape, and the first light of the batch in the view.
         let shape = (self.group_and_batch(scope) * UniformTable::stride::<ShadowShape>()) as u32;
@@ -206,54 +213,48 @@ impl<'a> Binder<'a> {
             "piece_draws" => whole(buffers.piece_draws.get(scope.group)?.as_ref()?),
             "pencils" => whole(&buffers.bound.as_ref()?.pencils),
             "bin_rows" => whole(&buffers.bound.as_ref()?.bin_rows),
-            _ => [batch, &group.named, &source.named].into_iter().find_map(|of| named(of, name))?,
+            _ => (source.get)(name, scope.group, scope.batch)?,
         })
     }
 
     fn dispatch(&self, pipeline: &Pipeline, scope: Scope, [x, y]: [u32; 2]) -> Dispatch {
         let workgroups = Workgroups::Known([x.min(self.most), y]);
-        Dispatch {
-            batch: scope.batch,
-            ..pipeline.dispatch(&self.pipelines.device, workgroups, |name| self.get(name, scope))
-        }
+        Dispatch { batch: scope.batch, ..pipeline.dispatch(self.device, workgroups, |name| self.get(name, scope)) }
     }
 
     /// The dispatches of a stage, with their workgroups.
     fn dispatches(&self, over: Over) -> Vec<(Scope, [u32; 2])> {
-        let VolumeSizes { groups, rooms, casters, views, .. } = self.sizes;
-        let device = &self.pipelines.device;
-        let batches = self.sizes.batches();
-        let numbered = || groups.iter().enumerate();
+        let VolumeSizes { parts, casters, views, .. } = self.sizes;
+        let batches = self.sizes.batches().max(1);
         match over {
             Over::Boxes => {
-                let unknown =
-                    numbered().filter(|(group, _)| !self.source.groups.get(*group).is_some_and(|of| of.has_boxes));
+                let has_boxes = |group: usize| self.source.has_boxes.get(group).is_some_and(|has_boxes| *has_boxes);
+                let unknown = self.sizes.groups().enumerate().filter(|(group, _)| !has_boxes(*group));
                 // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
-                let workgroups = |size: &GroupSize| {
-                    let chunks = size.faces.div_ceil(CHUNK);
+                let workgroups = |part: &PartSizes| {
+                    let chunks = part.shape.faces.div_ceil(CHUNK);
                     [chunks.div_ceil(64).clamp(1, 1024).max(chunks.div_ceil(64 * BOUND_CHUNKS)), 1]
                 };
-                unknown.map(|(group, size)| (Scope { group, ..Scope::default() }, workgroups(size))).collect()
+                unknown.map(|(group, part)| (Scope { group, ..Scope::default() }, workgroups(part))).collect()
             }
             Over::Pairs => {
                 let pairs = u32::try_from(*casters as u64 * self.sizes.used_lights() as u64).unwrap_or(u32::MAX);
-                let workgroups = (4 * loops(device, pairs)).min(pairs.div_ceil(64)).min(self.most).max(1);
-                groups.iter().take(1).map(|_| (Scope::default(), [workgroups, *views as u32])).collect()
+                let workgroups = (4 * loops(self.device, pairs)).min(pairs.div_ceil(64)).min(self.most).max(1);
+                parts.iter().take(1).map(|_| (Scope::default(), [workgroups, *views as u32])).collect()
             }
             Over::Lights => {
                 let lights = |batch: usize| (self.sizes.lights - 32 * batch).min(32) as u32;
-                let batches = (0..batches).filter(|_| !groups.is_empty());
+                let batches = (0..batches).filter(|_| !parts.is_empty());
                 let scopes = batches.flat_map(|batch| (0..*views).map(move |view| Scope { group: 0, batch, view }));
                 scopes.map(|scope| (scope, [lights(scope.batch), 1])).collect()
             }
             _ => {
                 let is_of_pieces = matches!(over, Over::Pieces | Over::OneOfPieces);
-                let parts = numbered().zip(rooms.chunks(batches.max(1)));
-                let parts = parts.filter(|((group, _), _)| !is_of_pieces || self.sizes.group_has_pieces(*group));
-                let parts = parts.flat_map(|(group, rooms)| rooms.iter().enumerate().map(move |room| (group, room)));
-                let scopes = parts.flat_map(|((group, size), (batch, room))| {
-                    let workgroups = self.workgroups_of(over, size, room);
-                    (0..*views).map(move |view| (Scope { group, batch, view }, workgroups))
+                let scopes = parts.iter().enumerate().flat_map(|(number, part)| {
+                    let (group, batch) = (number / batches, number % batches);
+                    let views = if is_of_pieces && !self.sizes.group_has_pieces(group) { 0 } else { *views };
+                    let workgroups = self.workgroups_of(over, part);
+                    (0..views).map(move |view| (Scope { group, batch, view }, workgroups))
                 });
                 scopes.collect()
             }
@@ -261,23 +262,22 @@ impl<'a> Binder<'a> {
     }
 
     /// The workgroups of a stage for a group, batch and view.
-    fn workgroups_of(&self, over: Over, size: &GroupSize, room: &Room) -> [u32; 2] {
-        let StagePipelines { device, .. } = self.pipelines;
-        let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+    fn workgroups_of(&self, over: Over, &PartSizes { shape, lights }: &PartSizes) -> [u32; 2] {
+        let is_cpu = self.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         // All edges take few turns.
-        let fewest = size.edges.div_ceil(64 * LISTED_ITEMS);
+        let fewest = shape.edges.div_ceil(64 * LISTED_ITEMS);
         match over {
-            Over::Faces => [loops(device, size.faces.div_ceil(CHUNK) * LANES), 1],
-            Over::Edges => [fewest.max(1), room.lights],
+            Over::Faces => [loops(self.device, shape.faces.div_ceil(CHUNK) * LANES), 1],
+            Over::Edges => [fewest.max(1), lights],
             Over::Sides => {
                 // An invocation takes some sixteen sides of a list that is full.
-                let most = if is_cpu { 64_u32.div_ceil(room.lights).max(4) } else { 256 };
-                [room.silhouettes.div_ceil(16 * 64).clamp(1, most).max(fewest), room.lights]
+                let most = if is_cpu { 64_u32.div_ceil(lights).max(4) } else { 256 };
+                [shape.capacity.div_ceil(16 * 64).clamp(1, most).max(fewest), lights]
             }
             Over::Pieces => {
                 // An invocation takes few pieces of many.
-                let fewest = room.pieces.div_ceil(64 * LISTED_ITEMS);
-                [if is_cpu { 4 } else { 64 }.max(fewest), room.lights]
+                let fewest = shape.piece_capacity.div_ceil(64 * LISTED_ITEMS);
+                [if is_cpu { 4 } else { 64 }.max(fewest), lights]
             }
             _ => [1, 1],
         }
@@ -286,21 +286,25 @@ impl<'a> Binder<'a> {
     /// For each group and batch with polygons, a copy of the lights for which they are twisted to where
     /// `counting_methods` reads them.
     fn twisted(&self) -> Vec<Step> {
-        let parts = self.source.groups.iter().flat_map(|group| &group.batches).enumerate();
-        let copy = |(part, batch): (usize, &Named<'_>)| {
-            named(batch, "pieces")?;
-            let BindingResource::Buffer(statistics) = named(batch, "extraction_statistics")?.bound else { return None };
+        let batches = self.sizes.batches().max(1);
+        let copy = |part: usize| {
+            let named = |name: &str| (self.source.get)(name, part / batches, part % batches);
+            named("pieces")?;
+            let BindingResource::Buffer(statistics) = named("extraction_statistics")?.bound else { return None };
             let from = statistics.offset + std::mem::offset_of!(ExtractionStatistics, twisted_lights) as u64;
             let to = 4 * part as u64;
             Some(Step::Copy([(statistics.buffer.clone(), from), (self.buffers.twisted_lights.clone(), to)], 4))
         };
-        parts.filter_map(copy).collect()
+        (0..self.sizes.parts.len()).filter_map(copy).collect()
     }
 
     /// The stages, with a copy of the choices to the table before the lists are made.
     fn steps(&self) -> Vec<Step> {
         let mut steps = Vec::new();
-        for (pipeline, over) in &self.pipelines.stages {
+        let (has_pieces, options) = (self.sizes.has_pieces(), &self.sizes.options);
+        self.pipelines.make_together(&programs(has_pieces, options));
+        for (program, over) in stages(has_pieces, options) {
+            let pipeline = &self.pipelines.get(&program);
             if pipeline.label == COUNTING_METHODS.name {
                 steps.extend(self.twisted());
             }
@@ -309,7 +313,7 @@ impl<'a> Binder<'a> {
                 let table = (self.source.table.clone(), 16 * self.sizes.choices_offset as u64);
                 steps.push(Step::Copy([(self.buffers.choices.clone(), 0), table], bytes));
             }
-            let dispatches = self.dispatches(*over);
+            let dispatches = self.dispatches(over);
             if !dispatches.is_empty() {
                 let bind = |(scope, workgroups)| self.dispatch(pipeline, scope, workgroups);
                 steps.push(pipeline.pass(dispatches.into_iter().map(bind)));
@@ -320,9 +324,9 @@ impl<'a> Binder<'a> {
 
     /// The bind groups of the draws, for each group.
     fn draws(&self) -> Vec<GroupDraws> {
-        let Layouts { frame, side_data, cap_data, piece_data } = &self.pipelines.layouts;
+        let Layouts { frame, side_data, cap_data, piece_data } = &layouts(self.pipelines);
         let bind = |layout: &wgpu::BindGroupLayout, resources: &[Resource<'_>]| {
-            group(&self.pipelines.device, "shadow volumes", layout, resources)
+            group(self.device, "shadow volumes", layout, resources)
         };
         let frame = |scope: Scope| {
             let first = (self.group_and_batch(scope) * UniformTable::stride::<ShadowShape>()) as u64;
@@ -354,6 +358,6 @@ impl<'a> Binder<'a> {
                 .filter_map(|batch| Some(bind(piece_data, &[self.get("pieces", Scope { group, batch, view: 0 })?])))
                 .collect(),
         };
-        (0..self.sizes.groups.len()).map(of_group).collect()
+        (0..self.sizes.groups().len()).map(of_group).collect()
     }
 }

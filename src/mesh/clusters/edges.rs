@@ -1,6 +1,7 @@
 //! The order of edge records: first those within clusters, then those between two clusters, then the others.
 
 use super::CLUSTER_FACES;
+use crate::mesh::topology::{prefix_sum, put};
 use crate::mesh::{EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 
 /// An order of edge records by the clusters of their faces.
@@ -45,17 +46,11 @@ impl EdgeOrder {
         for &group in &groups {
             next[group as usize + 1] += 1;
         }
-        let mut sum = 0;
-        for next in &mut next {
-            sum += *next;
-            *next = sum;
-        }
+        prefix_sum(&mut next);
         let starts = next.clone();
         let mut order = vec![0_u32; groups.len()];
         for (record, &group) in (0..).zip(&groups) {
-            let next = &mut next[group as usize];
-            order[*next as usize] = record;
-            *next += 1;
+            put(&mut next, &mut order, group, record);
         }
         Self { records: order, starts }
     }

@@ -13,9 +13,6 @@ const LEVELS: u32 = 10;
 const LAST_CELL: u32 = (1 << LEVELS) - 1;
 /// Bits of a face's index. [`crate::mesh::MAX_FACES`] is below 2³⁰.
 const INDEX_BITS: u32 = 30;
-/// Bits that a pass of the sort takes: three passes for 3 bits of the axis and 30 of the curve.
-const DIGIT_BITS: u32 = 11;
-const DIGITS: usize = 1 << DIGIT_BITS;
 
 /// Faces that no bound is made of, behind those of six axes.
 const IRREGULAR: u32 = 6;
@@ -31,7 +28,7 @@ pub(super) struct Order {
 
 impl Order {
     pub(super) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], threads: Threads) -> Self {
-        let grid = Grid::of(&Extent::of(positions, faces));
+        let grid = Grid::of(positions, faces);
         let mut planes = vec![[[0.0; 3]; 2]; faces.len()];
         let keys = threads.share(&mut planes, |first, planes| {
             let mut keys = Vec::with_capacity(planes.len());
@@ -46,8 +43,9 @@ impl Order {
             }
             keys
         });
-        let keys = keys.into_iter().reduce(|all, keys| [all, keys].concat()).unwrap_or_default();
-        Self { planes, faces: sorted(keys) }
+        let mut keys = keys.into_iter().reduce(|all, keys| [all, keys].concat()).unwrap_or_default();
+        keys.sort_unstable();
+        Self { planes, faces: keys.into_iter().map(|key| (key & ((1 << INDEX_BITS) - 1)) as u32).collect() }
     }
 }
 
@@ -63,39 +61,26 @@ fn axis(plane: &Plane) -> u32 {
     }
 }
 
-/// The box around the first corners of faces.
-#[derive(Clone, Copy)]
-struct Extent {
-    low: [f32; 3],
-    high: [f32; 3],
-}
-
-impl Extent {
-    fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
-        let mut extent = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
-        // A part of the faces will do: what lies beyond goes to the outermost cells.
-        let step = if faces.len() > 4096 { 8 } else { 1 };
-        for &[first, ..] in faces.iter().step_by(step) {
-            let corner = position(positions, first);
-            for (axis, &c) in corner.iter().enumerate().filter(|(_, c)| c.abs() < LARGE) {
-                extent.low[axis] = if c < extent.low[axis] { c } else { extent.low[axis] };
-                extent.high[axis] = if c > extent.high[axis] { c } else { extent.high[axis] };
-            }
-        }
-        extent
-    }
-}
-
-/// Cubic cells.
+/// Cubic cells of a box around the first corners of faces.
 struct Grid {
     low: [f32; 3],
     cells_per_unit: f32,
 }
 
 impl Grid {
-    fn of(extent: &Extent) -> Self {
-        let longest = (0..3).fold(0.0_f32, |longest, axis| longest.max(extent.high[axis] - extent.low[axis]));
-        Self { low: extent.low, cells_per_unit: (1 << LEVELS) as f32 / longest }
+    fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        // A part of the faces will do: what lies beyond goes to the outermost cells.
+        let step = if faces.len() > 4096 { 8 } else { 1 };
+        for &[first, ..] in faces.iter().step_by(step) {
+            let corner = position(positions, first);
+            for (axis, &c) in corner.iter().enumerate().filter(|(_, c)| c.abs() < LARGE) {
+                low[axis] = if c < low[axis] { c } else { low[axis] };
+                high[axis] = if c > high[axis] { c } else { high[axis] };
+            }
+        }
+        let longest = (0..3).fold(0.0_f32, |longest, axis| longest.max(high[axis] - low[axis]));
+        Self { low, cells_per_unit: (1 << LEVELS) as f32 / longest }
     }
 
     /// The cells of the centres of faces, as three bits for each level. Nothing but speed depends on them. So
@@ -121,43 +106,6 @@ impl Grid {
         // The lowest bits of 2²³ and a number are the number, rounded. This is quicker than a cast.
         (cell + 8_388_608.0).to_bits() & LAST_CELL
     }
-}
-
-/// Sorts keys by the bits above [`INDEX_BITS`], in stable passes. Returns the bits below.
-fn sorted(mut keys: Vec<u64>) -> Vec<u32> {
-    let mut counts = vec![[0_u32; DIGITS]; 3];
-    for &key in &keys {
-        for (pass, counts) in counts.iter_mut().enumerate() {
-            counts[digit(key, pass)] += 1;
-        }
-    }
-    for next in &mut counts {
-        let mut sum = 0;
-        for next in next {
-            sum += std::mem::replace(next, sum);
-        }
-    }
-    let mut sorted_keys = vec![0; keys.len()];
-    for (pass, next) in counts[..2].iter_mut().enumerate() {
-        for &key in &keys {
-            let next = &mut next[digit(key, pass)];
-            sorted_keys[*next as usize] = key;
-            *next += 1;
-        }
-        std::mem::swap(&mut keys, &mut sorted_keys);
-    }
-    let mut sorted = vec![0; keys.len()];
-    for key in keys {
-        let next = &mut counts[2][digit(key, 2)];
-        sorted[*next as usize] = (key & ((1 << INDEX_BITS) - 1)) as u32;
-        *next += 1;
-    }
-    sorted
-}
-
-/// The digit of a key that a pass sorts by.
-fn digit(key: u64, pass: usize) -> usize {
-    (key >> (INDEX_BITS + pass as u32 * DIGIT_BITS)) as usize % DIGITS
 }
 
 /// The index of a cell along a Hilbert curve, two levels at a time. `octants` has three bits for each level.
@@ -259,20 +207,5 @@ mod tests {
             assert_eq!(distance, 1, "{pair:?}");
         }
         assert!(hilbert(octants([side - 1; 3])) < 1 << (3 * LEVELS));
-    }
-
-    #[test]
-    fn the_sort_is_stable() {
-        let mut state = 7_u64;
-        let keys: Vec<u64> = (0..5000)
-            .map(|index| {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                (state >> 31 & ((1 << 33) - 1) & [0x1_8000_0403, u64::MAX][index % 2]) << INDEX_BITS | index as u64
-            })
-            .collect();
-        let mut expected = keys.clone();
-        expected.sort_unstable();
-        let expected: Vec<u32> = expected.into_iter().map(|key| (key & ((1 << INDEX_BITS) - 1)) as u32).collect();
-        assert_eq!(sorted(keys), expected);
     }
 }

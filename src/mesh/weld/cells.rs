@@ -208,8 +208,8 @@ fn deduplicated(points: &mut [[f32; 3]]) -> usize {
     unique
 }
 
-/// The root of a tree of cells; ways to it are halved.
-fn root(parents: &mut [u32], mut cell: u32) -> u32 {
+/// The root of a tree; ways to it are halved.
+pub(crate) fn root(parents: &mut [u32], mut cell: u32) -> u32 {
     while parents[cell as usize] != cell {
         let above = parents[parents[cell as usize] as usize];
         parents[cell as usize] = above;
