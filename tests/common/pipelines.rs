@@ -12,6 +12,7 @@ use rimline_testkit::shapes;
 
 use crate::watched::camera;
 use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::storage_layout;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::random_model;
 use rimline_testkit::on_gpu::interleaved;
@@ -139,20 +140,7 @@ fn displacements() -> Result<(), String> {
     let pipelines = Pipelines::new(&gpu.device);
     let mut count = Count { pipelines: &pipelines, before: 0 };
     let model = random_model(&mut Random::new(81), 50);
-    let storage = |binding| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    let layout = |entries: &[wgpu::BindGroupLayoutEntry]| {
-        gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("offset"), entries })
-    };
-    let [one, equal, wrong] = [layout(&[storage(0)]), layout(&[storage(0)]), layout(&[storage(1)])];
+    let [one, equal, wrong] = [0, 0, 1].map(|binding| storage_layout(gpu, &[(binding, true)]));
     let [up, up_again, from_buffer] = [UP, UP, FROM_BUFFER].map(|source| Displacement::new(source).map_err(text));
     let [up, up_again, from_buffer] = [up?, up_again?, from_buffer?];
     for (what, displacement, displacement_layout, adds) in [

@@ -38,18 +38,6 @@ impl Wake for Woken {
     }
 }
 
-/// Polls the device and the future by turns, as an event loop does, on this one thread.
-fn finish<T>(watched: &Watched, future: impl Future<Output = T>) -> Result<T, String> {
-    let mut future = pin!(future);
-    let mut context = Context::from_waker(Waker::noop());
-    loop {
-        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return Ok(value);
-        }
-        watched.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(text)?;
-    }
-}
-
 /// May be sent to another thread, and outlives what it was made of.
 fn sendable<T: Send + 'static>(future: T) -> T {
     future
@@ -65,14 +53,14 @@ fn like_waiting() -> Result<(), String> {
         let gpu = &watched.gpu;
         let waited: Vec<[u32; 3]> = read_back_vec(&gpu.device, &gpu.queue, &buffer).map_err(text)?;
         let future = sendable(read_back_vec_async::<[u32; 3]>(&gpu.device, &gpu.queue, &buffer));
-        let found = finish(&watched, future)?.map_err(text)?;
+        let found = watched.gpu.finish(future)?.map_err(text)?;
         let expected: Vec<[u32; 3]> = contents.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
         same(&format!("{words} words"), &found[..expected.len()], &expected)?;
         same(&format!("{words} words, waiting"), &waited, &found)?;
         let [mut all, mut pieces] = [Vec::new(), Vec::new()];
         read_back(&gpu.device, &gpu.queue, &buffer, |bytes| all.extend_from_slice(bytes)).map_err(text)?;
         let future = read_back_async(&gpu.device, &gpu.queue, &buffer, |bytes| pieces.extend_from_slice(bytes));
-        finish(&watched, future)?.map_err(text)?;
+        watched.gpu.finish(future)?.map_err(text)?;
         same(&format!("{words} words, bytes"), &pieces, &all)?;
         let mut wrong = found;
         wrong[0][1] ^= 1;
@@ -88,7 +76,7 @@ fn when_made() -> Result<(), String> {
     let future = read_back_vec_async::<u32>(&watched.gpu.device, &watched.gpu.queue, &buffer);
     // Written again before the future is polled at all, in both pieces.
     watched.gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&vec![2_u32; words]));
-    let found = finish(&watched, future)?.map_err(text)?;
+    let found = watched.gpu.finish(future)?.map_err(text)?;
     same("as it was", &[found.iter().all(|word| *word == 1), found.len() == words], &[true, true])?;
     let now: Vec<u32> = watched.gpu.read(&buffer, words)?;
     same("as it is", &[now.iter().all(|word| *word == 2)], &[true])?;
@@ -122,13 +110,13 @@ fn errors() -> Result<(), String> {
         usage: wgpu::BufferUsages::STORAGE,
         mapped_at_creation: false,
     });
-    let found = finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
+    let found = watched.gpu.finish(read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
     same("no copy source", &[found], &[Err(DeviceError::NotCopySource)])?;
     let buffer = gpu.storage(&[1_u32; 4]);
     buffer.destroy();
     for found in [
         read_back_vec::<u32>(&gpu.device, &gpu.queue, &buffer),
-        finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?,
+        watched.gpu.finish(read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?,
     ] {
         if !matches!(found, Err(DeviceError::ReadBack { bytes: 16, .. })) {
             return Err(format!("destroyed: {found:?}"));
@@ -137,7 +125,7 @@ fn errors() -> Result<(), String> {
     watched.quiet("destroyed")?;
     let buffer = gpu.storage(&[1_u32; 4]);
     gpu.device.destroy();
-    let found = finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
+    let found = watched.gpu.finish(read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
     if !matches!(found, Err(DeviceError::ReadBack { bytes: 16, .. })) {
         return Err(format!("lost: {found:?}"));
     }
@@ -186,7 +174,7 @@ fn timed() -> Result<(), String> {
     timed.encode()?;
     let Timed { watched, timer, .. } = &timed;
     let gpu = &watched.gpu;
-    let found = finish(watched, future)?.map_err(text)?;
+    let found = watched.gpu.finish(future)?.map_err(text)?;
     println!("{found:?}, software {}", timer.is_software());
     same("stages", std::slice::from_ref(&found.stages), &waited)?;
     same("span", &[found.span_ms], &[span])?;
@@ -212,7 +200,7 @@ fn still() -> Result<(), String> {
         Ok(())
     })?;
     same("waiting", &[timer.read(&gpu.device, &gpu.queue)], &[Err(DeviceError::ClockStill { passes: 2 })])?;
-    let found = finish(&watched, timer.read_async(&gpu.device, &gpu.queue))?;
+    let found = watched.gpu.finish(timer.read_async(&gpu.device, &gpu.queue))?;
     same("without", &[found.map(|times| times.span_ms)], &[Err(DeviceError::ClockStill { passes: 2 })])?;
     timer.clear();
     same("nothing timed", &[timer.read(&gpu.device, &gpu.queue)], &[Ok(Vec::new())])?;
@@ -227,7 +215,7 @@ fn late() -> Result<(), String> {
         let Timed { watched, timer, .. } = timed;
         let Gpu { device, queue, .. } = &watched.gpu;
         let waited = timer.read(device, queue).map(drop);
-        let found = finish(watched, timer.read_async(device, queue))?.map(drop);
+        let found = watched.gpu.finish(timer.read_async(device, queue))?.map(drop);
         Ok::<_, String>([waited, found])
     };
     same("before", &encoded(&mut timed)?, &[Ok(()), Ok(())])?;

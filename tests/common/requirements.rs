@@ -35,45 +35,35 @@ enum Subject {
 
 const SUBJECTS: [Subject; 5] = [Subject::Extract, Subject::Shadow, Subject::Query, Subject::Deform, Subject::DepthMap];
 
+/// The device error of what a constructor gives, if any.
+macro_rules! device_error {
+    ($made:expr, $kind:ident) => {
+        match $made {
+            Ok(_) => Ok(None),
+            Err($kind::Device(error)) => Ok(Some(error)),
+            Err(error) => Err(error.to_string()),
+        }
+    };
+}
+
 /// The device error of a subject's constructor, if any.
 fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, String> {
-    let pipelines = &Pipelines::new(&watched.gpu.device);
+    let (pipelines, format) = (&Pipelines::new(&watched.gpu.device), &ShadowFormat::default());
     let (_, mesh) = caster()?;
-    let other = |error: &dyn std::fmt::Display| Err(format!("{subject:?}: {error}"));
-    match subject {
-        Subject::Extract => match Extractor::new(pipelines, &mesh, ExtractorOptions::default()) {
-            // A memory error concerns this mesh only, not the limits that every mesh needs.
-            Ok(_) => Ok(None),
-            Err(ExtractorError::Device(error)) if error.is_memory() => Ok(None),
-            Err(ExtractorError::Device(error)) => Ok(Some(error)),
-            Err(error) => other(&error),
-        },
-        Subject::Shadow => match ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto) {
-            Ok(_) => Ok(None),
-            Err(ShadowError::Device(error)) => Ok(Some(error)),
-            Err(error) => other(&error),
-        },
-        Subject::Query => match ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()) {
-            Ok(_) => Ok(None),
-            Err(QueryError::Device(error)) if error.is_memory() => Ok(None),
-            Err(QueryError::Device(error)) => Ok(Some(error)),
-            Err(error) => other(&error),
-        },
-        Subject::Deform => {
-            let model = random_model(&mut Random::new(91), 50);
-            match Deformer::new(pipelines, &model, DeformerOptions::default()) {
-                Ok(_) => Ok(None),
-                Err(DeformError::Device(error)) if error.is_memory() => Ok(None),
-                Err(DeformError::Device(error)) => Ok(Some(error)),
-                Err(error) => other(&error),
-            }
+    let model = random_model(&mut Random::new(91), 50);
+    let error = match subject {
+        Subject::Extract => {
+            device_error!(Extractor::new(pipelines, &mesh, ExtractorOptions::default()), ExtractorError)
         }
-        Subject::DepthMap => match DepthMapPipelines::new(pipelines, &ShadowFormat::default(), 0) {
-            Ok(_) => Ok(None),
-            Err(DepthMapError::Device(error)) => Ok(Some(error)),
-            Err(error) => other(&error),
-        },
-    }
+        Subject::Shadow => device_error!(ShadowPipelines::new(pipelines, format, Counting::Auto), ShadowError),
+        Subject::Query => device_error!(ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()), QueryError),
+        Subject::Deform => device_error!(Deformer::new(pipelines, &model, DeformerOptions::default()), DeformError),
+        Subject::DepthMap => device_error!(DepthMapPipelines::new(pipelines, format, 0), DepthMapError),
+    };
+    // A memory error concerns this mesh or model only, not the limits that every one needs.
+    let is_of_mesh = matches!(subject, Subject::Extract | Subject::Query | Subject::Deform);
+    let error = error.map_err(|error| format!("{subject:?}: {error}"))?;
+    Ok(error.filter(|error| !(is_of_mesh && error.is_memory())))
 }
 
 fn presets() -> Result<(), String> {

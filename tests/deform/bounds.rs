@@ -5,35 +5,23 @@ use rimline::model::Box3;
 use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, ModelError, Pose,
 };
+use rimline_testkit::is_long;
 use rimline_testkit::models::{bending_tube, random_geometry, random_matrix, random_model, random_pose};
+use rimline_testkit::poser::{self, within_boxes};
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, poser};
 
 const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-
-/// Fails where a vertex is outside of its instance's box. `within` has the coordinates of each vertex.
-fn check<T: Copy + Into<f64>>(model: &Model, boxes: &[Option<Box3>], within: &[[T; 3]]) -> Result<(), String> {
-    let mut rest = within.iter();
-    for (instance, (geometry, bounds)) in model.placed_geometries().zip(boxes).enumerate() {
-        let [low, high] = bounds.ok_or_else(|| format!("instance {instance} has no box"))?;
-        for (vertex, position) in rest.by_ref().take(geometry.positions().len()).enumerate() {
-            for axis in 0..3 {
-                let c: f64 = position[axis].into();
-                if !(f64::from(low[axis])..=f64::from(high[axis])).contains(&c) {
-                    return Err(format!("vertex {vertex} of instance {instance}, axis {axis}: {c}, {low:?} {high:?}"));
-                }
-            }
-        }
-    }
-    Ok(())
-}
 
 /// Checks the boxes of a pose against the poser, which shares no code, and against the stage's CPU reference.
 fn check_pose(model: &Model, pose: &Pose) -> Result<Vec<Option<Box3>>, String> {
     let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(|error| error.to_string())?;
     let exact: Vec<[f64; 3]> = poser::of_model(model, pose).iter().map(|posed| posed.position).collect();
-    check(model, &boxes, &exact)?;
-    check(model, &boxes, &cpu::deform(model, pose, 0.0, None, Threads::ONE).map_err(|error| error.to_string())?)?;
+    within_boxes(model, &boxes, &exact)?;
+    within_boxes(
+        model,
+        &boxes,
+        &cpu::deform(model, pose, 0.0, None, Threads::ONE).map_err(|error| error.to_string())?,
+    )?;
     Ok(boxes)
 }
 
@@ -70,7 +58,7 @@ fn boxes_hold_random_poses() {
             let of_tube = &positions[..model.geometries()[3].positions().len()];
             let last = of_tube.iter().fold(f32::MIN, |last, position| last.max(position[1]));
             boxes[0].as_mut().expect("a box")[1][1] = last.next_down();
-            assert!(check(&model, &boxes, &positions).is_err(), "seed {seed}: a box without a vertex holds all");
+            assert!(within_boxes(&model, &boxes, &positions).is_err(), "seed {seed}: a box without a vertex holds all");
         }
     }
 }
@@ -117,7 +105,7 @@ fn the_box_at_rest_does_not_hold_a_pose() {
         let pose = pose(step as f32 * 0.3);
         let boxes = check_pose(&model, &pose).unwrap_or_else(|error| panic!("step {step}: {error}"));
         let positions = cpu::deform(&model, &pose, 0.0, None, Threads::ONE).expect("it fits");
-        left += usize::from(check(&model, &[at_rest], &positions).is_err());
+        left += usize::from(within_boxes(&model, &[at_rest], &positions).is_err());
         let [low, high] = boxes[0].expect("a box");
         let extent = |axis: usize| {
             let of = |pick: fn(f32, f32) -> f32, from| positions.iter().fold(from, |c, p| pick(c, p[axis]));

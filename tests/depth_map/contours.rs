@@ -14,8 +14,8 @@ use wgpu::TextureFormat;
 use crate::maps::{Map, further, maps};
 use crate::picture::{EVERY_CELL, Encoded, Maps, REVERSED, Target, Volumes, by, contours, pipelines};
 use crate::stages::{camera, is_short};
-use crate::textures::{objects, read, texture};
 use crate::views::{View, worlds};
+use rimline_testkit::textures::{objects, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_are_the_goldens", lists),

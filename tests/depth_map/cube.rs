@@ -19,7 +19,7 @@ use crate::picture::{EVERY_CELL, Encoded, FACES, Maps, REVERSED, Volumes, by, di
 use crate::rules::{Rule, cast, listed_of_cube};
 use crate::scene::vector;
 use crate::stages::camera;
-use crate::textures::{objects, read};
+use rimline_testkit::textures::{objects, read};
 
 pub(crate) const TESTS: &[Test] = &[("cube_samples_and_cells_are_those_of_their_rays", lists)];
 

@@ -36,7 +36,6 @@ mod sheets;
 #[allow(dead_code, reason = "only its frames are used here")]
 mod shells;
 mod stages;
-mod textures;
 mod vertices;
 mod views;
 mod wall_vertices;

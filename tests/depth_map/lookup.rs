@@ -16,8 +16,8 @@ use crate::maps::Map;
 use crate::parity::{device_depth, middle};
 use crate::picture::{AUTOMATIC, EVERY_CELL, Maps, REVERSED, Target, by, contours, differences};
 use crate::rules::CELL;
-use crate::textures::{read, texture};
 use crate::views::{MapOf, Near, Seen, Tally, View, worlds};
+use rimline_testkit::textures::{read, texture};
 
 pub(crate) const TESTS: &[Test] =
     &[("volumes_have_no_acne_and_lookups_have", compare), ("detectors_list_the_same_in_every_unit", units)];

@@ -22,7 +22,7 @@ use crate::picture::{REVERSED, STANDARD, by, contours, look, pipelines};
 use crate::scene::Eye;
 use crate::scene_depth::{Casters, FORMATS};
 use crate::stages::camera;
-use crate::textures::{depth_view, objects, texture};
+use rimline_testkit::textures::{depth_view, objects, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("cubes_that_do_not_meet_are_refused", cubes),

@@ -14,7 +14,7 @@ use wgpu::TextureFormat::{self, Depth32Float};
 use crate::parity::{device_depth, middle};
 use crate::scene::Rays;
 use crate::stages::camera;
-use crate::textures::{pass, read, texture};
+use rimline_testkit::textures::{pass, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[("meshes_without_a_triangle_have_no_depth", without_triangles)];
 

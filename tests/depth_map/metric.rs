@@ -16,18 +16,16 @@ use wgpu::TextureFormat;
 use crate::distances::Measured;
 use crate::maps::{Map, maps};
 use crate::parity::device_depth;
-use crate::picture::{EVERY_CELL, Encoded, Maps, REVERSED, STANDARD, Target, by, look, pipelines};
-use crate::rules::{Rule, listed};
+use crate::picture::{Maps, REVERSED, STANDARD, Target, look};
 use crate::scene::{Eye, Rays, vector};
 use crate::stages::camera;
-use crate::textures::{depth_view, read, texture};
+use rimline_testkit::textures::{depth_view, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("distances_become_the_depths_of_their_places", depths),
     ("distances_that_are_none_are_far_or_near", special),
     ("a_flat_ground_of_distances_has_no_specks", flat),
     ("merged_maps_have_the_nearer_depth_and_converted_ones_theirs", nearer),
-    ("merged_maps_are_maps", merged),
 ];
 
 const DISTANCES: [DepthMetric; 2] = [DepthMetric::AlongAxis, DepthMetric::AlongRay];
@@ -310,31 +308,4 @@ fn nearer() -> Result<(), String> {
     }
     println!("{texels} texels, {nearest:?} nearest from the first and the second");
     if nearest.iter().any(|&nearest| nearest * 4 < texels) { Err(format!("{nearest:?} of {texels}")) } else { Ok(()) }
-}
-
-/// Three maps, merged in two steps, have the cells of the nearest depths.
-fn merged() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let size = [20, 13];
-    let depths = [0.3, 0.4, 0.5, 1.0];
-    let all = Map::new(size, false, |texel| depths[(texel % 20 / 5) as usize]);
-    let of_band = |band: u32| {
-        let map = Map::new(size, false, |texel| if texel % 20 / 5 == band { depths[band as usize] } else { 1.0 });
-        let texture = texture(&gpu, size, TextureFormat::R32Float, &map.depths)?;
-        Ok::<_, String>((map, depth_view(&texture)))
-    };
-    let [first, second, third] = [of_band(0)?, of_band(1)?, of_band(2)?];
-    let merges = [DepthMapMerge::new(&gpu.pipelines, size), DepthMapMerge::new(&gpu.pipelines, size)];
-    let [one, two] = merges.map(|merge| merge.map_err(text));
-    let (one, two) = (one?, two?);
-    gpu.submit(|encoder| {
-        one.encode(encoder, [&first.1, &second.1], STANDARD).map_err(text)?;
-        two.encode(encoder, [&third.1, one.texture()], STANDARD).map_err(text)
-    })?;
-    let maps = Maps::one(two.texture().texture(), camera(STANDARD));
-    let encoded = Encoded::new(&gpu, &*pipelines(&gpu, REVERSED, 7..8)?, &maps, &camera(REVERSED), by(EVERY_CELL))?;
-    let rule = Rule::new(EVERY_CELL, 1, false, TextureFormat::R32Float);
-    let found = encoded.list(&gpu)?;
-    same("cells", &found, &listed(&all, &[], &rule, None).0)?;
-    must_fail("one map alone", &same("cells", &found, &listed(&first.0, &[], &rule, None).0))
 }

@@ -19,7 +19,7 @@ use crate::parity::{any_eye, light, map, seen, seen_depths};
 use crate::picture::{AUTOMATIC, Encoded, Maps, REVERSED, STANDARD, Target, Volumes, by, contours, look, pipelines};
 use crate::rules::{cast, rank};
 use crate::scene::{Eye, Rays, vector};
-use crate::textures::read;
+use rimline_testkit::textures::read;
 
 pub(crate) const TESTS: &[Test] = &[
     ("skipped_near_caps_change_no_picture", of_maps),

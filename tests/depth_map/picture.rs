@@ -17,7 +17,7 @@ use wgpu::TextureFormat;
 
 use crate::maps::Map;
 use crate::scene::Eye;
-use crate::textures::{Stencils, depth_view, sampled, texture};
+use rimline_testkit::textures::{Stencils, depth_view, sampled, texture};
 
 pub(crate) const REVERSED: DepthDirection = DepthDirection::Reversed;
 pub(crate) const STANDARD: DepthDirection = DepthDirection::Standard;

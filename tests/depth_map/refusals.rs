@@ -15,7 +15,7 @@ use wgpu::TextureFormat;
 
 use crate::picture::{REVERSED, STANDARD, by, contours};
 use crate::stages::camera;
-use crate::textures::depth_view;
+use rimline_testkit::textures::depth_view;
 
 pub(crate) const TESTS: &[Test] = &[
     ("pipelines_and_volumes_that_cannot_be_made", making),

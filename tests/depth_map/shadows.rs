@@ -20,9 +20,9 @@ use crate::picture::{
     AUTOMATIC, EVERY_CELL, Encoded, Maps, REVERSED, STANDARD, Target, by, contours, differences, look,
 };
 use crate::scene::{Body, Eye, Frame, Rays};
-use crate::textures::objects;
 use crate::views::{MapOf, Seen, Sun, Tally, View, worlds};
 use crate::worlds::World;
+use rimline_testkit::textures::objects;
 
 pub(crate) const TESTS: &[Test] = &[
     ("shadows_are_right_but_for_a_texel", of_methods),
@@ -30,7 +30,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadows_of_edges_of_objects_are_right_but_for_a_texel", of_objects),
     ("shadows_of_distances_are_right_but_for_a_texel", of_distances),
     ("borders_of_more_bits_are_nearer_to_the_truth", of_bits),
-    ("shadows_of_cubes_are_right_but_for_a_texel", of_cubes),
     ("a_picture_of_a_large_map_is_right_but_for_a_texel", of_large_map),
 ];
 
@@ -198,52 +197,6 @@ fn of_distances() -> Result<(), String> {
         }
     }
     if exchanged.wrong > 1000 { Ok(()) } else { Err(format!("negative control: {exchanged:?}")) }
-}
-
-/// Bodies on a ground around a light: every cell, and the default detector.
-fn of_cubes() -> Result<(), String> {
-    const TEXELS: u32 = 48;
-    let (gpu, mut random) = Gpu::seeded(16_403)?;
-    let [mut every, mut automatic, mut exchanged] = [Tally::default(); 3];
-    for round in 0..if is_long() { 6 } else { 1 } {
-        for (number, world) in worlds(&mut random).iter().enumerate() {
-            if !is_long() && ![1, 2, 3].contains(&number) {
-                continue;
-            }
-            let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
-            let light = DVec3::new(between(-2.5, 2.5), between(2.7, 4.0), between(-2.5, 2.5)).as_vec3();
-            let depth = [REVERSED, STANDARD][(round + number) % 2];
-            let cameras = DepthMapCube::cameras(light.to_array(), 0.1, None, depth, TEXELS).map_err(text)?;
-            let light = light.as_dvec3();
-            if world.is_inside(light) {
-                continue;
-            }
-            let position = DVec3::new(between(-5.0, 5.0), between(1.0, 5.0), between(-5.0, 5.0));
-            if world.is_inside(position) {
-                continue;
-            }
-            let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.0), between(-1.0, 1.0)) - position;
-            let eye = look(position, forward, 0.05).camera();
-            let view = View::new((world, world), Sun::new(light, false, cameras.to_vec(), TEXELS), eye, TEXELS);
-            let format = TextureFormat::Depth32Float;
-            Way::new(by(EVERY_CELL)).add(&gpu, &view, format, &mut every)?;
-            // The default detector needs in the depth buffer all that a near plane cuts off a body.
-            if !view.is_cut {
-                Way::new(by(AUTOMATIC)).add(&gpu, &view, format, &mut automatic)?;
-            }
-            let maps = view.maps(&gpu, format)?.exchanged([1, 0, 2, 3, 5, 4]);
-            let other = Target::new(eye, &view.eye_depths()).stencil(&gpu, &maps, by(EVERY_CELL))?;
-            exchanged.add(&view, &other, 1);
-        }
-    }
-    println!("{every:?}, {automatic:?}, exchanged {exchanged:?}");
-    let is_tried = every.lit > 1500 && every.dark > 150 && automatic.pixels() > 1000 && exchanged.wrong > 150;
-    let is_right = every.wrong == 0 && automatic.wrong == 0;
-    if is_right && is_tried && (every.at_borders + every.at_folds) * 10 < every.pixels() {
-        Ok(())
-    } else {
-        Err(format!("{every:?}, {automatic:?}, exchanged {exchanged:?}"))
-    }
 }
 
 /// A map of 2,048² texels, with `RIMLINE_LONG=1` of 4,096², also by every cell.

@@ -21,7 +21,7 @@ use crate::picture::{
 };
 use crate::rules::{Rule, exact, exceeds, listed};
 use crate::scene::Eye;
-use crate::textures::{objects, read, texture};
+use rimline_testkit::textures::{objects, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("lists_of_cells_are_those_of_exact_arithmetic", lists),

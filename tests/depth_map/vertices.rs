@@ -25,7 +25,7 @@ use crate::parity::{any_eye, light, map};
 use crate::picture::{EVERY_CELL, differences};
 use crate::rules::{CELL, Rule, corners, listed, listed_of_cube};
 use crate::scene::vector;
-use crate::textures::{depth_view, objects, texture};
+use rimline_testkit::textures::{depth_view, objects, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("vertices_of_boundaries_are_those_of_f64", of_maps),

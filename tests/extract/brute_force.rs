@@ -2,38 +2,17 @@
 
 use rimline::internals::Method;
 use rimline::internals::cpu::{self, CpuError, Threads};
-use rimline::mesh::{EdgeKind, PolygonLoops, Weld};
+use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Light, LightError, Mesh, Predicate};
 use rimline_testkit::cases::{self, hard_positions, random_soup, topologies};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
-use rimline_testkit::{band, is_long, lights, must_fail, oracle, same};
+use rimline_testkit::{is_long, lights, must_fail, oracle, same};
 
 type Outcome = Result<(), String>;
 
 fn extracted(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> cpu::Extraction {
     cpu::extract(positions, mesh, lights, Predicate::Exact, Threads::ONE).expect("good lights")
-}
-
-#[test]
-fn exact_signs_are_those_of_cases_worked_by_hand() {
-    let sign = |corners: [[f32; 3]; 3], light| oracle::ExactFace::new(&corners, [0, 1, 2]).expect("a face").sign(light);
-    let up = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    assert_eq!(sign(up, Light::point([9.0, 9.0, f32::from_bits(1)])), 1);
-    assert_eq!(sign(up, Light::point([9.0, 9.0, -f32::from_bits(1)])), -1);
-    assert_eq!(sign(up, Light::point([9.0, 9.0, -0.0])), 0);
-    assert_eq!(sign(up, Light::directional([f32::MAX, 0.0, 1e-45])), 1);
-    assert_eq!(sign(up, Light::homogeneous([0.0, 0.0, 1.0, -1.0])), 1);
-    let raised = up.map(|[x, y, _]| [x, y, 1.0]);
-    assert_eq!(sign(raised, Light::homogeneous([0.0, 0.0, 0.999_999_94, 1.0])), -1);
-    assert_eq!(sign(raised, Light::homogeneous([0.0, 0.0, -0.5, -1.0])), 1);
-    assert_eq!(sign(raised, Light::homogeneous([0.0, 0.0, 3.0, 3.0])), 0);
-    // One ulp of a coordinate of 2^24 decides, and products of the largest numbers do not overflow.
-    let far = up.map(|c| c.map(|c| 2.0 * c + 16_777_216.0));
-    assert_eq!(sign(far, Light::point([16_777_216.0, 16_777_216.0, 16_777_218.0])), 1);
-    let huge = up.map(|c| c.map(|c| c * f32::MAX));
-    assert_eq!(sign(huge, Light::point([0.0, 0.0, f32::MIN_POSITIVE])), 1);
-    assert_eq!(sign([up[0], up[2], up[1]], Light::point([0.0, 0.0, 1.0])), -1);
 }
 
 /// They had their silhouettes from NaN instead: right bits of a wrong shape.
@@ -67,40 +46,6 @@ fn missing_positions_and_bad_lights_are_refused() {
             assert_eq!(found.as_ref(), Ok(&before), "{method:?}: more than needed");
         }
     }
-}
-
-#[test]
-fn facing_is_exact_outside_the_band_for_random_triangles() -> Outcome {
-    let mut random = Random::new(12);
-    let rounds = if is_long() { 4000 } else { 150 };
-    let mut sum = band::Checked::default();
-    for round in 0..rounds {
-        // Nearly coplanar lights at random scales: sums of the corners, nudged by a few ulp.
-        let exponent = random.between(-30.0, 30.0).exp2();
-        let positions: Vec<_> = (0..30).map(|_| random.direction().map(|c| c * exponent)).collect();
-        let faces: Vec<_> = (0..10).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-        let lights: Vec<_> = (0..12)
-            .map(|_| {
-                let [a, b, c] = faces[random.below(10)].map(|v| positions[v as usize]);
-                let (s, t) = (random.between(-2.0, 2.0), random.between(-2.0, 2.0));
-                let mut l: [f32; 3] = std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]));
-                l[random.below(3)] *= 1.0 + random.between(-1e-5, 1e-5);
-                match random.below(4) {
-                    0 => Light::directional(std::array::from_fn(|i| s * (b[i] - a[i]) + t * (c[i] - a[i]))),
-                    1 => Light::homogeneous([l[0] * 3.0, l[1] * 3.0, l[2] * 3.0, 3.0]),
-                    _ => Light::point(l),
-                }
-            })
-            .collect();
-        let facing = cpu::facing(&positions, &faces, &lights, Predicate::Fast, Threads::ONE);
-        let checked = band::check_facing(&format!("round {round}"), &facing, &positions, &faces, &lights)?;
-        sum.outside += checked.outside;
-        sum.inside += checked.inside;
-        sum.wrong_inside += checked.wrong_inside;
-    }
-    println!("{sum:?}");
-    assert!(sum.inside > 0 && sum.wrong_inside > 0, "hard enough to err: {sum:?}");
-    Ok(())
 }
 
 #[test]
@@ -148,33 +93,6 @@ fn closure_and_silhouettes_notice_one_flipped_bit() -> Outcome {
         }
     }
     Ok(())
-}
-
-#[test]
-fn records_partition_the_faces_of_each_edge() {
-    let mut random = Random::new(15);
-    let soups = (0..200).map(|_| random_soup(&mut random));
-    let soups: Vec<_> = soups.chain([shapes::fan(300), shapes::moebius(9, 2)]).collect();
-    for shape in soups {
-        let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Keep).expect("a mesh");
-        let mut from_records = oracle::EdgeFaces::new();
-        for edge in mesh.edges().iter() {
-            let [a, b] = edge.vertices;
-            let faces = from_records.entry((a.min(b), a.max(b))).or_default();
-            faces.push((edge.face_0, a < b));
-            match (edge.kind, edge.face_1) {
-                (EdgeKind::Consistent, Some(face)) => faces.push((face, a > b)),
-                (EdgeKind::Inconsistent, Some(face)) => faces.push((face, a < b)),
-                (EdgeKind::Boundary, None) => {}
-                _ => panic!("{edge:?}"),
-            }
-            assert!(edge.face_1.is_none_or(|face| face > edge.face_0), "face 0 is the lower");
-        }
-        for faces in from_records.values_mut() {
-            faces.sort_unstable();
-        }
-        assert_eq!(from_records, oracle::edge_faces(mesh.faces()));
-    }
 }
 
 #[test]

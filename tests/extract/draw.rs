@@ -7,7 +7,9 @@ use rimline_testkit::cases::topologies;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::read;
+use rimline_testkit::passes;
 use rimline_testkit::random::Random;
+use rimline_testkit::textures::texels;
 use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[("an_indirect_draw_covers_every_silhouette_edge_once", drawn)];
@@ -92,21 +94,11 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize, topology: EdgeTopology) -> Resul
     let device = &gpu.device;
     let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
     let pipeline = pipeline(device, &results, light, topology.primitive_topology());
-    let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
-    let target = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("edges"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
+    let plain = passes::texture([SIDE; 2], wgpu::TextureFormat::R8Unorm);
+    let usage = plain.usage | wgpu::TextureUsages::COPY_SRC;
+    let target = device.create_texture(&wgpu::TextureDescriptor { usage, ..plain });
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     let group = scene.group(&results, light / 32)?;
-    // Rows of a copied texture are 256 bytes apart.
-    let copied = gpu.storage(&vec![0_u8; 256 * SIDE as usize]);
     gpu.submit(|encoder| {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("edges"),
@@ -121,19 +113,9 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize, topology: EdgeTopology) -> Resul
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         scene.extraction.draw(&mut pass, light).map_err(|error| error.to_string())?;
-        drop(pass);
-        encoder.copy_texture_to_buffer(
-            target.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &copied,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None },
-            },
-            size,
-        );
         Ok(())
     })?;
-    let rows: Vec<u8> = gpu.read(&copied, usize::MAX)?;
-    Ok(rows.chunks(256).flat_map(|row| row[..SIDE as usize].to_vec()).collect())
+    texels(gpu, &target, 0)
 }
 
 fn drawn() -> Result<(), String> {

@@ -4,19 +4,17 @@ use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
 use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh, Predicate};
-use rimline_testkit::shapes;
 
-use rimline_testkit::cases::{case, hard_positions, topologies};
+use rimline_testkit::cases::hard_positions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{extract, read};
 use rimline_testkit::predicates::{CLASSES, FACES, LIGHTS, Signs};
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, lights, must_fail, oracle, same};
+use rimline_testkit::{is_long, must_fail, oracle, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("exact_facing_is_exact_on_hard_positions", hard),
-    ("exact_facing_is_exact_on_any_topology", any_topology),
     ("exact_facing_is_exact_for_triangles_of_any_magnitude", any_magnitude),
     ("exact_facing_is_exact_about_the_window_of_fixed_point", window),
     ("exact_facing_survives_an_overflowing_list", overflow),
@@ -24,12 +22,12 @@ pub(crate) const TESTS: &[Test] = &[
     ("exact_facing_is_exact_for_every_class_of_pairs", every_class),
 ];
 
-pub(crate) fn exact(max_lights: usize) -> ExtractorOptions {
+fn exact(max_lights: usize) -> ExtractorOptions {
     ExtractorOptions { max_lights, masks: true, for_volumes: true, ..Default::default() }
 }
 
 /// Every facing and excluded bit of GPU and CPU reference is the oracle's, and the masks are those of these bits.
-pub(crate) fn check(
+fn check(
     gpu: &Gpu,
     what: &str,
     positions: &[[f32; 3]],
@@ -64,34 +62,6 @@ fn hard() -> Result<(), String> {
         for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(seed)) {
             check(gpu, &name, &positions, &mesh, &lights, exact(lights.len()))?;
         }
-    }
-    Ok(())
-}
-
-/// Lights on vertices, edges and faces and in their planes, beside ordinary ones.
-fn any_topology() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(42);
-    let mut cases = topologies();
-    cases.push(case("cube", shapes::cube()));
-    for (name, positions, mesh) in cases {
-        let mut lights = lights(&mut random, 20);
-        for index in 0..45 {
-            let [a, b, c] = mesh.faces()[random.below(mesh.faces().len())].map(|v| positions[v as usize]);
-            let (s, t) = match index % 3 {
-                0 => (0.0, 0.0),
-                1 => (random.between(0.0, 1.0), 0.0),
-                _ => (random.between(-2.0, 2.0), random.between(-2.0, 2.0)),
-            };
-            let on_plane: [f32; 3] = std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]));
-            lights.push(match index % 5 {
-                0 => Light::homogeneous([on_plane[0] * 3.0, on_plane[1] * 3.0, on_plane[2] * 3.0, 3.0]),
-                1 if on_plane != [0.0; 3] => Light::directional([b[0] - a[0], b[1] - a[1], b[2] - a[2]]),
-                _ => Light::point(on_plane),
-            });
-        }
-        lights.retain(|light| light.to_array() != [0.0; 4]);
-        check(gpu, &name, &positions, &mesh, &lights, exact(lights.len()))?;
     }
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! The extraction's stages on the GPU. Without an adapter these tests fail; they are never passed over.
 
 mod assets;
-mod closure;
 mod draw;
 mod exact;
 mod facing;
@@ -12,7 +11,6 @@ mod positions;
 mod read_edges;
 mod refusals;
 mod stages;
-mod stress;
 mod zero;
 
 use rimline_testkit::harness;
@@ -22,8 +20,6 @@ fn main() {
         stages::TESTS,
         exact::TESTS,
         facing::TESTS,
-        closure::TESTS,
-        stress::TESTS,
         lights::TESTS,
         positions::TESTS,
         include::TESTS,

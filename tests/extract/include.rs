@@ -14,17 +14,20 @@ use rimline_testkit::shapes;
 
 use rimline_testkit::cases::{Case, case, topologies};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::storage_layout;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::read;
 use rimline_testkit::on_gpu::{interleaved, text};
 use rimline_testkit::oracle::listed;
+use rimline_testkit::passes::bind;
 use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{Expected, is, refusal, refused};
 use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("the_include_reads_what_the_twin_finds", computed),
     ("the_include_reads_edges_beside_twisted_polygons", polygons),
-    ("the_include_refuses_what_it_cannot_read", refused),
+    ("the_include_refuses_what_it_cannot_read", refusals),
 ];
 
 pub(crate) const LIGHTS: usize = 40;
@@ -93,20 +96,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
     let results = results_bind_group_layout(device, wgpu::ShaderStages::COMPUTE);
-    let storage = |binding, read_only| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    let output_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("reader"),
-        entries: &[storage(0, true), storage(1, false)],
-    });
+    let output_layout = storage_layout(gpu, &[(0, true), (1, false)]);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("reader"),
         bind_group_layouts: &[Some(&output_layout), Some(&results)],
@@ -126,14 +116,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
     let edges = scene.mesh.edges().len();
     let found = gpu.storage(&vec![u32::MAX; 8 * edges]);
     let draws = scene.extractor.results().draw_arguments;
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("reader"),
-        layout: &output_layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: draws.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
-        ],
-    });
+    let group = bind(gpu, &output_layout, [draws, &found].map(wgpu::Buffer::as_entire_binding));
     let results = scene.group(&results, batch)?;
     gpu.submit(|encoder| {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -226,24 +209,25 @@ fn polygons() -> Result<(), String> {
     if twisted > 500 { Ok(()) } else { Err(format!("{twisted} twisted pairs")) }
 }
 
-fn refused() -> Result<(), String> {
+fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("cube", shapes::cube());
     let buffer = gpu.storage(&positions);
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
     let plain = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    let error = |options, batch| {
+    let group = |options, batch| {
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
         let light = [Light::point([3.0, 2.0, 1.0])];
         let extraction = gpu.submit(|encoder| extractor.encode(encoder, plain, &light).map_err(text))?;
-        Ok::<_, String>(extraction.bind_group(&layout, batch).err())
+        Ok::<_, String>(extraction.bind_group(&layout, batch))
     };
     let good = ExtractorOptions::default();
     let without_lists = ExtractorOptions { lists: None, ..good };
     let per_edge = ExtractorOptions { method: Method::PerEdge, ..good };
-    same("good", &[error(good, 0)?], &[None])?;
-    same("no lists", &[error(without_lists, 0)?], &[Some(ExtractorError::NoInclude)])?;
-    same("per edge", &[error(per_edge, 0)?], &[Some(ExtractorError::NoInclude)])?;
-    let expected = ExtractorError::NoSuchBatch { batch: 1, batches: 1 };
-    same("batch", &[error(good, 1)?], &[Some(expected)])
+    refused([
+        refusal("good", group(good, 0)?, Expected::Taken),
+        refusal("no lists", group(without_lists, 0)?, is(ExtractorError::NoInclude)),
+        refusal("per edge", group(per_edge, 0)?, is(ExtractorError::NoInclude)),
+        refusal("batch", group(good, 1)?, is(ExtractorError::NoSuchBatch { batch: 1, batches: 1 })),
+    ])
 }

@@ -4,7 +4,7 @@ use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, ListOptions, Pos
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::Weld;
-use rimline::{Light, LightError, Mesh, MeshError};
+use rimline::{Light, LightError, Mesh, MeshError, Predicate};
 use rimline_testkit::shapes;
 
 use rimline_testkit::cases::{Case, case};
@@ -13,13 +13,14 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{Found, extract, read, text};
 use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{is, refusal, refused, shows};
 use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("fewer_lights_than_room_leave_the_other_draws_empty", fewer),
     ("encodes_in_one_encoder_see_their_own_lights", several_encodes),
     ("a_thousand_lights_have_their_lists", thousand),
-    ("wrong_lights_and_meshes_are_typed_errors", refused),
+    ("wrong_lights_and_meshes_are_typed_errors", refusals),
 ];
 
 fn torus() -> Case {
@@ -117,7 +118,9 @@ fn thousand() -> Result<(), String> {
     let lights = lights(&mut Random::new(43), 1024);
     for ordered in [false, true] {
         let mut found = extract(gpu, &positions, &mesh, &lights, options(1024, true, ordered))?;
-        let masks = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), 1024, Threads::all());
+        let facing = cpu::facing(&positions, mesh.faces(), &lights, Predicate::Exact, Threads::all());
+        same("facing", &found.facing, &facing)?;
+        let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), 1024, Threads::all());
         same("masks", &found.masks, &masks)?;
         for light in 0..1024 {
             let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
@@ -133,45 +136,48 @@ fn thousand() -> Result<(), String> {
     Ok(())
 }
 
-fn refused() -> Result<(), String> {
+fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = torus();
-    for (max_lights, expected) in [(0, LightError::NoRoom), (1025, LightError::TooMany { count: 1025, limit: 1024 })] {
-        let error = Extractor::new(&gpu.pipelines, &mesh, options(max_lights, false, false)).err();
-        same("max_lights", &[error], &[Some(ExtractorError::Light(expected))])?;
-    }
-    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options(2, false, false)).map_err(text)?;
-    let good = Light::point([1.0, 2.0, 3.0]);
-    let cases = [
-        (vec![good; 3], LightError::TooMany { count: 3, limit: 2 }),
-        (vec![good, Light::homogeneous([0.0, -0.0, 0.0, 0.0])], LightError::Zero { index: 1 }),
-        (
-            vec![Light::point([f32::INFINITY, 0.0, 0.0])],
-            LightError::NotFinite { index: 0, xyzw: [f32::INFINITY, 0.0, 0.0, 1.0] },
-        ),
-        (vec![good, good.with_range(0.0)], LightError::Range { index: 1, range: 0.0 }),
-        (vec![good.with_range(-1.0)], LightError::Range { index: 0, range: -1.0 }),
-    ];
+    let made = |max_lights| Extractor::new(&gpu.pipelines, &mesh, options(max_lights, false, false));
+    let of_light = |error| is(ExtractorError::Light(error));
+    let mut extractor = made(2).map_err(text)?;
     let buffer = gpu.storage(&positions);
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let (good, infinite) = (Light::point([1.0, 2.0, 3.0]), [f32::INFINITY, 0.0, 0.0]);
+    let not_finite = LightError::NotFinite { index: 0, xyzw: [f32::INFINITY, 0.0, 0.0, 1.0] };
+    let nan = |at: usize| Light::homogeneous([0, 1, 2, 3].map(|axis| if axis == at { f32::NAN } else { 1.0 }));
     gpu.submit(|encoder| {
-        for (lights, expected) in cases {
-            let error = extractor.encode(encoder, bound, &lights).err();
-            same("lights", &[error], &[Some(ExtractorError::Light(expected))])?;
-        }
-        for at in 0..4 {
-            let mut xyzw = [1.0; 4];
-            xyzw[at] = f32::NAN;
-            let error = extractor.encode(encoder, bound, &[Light::homogeneous(xyzw)]);
-            let Err(ExtractorError::Light(LightError::NotFinite { index: 0, .. })) = error else {
-                return Err(format!("NaN at {at}: {error:?}"));
-            };
-        }
-        Ok(())
+        let mut encode = |lights: &[Light]| extractor.encode(encoder, bound, lights);
+        refused([
+            refusal("three lights", encode(&[good; 3]), of_light(LightError::TooMany { count: 3, limit: 2 })),
+            refusal(
+                "zero",
+                encode(&[good, Light::homogeneous([0.0, -0.0, 0.0, 0.0])]),
+                of_light(LightError::Zero { index: 1 }),
+            ),
+            refusal("infinite", encode(&[Light::point(infinite)]), of_light(not_finite)),
+            refusal(
+                "range 0",
+                encode(&[good, good.with_range(0.0)]),
+                of_light(LightError::Range { index: 1, range: 0.0 }),
+            ),
+            refusal(
+                "range -1",
+                encode(&[good.with_range(-1.0)]),
+                of_light(LightError::Range { index: 0, range: -1.0 }),
+            ),
+        ])?;
+        let not_finite = || shows(&["Light(NotFinite { index: 0"]);
+        refused([0, 1, 2, 3].map(|at| refusal(format!("NaN at {at}"), encode(&[nan(at)]), not_finite())))
     })?;
-    same("no faces", &[Mesh::new(&positions, &[], Weld::Data).err()], &[Some(MeshError::NoFaces)])?;
-    let expected = MeshError::IndexOutOfRange { face: 1, corner: 2, index: 3, vertices: 3 };
+    let out_of_range = || is(MeshError::IndexOutOfRange { face: 1, corner: 2, index: 3, vertices: 3 });
     let faces = [[0, 1, 2], [0, 1, 3]];
-    same("index", &[Mesh::new(&positions[..3], &faces, Weld::Data).err()], &[Some(expected)])?;
-    same("index", &[Mesh::from_faces(3, faces.to_vec()).err()], &[Some(expected)])
+    refused([
+        refusal("no room", made(0), of_light(LightError::NoRoom)),
+        refusal("1025 lights", made(1025), of_light(LightError::TooMany { count: 1025, limit: 1024 })),
+        refusal("no faces", Mesh::new(&positions, &[], Weld::Data), is(MeshError::NoFaces)),
+        refusal("index", Mesh::new(&positions[..3], &faces, Weld::Data), out_of_range()),
+        refusal("index", Mesh::from_faces(3, faces.to_vec()), out_of_range()),
+    ])
 }

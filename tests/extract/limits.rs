@@ -1,19 +1,17 @@
 //! Devices with less: results equal those of the shared device. Input that does not fit is in `refusals.rs`.
 
-use rimline::gpu::{Deformer, DeformerOptions, EdgeTopology, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::gpu::{EdgeTopology, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::internals::Method;
 use rimline::{Light, Mesh};
 use rimline_testkit::shapes::Shape;
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::models::{random_model, random_pose};
-use rimline_testkit::on_gpu::{Found, check_deform, compare, interleaved, limited, read, repeated_torus, text};
+use rimline_testkit::lights;
+use rimline_testkit::on_gpu::{Found, compare, interleaved, limited, read, repeated_torus, text};
 use rimline_testkit::random::Random;
-use rimline_testkit::{lights, same};
 
-pub(crate) const TESTS: &[Test] =
-    &[("small_limits_change_nothing", unchanged), ("small_limits_change_no_deformation", deform_unchanged)];
+pub(crate) const TESTS: &[Test] = &[("small_limits_change_nothing", unchanged)];
 
 /// How a case is run, on both devices alike.
 struct Run<'a> {
@@ -103,25 +101,4 @@ fn unchanged() -> Result<(), String> {
     } else {
         Err(format!("bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"))
     }
-}
-
-fn deform_unchanged() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(72);
-    let model = random_model(&mut random, 2500);
-    let pose = random_pose(&mut random, &model);
-    let expected = rimline_testkit::on_gpu::deformed(
-        gpu,
-        &Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?,
-        &model,
-        &pose,
-    )?;
-    for (binding, workgroups) in [(32 << 10, 64), (32 << 10, 2), (64 << 10, 1)] {
-        let small = limited(binding, 1 << 20, workgroups)?;
-        let deformer = Deformer::new(&small.pipelines, &model, DeformerOptions::default()).map_err(text)?;
-        let found = rimline_testkit::on_gpu::deformed(&small, &deformer, &model, &pose)?;
-        check_deform(&found, &model, &pose)?;
-        same(&format!("{binding} bytes a binding, {workgroups} workgroups"), &found, &expected)?;
-    }
-    Ok(())
 }

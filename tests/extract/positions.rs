@@ -1,8 +1,6 @@
 //! A caller's own position buffer: any offset and stride, the caller's own vertex order, and what is refused.
 
-use rimline::Mesh;
 use rimline::gpu::{DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
-use rimline::mesh::Weld;
 use rimline_testkit::shapes;
 
 use rimline_testkit::cases::{case, topologies};
@@ -16,7 +14,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("positions_lie_at_any_offset_and_stride", any_offset),
     ("one_buffer_has_positions_at_several_offsets", several_offsets),
     ("wrong_position_buffers_are_typed_errors", refused),
-    ("faces_name_the_lowest_source_index", lowest_source_index),
 ];
 
 fn options() -> ExtractorOptions {
@@ -117,24 +114,4 @@ fn refused() -> Result<(), String> {
         let error = extractor.encode(encoder, bound, &lights).err();
         same("no STORAGE", &[error], &[Some(ExtractorError::Device(DeviceError::NotStorage))])
     })
-}
-
-/// Every face has vertices of its own; welding names the first of each place, so the buffer is read as it lies.
-fn lowest_source_index() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let lights = lights(&mut Random::new(53), 33);
-    for (name, positions, mesh) in topologies() {
-        let split: Vec<_> = mesh.faces().iter().flatten().map(|&v| positions[v as usize]).collect();
-        let faces: Vec<_> = (0..mesh.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-        let welded = Mesh::new(&split, &faces, Weld::Data).map_err(text)?;
-        for (face, &corner) in welded.faces().iter().flatten().enumerate() {
-            let lowest = split.iter().position(|p| p == &split[face]).ok_or("not found")?;
-            same(&format!("{name}, corner {face}"), &[corner as usize], &[lowest])?;
-        }
-        let found = extract(gpu, &split, &welded, &lights, options())?;
-        let expected = extract(gpu, &positions, &mesh, &lights, options())?;
-        same(&format!("{name}, facing"), &found.facing, &expected.facing)?;
-        same(&format!("{name}, masks"), &found.masks, &expected.masks)?;
-    }
-    Ok(())
 }

@@ -68,7 +68,7 @@ fn check(
         *if fits { &mut *listed } else { &mut *overflowed } += 1;
         if light % 13 == 0 {
             let later = extraction.read_edges_async(&gpu.queue, mesh, light);
-            let found = block_on(gpu, later)?.map_err(text)?;
+            let found = gpu.finish(later)?.map_err(text)?;
             same_silhouettes(&format!("{what}, async"), &found, &expected)?;
             let other = twin.silhouette(mesh, light + 1);
             if other != expected {
@@ -77,18 +77,6 @@ fn check(
         }
     }
     Ok(())
-}
-
-/// Polls the device until the future is ready.
-fn block_on<T>(gpu: &Gpu, future: impl Future<Output = T>) -> Result<T, String> {
-    let mut future = std::pin::pin!(future);
-    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
-    loop {
-        if let std::task::Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return Ok(value);
-        }
-        gpu.device.poll(rimline::wgpu::PollType::wait_indefinitely()).map_err(text)?;
-    }
 }
 
 fn refused() -> Result<(), String> {

@@ -49,9 +49,7 @@ const ROWS: &[Row] = &[
 ];
 
 pub(crate) fn tests() -> Vec<Trial> {
-    let two_files = ["skinned_twice_morphed.glb", "CesiumMan_8influences_morph.glb"];
     let mut tests = vec![
-        on_both("good::influences_in_two_sets_equal_one", two_files, two_sets),
         on_both("good::corners_are_joined_when_welded_by_data", ["skinned_without_indices.glb", "Fox.glb"], corners),
         on_both("good::instances_are_turned", ["mirrored_scenes.gltf", "subpass_scene_opaque.gltf"], turned),
         test("good::counts_control", control),
@@ -156,28 +154,6 @@ fn table_is_complete(assets: &Path) -> Outcome {
     }
     let missing: Vec<_> = files.iter().filter(|file| !ROWS.iter().any(|row| row.0 == **file)).collect();
     ensure(missing.is_empty(), || format!("no row for {missing:?}"))
-}
-
-/// The weights of the second file are the first's, spread over two sets and normalised; its morph target is switched
-/// off here.
-fn two_sets(path: &Path) -> Outcome {
-    let (one, two) = match assets().filter(|folder| path.starts_with(folder)) {
-        Some(folder) => (open(&folder.join("CesiumMan.glb"), Weld::Keep)?, open(path, Weld::Keep)?),
-        None => (open(&files::made("skinned.glb")?.path, Weld::Keep)?, open(path, Weld::Keep)?),
-    };
-    let (a, b) = (&one.model().geometries()[0], &two.model().geometries()[0]);
-    ensure(a.faces() == b.faces(), || "faces differ".to_owned())?;
-    for time in [0.0, 0.7, 1.9] {
-        let (pose_a, pose_b) = (one.pose(Some(0), time)?, two.pose(Some(0), time)?);
-        let pose_b = &pose_b.instances()[0];
-        ensure(pose_b.morph_weights() == [0.5], || "default weight is not 0.5".to_owned())?;
-        let (expected, morphed) = (check::posed(a, &pose_a.instances()[0]), check::posed(b, pose_b));
-        let same = |found: &[[f64; 3]]| check::close(found.as_flattened(), expected.as_flattened(), 1e-6, "posed");
-        ensure(same(&morphed).is_err(), || "the morph target moved nothing".to_owned())?;
-        let unmorphed = InstancePose::new(pose_b.palette().to_vec(), vec![0.0])?;
-        same(&check::posed(b, &unmorphed))?;
-    }
-    Ok(())
 }
 
 fn corners(path: &Path) -> Outcome {

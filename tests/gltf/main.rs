@@ -5,7 +5,6 @@
 mod animate;
 mod bad;
 mod cameras;
-mod cases;
 mod check;
 mod colors;
 mod details;
@@ -38,7 +37,6 @@ fn main() {
         animate::tests,
         visible::tests,
         warned::tests,
-        cases::tests,
         refuse::tests,
         outside::tests,
         details::tests,

@@ -15,7 +15,6 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("shape::primitives_share_vertices", sharing),
         test("shape::points_and_lines_are_skipped", skipping),
         test("shape::files_of_nothing", nothing),
-        test("shape::sparse", sparse),
         test("shape::quantised", quantised),
         test("shape::stride", stride),
         test("shape::compressed_with_plain_data", fallbacks),
@@ -120,24 +119,6 @@ fn skipping() -> Outcome {
     same(&asset.skipped(), &expected, "skipped")?;
     same(&asset.model().instances().len(), &1, "instances")?;
     same(&asset.meshes()[1].primitives, &6, "primitives")
-}
-
-fn sparse() -> Outcome {
-    let replaced = [7.0, 8.0, 9.0, -7.0, -8.0, -9.0];
-    let mut maker = Maker::square();
-    maker.sparse(0, &[1, 3], &replaced);
-    let expected = vec![[0.0, 0.0, 0.0], [7.0, 8.0, 9.0], [1.0, 1.0, 0.0], [-7.0, -8.0, -9.0]];
-    same(&maker.load()?.model().geometries()[0].positions().to_vec(), &expected, "over a buffer view")?;
-
-    let mut maker = Maker::square();
-    let (target, zeros) = (maker.zeros(4), maker.zeros(4));
-    maker.sparse(target, &[1, 3], &replaced);
-    primitive(&mut maker)["targets"] = json!([{ "POSITION": target }, { "POSITION": zeros }]);
-    let asset = maker.load()?;
-    let targets = asset.model().geometries()[0].morph_targets();
-    let expected = vec![[0.0; 3], [7.0, 8.0, 9.0], [0.0; 3], [-7.0, -8.0, -9.0]];
-    same(&targets[0], &expected, "over zeros")?;
-    same(&targets[1], &vec![[0.0; 3]; 4], "zeros alone")
 }
 
 fn quantised() -> Outcome {

@@ -5,11 +5,12 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::pipelines::TexelKernel;
+use rimline_testkit::textures::depth_view;
 use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat::R8Uint;
 use wgpu::TextureFormat::{self, Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8};
 
-use crate::drawn::{DepthDraw, Picture, depth_view};
+use crate::drawn::{DepthDraw, Picture};
 
 pub(crate) const TESTS: &[Test] = &[("depth_survives_the_copy", survives)];
 

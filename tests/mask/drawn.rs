@@ -1,10 +1,11 @@
 //! Images of a world: its depth, its masks, and the stencil that a caller would draw.
 
-use rimline::gpu::{MaskInputs, SceneOptions, ShadowFormat, ShadowMasks, ShadowPipelines, read_back_vec};
-use rimline::{DepthDirection, ShadowCamera};
+use rimline::gpu::{MaskInputs, SceneOptions, ShadowFormat, ShadowMasks, ShadowPipelines};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::{Drawing, SURFACE, depth};
+use rimline_testkit::passes::{self, bind, depth_pass, draw_surfaces};
+use rimline_testkit::pipelines::{Drawing, depth};
+use rimline_testkit::textures::{Stencils, depth_view, texels};
 use wgpu::TextureFormat;
 
 use crate::world::{Encoded, World};
@@ -20,20 +21,6 @@ const COPY: &str = "
 }
 ";
 
-/// Reads the stencil of each sample of each pixel.
-const STENCIL: &str = "
-@group(0) @binding(0) var stencil: TEXTURE;
-@group(0) @binding(1) var<storage, read_write> values: array<u32>;
-@compute @workgroup_size(8, 8) fn read(@builtin(global_invocation_id) id: vec3<u32>) {
-  let size = textureDimensions(stencil);
-  if (id.x < size.x && id.y < size.y) {
-    for (var sample = 0u; sample < SAMPLES; sample++) {
-      values[SAMPLES * (id.x + size.x * id.y) + sample] = textureLoad(stencil, id.xy, sample).x;
-    }
-  }
-}
-";
-
 /// The caller's textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Picture {
@@ -45,19 +32,12 @@ pub(crate) struct Picture {
 
 impl Picture {
     pub(crate) fn texture(&self, gpu: &Gpu, format: TextureFormat, samples: u32, layers: u32) -> wgpu::Texture {
-        let [width, height] = self.size;
-        let copied =
-            if format.has_depth_aspect() { wgpu::TextureUsages::empty() } else { wgpu::TextureUsages::COPY_SRC };
-        gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
-            mip_level_count: 1,
-            sample_count: samples,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING | copied,
-            view_formats: &[],
-        })
+        let plain = passes::texture(self.size, format);
+        let size = wgpu::Extent3d { depth_or_array_layers: layers, ..plain.size };
+        let is_copied = samples == 1 && (format.has_stencil_aspect() || !format.has_depth_aspect());
+        let copied = if is_copied { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
+        let usage = plain.usage | copied;
+        gpu.device.create_texture(&wgpu::TextureDescriptor { size, sample_count: samples, usage, ..plain })
     }
 
     /// The target for so many lights.
@@ -81,7 +61,7 @@ impl Picture {
     pub(crate) fn masks(&self, gpu: &Gpu, target: &wgpu::Texture, lights: usize) -> Result<Vec<Vec<u8>>, String> {
         let a_layer = lights_a_layer(self.target);
         let bytes = self.target.block_copy_size(None).ok_or("a size")? as usize;
-        let layers = (0..lights.div_ceil(a_layer)).map(|layer| read_layer(gpu, target, layer as u32, bytes));
+        let layers = (0..lights.div_ceil(a_layer)).map(|layer| texels(gpu, target, layer as u32));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
         let mask = |light: usize| {
             let texels = layers[light / a_layer].chunks_exact(bytes);
@@ -94,7 +74,7 @@ impl Picture {
         Ok((0..lights).map(mask).collect())
     }
 
-    /// The stencils of volumes that the caller draws, one a light, with a word for each sample of each pixel.
+    /// The stencils of volumes that the caller draws, one a light.
     pub(crate) fn stencils(
         &self,
         gpu: &Gpu,
@@ -102,7 +82,7 @@ impl Picture {
         encoded: &Encoded,
         (options, trim): (&SceneOptions, bool),
         encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<Vec<wgpu::Buffer>, String> {
+    ) -> Result<Vec<Stencils>, String> {
         let has_float = gpu.device.features().contains(wgpu::Features::DEPTH32FLOAT_STENCIL8);
         let depth_stencil =
             if has_float { TextureFormat::Depth32FloatStencil8 } else { TextureFormat::Depth24PlusStencil8 };
@@ -127,13 +107,11 @@ impl Picture {
         };
         let make = if options.stencil.count_batches > 1 { ShadowPipelines::in_batches } else { ShadowPipelines::new };
         let pipelines = make(&gpu.pipelines, &format, options.counting).map_err(text)?;
-        let reader = Reader::new(gpu, &texture)?;
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let draw = |light| {
-            let mut pass = begin(encoder, &view, None);
-            encoded.frame.draw(&mut pass, &pipelines, 0, light).map_err(text)?;
-            drop(pass);
-            Ok(reader.read(gpu, encoder))
+            let pass = &depth_pass(&view, (Some(wgpu::LoadOp::Load), Some(wgpu::LoadOp::Clear(0))));
+            encoded.frame.draw(&mut encoder.begin_render_pass(pass), &pipelines, 0, light).map_err(text)?;
+            Stencils::of(gpu, encoder, &texture)
         };
         encoded.lights.iter().copied().map(draw).collect()
     }
@@ -154,11 +132,7 @@ impl Picture {
             encoded.frame.write_masks(encoder, masks, &inputs).map_err(text)?;
             self.stencils(gpu, world, &encoded, (options, masks.trim), encoder)
         })?;
-        let read = |buffer: &wgpu::Buffer| {
-            let words: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, buffer).map_err(text)?;
-            Ok(words.into_iter().map(|word| word as u8).collect())
-        };
-        let stencils = stencils.iter().map(read).collect::<Result<Vec<Vec<u8>>, String>>()?;
+        let stencils = stencils.iter().map(|stencils| stencils.read(gpu)).collect::<Result<Vec<_>, _>>()?;
         Ok([self.masks(gpu, &target, world.lights.len())?, stencils])
     }
 }
@@ -171,51 +145,6 @@ pub(crate) fn lights_a_layer(target: TextureFormat) -> usize {
     }
 }
 
-/// The texels of a layer, row by row.
-fn read_layer(gpu: &Gpu, target: &wgpu::Texture, layer: u32, bytes: usize) -> Result<Vec<u8>, String> {
-    let (width, height) = (target.width() as usize * bytes, target.height());
-    let row = width.next_multiple_of(256);
-    let copy = gpu.storage(&vec![0_u8; row * height as usize]);
-    gpu.submit(|encoder| {
-        let origin = wgpu::Origin3d { z: layer, ..wgpu::Origin3d::ZERO };
-        encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo { origin, ..target.as_image_copy() },
-            wgpu::TexelCopyBufferInfo {
-                buffer: &copy,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row as u32),
-                    rows_per_image: None,
-                },
-            },
-            wgpu::Extent3d { depth_or_array_layers: 1, ..target.size() },
-        );
-        Ok(())
-    })?;
-    let all: Vec<u8> = read_back_vec(&gpu.device, &gpu.queue, &copy).map_err(text)?;
-    Ok(all.chunks(row).take(height as usize).flat_map(|line| &line[..width]).copied().collect())
-}
-
-/// A pass with depth that is cleared to a value or loaded, and the stencil at 0.
-fn begin<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    view: &wgpu::TextureView,
-    clear: Option<f32>,
-) -> wgpu::RenderPass<'e> {
-    let load = clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear);
-    let store = wgpu::StoreOp::Store;
-    let has_stencil = view.texture().format().has_stencil_aspect();
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("own"),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations { load, store }),
-            stencil_ops: has_stencil.then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
-        }),
-        ..Default::default()
-    })
-}
-
 /// Draws all surfaces.
 fn draw_depth(
     gpu: &Gpu,
@@ -223,30 +152,8 @@ fn draw_depth(
     world: &World,
     texture: &wgpu::Texture,
 ) -> Result<(), String> {
-    let ShadowCamera { view_projection, origin: [x, y, z], depth: direction } = world.camera;
-    let is_reversed = direction == DepthDirection::Reversed;
-    let (nearer, far) =
-        if is_reversed { (wgpu::CompareFunction::Greater, 0.0) } else { (wgpu::CompareFunction::Less, 1.0) };
-    let (format, samples) = (texture.format(), texture.sample_count());
-    let pipeline = gpu.kept(&format!("surface {format:?} {samples} {is_reversed}"), || {
-        let depth_stencil = Some(depth(format, nearer, true));
-        Ok(Drawing { source: SURFACE, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
-    })?;
-    let corners = world.corners();
-    let camera = [view_projection.concat(), vec![x, y, z, 0.0]].concat();
-    let buffers = [gpu.storage(&camera), gpu.storage(&corners)];
-    let entries = [0, 1].map(|binding| wgpu::BindGroupEntry {
-        binding: binding as u32,
-        resource: buffers[binding].as_entire_binding(),
-    });
-    let layout = &pipeline.get_bind_group_layout(0);
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let mut pass = begin(encoder, &view, Some(far));
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.draw(0..corners.len() as u32, 0..1);
-    Ok(())
+    draw_surfaces(gpu, encoder, &view, &world.camera, &world.corners())
 }
 
 /// A full-screen draw that writes depth, by a shader that reads one resource.
@@ -271,71 +178,13 @@ impl DepthDraw<'_> {
             let depth_stencil = Some(depth(format, wgpu::CompareFunction::Always, true));
             Ok(Drawing { source, entry_points, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
         })?;
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: bound }],
-        });
+        let group = bind(gpu, &pipeline.get_bind_group_layout(0), [bound]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut pass = begin(encoder, &view, Some(0.0));
+        let stencils = format.has_stencil_aspect().then_some(wgpu::LoadOp::Clear(0));
+        let mut pass = encoder.begin_render_pass(&depth_pass(&view, (Some(wgpu::LoadOp::Clear(0.0)), stencils)));
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
         Ok(())
-    }
-}
-
-/// A view of the depth aspect.
-pub(crate) fn depth_view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    let aspect = wgpu::TextureAspect::DepthOnly;
-    texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() })
-}
-
-/// Reads stencils of a texture.
-struct Reader {
-    pipeline: std::sync::Arc<wgpu::ComputePipeline>,
-    view: wgpu::TextureView,
-}
-
-impl Reader {
-    fn new(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Self, String> {
-        let samples = texture.sample_count();
-        let pipeline = gpu.kept(&format!("stencil of {samples}"), || {
-            let ty = if samples > 1 { "texture_multisampled_2d<u32>" } else { "texture_2d<u32>" };
-            let source = STENCIL.replace("TEXTURE", ty).replace("SAMPLES", &format!("{samples}u"));
-            let source = wgpu::ShaderSource::Wgsl(source.into());
-            let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
-            Ok(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("stencil"),
-                layout: None,
-                module: &module,
-                entry_point: None,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            }))
-        })?;
-        let aspect = wgpu::TextureAspect::StencilOnly;
-        let view = texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
-        Ok(Self { pipeline, view })
-    }
-
-    /// A word for each sample of each pixel.
-    fn read(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> wgpu::Buffer {
-        let texture = self.view.texture();
-        let (width, height) = (texture.width(), texture.height());
-        let values = gpu.storage(&vec![0_u32; (width * height * texture.sample_count()) as usize]);
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&self.view) },
-                wgpu::BindGroupEntry { binding: 1, resource: values.as_entire_binding() },
-            ],
-        });
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
-        values
     }
 }

@@ -3,17 +3,17 @@
 use std::collections::BTreeMap;
 
 use rimline::internals::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters};
-use rimline::internals::cpu::{self, Threads};
+use rimline::internals::cpu::Threads;
 use rimline::internals::layout::CHUNK;
 use rimline::mesh::{EdgeKind, INCONSISTENT_BIT, NO_FACE};
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Light, Mesh};
 use rimline_testkit::clusters::whole;
 use rimline_testkit::oracle::ExactFace;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{is_long, must_fail, same};
 
-use crate::cluster_meshes::{Case, case, marginal_lights};
+use rimline_testkit::cluster_meshes::{Case, case, marginal_lights};
 
 type Outcome = Result<(), String>;
 
@@ -108,32 +108,6 @@ fn bounds_without_a_part_are_noticed() -> Outcome {
         must_fail(what, &trials(1401, 400, decide))?;
     }
     Ok(())
-}
-
-/// Faces of a decided cluster have its facing bit, and none of them is excluded.
-#[test]
-fn decided_clusters_have_the_bits_of_facing_and_exclude_no_face() -> Outcome {
-    let mut random = Random::new(1402);
-    let mut decided_pairs = 0;
-    for index in 0..100 {
-        let Case { name, shape, lights } = case(&mut random, index);
-        let mesh = shape.mesh().map_err(|error| error.to_string())?;
-        let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
-        let facing = cpu::facing(&shape.positions, &shape.faces, &lights, Predicate::Exact, Threads::ONE);
-        let excluded = cpu::excluded(&shape.positions, &shape.faces, &lights);
-        for (slots, bound) in found.faces().chunks(CLUSTER_FACES).zip(found.bounds()) {
-            for (bit, &light) in lights.iter().enumerate() {
-                let Some(is_facing) = whole(bound, light) else { continue };
-                let expected = [u32::from(is_facing), 0];
-                decided_pairs += slots.len();
-                for &face in slots {
-                    let got = [&facing, &excluded].map(|masks| masks[face as usize] >> bit & 1);
-                    same(&format!("{name}, case {index}, face {face}, {light:?}"), &got, &expected)?;
-                }
-            }
-        }
-    }
-    if decided_pairs == 0 { Err("nothing was decided".to_owned()) } else { Ok(()) }
 }
 
 /// Faces and edge records, each once, in whole chunks, and the same in every run and on any number of threads.
@@ -326,40 +300,5 @@ fn bad_faces_have_no_bound() -> Outcome {
     // Distinct vertices at one position: every light is in the plane.
     let collapsed = Clusters::new(&mesh, &vec![[1.0; 3]; shape.positions.len()], Threads::ONE);
     assert!(collapsed.bounds().iter().all(|bound| whole(bound, light).is_none()));
-    Ok(())
-}
-
-/// The part of the faces in mixed clusters, for some lights around the mesh.
-fn mixed_part(shape: &Shape, lights: &[Light]) -> Result<f64, String> {
-    let mesh = shape.mesh().map_err(|error| error.to_string())?;
-    let found = Clusters::new(&mesh, &shape.positions, Threads::all());
-    let is_mixed = |light: Light| found.bounds().iter().filter(move |bound| whole(bound, light).is_none());
-    let mixed: usize = lights.iter().map(|&light| is_mixed(light).count()).sum();
-    Ok(mixed as f64 / (lights.len() * found.bounds().len()) as f64)
-}
-
-/// A kind of mesh, of any size.
-type Make = (&'static str, fn(u32) -> Shape);
-
-/// On smooth closed meshes with 16 times as many faces, about a fourth of the part is left.
-#[test]
-fn few_clusters_of_smooth_meshes_are_mixed() -> Outcome {
-    let mut random = Random::new(1404);
-    let mut lights: Vec<Light> = (0..8).map(|_| Light::point(random.direction().map(|c| 3.0 * c))).collect();
-    lights.extend((0..8).map(|_| Light::directional(random.direction())));
-    let make: [Make; 4] = [
-        ("sphere", shapes::sphere),
-        ("torus", |size| shapes::torus(2 * size, 2 * size, 1.0, 0.4)),
-        ("blob", |size| shapes::blob(size, 0.4, 1)),
-        ("blob, shuffled", |size| shapes::blob(size, 0.4, 1).shuffled(1)),
-    ];
-    for (name, make) in make {
-        let [few, many] = [90, 362].map(|size| mixed_part(&make(size), &lights));
-        let (few, many) = (few?, many?);
-        println!("{name}: {:.2} % of 65 thousand faces, {:.2} % of a million", 100.0 * few, 100.0 * many);
-        if few > 0.5 || many > 0.2 || many > 0.4 * few {
-            return Err(format!("{name}: {few} of the faces of the small mesh and {many} of the large one are left"));
-        }
-    }
     Ok(())
 }

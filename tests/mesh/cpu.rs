@@ -1,6 +1,5 @@
 //! Meshes: welding, edge records, polygons and clusters.
 
-mod cluster_meshes;
 mod clusters;
 mod near;
 mod polygons;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use rimline::Mesh;
-use rimline::mesh::{EdgeCounts, EdgeKind, MeshError, PolygonLoops, Weld};
-use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
+use rimline::mesh::{EdgeKind, MeshError, PolygonLoops, Weld};
+use rimline_testkit::polygons::{PolygonSet, random_polygon};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
 
@@ -273,50 +273,6 @@ fn polygons_of_three_corners_are_triangles() {
 }
 
 #[test]
-fn bodies_of_quadrilaterals_are_closed() {
-    let torus = quad_torus(&mut Random::new(1), 12, 8, 0.05).mesh(Weld::Keep).expect("a mesh");
-    assert!(torus.is_closed());
-    assert_eq!((torus.face_count(), torus.edges().len(), torus.faces().len()), (96, 192, 192));
-    let cube = quad_box(3).mesh(Weld::Position).expect("a mesh");
-    assert!(cube.is_closed());
-    assert_eq!((cube.face_count(), cube.edges().len(), cube.faces().len()), (54, 108, 108));
-    assert_eq!(cube.polygons().map(|polygons| polygons.triangle_polygons().len()), Some(108));
-}
-
-/// A square with a square hole, as two loops and as one with a bridge: the same edges, and no edge for the bridge.
-#[test]
-fn a_bridge_is_no_edge() {
-    let square = |size: f32| [[-size, -size, 0.0], [size, -size, 0.0], [size, size, 0.0], [-size, size, 0.0]];
-    let positions = [square(2.0), square(1.0)].concat();
-    let mut loops = PolygonSet { positions: positions.clone(), ..Default::default() };
-    loops.push(&[vec![0, 1, 2, 3], vec![7, 6, 5, 4]]);
-    let mut bridge = PolygonSet { positions, ..Default::default() };
-    bridge.push(&[vec![0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]);
-    let edges = |set: &PolygonSet| {
-        let mesh = set.mesh(Weld::Keep).expect("a mesh");
-        assert_eq!(mesh.faces().len(), 8);
-        assert_eq!(mesh.edges().counts(), EdgeCounts { boundary: 8, ..Default::default() });
-        let mut edges: Vec<_> = mesh.edges().iter().map(|edge| edge.vertices).collect();
-        edges.sort_unstable();
-        edges
-    };
-    assert_eq!(edges(&loops), edges(&bridge));
-}
-
-#[test]
-fn an_edge_walked_twice_is_an_edge_of_one_face_on_both_sides() {
-    let mut set = PolygonSet {
-        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        ..Default::default()
-    };
-    set.push(&[vec![0, 1, 2, 0, 1, 3]]);
-    let mesh = set.mesh(Weld::Keep).expect("a mesh");
-    let twice: Vec<_> = mesh.edges().iter().filter(|edge| edge.face_1 == Some(0)).collect();
-    assert_eq!((twice.len(), twice[0].vertices, twice[0].kind), (1, [0, 1], EdgeKind::Inconsistent));
-    assert_eq!(mesh.edges().counts(), EdgeCounts { inconsistent: 1, boundary: 4, consistent: 0 });
-}
-
-#[test]
 fn what_is_wrong_is_named() {
     let positions = [[0.0; 3]; 4];
     let refused = |polygon_loops: &[u32], loop_sizes: &[u32], loop_corners: &[u32]| {
@@ -408,16 +364,4 @@ fn both_sides_of_a_polygon_have_the_same_triangles() {
             assert_eq!(one_way(one, false), one_way(other, is_turned), "{corners:?}: {faces:?}");
         }
     }
-}
-
-#[test]
-fn polygons_without_a_surface_keep_a_row() {
-    let mut set = PolygonSet { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..Default::default() };
-    set.push(&[vec![0, 1, 1, 0]]);
-    set.push(&[vec![0, 1, 2], vec![2, 1, 0]]);
-    set.push(&[vec![2, 2, 1]]);
-    let mesh = Mesh::from_polygons(&set.positions, set.loops(), Weld::Keep).expect("a mesh");
-    assert_eq!((mesh.face_count(), mesh.degenerate_faces(), mesh.edges().len()), (3, 3, 0));
-    let whole = set.mesh(Weld::Keep).expect("a mesh");
-    assert_eq!((whole.face_count(), whole.degenerate_faces(), whole.faces().len()), (3, 3, 0));
 }

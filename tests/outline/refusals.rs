@@ -9,8 +9,11 @@ use rimline_testkit::cases::case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::refusals::{Expected, refusal, refused as rows_refused, shows};
+use rimline_testkit::passes;
+use rimline_testkit::refusals::{Expected, refusal, refused as rows_refused, says, shows};
 use rimline_testkit::{same, shapes};
+
+use crate::rendered::draw_small;
 
 pub(crate) const TESTS: &[Test] = &[
     ("outlines_that_cannot_be_drawn_are_typed_errors", refused),
@@ -76,22 +79,9 @@ fn depth(gpu: &Gpu, sample_count: u32, usage: wgpu::TextureUsages) -> wgpu::Text
 }
 
 fn texture(gpu: &Gpu, sample_count: u32, format: wgpu::TextureFormat, usage: wgpu::TextureUsages) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-fn expect(what: &str, found: Result<(), OutlineError>, expected: &str) -> Result<(), String> {
-    let found = found.err().map_or("no error".to_owned(), text);
-    if found.contains(expected) { Ok(()) } else { Err(format!("{what}: {found}, expected {expected}")) }
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | usage;
+    let descriptor = wgpu::TextureDescriptor { sample_count, usage, ..passes::texture([8; 2], format) };
+    gpu.device.create_texture(&descriptor).create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 fn refused() -> Result<(), String> {
@@ -126,19 +116,11 @@ fn refused() -> Result<(), String> {
     let singular = ShadowCamera { view_projection: [[0.0; 4]; 4], ..camera };
     let style = |style| OutlineInputs { style, ..good };
     let default = OutlineStyle::default();
-    let prepared = |inputs: &OutlineInputs<'_>| pipeline.prepare(inputs).map(drop);
     let made = pipeline.prepare(&good).map_err(text)?;
-    for (what, inputs, expected) in [
-        (
-            "lines",
-            OutlineInputs { of: OutlineSource::Extraction(&two, 0), ..good },
-            "draws 2 vertices for each edge, and outlines need 4",
-        ),
-        (
-            "no light",
-            OutlineInputs { of: OutlineSource::Extraction(&four, 1), ..good },
-            "light 1 asked for, and 1 lights were extracted",
-        ),
+    let of = |extraction, light| OutlineInputs { of: OutlineSource::Extraction(extraction, light), ..good };
+    let rows = [
+        ("lines", of(&two, 0), "draws 2 vertices for each edge, and outlines need 4"),
+        ("no light", of(&four, 1), "light 1 asked for, and 1 lights were extracted"),
         ("no camera", OutlineInputs { camera: &singular, ..good }, "singular or not finite"),
         ("samples", OutlineInputs { depth: &several, ..good }, "has 4 samples a pixel, and the pipeline reads one"),
         ("unread depth", OutlineInputs { depth: &unread, ..good }, "of format Depth32Float, cannot be read"),
@@ -146,38 +128,18 @@ fn refused() -> Result<(), String> {
         ("width", style(OutlineStyle { width: -1.0, ..default }), "`width` of the style is -1"),
         ("angle", style(OutlineStyle { crease_angle: f32::NAN, ..default }), "`crease_angle` of the style is NaN"),
         ("bias", style(OutlineStyle { depth_bias: f32::INFINITY, ..default }), "`depth_bias` of the style is inf"),
-    ] {
-        expect(what, prepared(&inputs), expected)?;
-    }
+    ];
+    rows_refused(rows.map(|(what, inputs, expected)| refusal(what, pipeline.prepare(&inputs), says(&[expected]))))?;
     gpu.submit(|encoder| extractor.encode(encoder, positions, &[Light::point([4.0; 3])]).map_err(text).map(drop))?;
-    expect("an old extraction", prepared(&good), "out of date")?;
-    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: OutlineFormat::default().color,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    gpu.submit(|encoder| {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations::default(),
-            })],
-            ..Default::default()
-        });
-        expect("an outline of an old extraction", made.draw(&mut pass), "out of date")
-    })?;
-    let formats = OutlineFormat { color: wgpu::TextureFormat::Rgba32Uint, ..OutlineFormat::default() };
-    expect("integers", OutlinePipeline::new(&gpu.pipelines, &formats).map(drop), "the device refuses outlines")?;
+    let integers = OutlineFormat { color: wgpu::TextureFormat::Rgba32Uint, ..OutlineFormat::default() };
+    let integers = OutlinePipeline::new(&gpu.pipelines, &integers);
     let other = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
     let theirs = OutlinePipeline::new(&other.pipelines, &OutlineFormat::default()).map_err(text)?;
-    let foreign = theirs.prepare(&good).map(drop);
-    expect("another device", foreign, "the extraction is of another device than the outline's pipeline")
+    let foreign = says(&["the extraction is of another device than the outline's pipeline"]);
+    rows_refused([
+        refusal("an old extraction", pipeline.prepare(&good), says(&["out of date"])),
+        refusal("an outline of an old extraction", draw_small(gpu, &made)?, says(&["out of date"])),
+        refusal("integers", integers, says(&["the device refuses outlines"])),
+        refusal("another device", theirs.prepare(&good), foreign),
+    ])
 }

@@ -1,14 +1,15 @@
 //! A picture of outlines: the model's depth, then its lines, read back.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, Outline, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource,
-    OutlineStyle, PositionBuffer, read_back_vec,
+    Extractor, ExtractorOptions, ListOptions, Outline, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline,
+    OutlineSource, OutlineStyle, PositionBuffer,
 };
-use rimline::{DepthDirection, Light, ShadowCamera};
+use rimline::{Light, ShadowCamera};
 use rimline_testkit::cases::Case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::{Drawing, SURFACE, depth};
+use rimline_testkit::passes;
+use rimline_testkit::textures::texels;
 
 /// Pixels along a side of the picture.
 pub(crate) const SIDE: u32 = 256;
@@ -61,23 +62,12 @@ pub(crate) struct Inputs<'a> {
     pub(crate) attachments: Attachments,
 }
 
-fn texture(gpu: &Gpu, format: wgpu::TextureFormat, samples: u32) -> wgpu::Texture {
-    let mut usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-    if format.has_depth_aspect() {
-        usage |= wgpu::TextureUsages::TEXTURE_BINDING;
-    } else if samples == 1 {
-        usage |= wgpu::TextureUsages::COPY_SRC;
-    }
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("outlines"),
-        size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: samples,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
+/// A texture of the picture's size.
+fn texture(gpu: &Gpu, format: wgpu::TextureFormat, sample_count: u32) -> wgpu::Texture {
+    let plain = passes::texture([SIDE; 2], format);
+    let is_copied = sample_count == 1 && !format.has_depth_aspect();
+    let copied = if is_copied { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
+    gpu.device.create_texture(&wgpu::TextureDescriptor { sample_count, usage: plain.usage | copied, ..plain })
 }
 
 /// The corners of the faces of a mesh.
@@ -112,53 +102,18 @@ impl Picture<'_> {
     ) -> Result<Vec<u8>, String> {
         let Self { camera, corners, attachments } = self;
         let Attachments { depth: format, depth_samples, is_attached, .. } = *attachments;
-        let is_reversed = camera.depth == DepthDirection::Reversed;
-        let (nearer, far) =
-            if is_reversed { (wgpu::CompareFunction::Greater, 0.0) } else { (wgpu::CompareFunction::Less, 1.0) };
-        let surface = gpu.kept(&format!("surface {format:?} {depth_samples} {is_reversed}"), || {
-            let depth_stencil = Some(depth(format, nearer, true));
-            let drawing = Drawing { source: SURFACE, depth_stencil, samples: depth_samples, ..Drawing::default() };
-            Ok(drawing.pipeline(&gpu.device))
-        })?;
         let of_pass = attachments.format();
         let outlines =
             gpu.kept(&format!("{of_pass:?}"), || OutlinePipeline::new(&gpu.pipelines, &of_pass).map_err(text))?;
-
-        let [x, y, z] = camera.origin;
-        let words = [camera.view_projection.concat(), vec![x, y, z, 0.0]].concat();
-        let buffers = [gpu.storage(&words), gpu.storage(corners)];
-        let entries = [0, 1].map(|binding| wgpu::BindGroupEntry {
-            binding: binding as u32,
-            resource: buffers[binding].as_entire_binding(),
-        });
-        let layout = &surface.get_bind_group_layout(0);
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
 
         let target = texture(gpu, of_pass.color, 1);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let depth_view = view(&texture(gpu, format, depth_samples));
         let sampled = (of_pass.samples > 1).then(|| view(&texture(gpu, of_pass.color, of_pass.samples)));
 
-        let pixels = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
         gpu.submit(|encoder| {
             let outline = outline(encoder, &outlines, &depth_view)?;
-            {
-                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("surface"),
-                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                        view: &depth_view,
-                        depth_ops: Some(wgpu::Operations {
-                            load: wgpu::LoadOp::Clear(far),
-                            store: wgpu::StoreOp::Store,
-                        }),
-                        stencil_ops: None,
-                    }),
-                    ..Default::default()
-                });
-                pass.set_pipeline(&surface);
-                pass.set_bind_group(0, &group, &[]);
-                pass.draw(0..corners.len() as u32, 0..1);
-            }
+            passes::draw_surfaces(gpu, encoder, &depth_view, camera, corners)?;
             let target_view = view(&target);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("outlines"),
@@ -179,22 +134,19 @@ impl Picture<'_> {
                 ..Default::default()
             });
             outline.draw(&mut pass).map_err(text)?;
-            drop(pass);
-            encoder.copy_texture_to_buffer(
-                target.as_image_copy(),
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &pixels,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(4 * SIDE),
-                        rows_per_image: None,
-                    },
-                },
-                target.size(),
-            );
             Ok(())
         })?;
-        let rows: Vec<[u8; 4]> = read_back_vec(&gpu.device, &gpu.queue, &pixels).map_err(text)?;
-        Ok(rows.into_iter().map(|[red, ..]| 255 - red).collect())
+        Ok(texels(gpu, &target, 0)?.iter().step_by(4).map(|red| 255 - red).collect())
     }
+}
+
+/// Draws an outline into small colours of the default format.
+pub(crate) fn draw_small(gpu: &Gpu, outline: &Outline) -> Result<Result<(), OutlineError>, String> {
+    let target = gpu.device.create_texture(&passes::texture([8; 2], OutlineFormat::default().color));
+    let view = &target.create_view(&wgpu::TextureViewDescriptor::default());
+    let (depth_slice, resolve_target, ops) = (None, None, wgpu::Operations::default());
+    let attachment = wgpu::RenderPassColorAttachment { view, depth_slice, resolve_target, ops };
+    let color_attachments = &[Some(attachment)];
+    let pass = wgpu::RenderPassDescriptor { color_attachments, ..Default::default() };
+    gpu.submit(|encoder| Ok(outline.draw(&mut encoder.begin_render_pass(&pass))))
 }

@@ -15,6 +15,7 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::bending_tube;
 use rimline_testkit::on_gpu::{deformed, interleaved, text};
+use rimline_testkit::passes;
 use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_box, quad_torus};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, says};
@@ -22,7 +23,7 @@ use rimline_testkit::scenes::{Pose, direction};
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{lights, must_fail};
 
-use crate::rendered::{Attachments, Inputs, Picture, corners, render};
+use crate::rendered::{Attachments, Inputs, Picture, corners, draw_small, render};
 use crate::{CLASSES, Truth, View, check, style, truth};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -331,19 +332,7 @@ fn refused_outlines() -> Result<(), String> {
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     let camera =
         &ShadowCamera { view_projection: identity, origin: [0.0; 3], depth: rimline::DepthDirection::Standard };
-    let texture = |format, usage| {
-        gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        })
-    };
-    let depth = texture(wgpu::TextureFormat::Depth32Float, wgpu::TextureUsages::TEXTURE_BINDING);
+    let depth = gpu.device.create_texture(&passes::texture([8; 2], wgpu::TextureFormat::Depth32Float));
     let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
     let of = OutlineSource::Scene(&frame, drawing.eye);
     let good = OutlineInputs { of, camera, depth, style: OutlineStyle::default(), marked: None };
@@ -368,19 +357,7 @@ fn refused_outlines() -> Result<(), String> {
         refusal("another device", theirs.prepare(&good), says(&["the scene is of another device than the outline's"])),
     ])?;
     encoded(gpu, &mut drawing)?;
-    let target = texture(OutlineFormat::default().color, wgpu::TextureUsages::empty());
-    let view = &target.create_view(&wgpu::TextureViewDescriptor::default());
-    let drawn = gpu.submit(|encoder| {
-        let attachment = wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations::default(),
-        };
-        let color_attachments = &[Some(attachment)];
-        let pass = &wgpu::RenderPassDescriptor { color_attachments, ..Default::default() };
-        Ok(made.draw(&mut encoder.begin_render_pass(pass)))
-    })?;
+    let drawn = draw_small(gpu, &made)?;
     refused([
         refusal("an old frame", outlines.prepare(&good), is(scene(ShadowError::StaleFrame))),
         refusal("an outline of an old frame", drawn, is(scene(ShadowError::StaleFrame))),

@@ -108,52 +108,59 @@ fn reversed<const N: usize>(mut points: [[f32; 3]; N]) -> [[f32; 3]; N] {
     points
 }
 
+/// The side that lights above and below see, then what others see.
 #[test]
 fn cases_worked_by_hand() {
-    let plain = loops(&[&square(1.0, 0.0)]);
-    assert_eq!([seen(&plain, ABOVE), seen(&plain, BELOW)], [Orientation::FrontFacing, Orientation::BackFacing]);
-    assert_eq!(seen(&plain, Light::point([9.0, 2.0, 0.0])), Orientation::InPlane);
-    assert_eq!(seen(&plain, Light::point([1.0, 0.0, 0.0])), Orientation::InPlane, "on an edge");
-    assert_eq!(seen(&plain, Light::directional([1.0, 2.0, 0.0])), Orientation::InPlane);
-    let [a, b, c, d] = square(1.0, 0.0);
-    let bow_tie = loops(&[&[a, b, d, c]]);
-    assert_eq!([seen(&bow_tie, ABOVE), seen(&bow_tie, BELOW)], [Orientation::Twisted; 2]);
-    // A quadrilateral that is not planar: from some sides it is twisted (Bergeron's figure 7).
-    let bent = loops(&[&[[-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, -1.0]]]);
-    assert_eq!([seen(&bent, ABOVE), seen(&bent, BELOW)], [Orientation::FrontFacing, Orientation::BackFacing]);
-    assert_eq!(seen(&bent, Light::point([9.0, 0.5, 0.0])), Orientation::Twisted);
-    assert_eq!(seen(&bent, Light::point([0.0; 3])), Orientation::Twisted, "within its hull");
-}
-
-#[test]
-fn holes_are_in_their_outer_loop() {
-    let hole = reversed(square(1.0, 0.0));
-    let with_hole = loops(&[&square(2.0, 0.0), &hole]);
-    assert_eq!([seen(&with_hole, ABOVE), seen(&with_hole, BELOW)], [Orientation::FrontFacing, Orientation::BackFacing]);
-    let same_way = loops(&[&square(2.0, 0.0), &square(1.0, 0.0)]);
-    assert_eq!([seen(&same_way, ABOVE), seen(&same_way, BELOW)], [Orientation::Twisted; 2], "winding number 2");
-    let around = loops(&[&square(1.0, 0.0), &reversed(square(2.0, 0.0))]);
-    assert_eq!(
-        [seen(&around, ABOVE), seen(&around, BELOW)],
-        [Orientation::BackFacing, Orientation::FrontFacing],
-        "a hole around it"
-    );
-    // A hole in another plane leaves the outer loop as the light goes aside.
-    let lifted = loops(&[&square(2.0, 0.0), &reversed(square(1.0, 1.0))]);
-    assert_eq!(seen(&lifted, ABOVE), Orientation::FrontFacing);
-    assert_eq!(seen(&lifted, Light::directional([1.5, 0.0, 1.0])), Orientation::Twisted, "across");
-    assert_eq!(seen(&lifted, Light::directional([4.0, 0.0, 1.0])), Orientation::Twisted, "beside");
-}
-
-/// Crossings of loops whose ends all have winding numbers 0 and 1 beside them: a star of two triangles, and one of five
-/// points.
-#[test]
-fn stars_are_twisted() {
+    use Orientation::{BackFacing as Back, FrontFacing as Front, InPlane, Twisted};
+    let [small, large, raised] = [square(1.0, 0.0), square(2.0, 0.0), square(1.0, 1.0)];
+    let [a, b, c, d] = small;
     let at = |angle: f32| [angle.to_radians().cos(), angle.to_radians().sin(), 0.0];
-    let two = loops(&[&[at(90.0), at(210.0), at(330.0)], &[at(270.0), at(30.0), at(150.0)]]);
-    let five = loops(&[&[at(0.0), at(144.0), at(288.0), at(72.0), at(216.0)]]);
-    for star in [two, five] {
-        assert_eq!([seen(&star, ABOVE), seen(&star, BELOW)], [Orientation::Twisted; 2]);
+    let flat = |points: &[[f32; 2]]| loops(&[&points.iter().map(|&[x, y]| [x, y, 0.0]).collect::<Vec<_>>()]);
+    let lobes = |corners: &[u32]| {
+        let positions = vec![[0.0; 3], [2.0, -1.0, 0.0], [2.0, 1.0, 0.0], [-2.0, 1.0, 0.0], [-2.0, -1.0, 0.0]];
+        let mut set = PolygonSet { positions, ..Default::default() };
+        set.push(&[corners.to_vec()]);
+        placed(&set).expect("a polygon").0
+    };
+    let plain = loops(&[&small]);
+    // From some sides it is twisted (Bergeron's figure 7).
+    let bent = loops(&[&[[-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, -1.0]]]);
+    let comb =
+        [[0.0, 0.0], [3.0, 0.0], [6.0, 0.0], [6.0, 2.0], [4.0, 2.0], [4.0, 1.0], [2.0, 1.0], [2.0, 2.0], [0.0, 2.0]];
+    for (name, boundary, expected) in [
+        ("a square", &plain, [Front, Back]),
+        ("a bow tie", &loops(&[&[a, b, d, c]]), [Twisted; 2]),
+        ("not planar", &bent, [Front, Back]),
+        ("a hole", &loops(&[&large, &reversed(small)]), [Front, Back]),
+        ("winding number 2", &loops(&[&large, &small]), [Twisted; 2]),
+        ("a hole around it", &loops(&[&small, &reversed(large)]), [Back, Front]),
+        // All ends of edges have winding numbers 0 and 1 beside them.
+        ("two triangles", &loops(&[&[90.0, 210.0, 330.0].map(at), &[270.0, 30.0, 150.0].map(at)]), [Twisted; 2]),
+        ("a star", &loops(&[&[0.0, 144.0, 288.0, 72.0, 216.0].map(at)]), [Twisted; 2]),
+        // A vertex that is an ordinary corner, twice.
+        ("two lobes", &lobes(&[0, 1, 2, 0, 3, 4]), [Front, Back]),
+        ("two lobes against each other", &lobes(&[0, 1, 2, 0, 4, 3]), [Twisted; 2]),
+        ("corners in line", &flat(&comb), [Front, Back]),
+        // Touching in space counts as twisted.
+        ("out and back", &flat(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), [Twisted; 2]),
+        ("a corner on an edge", &flat(&[[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 0.0], [0.0, 2.0]]), [Twisted; 2]),
+        ("two corners at one place", &loops(&[&[a, a, b, c, d]]), [Front, Back]),
+    ] {
+        assert_eq!([seen(boundary, ABOVE), seen(boundary, BELOW)], expected, "{name}");
+    }
+    // A hole in another plane leaves the outer loop as the light goes aside.
+    let lifted = loops(&[&large, &reversed(raised)]);
+    for (name, boundary, light, expected) in [
+        ("in the plane", &plain, Light::point([9.0, 2.0, 0.0]), InPlane),
+        ("on an edge", &plain, Light::point([1.0, 0.0, 0.0]), InPlane),
+        ("along the plane", &plain, Light::directional([1.0, 2.0, 0.0]), InPlane),
+        ("beside what is bent", &bent, Light::point([9.0, 0.5, 0.0]), Twisted),
+        ("within its hull", &bent, Light::point([0.0; 3]), Twisted),
+        ("a lifted hole", &lifted, ABOVE, Front),
+        ("a lifted hole, across", &lifted, Light::directional([1.5, 0.0, 1.0]), Twisted),
+        ("a lifted hole, beside", &lifted, Light::directional([4.0, 0.0, 1.0]), Twisted),
+    ] {
+        assert_eq!(seen(boundary, light), expected, "{name}");
     }
 }
 
@@ -206,52 +213,6 @@ fn edges_in_line_meet_where_they_overlap() {
         assert_eq!(edge_pair(edge, other, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
         assert_eq!(edge_pair(other, edge, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
     }
-}
-
-/// Two lobes that meet at a vertex: it is an ordinary corner, twice.
-#[test]
-fn lobes_may_meet_at_a_vertex() {
-    let mut set = PolygonSet {
-        positions: vec![[0.0; 3], [2.0, -1.0, 0.0], [2.0, 1.0, 0.0], [-2.0, 1.0, 0.0], [-2.0, -1.0, 0.0]],
-        ..Default::default()
-    };
-    let mut of = |corners: &[u32]| {
-        set.push(&[corners.to_vec()]);
-        let one =
-            PolygonSet { polygon_loops: vec![1], loop_sizes: vec![6], loop_corners: corners.to_vec(), ..set.clone() };
-        placed(&one).expect("a polygon").0
-    };
-    let alike = of(&[0, 1, 2, 0, 3, 4]);
-    assert_eq!([seen(&alike, ABOVE), seen(&alike, BELOW)], [Orientation::FrontFacing, Orientation::BackFacing]);
-    let against = of(&[0, 1, 2, 0, 4, 3]);
-    assert_eq!([seen(&against, ABOVE), seen(&against, BELOW)], [Orientation::Twisted; 2]);
-}
-
-/// Corners in line, edges in line and edges that touch in space.
-#[test]
-fn corners_in_line_are_ordinary() {
-    let comb = loops(&[&[
-        [0.0, 0.0, 0.0],
-        [3.0, 0.0, 0.0],
-        [6.0, 0.0, 0.0],
-        [6.0, 2.0, 0.0],
-        [4.0, 2.0, 0.0],
-        [4.0, 1.0, 0.0],
-        [2.0, 1.0, 0.0],
-        [2.0, 2.0, 0.0],
-        [0.0, 2.0, 0.0],
-    ]]);
-    assert_eq!([seen(&comb, ABOVE), seen(&comb, BELOW)], [Orientation::FrontFacing, Orientation::BackFacing]);
-    // Out and back along a line: touching in space counts as twisted.
-    let spike = loops(&[&[[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]]);
-    assert_eq!(seen(&spike, ABOVE), Orientation::Twisted);
-    // A corner on another edge.
-    let touching = loops(&[&[[0.0; 3], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]]);
-    assert_eq!(seen(&touching, ABOVE), Orientation::Twisted);
-    // Two corners at one place, with other indices.
-    let mut collapsed = square(1.0, 0.0).to_vec();
-    collapsed.insert(1, collapsed[0]);
-    assert_eq!(seen(&loops(&[&collapsed]), ABOVE), Orientation::FrontFacing);
 }
 
 /// All pairs accept each loop that the cheap way accepts, for loops of all sizes. The cheap way accepts convex loops.

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use rimline::internals::cpu::{self, Boundary, EdgeMasks, Extraction, Orientation, PolygonMasks, Threads};
 use rimline::mesh::{EdgeKind, Weld};
 use rimline::{Light, Mesh, Predicate};
+use rimline_testkit::must_fail;
 use rimline_testkit::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
 use rimline_testkit::random::Random;
-use rimline_testkit::{must_fail, oracle, same};
 
 use crate::lights::light_for;
 
@@ -210,74 +210,8 @@ fn masks_are_those_of_each_boundary() -> Outcome {
     if seen.iter().all(|&count| count > 200) { Ok(()) } else { Err(format!("too few of a kind: {seen:?}")) }
 }
 
-/// Squares of whole numbers are planar exactly. So masks are those of their triangles, whose diagonals are no silhouettes.
-#[test]
-fn planar_quadrilaterals_have_the_masks_of_their_triangles() -> Outcome {
-    for seed in 0..20 {
-        let mut random = Random::new(seed);
-        let set = quad_box(1 + random.below(4) as u32);
-        let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
-        let triangles = Mesh::new(&set.positions, mesh.faces(), Weld::Position).map_err(|error| error.to_string())?;
-        let lights = lights_for(&mut random, &set, 70);
-        let (found, of_triangles) = (extracted(&set, &mesh, &lights), extracted(&set, &triangles, &lights));
-        assert!(found.twisted.iter().all(|&mask| mask == 0), "seed {seed}: a twisted square");
-        let by_edge = |mesh: &Mesh, masks: &[EdgeMasks]| {
-            let records = mesh.edges().len();
-            let all = masks.iter().enumerate().map(|(at, masks)| {
-                let edge = mesh.edges().get(at % records).expect("a record");
-                let [a, b] = edge.vertices;
-                // Counted upwards, so that it does not matter which face comes first.
-                let turned = if a > b { !masks.winding & masks.silhouette } else { masks.winding & masks.silhouette };
-                ((at / records, [a.min(b), a.max(b)]), (masks.silhouette, turned))
-            });
-            all.filter(|(_, (silhouette, _))| *silhouette != 0).collect::<BTreeMap<_, _>>()
-        };
-        let expected = by_edge(&triangles, &of_triangles.masks);
-        assert_eq!(by_edge(&mesh, &found.masks), expected, "seed {seed}");
-        let triangle_polygons = mesh.polygons().expect("polygons").triangle_polygons();
-        let spread = |masks: &[u32]| -> Vec<u32> {
-            let planes = masks.chunks(mesh.face_count());
-            planes.flat_map(|plane| triangle_polygons.iter().map(|&polygon| plane[polygon as usize])).collect()
-        };
-        same("facing", &found.facing, &of_triangles.facing)?;
-        let (masks, _) = polygon_masks(&set, &mesh, &lights);
-        let excluded: Vec<u32> = masks.iter().map(|masks| masks.excluded).collect();
-        same("excluded", &spread(&excluded), &cpu::excluded(&set.positions, triangles.faces(), &lights))?;
-        let mut wrong = found.facing.clone();
-        let index = random.below(wrong.len());
-        wrong[index] ^= 1;
-        must_fail("a facing bit", &same("facing", &wrong, &of_triangles.facing))?;
-    }
-    Ok(())
-}
-
 fn polygon_masks(set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> (Vec<PolygonMasks>, cpu::FacingStatistics) {
     cpu::polygon_facing(&set.positions, mesh.polygons().expect("polygons"), lights, Threads::ONE)
-}
-
-/// Staircases of whole numbers are planar exactly, concave, and have straight corners and edges in line.
-#[test]
-fn planar_polygons_face_what_their_triangles_face() {
-    let mut checked = 0;
-    for seed in 0..3_000 {
-        let mut random = Random::new(seed);
-        let (name, set) = random_polygon(&mut random, 20);
-        let mesh = set.mesh(Weld::Keep).expect("a mesh");
-        if name != "staircase" || mesh.polygons().is_none() {
-            continue;
-        }
-        checked += 1;
-        let lights = lights_for(&mut random, &set, 20);
-        let found = extracted(&set, &mesh, &lights);
-        let of_triangles = oracle::facing(&set.positions, mesh.faces(), &lights);
-        let in_plane = oracle::excluded(&set.positions, mesh.faces(), &lights);
-        assert_eq!(of_polygons(&mesh, &found.twisted), [0], "seed {seed}: {set:?}");
-        for (facing, in_plane) in of_triangles.iter().zip(&in_plane) {
-            // Triangles without an area have all lights in their plane.
-            assert_eq!(found.facing[0] & !in_plane, facing & !in_plane, "seed {seed}");
-        }
-    }
-    assert!(checked > 100, "{checked}");
 }
 
 #[test]
@@ -317,28 +251,4 @@ fn neither_threads_nor_earlier_memory_change_masks() {
     let triangles = Mesh::from_faces(set.positions.len(), mesh.faces().to_vec()).expect("a mesh");
     again.update(&set.positions, &triangles, &lights, Predicate::Exact, Threads::ONE).expect("good lights");
     assert!(again.twisted.is_empty() && again.facing.len() == 2 * triangles.faces().len());
-}
-
-/// Polygons are decided by their boundaries alone: loops and a bridge are the same.
-#[test]
-fn a_bridge_changes_no_bit() {
-    let square = |size: f32| [[-size, -size, 0.0], [size, -size, 0.3], [size, size, 0.0], [-size, size, 0.1]];
-    let positions = [square(2.0), square(1.0)].concat();
-    let boundary = |loops: &[Vec<u32>]| {
-        let mut set = PolygonSet { positions: positions.clone(), ..Default::default() };
-        set.push(loops);
-        let mesh = set.mesh(Weld::Keep).expect("a mesh");
-        Boundary::new(mesh.polygons().expect("polygons").boundary(0), &positions).expect("finite")
-    };
-    let (loops, bridge) =
-        (boundary(&[vec![0, 1, 2, 3], vec![7, 6, 5, 4]]), boundary(&[vec![0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]));
-    let mut random = Random::new(5);
-    let mut seen = [0; 4];
-    for _ in 0..500 {
-        let light = light_for(&mut random, &positions).1.to_array();
-        let found = loops.orientation(light).0;
-        assert_eq!(found, bridge.orientation(light).0, "{light:?}");
-        seen[found as usize] += 1;
-    }
-    assert!(seen[Orientation::FrontFacing as usize] > 20 && seen[Orientation::Twisted as usize] > 20, "{seen:?}");
 }

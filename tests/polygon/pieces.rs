@@ -21,7 +21,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("pieces_wind_once_around_what_is_dark", wind),
     ("pieces_of_boundaries_seen_edge_on_but_for_rounding", edge_on),
     ("pieces_of_boundaries_in_planes_with_the_light", in_planes),
-    ("a_bow_tie_has_two_lobes", bow_tie),
 ];
 
 type Vector = [f64; 3];
@@ -399,23 +398,4 @@ fn in_planes() -> Result<(), String> {
     println!("{touching:?} that do not touch themselves, and that do; {steps} steps between points");
     let are_enough = touching.iter().all(|&count| 4 * count > 3 * seeds) && steps > 1000;
     if are_enough { Ok(()) } else { Err(format!("too few: {touching:?}, {steps}")) }
-}
-
-/// Bergeron's figure 7: the light sees a bow tie, whose two lobes are dark.
-fn bow_tie() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let corners = [[-1.0, -1.0, 0.1], [1.0, 1.0, 0.2], [1.0, -1.0, 0.3], [-1.0, 1.0, -0.2]];
-    let mut set = PolygonSet::default();
-    set.push_points(&[corners.to_vec()]);
-    let mesh = set.mesh(Weld::Keep).map_err(text)?;
-    let polygon = twisted(gpu, &set, &mesh, &[Light::point([0.0, 0.0, 9.0])])?.pop().ok_or("not twisted")?;
-    // The two diagonals are cut in the middle, above each other.
-    let [a, b, c, d] = corners;
-    let middle = [0.0, 0.0, 0.15];
-    let expected = [[a, middle], [middle, d], [d, a], [b, middle], [middle, c], [c, b]];
-    let is_at = |p: [f32; 3], q: [f32; 3]| (0..3).all(|axis| (p[axis] - q[axis]).abs() < 1e-6);
-    let is_there =
-        |[from, to]: &[[f32; 3]; 2]| polygon.pieces.iter().any(|piece| is_at(piece[0], *from) && is_at(piece[1], *to));
-    same("lobes", &[polygon.pieces.len(), expected.iter().filter(|piece| is_there(piece)).count()], &[6, 6])?;
-    same("a lobe the other way round", &[is_there(&[middle, a])], &[false])
 }

@@ -4,7 +4,7 @@ use rimline::internals::cpu::{self, CpuError, Threads};
 use rimline::{Light, LightError, Mesh};
 use rimline_testkit::random::Random;
 use rimline_testkit::shadow_cases::{ShadowCase, lattice, shadow_cases};
-use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::shapes::Shape;
 use rimline_testkit::{is_long, must_fail, same, shadow_oracle};
 
 type Outcome = Result<(), String>;
@@ -16,32 +16,6 @@ fn depths(shape: &Shape, points: &[[f32; 3]], lights: &[Light]) -> Vec<i32> {
 
 fn case_depths(case: &ShadowCase) -> Vec<i32> {
     depths(&case.shape, &case.points, &case.lights)
-}
-
-#[test]
-fn cases_worked_by_hand() {
-    let shape = Shape {
-        positions: vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]],
-        faces: vec![[0, 1, 2], [2, 1, 0], [0, 0, 1]],
-    };
-    let below = [1.0, 1.0, -1.0];
-    let one = |point, light| depths(&shape, &[point], &[light])[0];
-    assert_eq!(one(below, Light::point([1.0, 1.0, 1.0])), 2, "twice there, once each way round");
-    assert_eq!(one(below, Light::point([1.0, 1.0, -0.5])), 0, "before it");
-    assert_eq!(one(below, Light::directional([0.0, 0.0, 1.0])), 2);
-    assert_eq!(one(below, Light::directional([0.0, 0.0, -1.0])), 0);
-    assert_eq!(one([3.0, 3.0, -1.0], Light::directional([0.0, 0.0, 1.0])), 0, "beside it");
-    assert_eq!(one([1.0, 1.0, 0.0], Light::directional([0.0, 0.0, 1.0])), 0, "on it");
-    assert_eq!(one(below, Light::point([1.0, 1.0, 0.0])), 0, "the light on it");
-    assert_eq!(one([9.0, 1.0, 0.0], Light::point([-9.0, 1.0, 0.0])), 0, "along it");
-    // Through the edge y = 0: the light moves towards +y next to nothing, and the line with it, into the face.
-    assert_eq!(one([1.0, 0.0, -1.0], Light::point([1.0, 0.0, 1.0])), 2);
-    // Through the vertex at the origin, and through the one on the x axis, which the line leaves towards +x.
-    assert_eq!(one([0.0, 0.0, -1.0], Light::point([0.0, 0.0, 1.0])), 2);
-    assert_eq!(one([4.0, 0.0, -1.0], Light::point([4.0, 0.0, 1.0])), 0);
-    assert_eq!(one([f32::NAN, 0.0, 0.0], Light::point([4.0, 0.0, 1.0])), -1);
-    assert!(depths(&shape, &[], &[Light::point([0.0; 3])]).is_empty());
-    assert!(depths(&shape, &[[0.0; 3]], &[]).is_empty());
 }
 
 #[test]
@@ -67,6 +41,8 @@ fn refused_arguments() {
         assert_eq!(with(&corners[..given], &[]), Err(few), "without lights, too");
     }
     assert_eq!(with(&[corners, corners].concat(), &[good]), Ok(vec![0]), "more than needed");
+    assert_eq!(with(&corners, &[]), Ok(Vec::new()), "no light");
+    assert_eq!(cpu::shadow_depth(&corners, &mesh, &[], &[good], Threads::ONE), Ok(Vec::new()), "no point");
 }
 
 #[test]
@@ -131,45 +107,6 @@ fn ties_agree_with_topology() -> Outcome {
     }
     println!("depths 0, 1, 2: {seen:?}");
     if seen.iter().all(|&count| count > 1000) { Ok(()) } else { Err(format!("too few of a kind: {seen:?}")) }
-}
-
-/// Inside or outside a torus by its equation; a negative control moves every point.
-#[test]
-fn parity_tells_inside_from_outside() {
-    let shape = shapes::torus(96, 48, 1.0, 0.4);
-    let mut random = Random::new(81);
-    let (mut points, mut insides) = (Vec::new(), Vec::new());
-    while points.len() < 600 {
-        let p = random.direction().map(|c| c * random.between(0.0, 1.6));
-        let about_axis = |[i, j, k]: [usize; 3]| ((p[i].hypot(p[j]) - 1.0).hypot(p[k]) - 0.4).abs() > 0.02;
-        // The axis is whichever the shape has: its vertices' least extent.
-        let thin = (0..3).min_by(|&i, &j| extent(&shape, i).total_cmp(&extent(&shape, j))).expect("three axes");
-        let axes = [(thin + 1) % 3, (thin + 2) % 3, thin];
-        if about_axis(axes) {
-            insides.push((p[axes[0]].hypot(p[axes[1]]) - 1.0).hypot(p[axes[2]]) < 0.4);
-            points.push(p);
-        }
-    }
-    let lights = [
-        Light::point([3.0, 2.0, 5.0]),
-        Light::directional([0.0, 1.0, 0.0]),
-        Light::directional([1.0, 0.0, 0.0]),
-        Light::homogeneous([0.0, 0.0, 9.0, 1.7]),
-    ];
-    let found = depths(&shape, &points, &lights);
-    let wrong = |insides: &[bool]| {
-        let agrees = |(query, &depth): (usize, &i32)| (depth % 2 == 1) == insides[query / lights.len()];
-        found.iter().enumerate().filter(|&query| !agrees(query)).count()
-    };
-    assert!(insides.iter().filter(|&&inside| inside).count() > 50, "some are inside");
-    assert_eq!(wrong(&insides), 0);
-    let others: Vec<bool> = insides.iter().skip(1).chain(insides.first()).copied().collect();
-    assert!(wrong(&others) > 0, "negative control");
-}
-
-fn extent(shape: &Shape, axis: usize) -> f32 {
-    let values = || shape.positions.iter().map(|p| p[axis]);
-    values().fold(f32::MIN, f32::max) - values().fold(f32::MAX, f32::min)
 }
 
 #[test]

@@ -14,7 +14,7 @@ use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same, shapes};
 
-use crate::found::{Found, check_frame, checked, read_frame};
+use crate::found::{Found, Tally, check_frame, checked, read_frame};
 use crate::histories::camera;
 use crate::random_scene::{Content, IDENTITY, Placed, RandomScene, encoder};
 use crate::scenes::roomy;
@@ -46,9 +46,9 @@ fn check(
     frame: &SceneFrame,
     found: &Found,
     before: Option<&Memory>,
-    now: &Memory,
+    (now, tally): (&Memory, &mut Tally),
 ) -> Result<Memory, String> {
-    check_frame(content, frame, found)?;
+    tally.add(&check_frame(content, frame, found)?);
     let mut after = now.clone();
     for caster in &content.casters {
         let (index, _) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
@@ -105,11 +105,11 @@ fn filled(gpu: &Gpu, seed: u64) -> Result<RandomScene, String> {
     RandomScene::filled(gpu, seed, roomy(40), [[3, 9, 40][random.below(3)], 1 + random.below(14)])
 }
 
-/// Frames are dropped, or submitted after a later one, of the same layout or of another. Half of the scenes have a mesh
-/// of many clusters.
+/// Results of each caster are those of the caster alone. Frames are dropped, or submitted after a later one, of the same
+/// layout or of another. Half of the scenes have a mesh of many clusters.
 fn random_frames() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut pairs, mut cached, mut noticed) = (0, 0, 0);
+    let (mut pairs, mut cached, mut noticed, mut sum) = (0, 0, 0, Tally::default());
     for seed in 2501..2551 {
         let mut scene = filled(gpu, seed)?;
         if seed % 2 == 0 {
@@ -138,12 +138,13 @@ fn random_frames() -> Result<(), String> {
                     let later = scene.encode(&mut second)?;
                     gpu.queue.submit([second.finish()]);
                     let found = Found::read(gpu, &later)?;
-                    let after = check(&scene.content, &later, &found, memory.as_ref(), &now).map_err(what)?;
+                    let after =
+                        check(&scene.content, &later, &found, memory.as_ref(), (&now, &mut sum)).map_err(what)?;
                     gpu.queue.submit([first.finish()]);
                     let found = Found::of(gpu, &results)?;
                     let before = Some(&after).filter(|_| is_same_layout);
-                    memory =
-                        Some(check(&content, &frame, &found, before, &then).map_err(what)?).filter(|_| is_same_layout);
+                    memory = Some(check(&content, &frame, &found, before, (&then, &mut sum)).map_err(what)?)
+                        .filter(|_| is_same_layout);
                     same("a stale frame", &[frame.results().err()], &[Some(ShadowError::StaleFrame)])?;
                 }
                 3 => {
@@ -156,19 +157,23 @@ fn random_frames() -> Result<(), String> {
             }
             let (frame, found) = read_frame(gpu, &mut scene)?;
             let last = memory.take();
-            memory = Some(check(&scene.content, &frame, &found, last.as_ref(), &now).map_err(what)?);
+            memory = Some(check(&scene.content, &frame, &found, last.as_ref(), (&now, &mut sum)).map_err(what)?);
             pairs += found.statistics.pairs;
             cached += found.statistics.cached_pairs;
             if found.statistics.cached_pairs > 0 && last.is_some_and(|last| !last.relevant.is_empty()) {
-                let other = check(&scene.content, &frame, &found, Some(&Memory::default()), &now);
+                let other =
+                    check(&scene.content, &frame, &found, Some(&Memory::default()), (&now, &mut Tally::default()));
                 must_fail("pairs that should be active", &other.map(drop))?;
                 noticed += 1;
             }
             change(&mut scene, &mut now, number)?;
         }
     }
-    println!("{cached} of {pairs} pairs cached, {noticed} controls");
-    if 5 * cached < pairs || cached == pairs || noticed == 0 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+    println!("{cached} of {pairs} pairs cached, {noticed} controls; {sum:?}");
+    let [by_range, by_cone] = sum.certain;
+    let counts = [noticed, sum.relevant, sum.cached, sum.culled, sum.silhouettes as u32, sum.in_planes];
+    let is_vacuous = counts.contains(&0) || by_range < 100 || by_cone < 500;
+    if 5 * cached < pairs || cached == pairs || is_vacuous { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
 /// A second frame of the same content computes nothing. Without caching it computes what the first did.

@@ -2,8 +2,7 @@
 //! decides by more than rounding is decided. docs/numerics/clusters.md, "Bound on planes".
 
 use rimline::Light;
-use rimline::internals::clusters::{CLUSTER_FACES, ClusterBound, Clusters};
-use rimline::internals::cpu::{self, Threads};
+use rimline::internals::clusters::ClusterBound;
 use rimline::internals::layout::LightBatch;
 use rimline::internals::stages::CLUSTERS;
 use rimline_testkit::clusters::height_and_spread;
@@ -14,11 +13,9 @@ use rimline_testkit::probe::{Bound, Probe};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
 
-use crate::cluster_cases::{Bounded, bounded};
-use crate::cluster_meshes::{case, marginal_lights};
+use rimline_testkit::cluster_cases::{Bounded, bounded};
 
-pub(crate) const TESTS: &[Test] =
-    &[("decisions_hang_on_no_rounding", rounding), ("decisions_on_meshes_are_exact_signs", meshes)];
+pub(crate) const TESTS: &[Test] = &[("decisions_hang_on_no_rounding", rounding)];
 
 /// A bound, a light, and the exact signs of the cluster's faces: whether all are 1, whether all are -1.
 struct Pair {
@@ -128,35 +125,4 @@ fn rounding() -> Result<(), String> {
         return Err("neither side is tried enough".to_owned());
     }
     if counts.marginal < 500 { Err("too few are marginal".to_owned()) } else { Ok(()) }
-}
-
-/// Clusters of meshes, with lights for which they are only just decided.
-fn meshes() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(1406);
-    println!("seed 1406");
-    let mut pairs = Vec::new();
-    for index in 0..if is_long() { 4000 } else { 200 } {
-        let mut case = case(&mut random, index);
-        case.lights.extend(marginal_lights(&mut random, &case)?);
-        let mesh = case.shape.mesh().map_err(|error| error.to_string())?;
-        let found = Clusters::new(&mesh, &case.shape.positions, Threads::ONE);
-        let exact: Vec<_> = case.shape.faces.iter().map(|&face| ExactFace::new(&case.shape.positions, face)).collect();
-        for (slots, &bound) in found.faces().chunks(CLUSTER_FACES).zip(found.bounds()) {
-            for &light in &case.lights {
-                let sign = |&face: &u32| {
-                    let corners = case.shape.faces[face as usize].map(|vertex| case.shape.positions[vertex as usize]);
-                    match &exact[face as usize] {
-                        Some(exact) => exact.sign(light),
-                        // It names a vertex twice, so it faces no light.
-                        None if corners.iter().all(|&corner| cpu::is_finite(corner)) => -1,
-                        None => 0,
-                    }
-                };
-                pairs.push(Pair::new(bound, light, slots.iter().map(sign)));
-            }
-        }
-    }
-    let counts = decided(gpu, &pairs)?;
-    if counts.decided * 10 < pairs.len() || counts.marginal < 100 { Err("too few".to_owned()) } else { Ok(()) }
 }

@@ -327,7 +327,6 @@ pub(crate) fn entries_of(caster: &SceneCaster, list: &[u32]) -> Vec<u32> {
 pub(crate) struct Checked {
     pub(crate) frame: SceneFrame,
     pub(crate) found: Found,
-    pub(crate) tally: Tally,
 }
 
 /// Encodes, submits and reads a frame.
@@ -340,8 +339,8 @@ pub(crate) fn read_frame(gpu: &Gpu, scene: &mut RandomScene) -> Result<(SceneFra
 /// The same, and compares it.
 pub(crate) fn checked(gpu: &Gpu, scene: &mut RandomScene) -> Result<Checked, String> {
     let (frame, found) = read_frame(gpu, scene)?;
-    let tally = check_frame(&scene.content, &frame, &found)?;
-    Ok(Checked { frame, found, tally })
+    check_frame(&scene.content, &frame, &found)?;
+    Ok(Checked { frame, found })
 }
 
 /// Compares a whole frame.

@@ -74,7 +74,7 @@ fn removed_mesh() -> Result<(), String> {
     let expected = first_face(&found.table, &caster, &frame)?;
     checked(gpu, &mut scene)?;
     add(&mut scene, &turned)?;
-    let Checked { frame, found, .. } = checked(gpu, &mut scene)?;
+    let Checked { frame, found } = checked(gpu, &mut scene)?;
     let last = scene.content.casters.last().ok_or("no caster")?;
     same("the region of the removed mesh", &[first_face(&found.table, last, &frame)?], &[expected])
 }

@@ -2,11 +2,7 @@
 
 mod cached;
 mod closure;
-#[path = "../extract/rounding/cluster_cases.rs"]
-mod cluster_cases;
 mod cluster_decisions;
-#[path = "../mesh/cluster_meshes.rs"]
-mod cluster_meshes;
 mod clusters;
 mod cones;
 mod crowd;
@@ -18,8 +14,6 @@ mod left_out;
 mod needs;
 mod occluded;
 mod occluded_faces;
-#[path = "../extract/rounding/pairs.rs"]
-mod pairs;
 mod random_scene;
 mod refusals;
 mod scenes;

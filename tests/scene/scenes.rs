@@ -5,14 +5,12 @@ use rimline::internals::cpu;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
-use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, must_fail, same, shapes};
+use rimline_testkit::{must_fail, same, shapes};
 
-use crate::found::{Culled, LitFace, Tally, certainly_culled, check_frame, checked, read_frame};
+use crate::found::{Culled, LitFace, certainly_culled, check_frame, checked, read_frame};
 use crate::random_scene::RandomScene;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("casters_of_random_scenes_come_to_what_they_come_to_alone", random_scenes),
     ("comparators_notice_one_wrong_bit", controls),
     ("lists_of_one_entry_overflow_and_are_counted", overflow),
     ("pools_grow_in_mid_run", growth),
@@ -28,27 +26,6 @@ pub(crate) fn roomy(max_lights: usize) -> SceneOptions {
         capacities: Capacities { lists: Some(u32::MAX), ..Capacities::default() },
         clusters_from: Some(100),
         ..Default::default()
-    }
-}
-
-fn random_scenes() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut sum = Tally::default();
-    for seed in 1301..if is_long() { 3301 } else { 1401 } {
-        let mut random = Random::new(seed);
-        let mut scene = RandomScene::filled(gpu, seed, roomy(40), [random.below(16), random.below(16)])?;
-        for step in 0..4 {
-            sum.add(&checked(gpu, &mut scene).map_err(|error| format!("frame {step}: {error}"))?.tally);
-            scene.change(gpu)?;
-        }
-    }
-    println!("{sum:?}");
-    let [by_range, by_cone] = sum.certain;
-    let counts = [sum.relevant, sum.cached, sum.culled, sum.silhouettes as u32, sum.in_planes];
-    if counts.contains(&0) || by_range < 100 || by_cone < 500 {
-        Err(format!("too few of a kind: {sum:?}"))
-    } else {
-        Ok(())
     }
 }
 

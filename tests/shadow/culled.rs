@@ -1,10 +1,6 @@
-//! Volumes that no receiver can be in: without them every receiver has the same count. Faces that other faces hide from
-//! a light: without them every shadow is the same.
-
-use std::ops::ControlFlow;
+//! Volumes that no receiver can be in: without them every receiver has the same count.
 
 use glam::DVec3;
-use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline::gpu::{FrameInputs, Receivers, ShadowError, View};
 use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
@@ -16,20 +12,17 @@ use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
-use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::rays::Truth;
 use crate::receivers::cube_below_light;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, CENTRE, Eye, Frame, SAMPLES, vector};
-use crate::trials::{RIGHT, Test, Traced, every, rotated, seed};
+use crate::trials::{RIGHT, Test, Traced, every};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("culled_volumes_change_no_receiver", classes),
     ("walls_hide_casters_and_their_shadows", walls),
     ("depth_that_comes_nearer_afterwards_is_right", nearer),
     ("receivers_that_cannot_be_read_are_refused", unreadable),
-    ("shadows_without_faces_that_others_hide", without_occluded_faces),
 ];
 
 /// Fails where a pixel with a surface, or any pixel if the sky receives, has another count than without knowing receivers.
@@ -63,36 +56,6 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     let culled = pairs().filter(|(found, expected)| found != expected).count();
     same(&format!("{what}: culled"), &[found.statistics[0].culled_by_receivers as usize], &[culled])?;
     Ok(found.statistics[0].culled_by_receivers)
-}
-
-fn classes() -> Result<(), String> {
-    let gpu = &*Gpu::shared_with_depth_features()?;
-    let (mut culled, mut with_sky) = (0, 0);
-    for (index, class) in (0..).zip(CLASSES) {
-        for number in if is_long() { 260..300 } else { 260 + index..261 + index } {
-            let mut frame = (class.frame)(&mut Random::new(seed(class, number)));
-            frame.size = 48;
-            // Something in front, which hides the middle.
-            let ahead = (8.0 * frame.eye.near + 0.3) * frame.eye.forward.normalize();
-            let half = [0.35, 0.5, 0.65][number as usize % 3] * ahead.length() as f32;
-            let front = Body { casts: false, ..Body::caster(shapes::cube()) };
-            frame.bodies.push(front.scaled(half).moved((frame.eye.position + ahead).as_vec3().to_array()));
-            let traced = Traced::of(frame, seed(class, number));
-            for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
-                let options = OneCasterOptions { end_at_range: number % 2 == 0, ..OneCasterOptions::default() };
-                let samples = if number % 2 == 0 { 1 } else { 4 };
-                let placing = if number % 4 < 2 { Placing::Scene } else { Placing::Busy(number) };
-                let renderer = Renderer { placing, options, samples, range: 12.0, ..Renderer::new(gpu) };
-                culled +=
-                    check(&traced, &renderer, counting, false).map_err(|error| format!("{}: {error}", class.name))?;
-                if rotated(&RIGHT, index as usize).contains(&counting) {
-                    with_sky += check(&traced, &renderer, counting, true)?;
-                }
-            }
-        }
-    }
-    println!("{culled} pairs culled, {with_sky} where the sky receives");
-    if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// A wall before the eye, with a gap; casters on both sides of it, and a floor.
@@ -129,13 +92,16 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
 /// A culled volume changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let mut culled = 0;
+    let (mut culled, mut with_sky) = (0, 0);
     let frames = if is_long() { 300 } else { 40 };
     for seed in 5001..5001 + frames {
         let traced = Traced::of(behind_walls(&mut Random::new(seed)), seed);
-        let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][seed as usize % 3];
+        let counting = RIGHT[seed as usize % 3];
+        let options = OneCasterOptions { end_at_range: seed % 2 == 0, ..OneCasterOptions::default() };
         let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
-        culled += check(&traced, &renderer, counting, false)?;
+        let ending = Renderer { options, range: 12.0, ..renderer };
+        culled += check(&traced, &ending, counting, false)?;
+        with_sky += check(&traced, &ending, counting, true)?;
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
         if seed == 5001 {
@@ -144,8 +110,8 @@ fn walls() -> Result<(), String> {
             must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;
         }
     }
-    println!("{culled} of some {} pairs culled", 9 * frames);
-    if 4 * culled < 9 * frames as u32 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{culled} of some {} pairs culled, {with_sky} where the sky receives", 9 * frames);
+    if 4 * culled < 9 * frames as u32 || with_sky == 0 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// The receivers are those of a frame that lacks a body in front of the others.
@@ -162,7 +128,8 @@ fn nearer() -> Result<(), String> {
         let near = Body { casts: false, ..Body::caster(shapes::cube()) };
         frame.bodies.push(near.scaled(0.1).moved(at.as_vec3().to_array()));
         let traced = Traced::of(frame, seed);
-        let renderer = Renderer { placing: Placing::Scene, late_bodies: 1, ..Renderer::new(gpu) };
+        let samples = [1, 4][seed as usize % 2];
+        let renderer = Renderer { placing: Placing::Scene, samples, late_bodies: 1, ..Renderer::new(gpu) };
         culled += check(&traced, &renderer, Counting::Auto, false)?;
     }
     println!("{culled} pairs culled");
@@ -197,77 +164,4 @@ fn unreadable() -> Result<(), String> {
         })?;
     }
     Ok(())
-}
-
-/// The frame without the faces that others hide from its first light, and how many these are.
-fn without_occluded(frame: &Frame, leave_out_all: bool) -> Result<(Frame, usize), String> {
-    let mut less = frame.clone();
-    let casters: Vec<&mut Body> = less.bodies.iter_mut().filter(|body| body.casts).collect();
-    let meshes = casters.iter().map(|body| body.shape.mesh().map_err(text)).collect::<Result<Vec<_>, _>>()?;
-    let all: Vec<OcclusionCaster<'_>> = casters
-        .iter()
-        .zip(&meshes)
-        .map(|(body, mesh)| OcclusionCaster { mesh, positions: &body.shape.positions, version: None })
-        .collect();
-    let options = OcclusionOptions { leave_out_all, ..OcclusionOptions::default() };
-    let found = OccludedFaces::find(frame.lights[0], &all, options, |_, _| ControlFlow::Continue(()));
-    let found = found.map_err(text)?;
-    drop(all);
-    for (number, body) in casters.into_iter().enumerate() {
-        body.left_out = found.faces(number).to_vec();
-    }
-    Ok((less, found.statistics().left_out))
-}
-
-/// Each caster twice, farther away or at the same position.
-fn without_occluded_faces() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let (mut changed, mut occluded, mut different, mut failures) = (0, 0, 0, Vec::new());
-    for (index, class) in CLASSES.iter().enumerate() {
-        for number in rotated(&[240, 241, 242], index / 3) {
-            let seed = seed(class, number);
-            let mut random = Random::new(seed);
-            let mut frame = (class.frame)(&mut random);
-            frame.size = 64;
-            frame.lights.truncate(1);
-            for body in &mut frame.bodies {
-                body.mirror = None;
-            }
-            let again: Vec<Body> = frame.bodies.iter().filter(|body| body.casts).take(2).cloned().collect();
-            let by = [0.0, 0.25, 0.5][random.below(3)];
-            frame.bodies.extend(again.into_iter().map(|body| body.moved([by, -by, 0.5 * by])));
-            let (less, count) = without_occluded(&frame, number > 240)?;
-            occluded += count;
-            for counting in rotated(&RIGHT, index) {
-                for every_face in [false, true] {
-                    let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
-                    let draw = |frame: &Frame| {
-                        Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)
-                    };
-                    let (with, without) = (draw(&frame)?, draw(&less)?);
-                    let dark = |counted: &Counted| counted.stencils[0].iter().map(|n| *n != 0).collect::<Vec<_>>();
-                    let (with_dark, without_dark) = (dark(&with), dark(&without));
-                    changed += usize::from(with.stencils[0] != without.stencils[0]);
-                    let off: Vec<usize> =
-                        (0..with_dark.len()).filter(|&at| with_dark[at] != without_dark[at]).collect();
-                    different += off.len();
-                    if !off.is_empty() {
-                        let what = format!("{}, seed {seed}, {counting:?}, every face {every_face}", class.name);
-                        failures.push(format!("{what}: pixels {off:?}"));
-                    }
-                    let mut wrong = with_dark.clone();
-                    wrong[0] = !wrong[0];
-                    must_fail("a pixel of the other kind", &same("dark", &wrong, &with_dark))?;
-                }
-            }
-        }
-    }
-    println!("{occluded} occluded faces, {changed} pictures with other counts, {different} pixels differ");
-    for failure in &failures {
-        println!("{failure}");
-    }
-    if occluded < 100 || changed < 20 {
-        return Err("too few of a kind".to_owned());
-    }
-    if failures.is_empty() { Ok(()) } else { Err(format!("{} pictures differ", failures.len())) }
 }

@@ -30,9 +30,6 @@ mod scene_refusals;
 mod shells;
 mod sides;
 mod stages;
-#[path = "../depth_map/textures.rs"]
-#[allow(dead_code, reason = "only some textures are used here")]
-mod textures;
 mod thousands;
 mod trials;
 mod twisted;

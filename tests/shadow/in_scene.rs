@@ -1,4 +1,4 @@
-//! Many casters in one scene: the same counts as each caster by itself, and right ones with matrices and far away.
+//! Many casters in one scene: in batches, with faces excluded, and with matrices and far away.
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
@@ -23,8 +23,6 @@ use rimline_testkit::shapes;
 use rimline_testkit::{is_long, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("casters_in_a_scene_count_as_each_by_itself", alike),
-    ("scenes_with_a_past_many_lights_and_views", busy),
     ("casters_counted_in_batches_do_not_wrap", batches),
     ("excluded_faces_count_as_if_they_were_not_there", excluded),
     ("rigid_casters_far_away_and_at_any_scale", far_away),
@@ -311,79 +309,6 @@ impl InScene {
         counted.scene = gpu.read(self.frame.statistics(), 1)?.first().copied();
         Ok(())
     }
-}
-
-pub(crate) const METHODS: [Counting; 4] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass];
-
-/// Whether two ways of drawing a frame count the same in every pixel and choose the same faces.
-pub(crate) fn compare(what: &str, alone: &Counted, together: &Counted) -> Result<(), String> {
-    let casting = |counted: &Counted| counted.chosen.iter().flatten().map(|light| light.casting).collect::<Vec<_>>();
-    same(&format!("{what}, faces that cast"), &casting(together), &casting(alone))?;
-    for (light, (together, alone)) in together.stencils.iter().zip(&alone.stencils).enumerate() {
-        same(&format!("{what}, light {light}"), together, alone)?;
-    }
-    Ok(())
-}
-
-/// Frames of all classes, without bodies that are mirrored: those have other bits in a scene.
-fn alike() -> Result<(), String> {
-    let gpu = &*Gpu::shared_with_depth_features()?;
-    let (mut shadowed, mut capped) = (0, 0);
-    for (index, class) in (0..).zip(CLASSES) {
-        for number in if is_long() { 200..220 } else { 200 + index..201 + index } {
-            let seed = seed(class, number);
-            let mut frame = (class.frame)(&mut Random::new(seed));
-            frame.bodies.iter_mut().for_each(|body| body.mirror = None);
-            frame.size = 48;
-            // Another light, so that they differ.
-            let [x, y, z] = frame.lights[0].xyz;
-            frame.lights.push(Light::homogeneous([x + 1.0, y - 0.5, z + 0.25, frame.lights[0].w]));
-            for counting in METHODS {
-                let options = OneCasterOptions { end_at_range: number % 2 == 1, ..OneCasterOptions::default() };
-                let renderer = |placing| Renderer { options, range: 12.0, placing, ..Renderer::new(gpu) };
-                let what = format!("{}, seed {seed}, {counting:?}", class.name);
-                let alone = renderer(Placing::Alone).count(&frame, counting)?;
-                let mut together = renderer(Placing::Scene).count(&frame, counting)?;
-                compare(&what, &alone, &together)?;
-                shadowed += alone.stencils.iter().flatten().filter(|&&count| count != 0).count();
-                capped += together.statistics.iter().filter(|statistics| statistics.near_capped > 0).count();
-                together.stencils[1][7] ^= 1;
-                must_fail("another count", &compare(&what, &alone, &together))?;
-            }
-        }
-    }
-    println!("{shadowed} pixels in shadow, {capped} pictures with near caps");
-    if shadowed < 10_000 || capped < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
-}
-
-/// Two batches of lights, three views, and what was there before: the same counts.
-fn busy() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut shadowed = 0;
-    for (index, class) in CLASSES.iter().enumerate() {
-        let seed = seed(class, 215);
-        let mut random = Random::new(seed);
-        let mut frame = (class.frame)(&mut random);
-        frame.bodies.iter_mut().for_each(|body| body.mirror = None);
-        frame.size = 24;
-        let [x, y, z] = frame.lights[0].xyz;
-        let w = frame.lights[0].w;
-        let more = (0..39).map(|_| {
-            let [a, b, c] = random.direction();
-            Light::homogeneous([x + a, y + b, z + c, w])
-        });
-        frame.lights.extend(more.collect::<Vec<_>>());
-        for counting in rotated(&[Counting::Auto, Counting::ZFail], index) {
-            let what = format!("{}, seed {seed}, {counting:?}", class.name);
-            let renderer = |placing| Renderer { placing, ..Renderer::new(gpu) };
-            let alone = renderer(Placing::Alone).count(&frame, counting)?;
-            let together = renderer(Placing::Busy(seed)).count(&frame, counting)?;
-            compare(&what, &alone, &together)?;
-            shadowed += alone.stencils[32..].iter().flatten().filter(|&&count| count != 0).count();
-        }
-    }
-    println!("{shadowed} pixels in shadow of lights of the second batch");
-    if shadowed < 1000 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. In frames of all

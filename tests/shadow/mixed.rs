@@ -18,8 +18,8 @@ use crate::classes::CLASSES;
 use crate::rays::{self, Truth};
 use crate::render::{Beside, Counted, Placing, Renderer};
 use crate::scene::{Body, CENTRE, Eye, Frame};
-use crate::textures;
 use crate::trials::Test;
+use rimline_testkit::textures;
 
 pub(crate) const TESTS: &[Test] = &[
     ("counts_and_parities_share_a_stencil", share),

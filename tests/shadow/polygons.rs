@@ -16,8 +16,8 @@ use rimline_testkit::shapes::Shape;
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::hairlines::{HALF_STEP, picture};
-use crate::in_scene::{METHODS, compare as compare_counts, movable};
-use crate::render::{Placing, Renderer};
+use crate::in_scene::movable;
+use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, CENTRE, Eye, Frame, Rays, vector};
 use crate::trials::{RIGHT, Test, rotated};
 
@@ -326,6 +326,18 @@ fn mixed(random: &mut Random, lights: usize) -> Result<(String, Frame), String> 
     }
     frame.size = 48;
     Ok((names, frame))
+}
+
+const METHODS: [Counting; 4] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass];
+
+/// Whether two ways of drawing a frame count the same in every pixel and choose the same faces.
+fn compare_counts(what: &str, alone: &Counted, together: &Counted) -> Result<(), String> {
+    let casting = |counted: &Counted| counted.chosen.iter().flatten().map(|light| light.casting).collect::<Vec<_>>();
+    same(&format!("{what}, faces that cast"), &casting(together), &casting(alone))?;
+    for (light, (together, alone)) in together.stencils.iter().zip(&alone.stencils).enumerate() {
+        same(&format!("{what}, light {light}"), together, alone)?;
+    }
+    Ok(())
 }
 
 /// Casters of polygons and of triangles in one scene, in callers' buffers, also with a past, several batches of lights

@@ -13,8 +13,8 @@ use rimline_testkit::random::Random;
 use rimline_testkit::{IDENTITY, must_fail, same, shapes};
 
 use crate::scene::{Eye, vector};
-use crate::textures::sampled;
 use crate::trials::Test;
+use rimline_testkit::textures::sampled;
 
 pub(crate) const TESTS: &[Test] =
     &[("receivers_are_those_of_their_depths", pyramid), ("lists_for_known_receivers_are_kept", versions)];

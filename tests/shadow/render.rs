@@ -9,12 +9,12 @@ use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame};
 
 use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
-use crate::textures::Stencils;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
 use rimline_testkit::on_gpu::{chosen, draws, shadow_statistics, text};
 use rimline_testkit::passes::{self, CLEARED, depth_pass};
 use rimline_testkit::pipelines::{self, Drawing};
+use rimline_testkit::textures::{Stencils, depth_view};
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,9 +57,10 @@ pub(crate) struct Counted {
 const DEPTH: &str = "
 struct Camera { columns: array<vec4<f32>, 4>, origin: vec3<f32>, reordered: u32 }
 @group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<storage, read> corners: array<f32>;
 struct Out { @invariant @builtin(position) clip: vec4<f32> }
-@vertex fn scene(@location(0) position: vec3<f32>) -> Out {
-  let q = position - camera.origin;
+@vertex fn scene(@builtin(vertex_index) at: u32) -> Out {
+  let q = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]) - camera.origin;
   var clip = camera.columns[0] * q.x + camera.columns[1] * q.y + camera.columns[2] * q.z + camera.columns[3];
   if (camera.reordered != 0u) {
     clip = camera.columns[3] + (camera.columns[2] * q.z + (camera.columns[1] * q.y + camera.columns[0] * q.x));
@@ -155,7 +156,7 @@ impl<'a> Renderer<'a> {
         });
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let depth = self.early_depth(&mut encoder, frame, &target);
+        let depth = self.early_depth(&mut encoder, frame, &target)?;
         let receivers = self.receivers.map(|sky_receives| Receivers { depth: &depth, sky_receives, version: None });
         let format = shadow_format(wgpu::FrontFace::Ccw);
         let together = match self.placing {
@@ -176,7 +177,7 @@ impl<'a> Renderer<'a> {
             _ => Ok(()),
         };
         if self.late_bodies > 0 {
-            self.depth(&mut encoder, frame, &view);
+            self.depth(&mut encoder, frame, &view)?;
         }
         let mut copies = Vec::new();
         for light in 0..frame.lights.len() {
@@ -258,67 +259,43 @@ impl<'a> Renderer<'a> {
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
         target: &wgpu::Texture,
-    ) -> wgpu::TextureView {
+    ) -> Result<wgpu::TextureView, String> {
         let mut early = frame.clone();
         early.bodies.truncate(frame.bodies.len() - self.late_bodies);
-        self.depth(encoder, &early, &target.create_view(&wgpu::TextureViewDescriptor::default()));
-        target.create_view(&wgpu::TextureViewDescriptor {
-            aspect: wgpu::TextureAspect::DepthOnly,
-            ..wgpu::TextureViewDescriptor::default()
-        })
+        self.depth(encoder, &early, &target.create_view(&wgpu::TextureViewDescriptor::default()))?;
+        Ok(depth_view(target))
     }
 
     /// Depth of every body; the stencil cleared.
-    fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) {
-        let device = &self.gpu.device;
+    fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) -> Result<(), String> {
+        let Self { gpu, format, samples, .. } = *self;
         let camera = frame.eye.camera();
         let is_reversed = frame.eye.depth == DepthDirection::Reversed;
         let mut words = [0.0; 20];
         words[..16].copy_from_slice(camera.view_projection.as_flattened());
         words[16..19].copy_from_slice(&camera.origin);
         words[19] = f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered));
-        let buffer = uniform::<[f32; 20]>(self.gpu, &words);
         let compare = if is_reversed { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
-        let drawing = Drawing {
-            label: "scene",
-            source: DEPTH,
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 12,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-            })],
-            depth_stencil: Some(pipelines::depth(self.format, compare, true)),
-            samples: self.samples,
-            ..Drawing::default()
-        };
-        let pipeline = drawing.pipeline(device);
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
-        });
-        let corners: Vec<[f32; 3]> = frame
-            .bodies
-            .iter()
-            .filter(|body| body.is_drawn)
+        let pipeline = gpu.kept(&format!("bodies {format:?} {samples} {is_reversed}"), || {
+            let depth_stencil = Some(pipelines::depth(format, compare, true));
+            Ok(Drawing { source: DEPTH, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
+        })?;
+        let bodies = frame.bodies.iter().filter(|body| body.is_drawn);
+        let corners: Vec<[f32; 3]> = bodies
             .flat_map(|body| {
                 // In the order that caps are drawn in, which the last bits of depth depend on.
                 let faces = Body::caster(frame.placed(body).shape).finite_faces();
                 faces.into_iter().flatten().map(|v| body.shape.positions[v as usize])
             })
             .collect();
-        let vertices = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("corners"),
-            size: (corners.len() * 12) as u64,
-            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.gpu.queue.write_buffer(&vertices, 0, bytemuck::cast_slice(&corners));
+        let buffers = [uniform::<[f32; 20]>(gpu, &words), gpu.storage(&corners)];
+        let bound = buffers.each_ref().map(wgpu::Buffer::as_entire_binding);
+        let group = passes::bind(gpu, &pipeline.get_bind_group_layout(0), bound);
         let far = wgpu::LoadOp::Clear(if is_reversed { 0.0 } else { 1.0 });
         let mut pass = encoder.begin_render_pass(&depth_pass(view, (Some(far), CLEARED.1)));
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..corners.len() as u32, 0..1);
+        Ok(())
     }
 }

@@ -1,21 +1,17 @@
 //! Each class of frames, by every method that claims to be right there; and what must be wrong.
 
 use rimline::Counting;
-use rimline::gpu::{Deformer, DeformerOptions};
 use rimline::internals::layout::ShadowLight;
 use rimline_testkit::OneCasterOptions;
 
-use crate::classes::{CLASSES, Class, with_caster};
+use crate::classes::{CLASSES, Class};
 use crate::compare::{Compared, Wrong};
 use crate::rays::{self, Truth};
-use crate::render::{Counted, DepthPass, Renderer};
+use crate::render::{Counted, DepthPass, Placing, Renderer};
 use crate::scene::{CENTRE, Frame, SAMPLES};
 use rimline_testkit::device::Gpu;
 pub(crate) use rimline_testkit::harness::Test;
-use rimline_testkit::models::bending_tube;
-use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
-use rimline_testkit::shapes::Shape;
 use rimline_testkit::{is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -25,7 +21,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("volumes_that_are_trimmed_are_right", trimmed),
     ("another_depth_pass_does_no_harm", reordered),
     ("float_depth", float_depth),
-    ("skinned_figure_in_motion", skinned),
 ];
 
 pub(crate) fn seed(class: &Class, number: u64) -> u64 {
@@ -163,12 +158,14 @@ impl Tally {
 /// Methods that are right everywhere.
 pub(crate) const RIGHT: [Counting; 3] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail];
 
-/// No wrong pixel.
+/// No wrong pixel, of casters by themselves and in one scene.
 pub(crate) fn right(class: &'static Class) -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut tally = Tally::default();
     for number in 0..frames() {
-        tally.add(&Traced::new(class, number), &Renderer::new(&gpu), &RIGHT, !class.touches);
+        let traced = Traced::new(class, number);
+        let placing = [Placing::Alone, Placing::Scene, Placing::Busy(traced.seed)][number as usize % 3];
+        tally.add(&traced, &Renderer { placing, ..Renderer::new(&gpu) }, &RIGHT, !class.touches);
     }
     tally.result(class.name)
 }
@@ -252,38 +249,4 @@ fn float_depth() -> Result<(), String> {
     let gpu = Gpu::shared_with_depth_features()?;
     let renderer = Renderer { format: wgpu::TextureFormat::Depth32FloatStencil8, ..Renderer::new(&gpu) };
     each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))
-}
-
-/// A skinned mesh in motion, by one deformer, pose after pose. Rays through the pose before must not match the counts
-/// of the next.
-fn skinned() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let renderer = Renderer::new(&gpu);
-    let (model, pose) = bending_tube();
-    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
-    let mut tally = Tally::default();
-    let mut shape = Shape { positions: Vec::new(), faces: model.geometries()[0].faces().to_vec() };
-    let mut noticed = 0;
-    for number in 0..frames() {
-        let seed = 9000 + number;
-        let pose = pose(number as f32 * 0.4);
-        gpu.submit(|encoder| deformer.encode(encoder, &pose).map_err(text))?;
-        let positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
-        let before = std::mem::replace(&mut shape.positions, positions);
-        let traced = Traced::of(with_caster(&mut Random::new(seed), shape.clone()), seed);
-        tally.add(&traced, &renderer, &RIGHT, true);
-        if number > 0 {
-            let mut stale = traced.frame.clone();
-            stale.bodies[0].shape.positions = before;
-            let counted = renderer.count(&traced.frame, Counting::Auto)?;
-            let stale = Traced::of(stale, seed);
-            let wrong = stale.compared().counts(&counted.stencils[0], &every(&counted, 0));
-            noticed += usize::from(!wrong.pixels.is_empty());
-        }
-    }
-    println!("the pose before noticed {noticed} times");
-    if noticed == 0 {
-        return Err("negative control: the pose before went unnoticed".to_owned());
-    }
-    tally.result("skinned figure in motion")
 }

@@ -3,6 +3,7 @@
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll, Waker};
 
 use rimline::gpu::Pipelines;
 
@@ -138,6 +139,18 @@ impl Gpu {
             rimline::gpu::read_back_vec(&self.device, &self.queue, buffer).map_err(|error| error.to_string())?;
         items.truncate(count);
         Ok(items)
+    }
+
+    /// Polls the device and a future by turns, as an event loop does, on this one thread.
+    pub fn finish<T>(&self, future: impl Future<Output = T>) -> Result<T, String> {
+        let mut future = std::pin::pin!(future);
+        let mut context = Context::from_waker(Waker::noop());
+        loop {
+            if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
+                return Ok(value);
+            }
+            self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| error.to_string())?;
+        }
     }
 
     /// Records with `record` and submits.

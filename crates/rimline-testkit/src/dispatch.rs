@@ -71,6 +71,22 @@ impl Dispatch {
     }
 }
 
+/// A layout of storage buffers for computing: where they are bound, and whether they are only read.
+pub fn storage_layout(gpu: &Gpu, buffers: &[(u32, bool)]) -> wgpu::BindGroupLayout {
+    let entry = |&(binding, read_only): &(u32, bool)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries = &*buffers.iter().map(entry).collect::<Vec<_>>();
+    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("test"), entries })
+}
+
 pub fn uniform<T: bytemuck::Pod>(gpu: &Gpu, contents: &T) -> wgpu::Buffer {
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("test"),

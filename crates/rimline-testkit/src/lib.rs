@@ -7,8 +7,9 @@
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`choices`]: what the GPU chose for the lights of a caster;
+//! * [`pairs`], [`cluster_cases`], [`cluster_meshes`]: faces, clusters and meshes whose signs hang on rounding;
 //! * [`clusters`]: what the bound of a cluster decides, in `f64`;
-//! * [`passes`]: textures of depth, and passes that draw into them; [`dispatch`]: a short way to pipelines; [`probe`]:
+//! * [`passes`], [`textures`]: textures of depth, passes that draw into them, and what is in them; [`dispatch`]: a short way to pipelines; [`probe`]:
 //!   functions of shaders, called; [`turns`]: how many turns the loops of a shader have;
 //! * [`refusals`]: tables of calls that must be refused; [`mutate`]: files with something changed at random;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
@@ -18,6 +19,8 @@
 pub mod band;
 pub mod cases;
 pub mod choices;
+pub mod cluster_cases;
+pub mod cluster_meshes;
 pub mod clusters;
 pub mod device;
 pub mod dispatch;
@@ -29,6 +32,7 @@ pub mod models;
 pub mod mutate;
 pub mod on_gpu;
 pub mod oracle;
+pub mod pairs;
 pub mod passes;
 pub mod polygon_oracle;
 pub mod polygons;
@@ -40,6 +44,7 @@ pub mod scenes;
 pub mod shadow_cases;
 pub mod shadow_oracle;
 pub mod stage_probe;
+pub mod textures;
 pub mod turns;
 
 pub use rimline_bench::record::{IDENTITY, OneCaster, OneCasterOptions, OneFrame};
@@ -54,11 +59,6 @@ pub fn assets() -> Option<PathBuf> {
     let folder = std::env::var_os("RIMLINE_ASSETS")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets"), PathBuf::from);
     folder.is_dir().then_some(folder)
-}
-
-/// The folder of small files after public reports, which is beside that of the models, if it is there.
-pub fn shared_cases() -> Option<PathBuf> {
-    assets().map(|folder| folder.with_file_name("cases")).filter(|folder| folder.is_dir())
 }
 
 /// Fails with the first index at which two slices differ, and their number.

@@ -1,8 +1,10 @@
 //! Textures of depth and stencil, and passes that draw into them.
 
 use rimline::gpu::ShadowFormat;
+use rimline::{DepthDirection, ShadowCamera};
 
 use crate::device::Gpu;
+use crate::pipelines::{Drawing, SURFACE, depth};
 
 /// A texture of one level, layer and sample, which passes draw into and shaders read.
 pub fn texture([width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureDescriptor<'static> {
@@ -43,4 +45,43 @@ pub fn draw_small<T>(gpu: &Gpu, draw: impl FnOnce(&mut wgpu::RenderPass<'_>) -> 
     let target = gpu.device.create_texture(&texture([8; 2], ShadowFormat::default().depth_stencil));
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     gpu.submit(|encoder| Ok(draw(&mut encoder.begin_render_pass(&depth_pass(&view, CLEARED)))))
+}
+
+/// A group of resources, bound from 0 on.
+pub fn bind<const N: usize>(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    resources: [wgpu::BindingResource<'_>; N],
+) -> wgpu::BindGroup {
+    let entries = (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+    let entries = &*entries.collect::<Vec<_>>();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
+}
+
+/// Draws the depth of triangles, three corners each, as a camera sees them. Nothing is left of what was there.
+pub fn draw_surfaces(
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    view: &wgpu::TextureView,
+    camera: &ShadowCamera,
+    corners: &[[f32; 3]],
+) -> Result<(), String> {
+    let (format, samples) = (view.texture().format(), view.texture().sample_count());
+    let is_reversed = camera.depth == DepthDirection::Reversed;
+    let (nearer, far) =
+        if is_reversed { (wgpu::CompareFunction::Greater, 0.0) } else { (wgpu::CompareFunction::Less, 1.0) };
+    let pipeline = gpu.kept(&format!("surfaces {format:?} {samples} {is_reversed}"), || {
+        let depth_stencil = Some(depth(format, nearer, true));
+        Ok(Drawing { source: SURFACE, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
+    })?;
+    let [x, y, z] = camera.origin;
+    let words = [camera.view_projection.concat(), vec![x, y, z, 0.0]].concat();
+    let buffers = [gpu.storage(&words), gpu.storage(corners)];
+    let group = bind(gpu, &pipeline.get_bind_group_layout(0), buffers.each_ref().map(wgpu::Buffer::as_entire_binding));
+    let stencils = format.has_stencil_aspect().then_some(wgpu::LoadOp::Clear(0));
+    let mut pass = encoder.begin_render_pass(&depth_pass(view, (Some(wgpu::LoadOp::Clear(far)), stencils)));
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.draw(0..corners.len() as u32, 0..1);
+    Ok(())
 }

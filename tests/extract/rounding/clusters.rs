@@ -11,9 +11,9 @@ use rimline_testkit::oracle::ExactFace;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
 
-use super::cluster_cases::{Bounded, bounded};
 use super::rounding_models::RoundingModels;
 use super::wgsl_constant;
+use rimline_testkit::cluster_cases::{Bounded, bounded};
 
 type Outcome = Result<(), String>;
 

@@ -2,9 +2,7 @@
 //! towards zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
 
 mod boxes;
-mod cluster_cases;
 mod clusters;
-mod pairs;
 mod rounding_models;
 
 use rimline::Light;
@@ -13,7 +11,7 @@ use rimline::internals::stages::{EXACT_FACING, FACING, Stage};
 use rimline_testkit::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
 use rimline_testkit::oracle::ExactFace;
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, must_fail};
+use rimline_testkit::{is_long, must_fail, pairs};
 use rounding_models::RoundingModels;
 
 type Outcome = Result<(), String>;

@@ -4,64 +4,21 @@ use std::path::Path;
 
 use libtest_mimic::Trial;
 use rimline_models::catalogue::{BAD, Fate};
-use rimline_testkit::assets;
-use rimline_testkit::harness::{on_files, on_made};
+use rimline_testkit::harness::on_made;
 
 use super::run::{folder, is_empty, rimline};
 use super::{Outcome, ensure};
 
-const FILES: &[&str] = &[
-    "bad/BoxDraco.gltf",
-    "bad/IndexOutOfRange.gltf",
-    "bad/chunk_too_big.glb",
-    "bad/index_buffer_oob.gltf",
-    "bad/indices_invalid_format.gltf",
-    "bad/invalid_json_chunk.glb",
-    "bad/missing_bin/missing_bin.gltf",
-    "bad/morph_attribute_invalid_count.gltf",
-    "bad/node_loop.gltf",
-    "bad/own_box_truncated.glb",
-    "bad/position_accessor_invalid_format.gltf",
-    "bad/truncated_chunk_data.glb",
-    "bad/unresolved_positions.gltf",
-];
-
-/// Files of whose scene nothing is left: `info` describes them with a warning.
-const EMPTY: &[&str] = &[
-    "bad/bufferview_invalid_length.gltf",
-    "bad/ibm_invalid_count.gltf",
-    "bad/invalid-buffer-view-index.gltf",
-    "bad/joints_weights_complex.gltf",
-    "bad/primitive_no_position.gltf",
-];
-
-/// Files with a warning: the error is in nothing that is drawn, or the file can be read all the same.
-const WARNED: &[&str] = &[
-    "bad/BoxWithInfinites.glb",
-    "bad/badUint.gltf",
-    "bad/index_buffer_primitive_restart.gltf",
-    "bad/own_box_nan_position.glb",
-];
+/// Files of each fate, refused by what they hold and by what they lack. `tests/gltf/bad.rs` has all.
+const FILES: [&str; 6] =
+    ["draco.glb", "truncated.glb", "missing_bin.gltf", "view_too_long_unshown.glb", "no_position.glb", "nan.glb"];
 
 pub(crate) fn trials() -> Vec<Trial> {
-    let mut trials = on_made("bad_input::", BAD.iter().map(|bad| bad.name), |file| {
-        match BAD.iter().find(|bad| file.ends_with(bad.name)).ok_or("no row")?.fate {
-            Fate::Refused => refused(file),
-            Fate::Empty => empty(file),
-            Fate::Warned => warned(file),
-        }
-    });
-    trials.extend(on_files("bad_input::", assets(), &[FILES, EMPTY, WARNED].concat(), |file| {
-        let is_of = |files: &[&str]| files.iter().any(|name| file.ends_with(name));
-        if is_of(FILES) {
-            refused(file)
-        } else if is_of(EMPTY) {
-            empty(file)
-        } else {
-            warned(file)
-        }
-    }));
-    trials
+    on_made("bad_input::", FILES, |file| match BAD.iter().find(|bad| file.ends_with(bad.name)).ok_or("no row")?.fate {
+        Fate::Refused => refused(file),
+        Fate::Empty => empty(file),
+        Fate::Warned => warned(file),
+    })
 }
 
 fn warned(file: &Path) -> Outcome {

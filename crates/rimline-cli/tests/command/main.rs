@@ -9,7 +9,6 @@ mod bad_input;
 mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
-mod cases;
 mod clipping;
 mod colors;
 mod contract;
@@ -30,7 +29,7 @@ mod makers;
 mod memory;
 mod models;
 mod models_of_code;
-mod mutated;
+mod obj;
 mod origin;
 mod outlines;
 mod pictures;
@@ -88,7 +87,7 @@ fn main() {
         keys::TESTS,
         #[cfg(target_os = "linux")]
         memory::TESTS,
-        mutated::TESTS,
+        obj::TESTS,
         origin::TESTS,
         outlines::TESTS,
         #[cfg(feature = "bench")]
@@ -112,15 +111,12 @@ fn main() {
         .collect();
     let on_files = [
         bad_input::trials(),
-        cases::trials(),
         clipping::trials(),
         data::trials(),
         drawings::raster::trials(),
         info::trials(),
         models::trials(),
-        origin::trials(),
         outlines::trials(),
-        seams::trials(),
         shadow::trials(),
         verify::trials(),
     ];

@@ -1,4 +1,4 @@
-//! Polygons of a modelling tool: outlines, masks and arrays are those of the triangles that are drawn, by rays in `f64`.
+//! Polygons of a modelling tool: outlines and masks are those of the triangles that are drawn, by rays in `f64`.
 
 use std::path::Path;
 
@@ -14,7 +14,6 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] = &[
     ("polygon_surface::the_outline_is_that_of_the_surface", outline),
     ("polygon_surface::masks_are_those_of_the_surface", masks),
-    ("polygon_surface::arrays_are_those_of_the_triangles", arrays),
 ];
 
 const EYE: DVec3 = DVec3::new(2.5, 3.2, 4.0);
@@ -113,26 +112,5 @@ fn masks() -> Outcome {
     }
     let by_loop = wrong("--polygons")?;
     ensure!(by_loop > 20, "by the loop rule {by_loop} of {} are wrong", even.len());
-    Ok(())
-}
-
-/// The archive of the polygons is that of a file with the same triangles, but for the order of the faces.
-fn arrays() -> Outcome {
-    let folder = folder();
-    let mut found = Vec::new();
-    for are_triangles in [false, true] {
-        folder.write("bar.obj", bar(false, are_triangles))?;
-        folder.run("extract @bar.obj --light dir:.6,1,.5 --out @bar.npz").expect(0, &[])?;
-        let archive = folder.read("bar.npz")?;
-        let faces = words_of(&archive, "faces")?;
-        let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
-        let mut faces: Vec<_> = faces.as_chunks::<3>().0.iter().filter_map(turned).collect();
-        faces.sort_unstable();
-        let bits =
-            |name: &str| -> Result<u32, String> { Ok(words_of(&archive, name)?.iter().map(|mask| mask & 1).sum()) };
-        found.push((faces, words_of(&archive, "positions")?, bits("facing")?, bits("silhouette")?));
-        ensure!(words_of(&archive, "loop_sizes").is_err(), "there are polygons");
-    }
-    ensure!(found[0] == found[1], "the polygons have {:?}, the triangles {:?}", found[0], found[1]);
     Ok(())
 }

@@ -10,6 +10,7 @@ mod document;
 pub mod gltf;
 mod matrix;
 
+use rimline::model::Box3;
 use rimline::{Model, Pose};
 
 pub use matrix::Affine;
@@ -101,4 +102,25 @@ pub fn compare(what: &str, found: &[[f32; 3]], expected: &[Posed]) -> Result<f64
         }
     }
     Ok(largest)
+}
+
+/// Fails where a vertex is outside of its instance's box. `within` has the coordinates of each vertex.
+pub fn within_boxes<T: Copy + Into<f64>>(
+    model: &Model,
+    boxes: &[Option<Box3>],
+    within: &[[T; 3]],
+) -> Result<(), String> {
+    let mut rest = within.iter();
+    for (instance, (geometry, bounds)) in model.placed_geometries().zip(boxes).enumerate() {
+        let [low, high] = bounds.ok_or_else(|| format!("instance {instance} has no box"))?;
+        for (vertex, position) in rest.by_ref().take(geometry.positions().len()).enumerate() {
+            for axis in 0..3 {
+                let c: f64 = position[axis].into();
+                if !(f64::from(low[axis])..=f64::from(high[axis])).contains(&c) {
+                    return Err(format!("vertex {vertex} of instance {instance}, axis {axis}: {c}, {low:?} {high:?}"));
+                }
+            }
+        }
+    }
+    Ok(())
 }

@@ -1,9 +1,9 @@
 //! Clusters of one to three faces, and lights, whose decision hangs on rounding.
 
+use crate::random::Random;
 use rimline::internals::clusters::{ClusterBound, Clusters};
 use rimline::internals::cpu::Threads;
 use rimline::{Light, Mesh};
-use rimline_testkit::random::Random;
 
 use crate::pairs;
 
@@ -60,14 +60,14 @@ fn case(random: &mut Random) -> (Vec<[[f32; 3]; 3]>, Light) {
 }
 
 /// A cluster with a bound that decides, and a light.
-pub(crate) struct Bounded {
-    pub(crate) faces: Vec<[[f32; 3]; 3]>,
-    pub(crate) light: Light,
-    pub(crate) bound: ClusterBound,
+pub struct Bounded {
+    pub faces: Vec<[[f32; 3]; 3]>,
+    pub light: Light,
+    pub bound: ClusterBound,
 }
 
 /// A random one; nothing, where light or faces have no such bound.
-pub(crate) fn bounded(random: &mut Random) -> Result<Option<Bounded>, String> {
+pub fn bounded(random: &mut Random) -> Result<Option<Bounded>, String> {
     let (faces, light) = case(random);
     if light.to_array() == [0.0; 4] {
         return Ok(None);

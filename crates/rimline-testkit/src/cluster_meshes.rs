@@ -1,17 +1,17 @@
 //! Meshes and lights that clusters may get wrong.
 
+use crate::clusters::whole;
+use crate::random::Random;
+use crate::shapes::{self, Shape};
 use rimline::Light;
 use rimline::internals::clusters::{ClusterBound, Clusters};
 use rimline::internals::cpu::Threads;
-use rimline_testkit::clusters::whole;
-use rimline_testkit::random::Random;
-use rimline_testkit::shapes::{self, Shape};
 
 /// A mesh, and lights for it.
-pub(crate) struct Case {
-    pub(crate) name: &'static str,
-    pub(crate) shape: Shape,
-    pub(crate) lights: Vec<Light>,
+pub struct Case {
+    pub name: &'static str,
+    pub shape: Shape,
+    pub lights: Vec<Light>,
 }
 
 /// A family of meshes.
@@ -31,7 +31,7 @@ const FAMILIES: [Family; 10] = [
 ];
 
 /// Case `index`: all families come in turn.
-pub(crate) fn case(random: &mut Random, index: usize) -> Case {
+pub fn case(random: &mut Random, index: usize) -> Case {
     let (name, make) = FAMILIES[index % FAMILIES.len()];
     let mut shape = make(random);
     if random.below(2) == 0 {
@@ -42,7 +42,7 @@ pub(crate) fn case(random: &mut Random, index: usize) -> Case {
 }
 
 /// Lights that clusters of the case are only just decided for: moved from decided to mixed by bisection.
-pub(crate) fn marginal_lights(random: &mut Random, case: &Case) -> Result<Vec<Light>, String> {
+pub fn marginal_lights(random: &mut Random, case: &Case) -> Result<Vec<Light>, String> {
     let mesh = case.shape.mesh().map_err(|error| error.to_string())?;
     let found = Clusters::new(&mesh, &case.shape.positions, Threads::ONE);
     let pick = |random: &mut Random| case.lights[random.below(case.lights.len())].to_array();

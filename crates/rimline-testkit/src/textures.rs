@@ -1,8 +1,8 @@
-//! Depth maps as textures of each format, what a shader reads of them, and of stencils.
+//! Textures of depths of each format, what a shader reads of them, and of stencils; and copies of texels.
 
-use rimline_testkit::device::Gpu;
-use rimline_testkit::passes::{self, Loads, depth_pass};
-use rimline_testkit::pipelines::{Drawing, TexelKernel, depth};
+use crate::device::Gpu;
+use crate::passes::{self, Loads, bind, depth_pass};
+use crate::pipelines::{Drawing, TexelKernel, depth};
 use wgpu::{TextureFormat, TextureUsages};
 
 /// The first value is the width, then there are the depths of each texel's samples.
@@ -63,25 +63,20 @@ fn written<T: bytemuck::Pod>(gpu: &Gpu, size: [u32; 2], format: TextureFormat, t
 }
 
 /// A texture of objects.
-pub(crate) fn objects(gpu: &Gpu, size: [u32; 2], objects: &[u32]) -> wgpu::TextureView {
+pub fn objects(gpu: &Gpu, size: [u32; 2], objects: &[u32]) -> wgpu::TextureView {
     let texture = written(gpu, size, TextureFormat::R32Uint, objects);
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// The view of the depth aspect, or of the only one.
-pub(crate) fn depth_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+pub fn depth_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     let is_float = texture.format() == TextureFormat::R32Float;
     let aspect = if is_float { wgpu::TextureAspect::All } else { wgpu::TextureAspect::DepthOnly };
     texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() })
 }
 
 /// A texture of a format with these depths, as near as the format can. Stencils are 0. Only `R32Float` takes any bits.
-pub(crate) fn texture(
-    gpu: &Gpu,
-    size: [u32; 2],
-    format: TextureFormat,
-    depths: &[f32],
-) -> Result<wgpu::Texture, String> {
+pub fn texture(gpu: &Gpu, size: [u32; 2], format: TextureFormat, depths: &[f32]) -> Result<wgpu::Texture, String> {
     if format == TextureFormat::R32Float {
         return Ok(written(gpu, size, format, depths));
     }
@@ -89,7 +84,7 @@ pub(crate) fn texture(
 }
 
 /// The same with some samples a texel, whose depths follow each other.
-pub(crate) fn sampled(
+pub fn sampled(
     gpu: &Gpu,
     size: [u32; 2],
     (format, samples): (TextureFormat, u32),
@@ -108,11 +103,7 @@ pub(crate) fn sampled(
         Ok(Drawing { source: &source, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
     })?;
     let values = gpu.storage(&[&[size[0] as f32], depths].concat());
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: values.as_entire_binding() }],
-    });
+    let group = bind(gpu, &pipeline.get_bind_group_layout(0), [values.as_entire_binding()]);
     let clear = format.has_stencil_aspect().then_some(wgpu::LoadOp::Clear(0));
     pass(gpu, &texture, (Some(wgpu::LoadOp::Clear(0.5)), clear), |pass| {
         pass.set_pipeline(&pipeline);
@@ -124,7 +115,7 @@ pub(crate) fn sampled(
 }
 
 /// A pass that draws into a texture of depths, and of stencils if they are loaded.
-pub(crate) fn pass<T>(
+pub fn pass<T>(
     gpu: &Gpu,
     target: &wgpu::Texture,
     loads: Loads,
@@ -135,7 +126,7 @@ pub(crate) fn pass<T>(
 }
 
 /// Values of the texels of a texture, read by a shader.
-pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
+pub fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
     let texels = texture.width() * texture.height();
     let bits = gpu.storage(&vec![0_u32; texels as usize]);
     let floats = wgpu::TextureSampleType::Float { filterable: false };
@@ -150,7 +141,7 @@ pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, Strin
 }
 
 /// The stencils of a texture as they are when an encoder comes to it.
-pub(crate) struct Stencils {
+pub struct Stencils {
     copy: wgpu::Buffer,
     size: [u32; 2],
     samples: u32,
@@ -158,7 +149,7 @@ pub(crate) struct Stencils {
 
 impl Stencils {
     /// A shader reads several samples a texel, which no copy can. OpenGL has no shader that reads stencils.
-    pub(crate) fn of(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> Result<Self, String> {
+    pub fn of(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> Result<Self, String> {
         let (size, samples) = ([texture.width(), texture.height()], texture.sample_count());
         let aspect = wgpu::TextureAspect::StencilOnly;
         if samples == 1 {
@@ -181,7 +172,7 @@ impl Stencils {
     }
 
     /// Texels row by row, samples in turn.
-    pub(crate) fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, String> {
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, String> {
         let [width, height] = self.size;
         if self.samples > 1 {
             let words: Vec<u32> = gpu.read(&self.copy, usize::MAX)?;
@@ -190,4 +181,22 @@ impl Stencils {
         let all: Vec<u8> = gpu.read(&self.copy, usize::MAX)?;
         Ok(all.chunks(all.len() / height as usize).flat_map(|row| &row[..width as usize]).copied().collect())
     }
+}
+
+/// The bytes of the texels of a layer, row by row. They can be copied.
+pub fn texels(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<Vec<u8>, String> {
+    let bytes = texture.format().block_copy_size(None).ok_or("a format of several aspects")?;
+    let (width, height) = (texture.width() * bytes, texture.height());
+    let row = width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let copy = gpu.storage(&vec![0_u8; (row * height) as usize]);
+    gpu.submit(|encoder| {
+        let origin = wgpu::Origin3d { z: layer, ..wgpu::Origin3d::ZERO };
+        let from = wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() };
+        let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(row), ..Default::default() };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &copy, layout };
+        encoder.copy_texture_to_buffer(from, to, wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() });
+        Ok(())
+    })?;
+    let all: Vec<u8> = gpu.read(&copy, usize::MAX)?;
+    Ok(all.chunks(row as usize).take(height as usize).flat_map(|row| &row[..width as usize]).copied().collect())
 }

@@ -2,12 +2,12 @@
 
 use rimline::Light;
 
-use rimline_testkit::random::Random;
+use crate::random::Random;
 
-pub(crate) type Pair = ([[f32; 3]; 3], Light);
+pub type Pair = ([[f32; 3]; 3], Light);
 
 /// Any of the kinds below.
-pub(crate) fn any(random: &mut Random) -> Pair {
+pub fn any(random: &mut Random) -> Pair {
     [hard, grazing, tight, tiny_w][random.below(4)](random)
 }
 
@@ -31,7 +31,7 @@ fn tiny_w(random: &mut Random) -> Pair {
 }
 
 /// A triangle, and a light that is nearly in its plane or nearly at a corner.
-pub(crate) fn hard(random: &mut Random) -> Pair {
+pub fn hard(random: &mut Random) -> Pair {
     let scale = random.between(-36.0, 30.0).exp2();
     let centre = random.direction().map(|c| c * scale * random.between(0.0, 12.0).exp2());
     let flat = random.below(4) == 0;
@@ -54,7 +54,7 @@ pub(crate) fn hard(random: &mut Random) -> Pair {
 }
 
 /// An ordinary triangle with a light from far above its plane to so near that `f32` cannot tell.
-pub(crate) fn grazing(random: &mut Random) -> Pair {
+pub fn grazing(random: &mut Random) -> Pair {
     let corners: [[f32; 3]; 3] = [(); 3].map(|()| random.direction());
     let (s, t) = (random.between(-2.0, 2.0), random.between(-2.0, 2.0));
     let up = random.direction();
@@ -69,7 +69,7 @@ pub(crate) fn grazing(random: &mut Random) -> Pair {
 /// A light in the face's plane for which a face's bound is hardly more than P: the face stands on the diagonal of two
 /// axes, one side along the diagonal, the other along the third axis, and the light lies on the other side of the
 /// origin. Then |t| has its largest possible size on both axes, and both terms of P that are not zero cancel in D.
-pub(crate) fn tight(random: &mut Random) -> Pair {
+pub fn tight(random: &mut Random) -> Pair {
     let first = random.below(3);
     let (i, j, k) = (first, (first + 1) % 3, (first + 2) % 3);
     let scale = random.between(-20.0, 20.0).exp2();
