@@ -28,6 +28,7 @@ pub mod harness;
 pub mod models;
 pub mod mutate;
 pub mod on_gpu;
+mod one_caster;
 pub mod oracle;
 pub mod passes;
 pub mod polygon_oracle;
@@ -42,7 +43,8 @@ pub mod shadow_oracle;
 pub mod stage_probe;
 pub mod turns;
 
-pub use rimline_bench::record::{IDENTITY, OneCaster, OneCasterOptions, OneFrame};
+pub use one_caster::{OneCaster, OneCasterOptions, OneFrame};
+pub use rimline_bench::record::IDENTITY;
 pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};
 
 use std::path::PathBuf;
