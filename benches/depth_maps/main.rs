@@ -1,46 +1,29 @@
-//! `cargo bench --bench depth_maps`: volumes from depth maps. Words after `--` choose: `growth` counts their triangles
-//! where the map's side is doubled; `casters` times frames against volumes of meshes and a lookup, `--json FILE` for a
-//! chart by `rimline bench --depth-maps FILE`. `--rotations N` for another number than 1,000, `--quick` for few of all.
+//! `cargo bench --bench depth_maps -- casters`: frames of shadows by volumes of depth maps, by volumes of meshes, and by a
+//! lookup. `--json FILE` for a chart by `rimline bench --depth-maps FILE`, `--quick` for few rounds.
 
-mod growth;
 mod shade;
-mod stage;
 
 use std::cell::RefCell;
 
-use glam::DVec3;
-use rimline::Light;
-use rimline::gpu::depth_map::DepthMapMethod;
-use rimline::gpu::{ShadowFormat, ShadowPipelines};
-use rimline_bench::engine::{Contender, Rounds, interleave};
-use rimline_bench::record::{Meshes, Recorder as _, Until};
-use rimline_bench::row::{Entry, Row};
+use glam::{DMat4, DVec3, DVec4};
+use rimline::gpu::depth_map::{
+    DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth,
+};
+use rimline::gpu::{PositionBuffer, ShadowFormat, ShadowPipelines};
+use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline_bench::engine::{Contender, Rounds, times};
+use rimline_bench::gpu::{Gpu, Stopwatch};
+use rimline_bench::record::{Casters, SceneRecorder, Setting, Target, Until, made_anew};
+use rimline_bench::row::{Entry, Row, Variant, compare};
 use rimline_bench::shapes::{self, Shape};
 use rimline_bench::{Error, depth_maps};
+use wgpu::{CommandEncoder, LoadOp, TextureFormat};
 
 use shade::Shade;
-use stage::{AUTOMATIC, Bench, CONTOURS, EYE, MAP, axes, camera, map_of, pass};
 
-fn main() -> Result<(), Error> {
-    let arguments: Vec<String> = std::env::args().collect();
-    let has = |wanted: &str| arguments.iter().any(|argument| argument == wanted);
-    let after = |name: &str| arguments.iter().skip_while(|argument| *argument != name).nth(1);
-    let (growth, casters) = (has("growth"), has("casters"));
-    let bench = Bench::new()?;
-    println!("{}", bench.name);
-    if growth || !casters {
-        let rotations = after("--rotations").and_then(|given| given.parse().ok());
-        growth::measure(&bench, rotations.unwrap_or(if has("--quick") { 20 } else { 1000 }))?;
-    }
-    if casters || !growth {
-        let rows = measure(&bench, if has("--quick") { 3 } else { 15 })?;
-        if let Some(file) = after("--json") {
-            std::fs::write(file, format!("{:#}\n", depth_maps::to_json(&rows)))?;
-        }
-    }
-    Ok(())
-}
-
+/// 24 bits, as in the paper of 2000.
+const MAP: TextureFormat = TextureFormat::Depth24Plus;
+const EYE: TextureFormat = TextureFormat::Depth24PlusStencil8;
 /// Texels of the map and pixels of the picture a side.
 const SIDE: u32 = 1024;
 /// Subdivisions n of the spheres: 8 n² faces.
@@ -48,98 +31,183 @@ const SUBDIVISIONS: [u32; 4] = [11, 35, 112, 354];
 /// Ways to volumes of the map.
 const WAYS: [(&str, DepthMapMethod); 3] = [
     ("of the map, every cell", DepthMapMethod::EveryCell),
-    ("of the map, automatic", AUTOMATIC),
-    ("of the map, contours 0.005", CONTOURS),
+    ("of the map, automatic", DepthMapMethod::Automatic { dangling: None }),
+    ("of the map, contours 0.005", DepthMapMethod::Contours { threshold: 0.005, sideways: 0.1, depth: 0.02 }),
 ];
+/// A near plane as in games, where units are metres.
+const NEAR: f64 = 0.1;
+
+fn main() -> Result<(), Error> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let is_quick = arguments.iter().any(|argument| argument == "--quick");
+    let rows = measure(if is_quick { 3 } else { 15 })?;
+    if let Some(file) = arguments.iter().skip_while(|argument| *argument != "--json").nth(1) {
+        std::fs::write(file, format!("{:#}\n", depth_maps::to_json(&rows)))?;
+    }
+    Ok(())
+}
+
+/// A camera that looks from `distance` along `forward` to the origin, and sees a ball of `radius` there. Lights have
+/// standard depth from before the ball to behind it, eyes reversed depth from [`NEAR`] on.
+fn camera(forward: DVec3, up: DVec3, distance: f64, radius: f64, is_light: bool) -> ShadowCamera {
+    let right = forward.cross(up).normalize();
+    let eye = -distance * forward;
+    let scale = (distance * distance - radius * radius).sqrt() / radius;
+    let row = |axis: DVec3| axis.extend(-axis.dot(eye));
+    let (w, near, far) = (row(forward), distance - radius, distance + radius);
+    let (z, depth) = if is_light {
+        ((w - DVec4::W * near) * (far / (far - near)), DepthDirection::Standard)
+    } else {
+        (DVec4::W * NEAR, DepthDirection::Reversed)
+    };
+    let rows = DMat4::from_cols(row(right) * scale, row(right.cross(forward)) * scale, z, w);
+    ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: [0.0; 3], depth }
+}
+
+/// A depth texture: to draw to, and its depths to read.
+struct Depths {
+    all: wgpu::TextureView,
+    read: wgpu::TextureView,
+}
+
+impl Depths {
+    fn new(gpu: &Gpu, format: TextureFormat) -> Self {
+        let all = gpu.texture([SIDE; 2], format);
+        let aspect = wgpu::TextureAspect::DepthOnly;
+        let read = all.texture().create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
+        Self { all, read }
+    }
+
+    /// A pass that draws depths, from what is far on.
+    fn drawn(&self, far: f32, stencil: Option<LoadOp<u32>>) -> Target<'_> {
+        Target { depth_stencil: Some(&self.all), depth: Some(LoadOp::Clear(far)), stencil, color: None }
+    }
+
+    /// A pass that counts, against depths that are read only.
+    fn counted(&self) -> Target<'_> {
+        Target { depth_stencil: Some(&self.all), stencil: Some(LoadOp::Clear(0)), ..Target::default() }
+    }
+}
+
+/// A mesh whose depth is drawn into maps and for the eye.
+struct Drawn {
+    positions: wgpu::Buffer,
+    into_map: MeshDepth,
+    for_eye: MeshDepth,
+}
+
+impl Drawn {
+    fn new(gpu: &Gpu, shape: &Shape) -> Result<Self, Error> {
+        let mesh = shape.mesh()?;
+        let depth = |format, depth| MeshDepth::new(&gpu.pipelines, &mesh, format, depth);
+        Ok(Self {
+            into_map: depth(MAP, DepthDirection::Standard)?,
+            for_eye: depth(EYE, DepthDirection::Reversed)?,
+            positions: gpu.buffer(wgpu::BufferUsages::STORAGE, &shape.positions),
+        })
+    }
+
+    fn positions(&self) -> PositionBuffer<'_> {
+        PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
+    }
+
+    fn draw_map(&self, encoder: &mut CommandEncoder, map: &Depths, light: &ShadowCamera) -> Result<(), Error> {
+        Ok(self.into_map.draw(&mut map.drawn(1.0, None).begin(encoder), self.positions(), light)?)
+    }
+}
 
 /// Frames of one caster of more and more faces: volumes of its mesh, volumes of a depth map, and a lookup in the map,
 /// in turn.
-fn measure(bench: &Bench, rounds: usize) -> Result<Vec<Row>, Error> {
-    let (gpu, distance) = (&bench.gpu, 6.0);
+fn measure(rounds: usize) -> Result<Vec<Row>, Error> {
+    let (gpu, name) = &Gpu::first(wgpu::Features::empty())?;
+    let distance = 6.0;
     let down = DVec3::new(0.4, -1.0, 0.3).normalize();
-    let light = camera(axes(down, DVec3::Z), distance, 2.0, true);
+    let light = &camera(down, DVec3::Z, distance, 2.0, true);
     let lamp = Light::point((-distance * down).as_vec3().to_array());
-    let ahead = DVec3::new(-0.3, -0.5, -1.0).normalize();
-    let eye = camera(axes(ahead, DVec3::Y), 8.0, 3.0, false);
-    let ground = Shape {
-        positions: shapes::cube().positions.iter().map(|[x, y, z]| [4.0 * x, 0.01 * y - 1.3, 4.0 * z]).collect(),
-        faces: shapes::cube().faces,
+    let eye = &camera(DVec3::new(-0.3, -0.5, -1.0).normalize(), DVec3::Y, 8.0, 3.0, false);
+    let ground = Drawn::new(gpu, &shapes::cube().placed(|[x, y, z]| [4.0 * x, 0.01 * y - 1.3, 4.0 * z]))?;
+    let format = ShadowFormat::default();
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
+    let of_maps = &DepthMapPipelines::new(&gpu.pipelines, &format, 0)?;
+    let (map, seen) = (&Depths::new(gpu, MAP), &Depths::new(gpu, EYE));
+    let shade = &Shade::new(gpu, SIDE, [seen, map], [eye, light]);
+    let clock = |record: &mut dyn FnMut(&mut CommandEncoder) -> Result<(), Error>| -> Result<f64, Error> {
+        Ok(Stopwatch::new(gpu).by_clock(record)?[1])
     };
-    let ground = bench.drawn(&ground)?;
-    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), rimline::Counting::Auto)?;
-    let (map, target, shade) = (bench.target(SIDE, MAP), bench.target(SIDE, EYE), Shade::new(bench, SIDE));
-    let group = shade.group(bench, [&target, &map], [&eye, &light]);
-    let mut rows = Vec::new();
+    println!("{name}");
     println!(
         "\nA sphere over a ground, picture and map of {SIDE}²: milliseconds of a frame's shadows (of its stencil pass)"
     );
+    let mut rows = Vec::new();
     for subdivisions in SUBDIVISIONS {
         let shape = shapes::sphere(subdivisions);
-        let (sphere, faces) = (bench.drawn(&shape)?, shape.faces.len());
-        let mut meshes = Meshes::new(Some(&pipelines), &[lamp], Some(eye));
-        meshes.push_all(gpu, [shape])?;
-        let meshes = RefCell::new(meshes);
+        let (sphere, faces) = (&Drawn::new(gpu, &shape)?, shape.faces.len());
+        let setting = Setting::new(Casters::InBuffers(vec![shape]), vec![lamp], *eye);
+        let scene = SceneRecorder::new(gpu, &setting, Some(&pipelines), made_anew(1, Counting::Auto))?;
+        let scene = RefCell::new(scene);
         // Times of a frame's shadows, and of its stencil pass, which is drawn again.
         let of_mesh = || {
-            let mut meshes = meshes.borrow_mut();
-            let frame = bench.clock(|encoder| {
-                meshes.encode(encoder, Until::Volumes, None)?;
-                meshes.draw(&mut pass(encoder, &target.all, None, true), 0)?;
-                shade.stencil(encoder, &target);
+            let mut scene = scene.borrow_mut();
+            let frame = clock(&mut |encoder| {
+                scene.encode(encoder, Until::Volumes, None)?;
+                scene.draw(&mut seen.counted().begin(encoder), 0)?;
+                shade.stencil(encoder, seen);
                 Ok(())
             })?;
-            let stencil = bench.clock(|encoder| meshes.draw(&mut pass(encoder, &target.all, None, true), 0))?;
-            Ok(vec![(depth_maps::FRAME, frame), (depth_maps::STENCIL, stencil)])
+            let stencil = clock(&mut |encoder| scene.draw(&mut seen.counted().begin(encoder), 0))?;
+            Ok(times([("frame", frame), ("stencil", stencil)]))
         };
         let eyes_depth = || {
-            let ms = bench.clock(|encoder| Bench::draw_eye(encoder, &[&sphere, &ground], &target, &eye))?;
-            Ok(vec![(depth_maps::FRAME, ms)])
+            let ms = clock(&mut |encoder| {
+                let mut pass = seen.drawn(0.0, Some(LoadOp::Clear(0))).begin(encoder);
+                [sphere, &ground]
+                    .iter()
+                    .try_for_each(|drawn| Ok(drawn.for_eye.draw(&mut pass, drawn.positions(), eye)?))
+            })?;
+            Ok(times([("frame", ms)]))
         };
         let lookup = || {
-            let ms = bench.clock(|encoder| {
-                Bench::draw_map(encoder, &sphere, &map, &light)?;
-                shade.lookup(encoder, &group);
+            let ms = clock(&mut |encoder| {
+                sphere.draw_map(encoder, map, light)?;
+                shade.lookup(encoder);
                 Ok(())
             })?;
-            Ok(vec![(depth_maps::FRAME, ms)])
+            Ok(times([("frame", ms)]))
         };
-        let mut contenders: Vec<(&str, Contender<'_>)> = vec![
-            ("the eye's depth, not counted below", Box::new(eyes_depth)),
-            ("volumes of the mesh", Box::new(of_mesh)),
+        let mut contenders: Vec<(Variant, Contender<'_>)> = vec![
+            (depth_maps::variant("the eye's depth, not counted below"), Box::new(eyes_depth)),
+            (depth_maps::variant("volumes of the mesh"), Box::new(of_mesh)),
         ];
-        for (name, way) in WAYS {
-            let mut volumes = bench.volumes(SIDE, way)?;
-            let (sphere, map, target, shade, light, eye) = (&sphere, &map, &target, &shade, &light, &eye);
+        for (name, method) in WAYS {
+            let options = DepthMapOptions { method, ..Default::default() };
+            let mut volumes = DepthMapVolumes::new(of_maps, [SIDE; 2], options)?;
             let run = move || {
                 let mut drawn = None;
-                let frame = bench.clock(|encoder| {
-                    Bench::draw_map(encoder, sphere, map, light)?;
-                    let frame = volumes.encode(encoder, &map_of(map, *light), eye)?;
-                    frame.draw(&mut pass(encoder, &target.all, None, true), &bench.pipelines)?;
-                    shade.stencil(encoder, target);
+                let frame = clock(&mut |encoder| {
+                    sphere.draw_map(encoder, map, light)?;
+                    let of_light = DepthMap { texture: &map.read, light: *light, objects: None };
+                    let frame = volumes.encode(encoder, &of_light, eye)?;
+                    frame.draw(&mut seen.counted().begin(encoder), of_maps)?;
+                    shade.stencil(encoder, seen);
                     drawn = Some(frame);
                     Ok(())
                 })?;
-                let stencil = bench.clock(|encoder| {
-                    let mut pass = pass(encoder, &target.all, None, true);
-                    drawn.map_or(Ok(()), |drawn| Ok(drawn.draw(&mut pass, &bench.pipelines)?))
+                let stencil = clock(&mut |encoder| {
+                    let mut pass = seen.counted().begin(encoder);
+                    drawn.iter().try_for_each(|drawn| Ok(drawn.draw(&mut pass, of_maps)?))
                 })?;
-                Ok(vec![(depth_maps::FRAME, frame), (depth_maps::STENCIL, stencil)])
+                Ok(times([("frame", frame), ("stencil", stencil)]))
             };
-            contenders.push((name, Box::new(run)));
+            contenders.push((depth_maps::variant(name), Box::new(run)));
         }
-        contenders.push(("lookup", Box::new(lookup)));
-        let (names, contenders): (Vec<_>, Vec<_>) = contenders.into_iter().unzip();
-        let samples = interleave(Rounds::exactly(rounds), contenders, &())?;
-        let entries: Vec<Entry> =
-            names.into_iter().zip(samples).map(|(name, of)| Entry::new(depth_maps::variant(name), &of)).collect();
+        contenders.push((depth_maps::variant("lookup"), Box::new(lookup)));
+        let entries: Vec<Entry> = compare(Rounds::exactly(rounds), contenders, &())?;
         println!("{faces} faces");
         for entry in &entries {
-            let [frame, stencil] = [depth_maps::FRAME, depth_maps::STENCIL].map(|metric| entry.median(metric));
-            let stencil = stencil.map_or_else(String::new, |ms| format!(" ({ms:.1})"));
-            println!("  {:<36} {:>8.1}{stencil}", entry.variant.name, frame.unwrap_or(f64::NAN));
+            let stencil = entry.median(depth_maps::STENCIL).map_or_else(String::new, |ms| format!(" ({ms:.1})"));
+            println!("  {:<36} {:>8.1}{stencil}", entry.variant.name, entry.ms("frame"));
         }
-        rows.push(depth_maps::row(faces as u64, u64::from(SIDE), &bench.name, entries));
+        rows.push(depth_maps::row(faces as u64, u64::from(SIDE), name, entries));
     }
     Ok(rows)
 }

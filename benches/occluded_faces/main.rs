@@ -12,20 +12,20 @@ use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threa
 use rimline::gpu::{Measuring, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, Light, Predicate};
 use rimline_bench::Error;
-use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
+use rimline_bench::engine::{Contender, Rounds, clock, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
 use rimline_bench::record::{
-    DEPTH, FragmentCounter, Pass, Recorder as _, SceneRecorder, Setting as Recorded, Surfaces, Until, stencil_pass,
+    DEPTH, FragmentCounter, Pass, SceneRecorder, Setting as Recorded, Surfaces, Target, Until,
 };
-use rimline_bench::row::{Entry, Variant};
+use rimline_bench::row::compare;
 use rimline_bench::shapes::Shape;
-use scenes::{Body, Setting};
+use scenes::Setting;
 
 /// Pixels across and down.
 const SIZE: u32 = 512;
 const ROUNDS: usize = 7;
 /// The parts of a frame.
-const PARTS: [Metric; 3] = [Metric::Time("stages"), Metric::Time("depth"), Metric::Time("volumes")];
+const PARTS: [&str; 3] = ["stages", "depth", "volumes"];
 
 fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -35,20 +35,20 @@ fn main() -> Result<(), Error> {
     let of_the_paper = scenes::of_the_paper();
     let large = [scenes::city(100_000), scenes::forest(100_000), scenes::building(100_000)];
     counts(of_the_paper.iter().chain(&large));
-    times();
+    searches();
     if arguments.iter().any(|argument| argument == "--counts") {
         return Ok(());
     }
-    let (gpu, name) = Gpu::first()?;
+    let (gpu, name) = Gpu::first(wgpu::Features::empty())?;
     println!("\n{name}, {SIZE}x{SIZE} pixels; medians of {ROUNDS} frames in turn, means of all lights, milliseconds");
-    compare(&gpu, &of_the_paper, true)?;
+    compare_frames(&gpu, &of_the_paper, true)?;
     println!("\nLarge scenes");
-    compare(&gpu, &large, false)
+    compare_frames(&gpu, &large, false)
 }
 
 fn casters(setting: &Setting) -> Vec<OcclusionCaster<'_>> {
-    let casters = setting.bodies.iter();
-    casters.map(|Body { positions, mesh }| OcclusionCaster { mesh, positions, version: Some(0) }).collect()
+    let bodies = setting.bodies.iter();
+    bodies.map(|(Shape { positions, .. }, mesh)| OcclusionCaster { mesh, positions, version: Some(0) }).collect()
 }
 
 fn find(light: Light, casters: &[OcclusionCaster<'_>], options: OcclusionOptions) -> OccludedFaces {
@@ -58,7 +58,7 @@ fn find(light: Light, casters: &[OcclusionCaster<'_>], options: OcclusionOptions
 /// The faces that cast: back-facing ones of closed casters, and all of others.
 fn casting(setting: &Setting, light: Light) -> Vec<[[f32; 3]; 3]> {
     let mut faces = Vec::new();
-    for Body { positions, mesh } in &setting.bodies {
+    for (Shape { positions, .. }, mesh) in &setting.bodies {
         let facing = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::ONE).expect("a light").facing;
         let casting = mesh.faces().iter().zip(facing).filter(|(_, mask)| !mesh.is_closed() || mask & 1 == 0);
         faces.extend(casting.map(|(face, _)| face.map(|vertex| positions[vertex as usize])));
@@ -90,7 +90,7 @@ fn counts<'a>(settings: impl Iterator<Item = &'a Setting>) {
 }
 
 /// The search against the number of faces.
-fn times() {
+fn searches() {
     let threads = Threads::all().count();
     println!("\nThe search, milliseconds, on one thread and on {threads}; the least of three");
     println!("| faces | city | | forest | | building | |");
@@ -111,11 +111,6 @@ fn times() {
     }
 }
 
-/// A body as it is recorded.
-fn shape(body: &Body) -> Shape {
-    Shape { positions: body.positions.clone(), faces: body.mesh.faces().to_vec() }
-}
-
 /// Loose faces: each has three sides.
 fn loose(faces: &[[[f32; 3]; 3]]) -> Shape {
     let corners = (0..faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
@@ -123,30 +118,35 @@ fn loose(faces: &[[[f32; 3]; 3]]) -> Shape {
 }
 
 /// Frames with each face's own volume, with silhouettes, and without occluded faces.
-fn compare(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<(), Error> {
+fn compare_frames(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<(), Error> {
     println!(
         "| scene | | search | stages | depth | volumes | frame | fragments | volumes, ratio | frame, ratio | frame and search, ratio |"
     );
     println!("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
-    let names = ["each face", "silhouettes", "and occluded faces"];
     for setting in settings {
         let casters = casters(setting);
-        let mut sums = [[0.0; 5]; 3];
+        // For each way: the search, the parts of the frame, fragments.
+        let mut sums: Vec<(&str, [f64; 5])> = Vec::new();
         for &light in &setting.lights {
             let mut found = None;
             let search = clock(|| found = Some(find(light, &casters, OcclusionOptions::default())));
-            let bodies: Vec<Shape> = setting.bodies.iter().map(shape).collect();
-            let plain = has_plain.then(|| vec![loose(&casting(setting, light))]);
-            let ways = [plain, Some(bodies.clone()), Some(bodies)];
-            let of_ways = frames(gpu, setting, light, ways, found.as_ref())?;
-            for ((sums, parts), search) in sums.iter_mut().zip(of_ways).zip([0.0, 0.0, search]) {
-                let parts = [search].into_iter().chain(parts);
-                sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part / setting.lights.len() as f64);
+            let bodies = setting.recorded(setting.bodies.iter().map(|(shape, _)| shape.clone()).collect(), light);
+            let plain = has_plain.then(|| setting.recorded(vec![loose(&casting(setting, light))], light));
+            let ways = plain.iter().map(|plain| ("each face", plain, None));
+            let ways = ways.chain([("silhouettes", &bodies, None), ("and occluded faces", &bodies, found.as_ref())]);
+            for (at, (name, found)) in frames(gpu, &ways.collect::<Vec<_>>())?.into_iter().enumerate() {
+                if sums.len() == at {
+                    sums.push((name, [0.0; 5]));
+                }
+                let search = if name == "and occluded faces" { search } else { 0.0 };
+                let [stages, depth, volumes, fragments] = found;
+                let parts = [search, stages, depth, volumes, fragments];
+                sums[at].1.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part / setting.lights.len() as f64);
             }
         }
         let frame = |sums: &[f64; 5]| sums[1..4].iter().sum::<f64>();
-        let base = if has_plain { sums[0] } else { sums[1] };
-        for (name, of) in names.into_iter().zip(&sums).filter(|(_, of)| frame(of) > 0.0) {
+        let base = sums[0].1;
+        for (name, of) in &sums {
             let ratios = [base[3] / of[3], frame(&base) / frame(of), frame(&base) / (frame(of) + of[0])];
             let [search, stages, depth, volumes, fragments] = of;
             println!(
@@ -160,59 +160,52 @@ fn compare(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<(), Error
     Ok(())
 }
 
-/// Milliseconds of the parts of frames, and fragments, of scenes of these casters; the last one without occluded faces.
-fn frames(
-    gpu: &Gpu,
-    setting: &Setting,
-    light: Light,
-    ways: [Option<Vec<Shape>>; 3],
-    occluded: Option<&OccludedFaces>,
-) -> Result<[[f64; 4]; 3], Error> {
+/// A way to shadows: its name, the casters, and faces to leave out.
+type Way<'a> = (&'static str, &'a Recorded, Option<&'a OccludedFaces>);
+
+/// Milliseconds of the parts of frames, and fragments, of each way. All receive on the surfaces of the last.
+fn frames(gpu: &Gpu, ways: &[Way<'_>]) -> Result<Vec<(&'static str, [f64; 4])>, Error> {
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
-    let depth = gpu.texture(SIZE, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
+    let depth = &gpu.texture([SIZE; 2], DEPTH);
     let counter = FragmentCounter::new(gpu, SIZE, 1)?;
-    let recorded: Vec<Option<Recorded>> = ways.into_iter().map(|way| Some(setting.recorded(way?, light))).collect();
     let mut options = SceneOptions { max_lights: 1, ..SceneOptions::default() };
     options.measuring.set(Measuring::CACHED_BITS, true);
-    let surfaces = recorded[1].as_ref().map(|setting| Surfaces::of(gpu, setting, None));
+    let surfaces = ways.last().map(|(_, setting, _)| Surfaces::of(gpu, setting, None));
     let mut recorders = Vec::new();
-    for (number, setting) in recorded.iter().enumerate() {
-        let Some(setting) = setting else { continue };
+    for &(name, setting, occluded) in ways {
         let mut recorder = SceneRecorder::new(gpu, setting, Some(&pipelines), options)?;
-        if number == 2 {
+        if let Some(occluded) = occluded {
             let (light, casters) = (recorder.lights[0], recorder.casters.clone());
-            recorder.scene.set_occluded_faces(light, &casters, occluded)?;
+            recorder.scene.set_occluded_faces(light, &casters, Some(occluded))?;
         }
-        recorders.push((number, RefCell::new(recorder)));
+        recorders.push((name, RefCell::new(recorder)));
     }
     let stopwatch = Stopwatch::new(gpu);
-    let contenders = recorders.iter().map(|(_, recorder)| -> Contender<'_> {
-        let (stopwatch, surfaces, depth) = (&stopwatch, &surfaces, &depth);
-        Box::new(move || {
+    let contenders = recorders.iter().map(|(name, recorder)| -> (&str, Contender<'_>) {
+        let (stopwatch, surfaces) = (&stopwatch, &surfaces);
+        let run = move || {
             let mut recorder = recorder.borrow_mut();
-            let stages = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
-            let seen = stopwatch.by_clock(|encoder| {
+            let [_, stages] = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
+            let [_, seen] = stopwatch.by_clock(|encoder| {
                 if let Some(surfaces) = surfaces {
                     surfaces.pass(encoder, depth, Pass::Depth, None);
                 }
                 Ok(())
             })?;
-            let volumes = stopwatch.by_clock(|encoder| {
-                recorder.draw(&mut stencil_pass(encoder, depth, wgpu::LoadOp::Load, None, None), 0)
-            })?;
-            Ok(PARTS.into_iter().zip([stages, seen, volumes].map(|[_, ms]| ms)).collect())
-        })
+            let target = Target::counting(depth, wgpu::LoadOp::Load);
+            let [_, volumes] = stopwatch.by_clock(|encoder| recorder.draw(&mut target.begin(encoder), 0))?;
+            Ok(times([(PARTS[0], stages), (PARTS[1], seen), (PARTS[2], volumes)]))
+        };
+        (name, Box::new(run))
     });
-    let samples = interleave(Rounds::exactly(ROUNDS), contenders.collect(), &())?;
-    let mut found = [[0.0; 4]; 3];
-    for ((number, recorder), samples) in recorders.iter().zip(samples) {
-        let entry = Entry::new(Variant::new("", "", 0, 0), &samples);
-        let medians = PARTS.map(|part| entry.median(part).unwrap_or(f64::NAN));
+    let entries = compare(Rounds::exactly(ROUNDS), contenders.collect(), &())?;
+    let found = recorders.iter().zip(entries).map(|((name, recorder), entry)| {
         let fragments = counter.as_ref().map(|counter| counter.count(gpu, |pass, _| recorder.borrow().draw(pass, 0)));
-        found[*number] = [medians[0], medians[1], medians[2], fragments.transpose()?.unwrap_or(0) as f64];
-    }
-    Ok(found)
+        let [stages, depth, volumes] = PARTS.map(|part| entry.ms(part));
+        Ok((*name, [stages, depth, volumes, fragments.transpose()?.unwrap_or(0) as f64]))
+    });
+    found.collect()
 }
 
 /// Writes `below.obj`, and `base.obj` with the polygon that covers it. Y is up there.
@@ -221,16 +214,13 @@ fn write(folder: &str) -> std::io::Result<()> {
     let setting = settings.iter().find(|setting| setting.name == "tetrahedra 2").expect("a scene");
     let (base, below) = setting.bodies.split_last().expect("a body");
     for (name, bodies) in [("below.obj", below), ("base.obj", std::slice::from_ref(base))] {
-        let (mut text, mut first) = (String::new(), 1);
-        for Body { positions, mesh } in bodies {
-            text.extend(positions.iter().map(|[x, y, z]| format!("v {x} {z} {}\n", -y)));
-            text.extend(mesh.faces().iter().map(|face| {
-                let [a, b, c] = face.map(|vertex| vertex + first);
-                format!("f {a} {b} {c}\n")
-            }));
-            first += positions.len() as u32;
-        }
-        std::fs::write(std::path::Path::new(folder).join(name), text)?;
+        let Shape { positions, faces } = Shape::joined(bodies.iter().map(|(shape, _)| shape));
+        let vertices = positions.iter().map(|[x, y, z]| format!("v {x} {z} {}\n", -y));
+        let faces = faces.iter().map(|face| {
+            let [a, b, c] = face.map(|vertex| vertex + 1);
+            format!("f {a} {b} {c}\n")
+        });
+        std::fs::write(std::path::Path::new(folder).join(name), vertices.chain(faces).collect::<String>())?;
     }
     Ok(())
 }

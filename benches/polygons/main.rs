@@ -3,24 +3,23 @@
 
 use rimline::gpu::ExtractorOptions;
 use rimline::internals::cpu::{Extraction, Threads};
-use rimline::mesh::Weld;
+use rimline::mesh::{MeshError, Weld};
 use rimline::{Light, Mesh, Predicate};
 use rimline_bench::Error;
-use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
+use rimline_bench::engine::{Contender, Rounds, clock, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
-use rimline_bench::record::{Meshes, Recorder as _, Until};
-use rimline_bench::row::{Entry, Variant};
+use rimline_bench::record::ExtractorRecorder;
+use rimline_bench::row::compare;
 use rimline_testkit::polygons::{PolygonSet, quad_torus};
 use rimline_testkit::random::Random;
 
 const ROUNDS: usize = 9;
 const SEED: u64 = 15;
-const TIME: Metric = Metric::Time("time");
 
 fn main() -> Result<(), Error> {
     let is_quick = std::env::args().any(|argument| argument == "--quick");
     let sizes: &[u32] = if is_quick { &[32, 64] } else { &[128, 707] };
-    let (gpu, name) = Gpu::first()?;
+    let (gpu, name) = Gpu::first(wgpu::Features::empty())?;
     println!("{name}; seed {SEED}; CPU on one thread; medians of {ROUNDS} runs in turn, milliseconds");
     println!("| quadrilaterals | bump | records | of triangles | twisted, % | what | polygons | triangles | ratio |");
     println!("|---:|---:|---:|---:|---:|---|---:|---:|---:|");
@@ -48,13 +47,10 @@ fn measure(gpu: &Gpu, set: &PolygonSet, bump: f32) -> Result<(), Error> {
         polygons.edges().len(),
         triangles.edges().len()
     );
-    let mut contenders: Vec<(&str, Contender<'_>)> = vec![
-        ("build", Box::new(|| Ok(vec![(TIME, clock(|| drop(set.mesh(Weld::Keep))))]))),
-        (
-            "build",
-            Box::new(|| Ok(vec![(TIME, clock(|| drop(Mesh::new(&set.positions, polygons.faces(), Weld::Keep))))])),
-        ),
-    ];
+    let build = |make: &dyn Fn() -> Result<Mesh, MeshError>| Ok(times([("time", clock(|| drop(make())))]));
+    let from_triangles = || Mesh::new(&set.positions, polygons.faces(), Weld::Keep);
+    let mut contenders: Vec<(&str, Contender<'_>)> =
+        vec![("build", Box::new(|| build(&|| set.mesh(Weld::Keep)))), ("build", Box::new(|| build(&from_triangles)))];
     for (name, lights) in [("1 light", &lights[..1]), ("8 lights", &lights[..])] {
         for mesh in [&polygons, &triangles] {
             let mut found = Extraction::default();
@@ -62,30 +58,27 @@ fn measure(gpu: &Gpu, set: &PolygonSet, bump: f32) -> Result<(), Error> {
                 let ms = clock(|| {
                     found.update(&set.positions, mesh, lights, Predicate::Exact, Threads::ONE).expect("good lights");
                 });
-                Ok(vec![(TIME, ms)])
+                Ok(times([("time", ms)]))
             };
             contenders.push((name, Box::new(update)));
         }
     }
     for (name, lights) in [("GPU, 1 light", &lights[..1]), ("GPU, 8 lights", &lights[..])] {
         for mesh in [&polygons, &triangles] {
-            let mut recorder = Meshes::new(None, lights, None);
             let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
-            recorder.push(gpu, options, mesh, &set.positions)?;
+            let mut recorder = ExtractorRecorder::new(gpu, options, mesh, &set.positions, lights)?;
             let stopwatch = Stopwatch::new(gpu);
             let run = move || {
-                let times = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Extraction, None))?;
-                Ok(vec![(TIME, times[0] + times[1])])
+                let [recording, running] = stopwatch.by_clock(|encoder| recorder.encode(encoder, None))?;
+                Ok(times([("time", recording + running)]))
             };
             contenders.push((name, Box::new(run)));
         }
     }
-    let (names, contenders): (Vec<_>, Vec<_>) = contenders.into_iter().unzip();
-    let samples = interleave(Rounds::exactly(ROUNDS), contenders, &())?;
-    for (name, pair) in names.chunks(2).zip(samples.chunks(2)) {
-        let [of, to] = [0, 1]
-            .map(|at| Entry::new(Variant::new(name[at], name[at], 0, 0), &pair[at]).median(TIME).unwrap_or(f64::NAN));
-        println!("| {facts} | {} | {of:.2} | {to:.2} | {:.2} |", name[0], of / to);
+    let entries = compare(Rounds::exactly(ROUNDS), contenders, &())?;
+    for pair in entries.chunks(2) {
+        let [of, to] = [0, 1].map(|at| pair[at].ms("time"));
+        println!("| {facts} | {} | {of:.2} | {to:.2} | {:.2} |", pair[0].variant.name, of / to);
     }
     Ok(())
 }

@@ -5,14 +5,13 @@ use rimline::Light;
 use rimline::gpu::{PositionBuffer, ShadowQuery, ShadowQueryOptions};
 use rimline::internals::cpu::{Threads, shadow_depth};
 use rimline_bench::Error;
-use rimline_bench::engine::{Contender, Metric, Rounds, clock, interleave};
+use rimline_bench::engine::{Contender, Rounds, clock, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
-use rimline_bench::row::{Entry, Variant};
+use rimline_bench::row::compare;
 use rimline_bench::shapes::{self, Shape};
 use wgpu::BufferUsages;
 
 const ROUNDS: usize = 5;
-const TIME: Metric = Metric::Time("time");
 
 fn main() -> Result<(), Error> {
     let has = |wanted: &str| std::env::args().any(|argument| argument == wanted);
@@ -21,7 +20,7 @@ fn main() -> Result<(), Error> {
         (_, true) => (shapes::torus(1024, 512, 1.0, 0.4), 1 << 20),
         _ => (shapes::torus(256, 128, 1.0, 0.4), 1 << 16),
     };
-    let (gpu, name) = Gpu::first()?;
+    let (gpu, name) = Gpu::first(wgpu::Features::empty())?;
     println!("{} faces, {points} points, 1 light; median of {ROUNDS}; {name}", shape.faces.len());
     for (order, shape) in [("in order", shape.clone()), ("shuffled", shape.shuffled(1))] {
         let on_mesh: Vec<_> = (0..points).map(|index| on_face(&shape, index)).collect();
@@ -40,26 +39,26 @@ fn main() -> Result<(), Error> {
 fn compare(gpu: &Gpu, shape: &Shape, [points, few]: [&[[f32; 3]]; 2]) -> Result<(), Error> {
     let (mesh, lights) = (shape.mesh()?, [Light::point([2.5, 1.5, 3.0])]);
     let on_gpu = |points: &[[f32; 3]], skip_by_boxes| -> Result<Contender<'_>, Error> {
-        let (count, mut stopwatch) = (points.len() as u32, Stopwatch::new(gpu));
+        let (count, stopwatch) = (points.len() as u32, Stopwatch::new(gpu));
         let options = ShadowQueryOptions { max_points: count, skip_by_boxes, ..Default::default() };
         let mut query = ShadowQuery::new(&gpu.device, &mesh, options)?;
         let buffers = [&shape.positions[..], points].map(|points| gpu.buffer(BufferUsages::STORAGE, points));
         Ok(Box::new(move || {
             let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
-            let timed =
-                stopwatch.timed(|encoder, _| Ok(query.encode_at(encoder, positions, points, count, &lights)?))?;
-            Ok(vec![(TIME, timed.recording_ms + timed.clock_ms)])
+            let [recording, running] = stopwatch
+                .by_clock(|encoder| Ok(query.encode_at(encoder, positions, points, count, &lights).map(drop)?))?;
+            Ok(times([("time", recording + running)]))
         }))
     };
     let on_cpu = || {
         let depths = || drop(shadow_depth(&shape.positions, &mesh, few, &lights, Threads::all()).expect("good lights"));
-        Ok(vec![(TIME, clock(depths))])
+        Ok(times([("time", clock(depths))]))
     };
-    let contenders: Vec<Contender<'_>> = vec![on_gpu(points, true)?, on_gpu(few, false)?, Box::new(on_cpu)];
-    let counts = [("GPU", points), ("GPU, no skipping", few), ("CPU", few)];
-    for ((name, points), samples) in counts.into_iter().zip(interleave(Rounds::exactly(ROUNDS), contenders, &())?) {
-        let ms = Entry::new(Variant::new(name, name, 0, 0), &samples).median(TIME).unwrap_or(f64::NAN);
-        let (points, seconds) = (points.len() as f64, ms / 1e3);
+    let contenders: Vec<(&str, Contender<'_>)> =
+        vec![("GPU", on_gpu(points, true)?), ("GPU, no skipping", on_gpu(few, false)?), ("CPU", Box::new(on_cpu))];
+    for (entry, points) in compare(Rounds::exactly(ROUNDS), contenders, &())?.iter().zip([points, few, few]) {
+        let (name, ms, points) = (&entry.variant.name, entry.ms("time"), points.len() as f64);
+        let seconds = ms / 1e3;
         let pairs = points * shape.faces.len() as f64;
         println!(
             "  {name:<18} {points:>8} points {ms:>10.2} ms {:>8.2} M points/s {:>9.2} G pairs of point and face/s",

@@ -4,17 +4,14 @@
 //! meshoptimizer's call welds by position inside, as [`Mesh::new`] does; [`Mesh::from_faces`] takes welded faces as
 //! they are. Both are shown. All run on one thread. Making the inputs and freeing the results are not timed.
 
-mod statistics;
-
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 use meshopt::VertexDataAdapter;
 use rimline::Mesh;
 use rimline::mesh::Weld;
-use rimline_testkit::shapes::{Shape, torus};
-
-use statistics::Samples;
+use rimline_bench::engine::{Contender, Metric, Rounds, Sample, clock, times};
+use rimline_bench::row::compare;
+use rimline_bench::shapes::{Shape, torus};
 
 /// Runs of each method on each mesh; the methods take turns, so that a slow spell of the machine hits all of them.
 const RUNS: usize = 11;
@@ -22,7 +19,6 @@ const RUNS: usize = 11;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ordered = torus(1024, 512, 1.0, 0.25);
     let shuffled = ordered.shuffled(20_030_601);
-    println!("CPU: {}", statistics::cpu_name());
     println!("{} faces, {RUNS} interleaved runs, one thread, milliseconds", ordered.faces.len());
     println!();
     println!("| mesh | method | median | least | most | meshoptimizer ÷ it |");
@@ -40,30 +36,39 @@ fn measure(name: &str, shape: &Shape) -> Result<(), Box<dyn std::error::Error>> 
     let count = shape.positions.len();
     assert!(agree(shape, &meshopt::generate_adjacency_indices(indices, &vertices))?, "the methods disagree");
 
-    let [mut theirs, mut from_faces, mut with_weld] = [Samples::default(), Samples::default(), Samples::default()];
-    for _ in 0..RUNS {
-        theirs.push(time(|| meshopt::generate_adjacency_indices(black_box(indices), &vertices)));
-        let faces = shape.faces.clone();
-        from_faces.push(time(|| Mesh::from_faces(count, black_box(faces))));
-        with_weld.push(time(|| Mesh::new(black_box(&shape.positions), &shape.faces, Weld::Data)));
-    }
-    let reference = theirs.median();
-    for (method, samples) in [
-        ("meshopt_generateAdjacencyIndexBuffer", theirs),
-        ("Mesh::from_faces", from_faces),
-        ("Mesh::new (welds too)", with_weld),
-    ] {
-        println!("| {name} | {method} | {} |", samples.row(reference));
+    let contenders: Vec<(&str, Contender<'_>)> = vec![
+        (
+            "meshopt_generateAdjacencyIndexBuffer",
+            Box::new(|| Ok(time(|| meshopt::generate_adjacency_indices(black_box(indices), &vertices)))),
+        ),
+        (
+            "Mesh::from_faces",
+            Box::new(|| {
+                let faces = shape.faces.clone();
+                Ok(time(|| Mesh::from_faces(count, black_box(faces))))
+            }),
+        ),
+        (
+            "Mesh::new (welds too)",
+            Box::new(|| Ok(time(|| Mesh::new(black_box(&shape.positions), &shape.faces, Weld::Data)))),
+        ),
+    ];
+    let entries = compare(Rounds::exactly(RUNS), contenders, &())?;
+    for entry in &entries {
+        let Some(summary) = entry.summary(Metric::Time("time")) else { continue };
+        let (median, [least, most]) = (summary.median, summary.range);
+        let ratio = entries[0].ms("time") / median;
+        println!("| {name} | {} | {median:.1} | {least:.1} | {most:.1} | {ratio:.2} |", entry.variant.name);
     }
     Ok(())
 }
 
-fn time<T>(run: impl FnOnce() -> T) -> Duration {
-    let start = Instant::now();
-    let result = black_box(run());
-    let elapsed = start.elapsed();
+/// Milliseconds of some work, without the time to free its result.
+fn time<T>(run: impl FnOnce() -> T) -> Sample {
+    let mut result = None;
+    let ms = clock(|| result = Some(black_box(run())));
     drop(result);
-    elapsed
+    times([("time", ms)])
 }
 
 /// Whether both found the same neighbour across every edge of a closed mesh: meshoptimizer gives, after each corner of

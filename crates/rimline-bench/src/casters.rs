@@ -8,17 +8,17 @@
 use std::cell::RefCell;
 
 use glam::Vec3;
-use rimline::gpu::{Caster, Measuring, SceneOptions, ShadowFormat, ShadowPipelines};
-use rimline::{Counting, Light, Matrix3x4};
+use rimline::gpu::{Caster, ExtractorOptions, Measuring, SceneOptions, ShadowFormat, ShadowPipelines, StageTimer};
+use rimline::{Counting, Light, Matrix3x4, Mesh};
 use serde_json::{Value, json};
-use wgpu::LoadOp;
+use wgpu::{CommandEncoder, LoadOp};
 
-use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
+use crate::engine::{Contender, Rounds, Sample, times};
 use crate::extraction::subject;
 use crate::gpu::{Gpu, Stopwatch, beside_draws};
 use crate::random::Random;
-use crate::record::{Camera, DEPTH, Meshes, Recorder, STENCIL, SceneRecorder, Setting, Until, stencil_pass};
-use crate::row::{Entry, Row, Section, Variant};
+use crate::record::{Camera, DEPTH, ExtractorRecorder, STENCIL, SceneRecorder, Setting, Target, Until, made_anew};
+use crate::row::{Entry, Row, Section, Variant, compare};
 use crate::shapes::{self, Shape};
 use crate::text::grouped;
 use crate::{Error, Host};
@@ -101,25 +101,19 @@ fn turned(setting: &Setting) -> Vec<Matrix3x4> {
     at.map(turn).collect()
 }
 
-/// The devices on which frames run, with their pipelines.
+/// The devices on which frames run, and what draws.
 pub(crate) struct Devices<'a> {
     /// Nothing is drawn on it.
     pub(crate) stages: Stopwatch<'a>,
     pub(crate) draws: Stopwatch<'a>,
-    pub(crate) scene: ShadowPipelines,
-    volumes: [ShadowPipelines; 2],
+    pub(crate) pipelines: ShadowPipelines,
 }
 
 impl<'a> Devices<'a> {
     pub(crate) fn new(stages: &'a Gpu, draws: &'a Gpu) -> Result<Self, Error> {
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
-        let volumes = |gpu: &Gpu| ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto);
-        Ok(Self {
-            scene: ShadowPipelines::new(&draws.pipelines, &format, Counting::Auto)?,
-            volumes: [volumes(stages)?, volumes(draws)?],
-            stages: Stopwatch::new(stages),
-            draws: Stopwatch::new(draws),
-        })
+        let pipelines = ShadowPipelines::new(&draws.pipelines, &format, Counting::Auto)?;
+        Ok(Self { pipelines, stages: Stopwatch::new(stages), draws: Stopwatch::new(draws) })
     }
 }
 
@@ -128,12 +122,6 @@ fn options(keep_bits: bool) -> SceneOptions {
     let mut options = SceneOptions::default();
     options.measuring.set(Measuring::CACHED_BITS, !keep_bits);
     options
-}
-
-fn merged<'a>(gpu: &Gpu, pipelines: Option<&'a ShadowPipelines>, setting: &Setting) -> Result<Meshes<'a>, Error> {
-    let mut meshes = Meshes::new(pipelines, &setting.lights, Some(setting.camera));
-    meshes.push_all(gpu, [setting.casters.merged()])?;
-    Ok(meshes)
 }
 
 /// The variants, as figures and data have them.
@@ -161,64 +149,53 @@ pub(crate) fn measure(
     host: &dyn Host,
 ) -> Result<Row, Error> {
     let setting = field(mesh.shape(), casters);
-    let Compared { scene, still, other, edges } =
-        stages(rounds, &mut devices.stages, &devices.volumes[0], &setting, Until::Volumes, host)?;
-    let Devices { draws: stopwatch, scene: pipelines, volumes: [_, volumes], .. } = devices;
+    let merged = setting.in_buffers(vec![setting.casters.merged()]);
+    let anew = made_anew(LIGHTS, Counting::Auto);
+    let mut other = SceneRecorder::new(devices.stages.gpu, &merged, None, anew)?;
+    let stages_of = |encoder: &mut _, until, timer: Option<&mut _>| other.encode(encoder, until, timer);
+    let Devices { stages: watch, draws: stopwatch, pipelines } = devices;
+    let (mut gpu_times, scene_edges) = stages(rounds, watch, &setting, Until::Volumes, ("merged", stages_of), host)?;
+    watch.by_clock(|encoder| other.encode(encoder, Until::Extraction, None))?;
+    let edges = [scene_edges, other.silhouette_edges(watch.gpu)?];
     let gpu = stopwatch.gpu;
     let before = gpu.allocated_bytes()?;
     let mut recorder = SceneRecorder::new(gpu, &setting, Some(pipelines), options(false))?;
     stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
     let scene_device_bytes = taken(before, gpu.allocated_bytes()?);
     let scene_bytes = recorder.bytes()?;
-    let [mut scene, still, mut other] = [("scene", scene), ("scene-still", still), ("merged", other)]
-        .map(|(id, samples)| Entry::new(variant(id), &samples));
     if casters <= MOST_DRAWN {
-        let depth = gpu.texture(size, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
-        let mut merged = merged(gpu, Some(volumes), &setting)?;
-        let stopwatch = RefCell::new(&mut *stopwatch);
-        let contenders: Vec<Contender<'_>> = vec![
-            Box::new(|| draws(&mut stopwatch.borrow_mut(), &mut recorder, &depth)),
-            Box::new(|| draws(&mut stopwatch.borrow_mut(), &mut merged, &depth)),
+        let depth = gpu.texture([size; 2], DEPTH);
+        let mut merged = SceneRecorder::new(gpu, &merged, Some(pipelines), anew)?;
+        let watch = RefCell::new(&mut *stopwatch);
+        let contenders: Vec<(&str, Contender<'_>)> = vec![
+            ("scene", Box::new(|| draws(&mut watch.borrow_mut(), &mut recorder, &depth))),
+            ("merged", Box::new(|| draws(&mut watch.borrow_mut(), &mut merged, &depth))),
         ];
-        for (entry, samples) in [&mut scene, &mut other].into_iter().zip(interleave(rounds, contenders, host)?) {
-            let drawn = Entry::new(entry.variant.clone(), &samples);
-            for metric in [Metric::Time("stencil"), Metric::Time("frame")] {
-                *entry = entry.clone().with(metric, drawn.values(metric).to_vec());
-            }
+        let drawn = compare(rounds, contenders, host)?;
+        for (entry, drawn) in [0, 2].into_iter().zip(drawn) {
+            gpu_times[entry] = gpu_times[entry].clone().and(&drawn);
         }
     }
-    let mut extractors = None;
-    let mut extractors_device_bytes = None;
-    if casters <= MOST_SCENES {
-        let before = gpu.allocated_bytes()?;
-        let mut all = Meshes::new(Some(volumes), &setting.lights, Some(setting.camera));
-        all.push_all(gpu, setting.casters.placed())?;
-        stopwatch.by_clock(|encoder| all.encode(encoder, Until::Volumes, None))?;
-        extractors_device_bytes = taken(before, gpu.allocated_bytes()?);
-        extractors = Some(all);
-    }
-    let mut entries = record(rounds, stopwatch, &setting, recorder, extractors, host)?;
-    if let Some(first) = entries.first_mut() {
-        let extraction = still.values(Metric::Time("extraction")).to_vec();
-        *first = first.clone().with(Metric::Time("extraction"), extraction);
-    }
-    entries.extend([scene, other]);
+    let alone = if casters <= MOST_SCENES { setting.casters.placed() } else { Vec::new() };
+    let alone: Vec<Setting> = alone.into_iter().map(|shape| setting.in_buffers(vec![shape])).collect();
+    let before = gpu.allocated_bytes()?;
+    let scenes = alone.iter().map(|setting| SceneRecorder::new(gpu, setting, Some(pipelines), anew));
+    let mut scenes = scenes.collect::<Result<Vec<_>, _>>()?;
+    stopwatch.by_clock(|encoder| encode_all(&mut scenes, encoder))?;
+    let scenes_device_bytes = taken(before, gpu.allocated_bytes()?).filter(|_| !scenes.is_empty());
+    let mut entries = record(rounds, stopwatch, &setting, recorder, scenes, host)?;
+    // GPU times of the still scene stand beside its CPU times.
+    entries[0] = entries[0].clone().and(&gpu_times.remove(1));
+    entries.extend(gpu_times);
     let mut facts = facts(&setting, mesh.shape().faces.len(), &edges);
     facts.extend([
         ("size", json!(size)),
         ("scene_bytes", json!(scene_bytes)),
         ("scene_device_bytes", json!(scene_device_bytes)),
-        ("extractors_device_bytes", json!(extractors_device_bytes)),
+        ("extractors_device_bytes", json!(scenes_device_bytes)),
     ]);
-    let title = mesh.counted(casters);
-    Ok(Row {
-        section: Section::Casters,
-        scene: mesh.id().to_owned(),
-        title,
-        group: mesh.id().to_owned(),
-        facts,
-        entries,
-    })
+    let (scene, group) = (mesh.id().to_owned(), mesh.id().to_owned());
+    Ok(Row { section: Section::Casters, scene, title: mesh.counted(casters), group, facts, entries })
 }
 
 /// Measures a scene of one caster of about so many faces against an extractor.
@@ -229,14 +206,19 @@ pub(crate) fn measure_one_mesh(
     host: &dyn Host,
 ) -> Result<Row, Error> {
     let setting = field(subject::torus(faces), 1);
-    let Compared { scene, other, edges, .. } =
-        stages(rounds, &mut devices.stages, &devices.volumes[0], &setting, Until::Extraction, host)?;
-    let entries = [("scene", scene), ("extractor", other)].map(|(id, samples)| Entry::new(variant(id), &samples));
-    let faces = setting.casters.faces();
-    let facts = facts(&setting, faces, &edges);
+    let gpu = devices.stages.gpu;
+    let Shape { positions, faces } = setting.casters.merged();
+    let (mesh, faces) = (Mesh::from_faces(positions.len(), faces)?, setting.casters.faces());
+    let options = ExtractorOptions { max_lights: LIGHTS, ..ExtractorOptions::default() };
+    let mut other = ExtractorRecorder::new(gpu, options, &mesh, &positions, &setting.lights)?;
+    let stages_of = |encoder: &mut _, _, timer: Option<&mut _>| other.encode(encoder, timer);
+    let (entries, scene_edges) =
+        stages(rounds, &mut devices.stages, &setting, Until::Extraction, ("extractor", stages_of), host)?;
+    let facts = facts(&setting, faces, &[scene_edges, other.silhouette_edges(gpu)?]);
     let title = format!("{} faces", grouped(faces));
     let name = "one-mesh".to_owned();
-    Ok(Row { section: Section::OneMesh, scene: name.clone(), title, group: name, facts, entries: entries.into() })
+    let entries = entries.into_iter().filter(|entry| entry.variant.id != "scene-still").collect();
+    Ok(Row { section: Section::OneMesh, scene: name.clone(), title, group: name, facts, entries })
 }
 
 /// Facts of a scene. `edges` are silhouette edges of each light: in the scene, and in what it is held against.
@@ -260,88 +242,73 @@ fn taken(before: Option<u64>, after: Option<u64>) -> Option<u64> {
     Some(after?.saturating_sub(before?))
 }
 
-/// Times by the rounds: of a scene that computes everything, of one in which nothing changed, of its faces as one mesh.
-struct Compared {
-    scene: Vec<Sample>,
-    still: Vec<Sample>,
-    other: Vec<Sample>,
-    /// In the scene, in the merged mesh.
-    edges: [Vec<u64>; 2],
-}
-
-/// GPU times of the stages of a scene and of its faces as one mesh, in turn, and the silhouette edges of both.
+/// GPU times of the stages of a scene that computes everything, of one in which nothing changed, and of what they are
+/// held against, in turn. Returns the silhouette edges of the scene, too.
 fn stages(
     rounds: Rounds,
     stopwatch: &mut Stopwatch<'_>,
-    pipelines: &ShadowPipelines,
     setting: &Setting,
     until: Until,
+    (other_id, mut other): (&str, impl FnMut(&mut CommandEncoder, Until, Option<&mut StageTimer>) -> Result<(), Error>),
     host: &dyn Host,
-) -> Result<Compared, Error> {
+) -> Result<(Vec<Entry>, Vec<u64>), Error> {
     let gpu = stopwatch.gpu;
     let [mut scene, mut still] = [
         SceneRecorder::new(gpu, setting, None, options(false))?,
         SceneRecorder::new(gpu, setting, None, options(true))?,
     ];
-    let mut other = merged(gpu, Some(pipelines).filter(|_| until == Until::Volumes), setting)?;
     stopwatch.by_clock(|encoder| scene.encode(encoder, Until::Extraction, None))?;
-    stopwatch.by_clock(|encoder| other.encode(encoder, Until::Extraction, None))?;
-    let edges = [scene.silhouette_edges(gpu)?, other.silhouette_edges(gpu)?];
-    let stopwatch = RefCell::new(stopwatch);
-    let contenders: Vec<Contender<'_>> = vec![
-        Box::new(|| timed_stages(&mut stopwatch.borrow_mut(), &mut scene, until)),
-        Box::new(|| timed_stages(&mut stopwatch.borrow_mut(), &mut still, until)),
-        Box::new(|| timed_stages(&mut stopwatch.borrow_mut(), &mut other, until)),
+    let edges = scene.silhouette_edges(gpu)?;
+    let watch = RefCell::new(stopwatch);
+    let timed = |recorder: &mut SceneRecorder<'_>| {
+        timed_stages(&mut watch.borrow_mut(), until, |encoder, until, timer| recorder.encode(encoder, until, timer))
+    };
+    let contenders: Vec<(Variant, Contender<'_>)> = vec![
+        (variant("scene"), Box::new(|| timed(&mut scene))),
+        (variant("scene-still"), Box::new(|| timed(&mut still))),
+        (variant(other_id), Box::new(|| timed_stages(&mut watch.borrow_mut(), until, &mut other))),
     ];
-    let mut samples = interleave(rounds, contenders, host)?.into_iter();
-    let [scene, still, other] = std::array::from_fn(|_| samples.next().unwrap_or_default());
-    Ok(Compared { scene, still, other, edges })
+    Ok((compare(rounds, contenders, host)?, edges))
 }
 
 /// Times of extraction, and of all stages if volumes are prepared.
-fn timed_stages(stopwatch: &mut Stopwatch<'_>, recorder: &mut dyn Recorder, until: Until) -> Result<Sample, Error> {
-    let by_clock = |stopwatch: &Stopwatch<'_>, recorder: &mut dyn Recorder, until| {
-        stopwatch.by_clock(|encoder| recorder.encode(encoder, until, None)).map(|[_, ms]| ms)
+fn timed_stages(
+    stopwatch: &mut Stopwatch<'_>,
+    until: Until,
+    mut record: impl FnMut(&mut CommandEncoder, Until, Option<&mut StageTimer>) -> Result<(), Error>,
+) -> Result<Sample, Error> {
+    let timed = stopwatch.timed(|encoder, timer| record(encoder, until, timer))?;
+    let [extraction, all] = if timed.has_stamps {
+        [timed.of(|name| EXTRACTION.contains(&name)), timed.of(|_| true)]
+    } else {
+        [stopwatch.by_clock(|encoder| record(encoder, Until::Extraction, None))?[1], timed.clock_ms]
     };
-    let timed = stopwatch.has_timer().then(|| stopwatch.timed(|encoder, timer| recorder.encode(encoder, until, timer)));
-    let [extraction, all] = match timed.transpose()?.filter(|timed| timed.passes.is_some()) {
-        Some(timed) => [timed.of(|name| EXTRACTION.contains(&name)), timed.of(|_| true)],
-        None => [by_clock(stopwatch, recorder, Until::Extraction)?, by_clock(stopwatch, recorder, until)?],
-    };
-    let mut sample = vec![(Metric::Time("extraction"), extraction)];
-    if until == Until::Volumes {
-        sample.push((Metric::Time("stages"), all));
-    }
+    let mut sample = times([("extraction", extraction), ("stages", all)]);
+    sample.truncate(if until == Until::Volumes { 2 } else { 1 });
     Ok(sample)
 }
 
 /// Times of a frame with the stencil passes of all lights.
 fn draws(
     stopwatch: &mut Stopwatch<'_>,
-    recorder: &mut dyn Recorder,
+    recorder: &mut SceneRecorder<'_>,
     depth: &wgpu::TextureView,
 ) -> Result<Sample, Error> {
-    let stages_ms = if stopwatch.has_timer() {
-        0.0
-    } else {
-        stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?[1]
-    };
-    let timed = stopwatch.timed(|encoder, mut timer| {
-        recorder.encode(encoder, Until::Volumes, beside_draws(&mut timer))?;
-        for light in 0..LIGHTS {
+    let timed = stopwatch.frame(&["stages", STENCIL], |encoder, part, mut timer| {
+        if part == "stages" {
+            return recorder.encode(encoder, Until::Volumes, beside_draws(timer));
+        }
+        (0..LIGHTS).try_for_each(|light| {
             // Depth is reversed: 0 is farthest.
-            let mut pass = stencil_pass(encoder, depth, LoadOp::Clear(0.0), timer.as_deref_mut(), None);
-            recorder.draw(&mut pass, light)?;
-        }
-        Ok(())
+            let target = Target::counting(depth, LoadOp::Clear(0.0));
+            recorder.draw(&mut target.begin_timed(encoder, STENCIL, timer.as_deref_mut(), None), light)
+        })
     })?;
-    let (stencil, frame) = match timed.passes {
-        None => ((timed.clock_ms - stages_ms).max(0.0), timed.clock_ms),
-        Some((_, span)) => {
-            (timed.of(|name| name == STENCIL), if stopwatch.is_software() { timed.clock_ms } else { span })
-        }
-    };
-    Ok(vec![(Metric::Time("stencil"), stencil), (Metric::Time("frame"), frame)])
+    Ok(times([("stencil", timed.of(|name| name == STENCIL)), ("frame", timed.whole_ms)]))
+}
+
+fn encode_all(scenes: &mut [SceneRecorder<'_>], encoder: &mut CommandEncoder) -> Result<(), Error> {
+    scenes.iter_mut().try_for_each(|scene| scene.encode(encoder, Until::Volumes, None))
 }
 
 /// CPU times of recording a frame after each kind of change, and of the alternative to a scene.
@@ -350,7 +317,7 @@ fn record(
     stopwatch: &Stopwatch<'_>,
     setting: &Setting,
     scene: SceneRecorder<'_>,
-    extractors: Option<Meshes<'_>>,
+    mut scenes: Vec<SceneRecorder<'_>>,
     host: &dyn Host,
 ) -> Result<Vec<Entry>, Error> {
     let (lights, mesh, handles) = (scene.lights.clone(), scene.meshes[0], scene.casters.clone());
@@ -362,7 +329,7 @@ fn record(
             change(&mut scene)?;
             scene.encode(encoder, Until::Volumes, None)
         })?;
-        Ok(vec![(Metric::Time("recording"), ms)])
+        Ok(times([("recording", ms)]))
     };
     // Casters of each round's change follow those of the round before, so that memory is read where it was not read last.
     let moving = |count: usize| -> Contender<'_> {
@@ -393,23 +360,21 @@ fn record(
             Ok(())
         })
     };
-    let mut contenders: Vec<(&str, Contender<'_>)> = vec![
-        ("scene-still", moving(0)),
-        ("scene-1-percent-moved", moving(casters.div_ceil(100))),
-        ("scene-all-moved", moving(casters)),
-        ("scene-light-moved", Box::new(light)),
-        ("scene-new-caster", Box::new(new_caster)),
+    let mut contenders: Vec<(Variant, Contender<'_>)> = vec![
+        (variant("scene-still"), moving(0)),
+        (variant("scene-1-percent-moved"), moving(casters.div_ceil(100))),
+        (variant("scene-all-moved"), moving(casters)),
+        (variant("scene-light-moved"), Box::new(light)),
+        (variant("scene-new-caster"), Box::new(new_caster)),
     ];
-    if let Some(mut extractors) = extractors {
+    if !scenes.is_empty() {
         let run = move || {
-            let [ms, _] = stopwatch.by_clock(|encoder| extractors.encode(encoder, Until::Volumes, None))?;
-            Ok(vec![(Metric::Time("recording"), ms)])
+            let [ms, _] = stopwatch.by_clock(|encoder| encode_all(&mut scenes, encoder))?;
+            Ok(times([("recording", ms)]))
         };
-        contenders.push(("extractors", Box::new(run)));
+        contenders.push((variant("extractors"), Box::new(run)));
     }
-    let (ids, contenders): (Vec<_>, Vec<_>) = contenders.into_iter().unzip();
-    let samples = interleave(rounds, contenders, host)?;
-    Ok(ids.into_iter().zip(samples).map(|(id, samples)| Entry::new(variant(id), &samples)).collect())
+    compare(rounds, contenders, host)
 }
 
 #[cfg(test)]

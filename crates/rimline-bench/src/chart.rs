@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::{DashedPathElement, DynElement};
 use plotters::prelude::*;
@@ -53,6 +53,7 @@ const MARK: i32 = 10;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<io::Error>>;
+type Plot<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<Coordinate, Coordinate>>;
 
 /// How numbers become places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +71,8 @@ pub(crate) struct Axis {
     format: fn(f64) -> String,
     low: f64,
     high: f64,
+    /// The lowest tick stands for zero, which a logarithmic axis does not have.
+    has_zero: bool,
 }
 
 /// A number with the quartiles around it.
@@ -80,7 +83,7 @@ pub(crate) struct Point {
     pub(crate) quartiles: [f64; 2],
 }
 
-/// Points of one mark: a curve, or a cloud.
+/// A key, and in a plane its points: a curve, or a cloud.
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
     pub(crate) name: String,
@@ -100,27 +103,22 @@ pub(crate) struct Bar {
     pub(crate) remark: String,
 }
 
-/// A chart of any kind.
+/// A chart over a horizontal axis.
 #[derive(Clone, Debug)]
-pub(crate) enum Chart {
-    Plane {
-        x: Axis,
-        y: Axis,
-        series: Vec<Series>,
-        /// Points are joined to a curve.
-        joined: bool,
-        /// A dashed line at this y.
-        level: Option<f64>,
-    },
-    Rows {
-        axis: Axis,
-        keys: Vec<(String, Mark)>,
-        rows: Vec<Bar>,
-        /// Values of a row are parts of one bar; otherwise they are dots on one line.
-        stacked: bool,
-        /// A dashed line at this number.
-        level: Option<f64>,
-    },
+pub(crate) struct Chart {
+    pub(crate) axis: Axis,
+    pub(crate) series: Vec<Series>,
+    pub(crate) body: Body,
+    /// A dashed line at this number: of the vertical axis of a plane, and of the only axis of rows.
+    pub(crate) level: Option<f64>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Body {
+    /// Points over a vertical axis, which may be joined to curves.
+    Plane { y: Axis, is_joined: bool },
+    /// Values of a row are parts of one bar if they are stacked, otherwise dots on one line.
+    Rows { rows: Vec<Bar>, is_stacked: bool },
 }
 
 /// Where a chart goes.
@@ -143,9 +141,14 @@ impl Axis {
         format: fn(f64) -> String,
         values: impl IntoIterator<Item = f64>,
     ) -> Self {
-        let shown = values.into_iter().filter(|value| value.is_finite() && (scale == Scale::Linear || *value > 0.0));
-        let (low, high) =
-            shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let (mut low, mut high, mut has_zero) = (f64::INFINITY, f64::NEG_INFINITY, false);
+        for value in values.into_iter().filter(|value| value.is_finite()) {
+            if scale == Scale::Log && value <= 0.0 {
+                has_zero = true;
+            } else {
+                (low, high) = (low.min(value), high.max(value));
+            }
+        }
         let (low, high) = match scale {
             _ if low > high => (1.0, 10.0),
             Scale::Log => {
@@ -154,7 +157,7 @@ impl Axis {
             }
             Scale::Linear => (low.min(0.0), if high > low.min(0.0) { high * 1.08 } else { 1.0 }),
         };
-        Self { title: title.to_owned(), scale, format, low, high }
+        Self { title: title.to_owned(), scale, format, low, high, has_zero }
     }
 
     /// The same with a number shown that may lie outside.
@@ -179,7 +182,7 @@ impl Axis {
     }
 
     /// The coordinate, with as many round ticks as have room.
-    fn coordinate(&self, room: i32, of_tick: impl Fn(&str) -> i32, has_zero: bool) -> Coordinate {
+    fn coordinate(&self, room: i32, of_tick: impl Fn(&str) -> i32) -> Coordinate {
         let [low, high] = [self.low, self.high].map(|end| self.position(end));
         let fits = |ticks: &Vec<f64>| {
             ticks.windows(2).all(|pair| {
@@ -189,13 +192,22 @@ impl Axis {
             })
         };
         let mut ticks = self.ticks().into_iter().find(fits).unwrap_or_default();
-        if has_zero {
+        if self.has_zero {
             let least = self.low * 10_f64.powf(0.1 * (high - low));
             ticks.retain(|tick| *tick > least);
             ticks.insert(0, self.low);
         }
         let ticks = ticks.into_iter().map(|tick| self.position(tick)).collect();
-        Coordinate { positions: (low..high).into(), ticks, axis: self.clone(), has_zero }
+        Coordinate { positions: (low..high).into(), ticks }
+    }
+
+    /// The text of a tick.
+    fn label(&self, position: f64) -> String {
+        match self.scale {
+            Scale::Log if self.has_zero && position <= self.position(self.low) => "0".to_owned(),
+            Scale::Log => (self.format)(10_f64.powf(position)),
+            Scale::Linear => (self.format)(position),
+        }
     }
 
     /// Round numbers in the range, the most first.
@@ -218,26 +230,14 @@ impl Axis {
     }
 }
 
-/// plotters' coordinate of an axis, with its ticks. plotters' own ticks of a logarithm are whole decades, too few for the
-/// spans of these charts.
+/// An axis with its ticks. plotters' own ticks of a logarithm are whole decades, too few for the spans of these charts.
 struct Coordinate {
     positions: RangedCoordf64,
     ticks: Vec<f64>,
-    axis: Axis,
-    /// The lowest tick stands for zero.
-    has_zero: bool,
-}
-
-impl Coordinate {
-    /// Rows of a list, the first one at the top, without ticks.
-    fn rows(count: usize) -> Self {
-        let axis = Axis::over("", Scale::Linear, |_| String::new(), []);
-        Self { positions: (count as f64..0.0).into(), ticks: Vec::new(), axis, has_zero: false }
-    }
 }
 
 impl Ranged for Coordinate {
-    type FormatOption = NoDefaultFormatting;
+    type FormatOption = DefaultFormatting;
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
@@ -250,16 +250,6 @@ impl Ranged for Coordinate {
 
     fn range(&self) -> Range<f64> {
         self.positions.range()
-    }
-}
-
-impl ValueFormatter<f64> for Coordinate {
-    fn format_ext(&self, position: &f64) -> String {
-        match self.axis.scale {
-            Scale::Log if self.has_zero && *position <= self.axis.position(self.axis.low) => "0".to_owned(),
-            Scale::Log => (self.axis.format)(10_f64.powf(*position)),
-            Scale::Linear => (self.axis.format)(*position),
-        }
     }
 }
 
@@ -305,20 +295,15 @@ impl Chart {
     pub(crate) fn svg(&self, target: Target<'_>) -> io::Result<String> {
         let wide = !matches!(target, Target::Phone);
         let (head, foot) = if let Target::File { .. } = target { (90, 60) } else { (0, 0) };
-        let keys = self.keys();
+        let keys = if self.series.len() > 1 { &self.series[..] } else { &[] };
         // Beside the chart, or above it on a phone.
-        let beside = if wide { keys.iter().map(|(name, _)| width(name) + 90).max().unwrap_or(0).min(720) } else { 0 };
+        let beside = if wide { keys.iter().map(|key| width(&key.name) + 90).max().unwrap_or(0).min(720) } else { 0 };
         let above = if wide || keys.is_empty() { 16 } else { 30 + LINE * keys.len() as i32 };
         let total_width = if wide { 1920 } else { 720 };
-        let body = match self {
-            Self::Plane { .. } => {
-                if wide {
-                    820
-                } else {
-                    640
-                }
-            }
-            Self::Rows { rows, .. } => (LINE + 8) * rows.len() as i32 + 110,
+        let body = match &self.body {
+            Body::Plane { .. } if wide => 820,
+            Body::Plane { .. } => 640,
+            Body::Rows { rows, .. } => (LINE + 8) * rows.len() as i32 + 110,
         };
         let body = body.max(if wide { LINE * keys.len() as i32 + 120 } else { 0 });
         let size = (total_width, head + above + body + foot);
@@ -327,15 +312,15 @@ impl Chart {
             let root = SVGBackend::with_string(svg, (size.0 as u32, size.1 as u32)).into_drawing_area();
             root.fill(&GROUND)?;
             let legend = if wide { (total_width - beside + 30, head + above + 20) } else { (20, 20) };
-            for (row, (name, mark)) in (0..).zip(&keys) {
+            for (row, key) in (0..).zip(keys) {
                 let at = (legend.0, legend.1 + LINE * row);
-                root.draw(&marked(at, *mark))?;
-                text(&root, (at.0 + 28, at.1), name, HPos::Left, TEXT)?;
+                root.draw(&marked(at, key.mark))?;
+                text(&root, (at.0 + 28, at.1), &key.name, HPos::Left, TEXT)?;
             }
             let inner = root.margin(head + above, foot, 0, beside);
-            match self {
-                Self::Plane { x, y, series, joined, level } => plane(&inner, [x, y], series, *joined, *level, wide)?,
-                Self::Rows { axis, keys, rows, stacked, level } => bars(&inner, axis, keys, rows, *stacked, *level)?,
+            match &self.body {
+                Body::Plane { y, is_joined } => self.plane(&inner, y, *is_joined, wide)?,
+                Body::Rows { rows, is_stacked } => self.rows(&inner, rows, *is_stacked, wide)?,
             }
             if let Target::File { title, origin } = target {
                 let heading = FontDesc::new(FontFamily::Name("Ubuntu"), 36.0 * 1.24, FontStyle::Bold);
@@ -354,151 +339,122 @@ impl Chart {
         Ok(svg.replacen(&sized, "<svg ", 1).replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1))
     }
 
-    fn keys(&self) -> Vec<(String, Mark)> {
-        let keys: Vec<_> = match self {
-            Self::Plane { series, .. } => series.iter().map(|series| (series.name.clone(), series.mark)).collect(),
-            Self::Rows { keys, .. } => keys.clone(),
-        };
-        if keys.len() > 1 { keys } else { Vec::new() }
-    }
-}
-
-fn plane(
-    area: &Area<'_>,
-    [x, y]: [&Axis; 2],
-    series: &[Series],
-    joined: bool,
-    level: Option<f64>,
-    wide: bool,
-) -> Drawn {
-    let has_zero = y.scale == Scale::Log && series.iter().flat_map(|series| &series.points).any(|point| point.y <= 0.0);
-    let (across, down) = area.dim_in_pixel();
-    let left = if wide { 170 } else { 130 };
-    let mut chart = ChartBuilder::on(area)
-        .margin_right(30)
-        .margin_left(30)
-        .margin_top(20)
-        .x_label_area_size(100)
-        .y_label_area_size(left)
-        .build_cartesian_2d(
-            x.coordinate(across as i32 - left - 60, |tick| width(tick) + 20, false),
-            y.coordinate(down as i32 - 120, |_| 52, has_zero),
-        )?;
-    mesh(&mut chart, &y.title)?;
-    title(area, &x.title, left + 30, 30)?;
-    let position = |point: &Point| (x.position(point.x), y.position(point.y));
-    if let Some(level) = level {
-        let ends = [x.low, x.high].map(|end| (x.position(end), y.position(level)));
-        chart.plotting_area().draw(&DashedPathElement::new(ends, 12, 8, MUTED.stroke_width(3)))?;
-    }
-    for Series { mark, points, .. } in series {
-        let color = colour(*mark);
-        if joined {
-            let line = points.iter().map(position);
-            if mark.hollow {
-                chart.draw_series(DashedLineSeries::new(line, 14, 8, color.stroke_width(4)))?;
-            } else {
-                chart.draw_series(LineSeries::new(line, color.stroke_width(4)))?;
+    fn plane(&self, area: &Area<'_>, y: &Axis, is_joined: bool, wide: bool) -> Drawn {
+        let (x, (across, down)) = (&self.axis, area.dim_in_pixel());
+        let left = if wide { 170 } else { 130 };
+        let mut chart = ChartBuilder::on(area)
+            .margin_right(30)
+            .margin_left(30)
+            .margin_top(20)
+            .x_label_area_size(100)
+            .y_label_area_size(left)
+            .build_cartesian_2d(
+                x.coordinate(across as i32 - left - 60, |tick| width(tick) + 20),
+                y.coordinate(down as i32 - 120, |_| 52),
+            )?;
+        self.mesh(area, &mut chart, Some(y), [left + 30, 30])?;
+        let position = |point: &Point| (x.position(point.x), y.position(point.y));
+        let ends = [x.low, x.high].map(|end| x.position(end));
+        self.dashed(&chart, |level| ends.map(|end| (end, y.position(level))))?;
+        for Series { mark, points, .. } in &self.series {
+            let color = colour(*mark);
+            if is_joined {
+                let line = points.iter().map(position);
+                if mark.hollow {
+                    chart.draw_series(DashedLineSeries::new(line, 14, 8, color.stroke_width(4)))?;
+                } else {
+                    chart.draw_series(LineSeries::new(line, color.stroke_width(4)))?;
+                }
+            }
+            let spreads = points.iter().filter(|point| point.quartiles[1] > point.quartiles[0]);
+            chart.draw_series(spreads.map(|point| {
+                let ends = point.quartiles.map(|end| (x.position(point.x), y.position(end)));
+                PathElement::new(ends, color.stroke_width(3))
+            }))?;
+            for point in points {
+                area.draw(&marked(relative(area, &chart, position(point)), *mark))?;
             }
         }
-        let spreads = points.iter().filter(|point| point.quartiles[1] > point.quartiles[0]);
-        chart.draw_series(spreads.map(|point| {
-            let ends = point.quartiles.map(|end| (x.position(point.x), y.position(end)));
-            PathElement::new(ends, color.stroke_width(3))
-        }))?;
-        for point in points {
-            let at = chart.backend_coord(&position(point));
-            area.strip_coord_spec().draw(&marked(relative(area, at), *mark))?;
-        }
+        Ok(())
     }
-    Ok(())
-}
 
-/// A place of the whole picture, as the area counts.
-fn relative(area: &Area<'_>, at: (i32, i32)) -> (i32, i32) {
-    let (x, y) = area.get_base_pixel();
-    (at.0 - x, at.1 - y)
-}
-
-/// The title of a horizontal axis: below its middle, as far as there is room.
-fn title(area: &Area<'_>, title: &str, left: i32, right: i32) -> Drawn {
-    let (across, down) = area.dim_in_pixel();
-    let half = width(title) / 2;
-    let middle = i32::midpoint(left, across as i32 - right).min(across as i32 - half).max(half);
-    text(area, (middle, down as i32 - 24), title, HPos::Center, TEXT)
-}
-
-fn mesh<'a>(chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<Coordinate, Coordinate>>, y: &str) -> Drawn {
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(GRID.stroke_width(2))
-        .axis_style(MUTED.stroke_width(2))
-        .label_style(style(MUTED))
-        .axis_desc_style(style(TEXT))
-        .y_desc(y)
-        .draw()
-}
-
-fn bars(
-    area: &Area<'_>,
-    axis: &Axis,
-    keys: &[(String, Mark)],
-    rows: &[Bar],
-    stacked: bool,
-    level: Option<f64>,
-) -> Drawn {
-    let (across, _) = area.dim_in_pixel();
-    let is_narrow = across < 1000;
-    // On a phone headings lie across the bars.
-    let names = rows.iter().filter(|row| !(is_narrow && row.is_heading)).map(|row| width(&row.name)).max().unwrap_or(0);
-    let left = (names + 30).min(across as i32 * 5 / 8);
-    let right = rows.iter().map(|row| width(&row.remark)).max().unwrap_or(0) + 40;
-    let count = rows.len() as f64;
-    let mut chart = ChartBuilder::on(area)
-        .margin_right(right)
-        .margin_top(10)
-        .x_label_area_size(100)
-        .y_label_area_size(left)
-        .build_cartesian_2d(
-            axis.coordinate(across as i32 - left - right, |tick| width(tick) + 20, false),
-            Coordinate::rows(rows.len()),
-        )?;
-    mesh(&mut chart, "")?;
-    title(area, &axis.title, left, right)?;
-    let at = |value: f64, y: f64| (axis.position(value), y);
-    if let Some(level) = level {
-        let ends = [0.0, count].map(|y| at(level, y));
-        chart.plotting_area().draw(&DashedPathElement::new(ends, 12, 8, MUTED.stroke_width(3)))?;
-    }
-    for (row, Bar { name, is_heading, values, remark }) in (0..).map(f64::from).zip(rows) {
-        let middle = row + 0.5;
-        let (x, y) = relative(area, chart.backend_coord(&at(axis.low, middle)));
-        match (is_heading, is_narrow) {
-            (true, true) => text(area, (8, y), name, HPos::Left, MUTED)?,
-            (true, false) => text(area, (x - 16, y), name, HPos::Right, MUTED)?,
-            (false, _) => text(area, (x - 16, y), name, HPos::Right, TEXT)?,
-        }
-        let mut end = 0.0;
-        for ((_, mark), value) in keys.iter().zip(values) {
-            let Some((length, quartiles)) = value else { continue };
-            if stacked {
-                let corners = [at(end, row + 0.12), at(end + length, row + 0.88)];
-                chart.draw_series([Rectangle::new(corners, colour(*mark).filled())])?;
-                end += length;
-            } else {
-                let ends = quartiles.map(|end| at(end, middle));
-                chart.draw_series([PathElement::new(ends, colour(*mark).stroke_width(4))])?;
-                let at = relative(area, chart.backend_coord(&at(*length, middle)));
-                area.draw(&marked(at, *mark))?;
+    fn rows(&self, area: &Area<'_>, rows: &[Bar], is_stacked: bool, wide: bool) -> Drawn {
+        let (axis, (across, _)) = (&self.axis, area.dim_in_pixel());
+        // On a phone headings lie across the bars.
+        let names = rows.iter().filter(|row| wide || !row.is_heading).map(|row| width(&row.name)).max().unwrap_or(0);
+        let left = (names + 30).min(across as i32 * 5 / 8);
+        let right = rows.iter().map(|row| width(&row.remark)).max().unwrap_or(0) + 40;
+        let count = rows.len() as f64;
+        let mut chart = ChartBuilder::on(area)
+            .margin_right(right)
+            .margin_top(10)
+            .x_label_area_size(100)
+            .y_label_area_size(left)
+            .build_cartesian_2d(
+                axis.coordinate(across as i32 - left - right, |tick| width(tick) + 20),
+                // The first row is at the top.
+                Coordinate { positions: (count..0.0).into(), ticks: Vec::new() },
+            )?;
+        self.mesh(area, &mut chart, None, [left, right])?;
+        let at = |value: f64, y: f64| (axis.position(value), y);
+        self.dashed(&chart, |level| [0.0, count].map(|y| at(level, y)))?;
+        for (row, Bar { name, is_heading, values, remark }) in (0..).map(f64::from).zip(rows) {
+            let middle = row + 0.5;
+            let (x, y) = relative(area, &chart, at(axis.low, middle));
+            let color = if *is_heading { MUTED } else { TEXT };
+            let (x, anchor) = if *is_heading && !wide { (8, HPos::Left) } else { (x - 16, HPos::Right) };
+            text(area, (x, y), name, anchor, color)?;
+            let mut end = 0.0;
+            for (Series { mark, .. }, value) in self.series.iter().zip(values) {
+                let Some((length, quartiles)) = value else { continue };
+                if is_stacked {
+                    let corners = [at(end, row + 0.12), at(end + length, row + 0.88)];
+                    chart.draw_series([Rectangle::new(corners, colour(*mark).filled())])?;
+                    end += length;
+                } else {
+                    let ends = quartiles.map(|end| at(end, middle));
+                    chart.draw_series([PathElement::new(ends, colour(*mark).stroke_width(4))])?;
+                    area.draw(&marked(relative(area, &chart, at(*length, middle)), *mark))?;
+                }
+            }
+            if !remark.is_empty() {
+                let (x, y) = relative(area, &chart, at(end, middle));
+                text(area, (x + 12, y), remark, HPos::Left, MUTED)?;
             }
         }
-        if !remark.is_empty() {
-            let (x, y) = relative(area, chart.backend_coord(&at(end, middle)));
-            text(area, (x + 12, y), remark, HPos::Left, MUTED)?;
-        }
+        Ok(())
     }
-    Ok(())
+
+    /// The grid with its ticks, and the axes' titles: the horizontal one below its middle, as far as there is room.
+    fn mesh(&self, area: &Area<'_>, chart: &mut Plot<'_>, y: Option<&Axis>, [left, right]: [i32; 2]) -> Drawn {
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(GRID.stroke_width(2))
+            .axis_style(MUTED.stroke_width(2))
+            .label_style(style(MUTED))
+            .axis_desc_style(style(TEXT))
+            .x_label_formatter(&|position| self.axis.label(*position))
+            .y_label_formatter(&|position| y.map_or_else(String::new, |y| y.label(*position)))
+            .y_desc(y.map_or("", |y| &y.title))
+            .draw()?;
+        let (across, down) = area.dim_in_pixel();
+        let half = width(&self.axis.title) / 2;
+        let middle = i32::midpoint(left, across as i32 - right).min(across as i32 - half).max(half);
+        text(area, (middle, down as i32 - 24), &self.axis.title, HPos::Center, TEXT)
+    }
+
+    /// The line at the level.
+    fn dashed(&self, chart: &Plot<'_>, ends: impl Fn(f64) -> [(f64, f64); 2]) -> Drawn {
+        let Some(level) = self.level else { return Ok(()) };
+        chart.plotting_area().draw(&DashedPathElement::new(ends(level), 12, 8, MUTED.stroke_width(3)))
+    }
+}
+
+/// A place of the plot, as the area counts.
+fn relative(area: &Area<'_>, chart: &Plot<'_>, position: (f64, f64)) -> (i32, i32) {
+    let ((x, y), (left, top)) = (chart.backend_coord(&position), area.get_base_pixel());
+    (x - left, y - top)
 }
 
 /// A drawing for a file as PNG. Its lengths are pixels already, two of them to a CSS pixel: sharp on screens that have

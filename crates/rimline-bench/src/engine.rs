@@ -19,6 +19,11 @@ pub enum Metric {
 /// All that one run of a contender found.
 pub type Sample = Vec<(Metric, f64)>;
 
+/// Milliseconds of wholes.
+pub fn times<const N: usize>(times: [(&'static str, f64); N]) -> Sample {
+    times.map(|(name, ms)| (Metric::Time(name), ms)).into()
+}
+
 /// Work that runs once a round.
 pub type Contender<'a> = Box<dyn FnMut() -> Result<Sample, Error> + 'a>;
 

@@ -35,6 +35,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// A failure of the device, or of what a bench works with.
+    pub fn device(error: impl std::fmt::Display) -> Self {
+        Self::Device(error.to_string())
+    }
+
     /// The device has too little memory for the scene, so another one may serve.
     pub fn is_too_large(&self) -> bool {
         match self {

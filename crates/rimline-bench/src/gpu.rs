@@ -8,6 +8,7 @@ use wgpu::BufferUsages;
 
 use crate::Error;
 use crate::engine::{Metric, Sample, Summary};
+use crate::pipelines::{pixels, texture};
 
 /// An opened device. What it is of is cheap to clone.
 pub struct Gpu {
@@ -20,15 +21,15 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The device that wgpu takes first, with timestamps where it has them, for benches. Returns the name of the
-    /// adapter, too.
-    pub fn first() -> Result<(Self, String), Error> {
+    /// The device that wgpu takes first, with timestamps and these features where it has them, for benches. Returns the
+    /// name of the adapter, too.
+    pub fn first(wanted: wgpu::Features) -> Result<(Self, String), Error> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
-        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .map_err(|error| Error::Device(error.to_string()))?;
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+        let adapter = adapter.map_err(Error::device)?;
         let offered = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: adapter.features() & (wanted | wgpu::Features::TIMESTAMP_QUERY),
             required_limits: wgpu::Limits {
                 max_buffer_size: offered.max_buffer_size,
                 max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
@@ -37,7 +38,7 @@ impl Gpu {
             ..wgpu::DeviceDescriptor::default()
         };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
-        let (device, queue) = opened.map_err(|error| Error::Device(error.to_string()))?;
+        let (device, queue) = opened.map_err(Error::device)?;
         let pipelines = Pipelines::new(&device);
         Ok((Self { device, queue, pipelines, reported: Box::new(|| None) }, adapter.get_info().name))
     }
@@ -46,7 +47,7 @@ impl Gpu {
     pub fn wait(&self) -> Result<(), Error> {
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;
-        polled.map(drop).map_err(|error| Error::Device(error.to_string()))
+        polled.map(drop).map_err(Error::device)
     }
 
     /// Fails if the device reported an error.
@@ -89,19 +90,23 @@ impl Gpu {
         Ok(all)
     }
 
-    /// A texture to draw to and to read.
-    pub fn texture(&self, size: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
-        use wgpu::TextureUsages;
-        self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("bench"),
-            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        })
+    /// A view of a new texture to draw to and to read.
+    pub fn texture(&self, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureView {
+        texture(&self.device, size, format)
+    }
+
+    /// The pixels of a texture, row by row, after what `record` records has run.
+    pub fn pixels(
+        &self,
+        view: &wgpu::TextureView,
+        aspect: wgpu::TextureAspect,
+        record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), Error>,
+    ) -> Result<Vec<u8>, Error> {
+        let mut encoder = self.encoder();
+        record(&mut encoder)?;
+        let pixels = pixels((&self.device, &self.queue), encoder, view, aspect);
+        self.check()?;
+        Ok(pixels?)
     }
 
     /// Bytes that the device has allocated in buffers and textures, where its backend tells.
@@ -132,8 +137,8 @@ impl Gpu {
     }
 }
 
-/// Milliseconds of each pass, and from the first one's beginning to the last one's end.
-type Passes = (Vec<(&'static str, f64)>, f64);
+/// Milliseconds of each pass.
+type Passes = Vec<(&'static str, f64)>;
 
 /// Times of a frame that was recorded and run.
 pub struct Timed {
@@ -141,27 +146,29 @@ pub struct Timed {
     pub recording_ms: f64,
     /// By the clock, from the submission on.
     pub clock_ms: f64,
-    /// `None` without a timer.
-    pub passes: Option<Passes>,
+    /// The whole: from the first pass's beginning to the last one's end if they were timed, otherwise by the clock.
+    pub whole_ms: f64,
+    /// The device timed its passes.
+    pub has_stamps: bool,
+    /// Passes, or parts that were run one by one.
+    passes: Passes,
 }
 
 impl Timed {
     /// The time of the passes whose name is chosen.
     pub fn of(&self, chosen: impl Fn(&str) -> bool) -> f64 {
-        let passes = self.passes.iter().flat_map(|(passes, _)| passes);
-        passes.filter(|(name, _)| chosen(name)).map(|(_, ms)| ms).sum()
+        self.passes.iter().filter(|(name, _)| chosen(name)).map(|(_, ms)| ms).sum()
     }
 
     /// Each pass as a metric.
     pub fn stages(&self) -> Sample {
-        let passes = self.passes.iter().flat_map(|(passes, _)| passes);
-        passes.map(|&(name, ms)| (Metric::Stage(name), ms)).collect()
+        self.passes.iter().map(|&(name, ms)| (Metric::Stage(name), ms)).collect()
     }
 }
 
 /// The timer of compute stages on a device that draws: none on software.
-pub fn beside_draws<'t>(timer: &'t mut Option<&mut StageTimer>) -> Option<&'t mut StageTimer> {
-    timer.as_deref_mut().filter(|timer| !timer.is_software())
+pub fn beside_draws(timer: Option<&mut StageTimer>) -> Option<&mut StageTimer> {
+    timer.filter(|timer| !timer.is_software())
 }
 
 /// Records frames and runs them on one device.
@@ -178,16 +185,6 @@ pub struct Stopwatch<'a> {
 impl<'a> Stopwatch<'a> {
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, timer: StageTimer::new(&gpu.device, &gpu.queue) }
-    }
-
-    /// Whether passes have times of their own.
-    pub fn has_timer(&self) -> bool {
-        self.timer.is_some()
-    }
-
-    /// Whether whole frames are by the clock, since the device is software.
-    pub fn is_software(&self) -> bool {
-        self.timer.as_ref().is_none_or(StageTimer::is_software)
     }
 
     /// Runs what `record` records, and waits for it.
@@ -210,10 +207,41 @@ impl<'a> Stopwatch<'a> {
         self.gpu.wait()?;
         let clock_ms = recorded.elapsed().as_secs_f64() * 1e3;
         let recording_ms = (recorded - begin).as_secs_f64() * 1e3;
-        Ok(Timed { recording_ms, clock_ms, passes: self.read()? })
+        let stamps = self.read()?;
+        let has_stamps = stamps.is_some();
+        let (passes, whole_ms) = stamps.unwrap_or_else(|| (Vec::new(), clock_ms));
+        Ok(Timed { recording_ms, clock_ms, whole_ms, has_stamps, passes })
     }
 
-    /// The same without timestamps. Returns milliseconds of the CPU for recording, and by the clock from the submission on.
+    /// Runs a frame of parts, of which `record` records the one of a name. A part that draws is a pass of its name.
+    /// Without timestamps the parts are run and timed one by one. On software the whole is by the clock.
+    pub fn frame(
+        &mut self,
+        parts: &[&'static str],
+        mut record: impl FnMut(&mut wgpu::CommandEncoder, &'static str, Option<&mut StageTimer>) -> Result<(), Error>,
+    ) -> Result<Timed, Error> {
+        if let Some(is_software) = self.timer.as_ref().map(StageTimer::is_software) {
+            let mut all = self.timed(|encoder, mut timer| {
+                parts.iter().try_for_each(|part| record(encoder, part, timer.as_deref_mut()))
+            })?;
+            if all.has_stamps {
+                all.whole_ms = if is_software { all.clock_ms } else { all.whole_ms };
+                return Ok(all);
+            }
+        }
+        let mut sums = [0.0; 2];
+        let mut passes = Vec::new();
+        for &part in parts {
+            let times = self.by_clock(|encoder| record(encoder, part, None))?;
+            passes.push((part, times[1]));
+            sums.iter_mut().zip(times).for_each(|(sum, ms)| *sum += ms);
+        }
+        let [recording_ms, clock_ms] = sums;
+        Ok(Timed { recording_ms, clock_ms, whole_ms: clock_ms, has_stamps: false, passes })
+    }
+
+    /// The same as [`Self::timed`] without timestamps. Returns milliseconds of the CPU for recording, and by the clock
+    /// from the submission on.
     pub fn by_clock(
         &self,
         record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), Error>,
@@ -222,8 +250,9 @@ impl<'a> Stopwatch<'a> {
         Ok([timed.recording_ms, timed.clock_ms])
     }
 
-    /// `None` without a timer, and from the first timestamps on that mean nothing.
-    fn read(&mut self) -> Result<Option<Passes>, Error> {
+    /// Passes and the time from the first to the last. `None` without a timer, and from the first timestamps on that mean
+    /// nothing.
+    fn read(&mut self) -> Result<Option<(Passes, f64)>, Error> {
         let Some(timer) = &self.timer else { return Ok(None) };
         let Gpu { device, queue, .. } = self.gpu;
         match timer.read(device, queue).and_then(|passes| Ok((passes, timer.read_span(device, queue)?))) {

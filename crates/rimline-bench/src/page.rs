@@ -40,6 +40,18 @@ pub(crate) struct Figure {
     pub(crate) table: Table,
 }
 
+impl Figure {
+    pub(crate) fn new(
+        id: &'static str,
+        title: impl Into<String>,
+        lead: impl Into<String>,
+        chart: Option<Chart>,
+        table: Table,
+    ) -> Self {
+        Self { id, title: title.into(), lead: lead.into(), chart, table }
+    }
+}
+
 /// Rows of text; the first cell of each says what the row is.
 #[derive(Default)]
 pub(crate) struct Table {

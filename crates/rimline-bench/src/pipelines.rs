@@ -1,4 +1,6 @@
-//! Pipelines of a single WGSL module, with the fields that differ between them.
+//! Pipelines of a single WGSL module, with the fields that differ between them; textures and their pixels.
+
+use rimline::gpu::{DeviceError, read_back_vec};
 
 /// Triangles whose corners lie in binding 1, three floats each, for the depth of surfaces. Binding 0 has the columns of
 /// a camera's matrix, and the origin that it takes positions from.
@@ -73,6 +75,70 @@ impl Drawing<'_> {
     }
 }
 
+/// Adds colours.
+pub const ADDED: wgpu::BlendState = {
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState { color: add, alpha: add }
+};
+
+/// A group of resources, from binding 0 on.
+pub fn group<'a>(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entries = (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+    let entries = &entries.collect::<Vec<_>>();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
+}
+
+/// A view of a new texture to draw to and to read.
+pub fn texture(device: &wgpu::Device, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureView {
+    use wgpu::TextureUsages;
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("bench"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// The pixels of a texture, row by row, after what the encoder recorded has run.
+pub fn pixels(
+    (device, queue): (&wgpu::Device, &wgpu::Queue),
+    mut encoder: wgpu::CommandEncoder,
+    view: &wgpu::TextureView,
+    aspect: wgpu::TextureAspect,
+) -> Result<Vec<u8>, DeviceError> {
+    let texture = view.texture();
+    let bytes = texture.format().block_copy_size(Some(aspect)).unwrap_or(1) * texture.width();
+    let row = bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("bench"),
+        size: u64::from(row * texture.height()),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    encoder.copy_texture_to_buffer(
+        wgpu::TexelCopyTextureInfo { aspect, ..texture.as_image_copy() },
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        texture.size(),
+    );
+    queue.submit([encoder.finish()]);
+    let all: Vec<u8> = read_back_vec(device, queue, &buffer)?;
+    Ok(all.chunks(row as usize).flat_map(|line| &line[..bytes as usize]).copied().collect())
+}
+
 /// Depth that is compared, and written or not, without a stencil.
 pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_written: bool) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
@@ -87,58 +153,32 @@ pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_wri
 /// A compute pipeline over the texels of a texture, with one sample or several: binding 0 of group 0.
 /// Binding 1 is a storage buffer that is written.
 #[derive(Debug)]
-pub struct TexelKernel {
-    pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
-}
+pub struct TexelKernel(wgpu::ComputePipeline);
 
 impl TexelKernel {
-    pub fn new(
-        device: &wgpu::Device,
-        (label, source): (&str, &str),
-        sample_type: wgpu::TextureSampleType,
-        multisampled: bool,
-    ) -> Self {
+    pub fn new(device: &wgpu::Device, label: &str, source: &str) -> Self {
         let label = Some(label);
         let source = wgpu::ShaderSource::Wgsl(source.into());
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
-        let view_dimension = wgpu::TextureViewDimension::D2;
-        let texture = wgpu::BindingType::Texture { sample_type, view_dimension, multisampled };
-        let storage = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: false },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let visibility = wgpu::ShaderStages::COMPUTE;
-        let entries = [(0, texture), (1, storage)];
-        let entries = entries.map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None });
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        Self(device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label,
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            })),
-            module: &module,
+            layout: None,
+            module,
             entry_point: None,
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
-        });
-        Self { pipeline, layout }
+        }))
     }
 
     /// The bind group of a run: all that it reads and writes.
     pub fn group(&self, device: &wgpu::Device, texture: &wgpu::TextureView, words: &wgpu::Buffer) -> wgpu::BindGroup {
-        let entries = [wgpu::BindingResource::TextureView(texture), words.as_entire_binding()];
-        let entries = (0..).zip(entries).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-        let entries = entries.collect::<Vec<_>>();
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &self.layout, entries: &entries })
+        let resources = [wgpu::BindingResource::TextureView(texture), words.as_entire_binding()];
+        group(device, &self.0.get_bind_group_layout(0), resources)
     }
 
     pub fn run(&self, encoder: &mut wgpu::CommandEncoder, group: &wgpu::BindGroup, [x, y]: [u32; 2]) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.0);
         pass.set_bind_group(0, group, &[]);
         pass.dispatch_workgroups(x, y, 1);
     }

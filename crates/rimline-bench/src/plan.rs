@@ -1,11 +1,14 @@
 //! Selection and order of the measurements.
 
+use std::rc::Rc;
 use std::time::Duration;
 
 use crate::casters::CasterMesh;
 use crate::engine::Rounds;
 use crate::extraction::subject::{Model, Subject};
 use crate::shadows::Frames;
+use crate::shadows::scene::{MODELS, PATHS, Path, fitted};
+use crate::shapes::Shape;
 use crate::skipping::scenes::SkipScene;
 use crate::stress;
 
@@ -51,18 +54,23 @@ pub enum PlanError {
 /// Rows to come.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Each with its numbers of lights.
-    pub(crate) subjects: Vec<(Subject, Vec<usize>)>,
+    pub(crate) jobs: Vec<Job>,
     pub(crate) rounds: Rounds,
-    pub(crate) shadows: Frames,
-    /// How many of the models cast in `shadows`, from the first on; or the user's own.
-    pub(crate) models: usize,
-    pub(crate) user_model: Option<Model>,
-    pub(crate) casters: Vec<(CasterMesh, usize)>,
-    /// Approximate face counts of the single casters that are held against an extractor.
-    pub(crate) one_mesh: Vec<usize>,
-    /// Scenes with their numbers of casters.
-    pub(crate) skipping: Vec<(SkipScene, usize)>,
+    pub(crate) frames: Frames,
+}
+
+/// Something to measure: a row, but for extraction.
+#[derive(Clone, Debug)]
+pub(crate) enum Job {
+    /// A row for each number of lights.
+    Extraction(Subject, Vec<usize>),
+    /// A caster with its name, on a path.
+    Shadows(String, Rc<Shape>, Path),
+    Casters(CasterMesh, usize),
+    /// The approximate number of faces of a single caster that is held against an extractor.
+    OneMesh(usize),
+    /// A scene with its number of casters.
+    Skipping(SkipScene, usize),
 }
 
 const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];
@@ -97,116 +105,96 @@ impl Plan {
     pub fn new(options: Options) -> Result<Self, PlanError> {
         let Options { quick, cpu_only, .. } = options;
         let usual = |all: &[usize], few: &[usize]| if quick { few.to_vec() } else { all.to_vec() };
-        let names = Names::new(&options)?;
+        let wanted = wanted(&options)?;
+        let of_skipping: Vec<&str> = wanted.iter().filter(|name| SKIPPING.contains(name)).copied().collect();
+        let has_casters = wanted.contains(&CASTERS);
         let casters = options.casters.clone();
-        if !names.has_casters && names.skipping.is_empty() && casters.as_ref().is_some_and(|all| !all.is_empty()) {
+        if !has_casters && of_skipping.is_empty() && casters.as_ref().is_some_and(|all| !all.is_empty()) {
             return Err(PlanError::CastersWithoutScene);
         }
-        let has_user_model = options.model.is_some();
-        let meshes =
-            options.meshes.unwrap_or_else(|| if has_user_model { Vec::new() } else { usual(&MESHES, &QUICK_MESHES) });
+        let meshes = usual(&MESHES, &QUICK_MESHES);
+        let meshes = options.meshes.unwrap_or(if options.model.is_some() { Vec::new() } else { meshes });
         let scene_faces = options.scene_faces.unwrap_or(if quick { QUICK_SCENE_FACES } else { SCENE_FACES });
         let lights_of_meshes = options.lights.clone().unwrap_or_else(|| LIGHTS.into());
         let lights_of_scenes = options.lights.unwrap_or_else(|| vec![8]);
-        let mut subjects = Vec::new();
-        if let Some(model) = &options.model {
-            let lights = if model.lights.is_empty() { lights_of_meshes.clone() } else { vec![model.lights.len()] };
-            subjects.push((Subject::OfUser(Box::new(model.clone())), lights));
-        }
-        subjects.extend(meshes.into_iter().map(|faces| (Subject::Torus(faces), lights_of_meshes.clone())));
-        subjects
-            .extend(names.stress.into_iter().map(|name| (Subject::Scene(name, scene_faces), lights_of_scenes.clone())));
         let (most, seconds) = if quick { (9, 0.4) } else { (21, 5.0) };
         let most = options.rounds.unwrap_or(most);
         let rounds =
             Rounds { least: most.min(if quick { 3 } else { 5 }), most, time: Duration::from_secs_f64(seconds) };
         let (models, usual_frames, size) = if quick { (1, 6, 256) } else { (3, 16, 512) };
-        let frames = if cpu_only { 0 } else { options.frames.unwrap_or(usual_frames) };
         // A round draws whole paths.
-        let shadows = Frames { count: frames, size, rounds: Rounds { least: most.min(3), ..rounds } };
-        let numbers = casters.clone().unwrap_or_else(|| usual(&NUMBERS_OF_CASTERS, &QUICK_NUMBERS_OF_CASTERS));
-        let numbers = if names.has_casters && !cpu_only { numbers } else { Vec::new() };
-        let one_mesh = if numbers.is_empty() { Vec::new() } else { usual(&ONE_CASTER, &QUICK_ONE_CASTER) };
-        let characters = numbers.iter().filter(|&&number| number <= MOST_CHARACTERS);
-        let of = |mesh: CasterMesh| move |&number: &usize| (mesh, number);
-        let plan = Self {
-            subjects,
-            rounds,
-            shadows,
-            models,
-            user_model: options.model,
-            casters: numbers
-                .iter()
-                .map(of(CasterMesh::Cube))
-                .chain(characters.map(of(CasterMesh::Character)))
-                .collect(),
-            one_mesh,
-            skipping: if cpu_only { Vec::new() } else { skipping(&names.skipping, casters.as_deref(), quick) },
-        };
+        let count = options.frames.unwrap_or(usual_frames);
+        let frames = Frames { count, size, rounds: Rounds { least: most.min(3), ..rounds } };
+
+        let mut jobs = Vec::new();
+        if let Some(model) = &options.model {
+            let lights = if model.lights.is_empty() { lights_of_meshes.clone() } else { vec![model.lights.len()] };
+            jobs.push(Job::Extraction(Subject::OfUser(Box::new(model.clone())), lights));
+        }
+        jobs.extend(meshes.into_iter().map(|faces| Job::Extraction(Subject::Torus(faces), lights_of_meshes.clone())));
+        let stress = wanted.iter().filter(|name| stress::names().any(|known| known == **name));
+        let of_stress =
+            |name: &&'static str| Job::Extraction(Subject::Scene(name, scene_faces), lights_of_scenes.clone());
+        jobs.extend(stress.map(of_stress));
+        if !cpu_only {
+            let bodies = match &options.model {
+                _ if count == 0 => Vec::new(),
+                Some(model) => vec![(model.name.clone(), Rc::new(fitted(&model.positions, model.mesh.faces())))],
+                None => {
+                    MODELS.iter().take(models).map(|model| (model.name.to_owned(), Rc::new(model.make()))).collect()
+                }
+            };
+            let on_paths = |(name, shape): (String, Rc<Shape>)| {
+                PATHS.map(|path| Job::Shadows(name.clone(), Rc::clone(&shape), path))
+            };
+            jobs.extend(bodies.into_iter().flat_map(on_paths));
+            if has_casters {
+                let numbers = casters.clone().unwrap_or_else(|| usual(&NUMBERS_OF_CASTERS, &QUICK_NUMBERS_OF_CASTERS));
+                jobs.extend(numbers.iter().map(|&number| Job::Casters(CasterMesh::Cube, number)));
+                let characters = numbers.iter().filter(|&&number| number <= MOST_CHARACTERS);
+                jobs.extend(characters.map(|&number| Job::Casters(CasterMesh::Character, number)));
+                let one_mesh = if numbers.is_empty() { Vec::new() } else { usual(&ONE_CASTER, &QUICK_ONE_CASTER) };
+                jobs.extend(one_mesh.into_iter().map(Job::OneMesh));
+            }
+            for scene in of_skipping.iter().flat_map(|name| SkipScene::named(name, quick)) {
+                let given = casters.as_deref().filter(|_| !scene.is_one_mesh());
+                let numbers = given.map_or_else(|| vec![scene.usual[usize::from(quick)]], <[usize]>::to_vec);
+                let numbers = numbers.into_iter().filter(|number| *number <= scene.most);
+                jobs.extend(numbers.map(|number| Job::Skipping(scene, number)));
+            }
+        }
+        let plan = Self { jobs, rounds, frames };
         if plan.rows() == 0 { Err(PlanError::Nothing) } else { Ok(plan) }
     }
 
     /// How many rows there will be.
     pub fn rows(&self) -> usize {
-        let extraction: usize = self.subjects.iter().map(|(_, lights)| lights.len()).sum();
-        extraction + self.shadow_rows() + self.casters.len() + self.one_mesh.len() + self.skipping.len()
-    }
-
-    fn shadow_rows(&self) -> usize {
-        use crate::shadows::scene::{MODELS, PATHS};
-        let models = if self.user_model.is_some() { 1 } else { self.models.min(MODELS.len()) };
-        if self.shadows.count == 0 { 0 } else { models * PATHS.len() }
+        let rows = |job: &Job| if let Job::Extraction(_, lights) = job { lights.len() } else { 1 };
+        self.jobs.iter().map(rows).sum()
     }
 }
 
-/// The scenes of these names, with their numbers of casters.
-fn skipping(names: &[&str], given: Option<&[usize]>, quick: bool) -> Vec<(SkipScene, usize)> {
-    let scenes = names.iter().filter_map(|name| SkipScene::named(name, quick)).flatten();
-    let numbers = scenes.flat_map(|&scene| {
-        let given = given.filter(|_| !scene.is_one_mesh());
-        let numbers = given.map_or_else(|| vec![scene.usual(quick)], <[usize]>::to_vec);
-        numbers.into_iter().filter(move |number| *number <= scene.most()).map(move |number| (scene, number))
-    });
-    numbers.collect()
+/// All names of scenes.
+fn names() -> impl Iterator<Item = &'static str> {
+    stress::names().chain([CASTERS]).chain(SKIPPING)
 }
 
-/// The names of scenes, by what they are of.
-struct Names {
-    stress: Vec<&'static str>,
-    has_casters: bool,
-    skipping: Vec<&'static str>,
-}
-
-impl Names {
-    fn new(options: &Options) -> Result<Self, PlanError> {
-        let all = |stress| Self { stress, has_casters: true, skipping: SKIPPING.into() };
-        let mut names = Self { stress: Vec::new(), has_casters: false, skipping: Vec::new() };
-        let Some(wanted) = &options.scenes else {
-            return Ok(match (options.model.is_some(), options.quick) {
-                (true, _) => names,
-                (false, true) => all(QUICK_SCENES.into()),
-                (false, false) => all(stress::names().collect()),
-            });
-        };
-        match wanted.as_slice() {
-            [one] if one == "all" => return Ok(all(stress::names().collect())),
-            [one] if one == "none" => return Ok(names),
-            _ => {}
-        }
-        for wanted in wanted {
-            if wanted == CASTERS {
-                names.has_casters = true;
-            } else if let Some(name) = SKIPPING.into_iter().find(|name| name == wanted) {
-                names.skipping.push(name);
-            } else if let Some(name) = stress::names().find(|name| name == wanted) {
-                names.stress.push(name);
-            } else {
-                let there = stress::names().chain([CASTERS]).chain(SKIPPING).collect::<Vec<_>>().join(", ");
-                return Err(PlanError::Scene { wanted: wanted.clone(), there });
-            }
-        }
-        Ok(names)
-    }
+/// The names of the scenes that are asked for, or are usual.
+fn wanted(options: &Options) -> Result<Vec<&'static str>, PlanError> {
+    let wanted = match options.scenes.as_deref() {
+        None if options.model.is_some() => return Ok(Vec::new()),
+        None if options.quick => return Ok(QUICK_SCENES.into_iter().chain([CASTERS]).chain(SKIPPING).collect()),
+        None => return Ok(names().collect()),
+        Some([one]) if one == "all" => return Ok(names().collect()),
+        Some([one]) if one == "none" => return Ok(Vec::new()),
+        Some(wanted) => wanted,
+    };
+    let known = |wanted: &String| {
+        names()
+            .find(|name| name == wanted)
+            .ok_or_else(|| PlanError::Scene { wanted: wanted.clone(), there: names().collect::<Vec<_>>().join(", ") })
+    };
+    wanted.iter().map(known).collect()
 }
 
 #[cfg(test)]

@@ -171,7 +171,7 @@ impl Results {
 fn compared(row: &Row, other: &str, key: &str, parts: &[(&str, &'static str, &str)]) -> Value {
     let part = |(name, time, of): &(&str, &'static str, &str)| {
         let metric = Metric::Time(time);
-        let [scene, found] = [*of, other].map(|id| row.entry(id).and_then(|entry| entry.summary(metric)));
+        let [scene, found] = [*of, other].map(|id| row.summary(id, metric));
         scene.and(found)?;
         let ratio = optional_json(row.ratio(metric, of, other));
         Some(json!({ "part": name, "scene_ms": optional_json(scene), key: optional_json(found), "ratio": ratio }))

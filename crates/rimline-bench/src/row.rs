@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::engine::{Metric, Sample, Summary};
+use crate::engine::{Contender, Metric, Rounds, Sample, Summary, interleave};
+use crate::{Error, Host};
 
 /// The subject of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +67,24 @@ impl Variant {
     }
 }
 
+/// A variant of a bench that prints a table.
+impl From<&str> for Variant {
+    fn from(name: &str) -> Self {
+        Self::new(name, name, 6, 4)
+    }
+}
+
+/// Runs variants in turn, by [`interleave`].
+pub fn compare<V: Into<Variant>>(
+    rounds: Rounds,
+    contenders: Vec<(V, Contender<'_>)>,
+    host: &dyn Host,
+) -> Result<Vec<Entry>, Error> {
+    let (variants, contenders): (Vec<_>, Vec<_>) = contenders.into_iter().unzip();
+    let samples = interleave(rounds, contenders, host)?;
+    Ok(variants.into_iter().zip(samples).map(|(variant, samples)| Entry::new(variant.into(), &samples)).collect())
+}
+
 /// A variant with what was measured of it.
 #[derive(Clone, Debug)]
 pub struct Entry {
@@ -98,6 +117,13 @@ impl Entry {
         self
     }
 
+    /// The same with the metrics of another.
+    #[must_use]
+    pub fn and(mut self, other: &Self) -> Self {
+        self.metrics.extend(other.metrics.iter().cloned());
+        self
+    }
+
     /// The same with a count.
     #[must_use]
     pub fn with_count(self, name: &'static str, count: usize) -> Self {
@@ -115,6 +141,11 @@ impl Entry {
 
     pub fn median(&self, metric: Metric) -> Option<f64> {
         self.summary(metric).map(|summary| summary.median)
+    }
+
+    /// The median time of a whole, not a number if it was not measured.
+    pub fn ms(&self, whole: &'static str) -> f64 {
+        self.median(Metric::Time(whole)).unwrap_or(f64::NAN)
     }
 
     /// The sum of a count over all rounds, or all frames.
@@ -163,6 +194,11 @@ impl Row {
 
     pub fn entry(&self, id: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.variant.id == id)
+    }
+
+    /// A metric of a variant.
+    pub fn summary(&self, id: &str, metric: Metric) -> Option<Summary> {
+        self.entry(id)?.summary(metric)
     }
 
     /// A metric of one variant divided by that of another, round by round.

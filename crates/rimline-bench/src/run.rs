@@ -1,14 +1,15 @@
 //! Measures what a plan says, row after row.
 
+use std::cell::OnceCell;
+
 use crate::casters::{self, Devices};
 use crate::extraction::Prepared;
 use crate::gpu::Gpu;
 use crate::machine::{Adapter, Machine};
-use crate::plan::Plan;
+use crate::plan::{Job, Plan};
 use crate::results::Results;
 use crate::row::Row;
-use crate::shadows::scene::{MODELS, PATHS, fitted};
-use crate::shapes::Shape;
+use crate::text::grouped;
 use crate::{Error, Host, shadows, skipping};
 
 /// The device, and a way to open another one on the same adapter, on which nothing was drawn.
@@ -34,44 +35,47 @@ impl Results {
     /// # Errors
     /// [`Error::Stopped`] if the host stops it, and errors of the device.
     pub fn measure(&mut self, plan: &Plan, opened: Option<&Opened<'_>>, host: &dyn Host) -> Result<(), Error> {
-        let gpu = opened.map(|opened| opened.gpu);
-        for (subject, lights) in &plan.subjects {
-            host.step(&format!("{}: edge records", subject.title()));
-            let prepared = Prepared::new(subject)?;
-            for &count in lights {
-                let title = format!("{}, lights: {count}", subject.title());
-                self.row(&title, host, || prepared.measure(count, gpu, plan.rounds, host))?;
+        let (rounds, size) = (plan.rounds, plan.frames.size);
+        let (second, mut devices) = (OnceCell::new(), None);
+        for job in &plan.jobs {
+            if let Job::Extraction(subject, lights) = job {
+                host.step(&format!("{}: edge records", subject.title()));
+                let prepared = Prepared::new(subject)?;
+                for &count in lights {
+                    let title = format!("{}, lights: {count}", subject.title());
+                    let gpu = opened.map(|opened| opened.gpu);
+                    self.row(&title, host, || prepared.measure(count, gpu, rounds, host))?;
+                }
+                continue;
             }
-        }
-        let Some(Opened { gpu, another, .. }) = opened else { return Ok(()) };
-        let frames = plan.shadows;
-        let casters: Vec<(String, Shape)> = match &plan.user_model {
-            _ if frames.count == 0 => Vec::new(),
-            Some(model) => vec![(model.name.clone(), fitted(&model.positions, model.mesh.faces()))],
-            None => MODELS.iter().take(plan.models).map(|model| (model.name.to_owned(), model.make())).collect(),
-        };
-        for (name, shape) in &casters {
-            for path in PATHS {
-                let title = format!("shadows of {name}: {}", path.name());
-                self.row(&title, host, || shadows::measure(frames, gpu, (name, shape.clone()), path, host))?;
+            let Some(Opened { gpu, another, .. }) = opened else { continue };
+            if let Job::Shadows(name, shape, path) = job {
+                let title = format!("shadows of {name}: {}", path.name);
+                self.row(&title, host, || shadows::measure(plan.frames, gpu, (name, shape), *path, host))?;
+                continue;
             }
-        }
-        if plan.casters.is_empty() && plan.one_mesh.is_empty() && plan.skipping.is_empty() {
-            return Ok(());
-        }
-        let stages = another()?;
-        let devices = &mut Devices::new(&stages, gpu)?;
-        for &(mesh, count) in &plan.casters {
-            let title = format!("scene of {}", mesh.counted(count));
-            self.row(&title, host, || casters::measure(plan.rounds, devices, (mesh, count), frames.size, host))?;
-        }
-        for &faces in &plan.one_mesh {
-            let title = format!("scene of one mesh of {} faces", crate::text::grouped(faces));
-            self.row(&title, host, || casters::measure_one_mesh(plan.rounds, devices, faces, host))?;
-        }
-        for &(scene, count) in &plan.skipping {
-            let title = scene.title(count);
-            self.row(&title, host, || skipping::measure(plan.rounds, devices, (scene, count), frames.size, host))?;
+            let devices = match &mut devices {
+                Some(devices) => devices,
+                none => {
+                    let stages = another()?;
+                    none.insert(Devices::new(second.get_or_init(|| stages), gpu)?)
+                }
+            };
+            match job {
+                Job::Extraction(..) | Job::Shadows(..) => {}
+                &Job::Casters(mesh, count) => {
+                    let title = format!("scene of {}", mesh.counted(count));
+                    self.row(&title, host, || casters::measure(rounds, devices, (mesh, count), size, host))?;
+                }
+                &Job::OneMesh(faces) => {
+                    let title = format!("scene of one mesh of {} faces", grouped(faces));
+                    self.row(&title, host, || casters::measure_one_mesh(rounds, devices, faces, host))?;
+                }
+                &Job::Skipping(scene, count) => {
+                    let title = scene.title(count);
+                    self.row(&title, host, || skipping::measure(rounds, devices, (scene, count), size, host))?;
+                }
+            }
         }
         Ok(())
     }

@@ -7,7 +7,7 @@
 //! outside the picture gets the wrong sign and covers other pixels than its neighbours leave to it.
 //! docs/numerics/rasterisers.md, "Clipped slivers".
 
-use crate::pipelines::Drawing;
+use crate::pipelines::{ADDED, Drawing, pixels, texture};
 use crate::random::Random;
 
 /// A triangle in clip space, counter-clockwise if it is a front.
@@ -108,16 +108,7 @@ pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangl
         return Err(format!("the trial needs a buffer of {needed} bytes, and the device has at most {most}"));
     }
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let target = wgpu::ColorTargetState {
-        format,
-        blend: Some(wgpu::BlendState { color: add, alpha: add }),
-        write_mask: wgpu::ColorWrites::ALL,
-    };
+    let target = wgpu::ColorTargetState { blend: Some(ADDED), ..format.into() };
     let attributes = &wgpu::vertex_attr_array![0 => Float32x4];
     let step_mode = wgpu::VertexStepMode::Vertex;
     let pipeline = Drawing {
@@ -135,25 +126,10 @@ pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangl
         mapped_at_creation: false,
     });
     queue.write_buffer(&vertices, 0, bytemuck::cast_slice(triangles));
-    let picture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("slivers"),
-        size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    let pixels = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("slivers"),
-        size: u64::from(4 * SIZE * SIZE),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    });
+    let picture = texture(device, [SIZE; 2], format);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let color = wgpu::RenderPassColorAttachment {
-        view: &picture.create_view(&wgpu::TextureViewDescriptor::default()),
+        view: &picture,
         depth_slice: None,
         resolve_target: None,
         ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
@@ -167,13 +143,9 @@ pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangl
     pass.set_vertex_buffer(0, vertices.slice(..));
     pass.draw(0..3 * triangles.len() as u32, 0..1);
     drop(pass);
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIZE), rows_per_image: None };
-    let buffer = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
-    encoder.copy_texture_to_buffer(picture.as_image_copy(), buffer, picture.size());
-    queue.submit([encoder.finish()]);
-    let pixels: Vec<[u8; 4]> =
-        rimline::gpu::read_back_vec(device, queue, &pixels).map_err(|error| error.to_string())?;
-    Ok(pixels.into_iter().map(|[fronts, backs, ..]| [fronts, backs]).collect())
+    let pixels = pixels((device, queue), encoder, &picture, wgpu::TextureAspect::All);
+    let pixels = pixels.map_err(|error| error.to_string())?;
+    Ok(pixels.chunks(4).map(|pixel| [pixel[0], pixel[1]]).collect())
 }
 
 /// Pixels that fronts and backs of a closed surface do not cover equally often.

@@ -39,6 +39,16 @@ pub(crate) fn summary(rows: &[Row]) -> String {
 
 type Line = (String, String);
 
+/// The answers that there are.
+fn joined(answers: impl IntoIterator<Item = Option<String>>) -> String {
+    answers.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// A ratio of two variants of a row.
+fn ratio(row: &Row, metric: Metric, id: &str, to: &str) -> Option<String> {
+    Some(times(row.ratio(metric, id, to)?.median))
+}
+
 /// A ratio for people: `1.23×`.
 fn times(ratio: f64) -> String {
     if ratio < 10.0 { format!("{ratio:.2}×") } else { format!("{}×", three_digits(ratio)) }
@@ -53,14 +63,12 @@ fn largest<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
 /// How much faster than the method of 2003?
 fn speed(rows: &[&Row], what: &str) -> Option<Line> {
     let rows = largest(rows);
-    let answers = rows.iter().filter_map(|row| {
-        let ratio = row.ratio(TIME, PER_EDGE, GPU_EXACT)?;
-        Some(format!("{} at {}", times(ratio.median), lights_text(row.lights())))
-    });
-    let answers: Vec<String> = answers.collect();
+    let answer =
+        |row: &&Row| Some(format!("{} at {}", ratio(row, TIME, PER_EDGE, GPU_EXACT)?, lights_text(row.lights())));
+    let answers = joined(rows.iter().map(answer));
     let faces = grouped(rows.first()?.faces());
     let question = format!("Against the method of 2003, {what} of {faces} faces: speed");
-    (!answers.is_empty()).then(|| (question, answers.join(", ")))
+    (!answers.is_empty()).then_some((question, answers))
 }
 
 /// The price of exactness.
@@ -68,11 +76,9 @@ fn exactness(rows: &[&Row], what: &str) -> Option<Line> {
     let lights = usual_lights(rows);
     let row = largest(rows).into_iter().find(|row| row.lights() == lights)?;
     let pairs = [("GPU", GPU_EXACT, GPU_FAST), ("CPU", CPU_EXACT, CPU_FAST)];
-    let answers = pairs.into_iter().filter_map(|(device, exact, fast)| {
-        Some(format!("{} on the {device}", times(row.ratio(TIME, exact, fast)?.median)))
-    });
-    let question = format!("Price of exactness against f32, {what}, {}: time", lights_text(lights));
-    Some((question, answers.collect::<Vec<_>>().join(", ")))
+    let answers =
+        pairs.map(|(device, exact, fast)| Some(format!("{} on the {device}", ratio(row, TIME, exact, fast)?)));
+    Some((format!("Price of exactness against f32, {what}, {}: time", lights_text(lights)), joined(answers)))
 }
 
 /// The same of scenes that are hard on floating-point arithmetic.
@@ -96,17 +102,10 @@ fn errors(rows: &[&Row]) -> Option<Line> {
         let sum = entries.iter().map(|entry| entry.count("wrong_silhouette_bits")).sum::<f64>();
         (!entries.is_empty()).then(|| grouped(sum as usize))
     };
-    let methods =
-        [("2003", PER_EDGE), ("f32", GPU_FAST), ("f32", CPU_FAST), ("exact", GPU_EXACT), ("exact", CPU_EXACT)];
-    let mut answers: Vec<String> = Vec::new();
-    for (name, id) in methods {
-        if let Some(wrong) = wrong(id)
-            && !answers.iter().any(|answer| answer.ends_with(&format!("by {name}")))
-        {
-            answers.push(format!("{wrong} by {name}"));
-        }
-    }
-    (bits > 0.0).then(|| (format!("Wrong silhouette bits, of {}", grouped(bits as usize)), answers.join(", ")))
+    // The CPU's bits where the GPU did not run.
+    let methods = [("2003", PER_EDGE, PER_EDGE), ("f32", GPU_FAST, CPU_FAST), ("exact", GPU_EXACT, CPU_EXACT)];
+    let answers = methods.map(|(name, gpu, cpu)| Some(format!("{} by {name}", wrong(gpu).or_else(|| wrong(cpu))?)));
+    (bits > 0.0).then(|| (format!("Wrong silhouette bits, of {}", grouped(bits as usize)), joined(answers)))
 }
 
 /// The price of right shadows.
@@ -143,36 +142,31 @@ fn casters(rows: &[&Row]) -> Vec<Line> {
     for scene in ["box", "figure"] {
         let of = rows.iter().filter(|row| row.scene == scene);
         let Some(row) = of.max_by(|a, b| a.number("casters").total_cmp(&b.number("casters"))) else { continue };
-        let ms = |id: &str| Some(format!("{} ms", three_digits(row.entry(id)?.median(recording)?)));
-        let answers =
-            [("nothing moved", "scene-still"), ("all moved", "scene-all-moved"), ("a scene a caster", "extractors")];
-        let answers = answers.into_iter().filter_map(|(name, id)| Some(format!("{} {name}", ms(id)?)));
         let title = &row.title;
-        lines.push((format!("Recording a frame of {title}: CPU time"), answers.collect::<Vec<_>>().join(", ")));
-        let ratio = |metric: Metric| Some(times(row.ratio(metric, "scene", "merged")?.median));
-        let answers = [("extraction", Metric::Time("extraction")), ("frame", FRAME)];
-        let answers = answers.into_iter().filter_map(|(name, metric)| Some(format!("{name} {}", ratio(metric)?)));
-        let question = format!("Scene of {title} against one merged mesh: GPU time");
-        lines.push((question, answers.collect::<Vec<_>>().join(", ")));
+        let ms = |id: &str| Some(three_digits(row.summary(id, recording)?.median));
+        let answers =
+            [("nothing moved", "scene-still"), ("all moved", "scene-all-moved"), ("a scene a caster", "extractors")]
+                .map(|(name, id)| Some(format!("{} ms {name}", ms(id)?)));
+        lines.push((format!("Recording a frame of {title}: CPU time"), joined(answers)));
+        let answers = [("extraction", Metric::Time("extraction")), ("frame", FRAME)]
+            .map(|(name, metric)| Some(format!("{name} {}", ratio(row, metric, "scene", "merged")?)));
+        lines.push((format!("Scene of {title} against one merged mesh: GPU time"), joined(answers)));
     }
     lines
 }
 
 /// The savings by skipping.
 fn skipping(row: &Row) -> Line {
-    let ratio = |metric| Some(times(row.ratio(metric, "all-off", "all-on")?.median));
-    let answers = [("stages", Metric::Time("compute")), ("frame", FRAME)];
-    let answers = answers.into_iter().filter_map(|(name, metric)| Some(format!("{name} {}", ratio(metric)?)));
-    (format!("Without skipping, {}: time", row.title), answers.collect::<Vec<_>>().join(", "))
+    let answers = [("stages", Metric::Time("compute")), ("frame", FRAME)]
+        .map(|(name, metric)| Some(format!("{name} {}", ratio(row, metric, "all-off", "all-on")?)));
+    (format!("Without skipping, {}: time", row.title), joined(answers))
 }
 
 fn depth_maps(row: &Row) -> Line {
-    let answers = row
-        .entries
-        .iter()
-        .filter(|entry| !entry.variant.name.contains("not counted"))
-        .filter_map(|entry| Some(format!("{} ms {}", three_digits(entry.median(FRAME)?), entry.variant.name)));
-    (format!("Shadows of a sphere of {}", row.title), answers.collect::<Vec<_>>().join(", "))
+    let counted = row.entries.iter().filter(|entry| !entry.variant.name.contains("not counted"));
+    let answers =
+        counted.map(|entry| Some(format!("{} ms {}", three_digits(entry.median(FRAME)?), entry.variant.name)));
+    (format!("Shadows of a sphere of {}", row.title), joined(answers))
 }
 
 #[cfg(test)]

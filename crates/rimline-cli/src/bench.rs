@@ -14,7 +14,7 @@ use rimline_bench::{
     Adapter, CHARTS, Error, Host, Model, Opened, Options, Plan, PlanError, Results, SCHEMA, TITLE, depth_maps,
 };
 
-use crate::bench_args::{BenchArgs, Number};
+use crate::bench_args::BenchArgs;
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Input, Scene, Shape};
@@ -76,7 +76,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
 }
 
 fn options(args: &BenchArgs, wanted: &Wanted) -> Result<Options, Failure> {
-    let counts = |numbers: &Option<Vec<Number>>| numbers.as_deref().map(Number::counts);
+    let counts = |numbers: &Option<Vec<usize>>| {
+        numbers.as_ref().map(|numbers| numbers.iter().copied().filter(|&number| number > 0).collect())
+    };
     Ok(Options {
         quick: args.quick,
         meshes: counts(&args.meshes),

@@ -39,7 +39,7 @@ pub(crate) struct BenchArgs {
 
     /// Face counts of the closed meshes, or `none` [default: 1,024 to 4 million, by fours; `none` with a model]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_meshes)]
-    pub(crate) meshes: Option<Vec<Number>>,
+    pub(crate) meshes: Option<Vec<usize>>,
 
     /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd`, `moving`, `house` and
     /// `big` for what a frame skips, `all` or `none` [default: all, and `none` with a model]
@@ -50,7 +50,7 @@ pub(crate) struct BenchArgs {
     /// to 1,000 figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000
     /// figures (quick: 20) and 10,000 buildings (quick: 100)]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_casters)]
-    pub(crate) casters: Option<Vec<Number>>,
+    pub(crate) casters: Option<Vec<usize>>,
 
     /// The approximate number of faces of a stress scene [default: 65,536]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
@@ -103,36 +103,19 @@ into one mesh. The scenes `still`, `city`, `crowd`, `moving`, `house` and `big` 
 off, and with each off alone. Ctrl-C ends the run. Report and data then contain the finished rows and say so, and the exit code \
 is 130.";
 
-/// A number of faces or casters, or none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Number {
-    None,
-    Count(usize),
-}
-
-impl Number {
-    /// The numbers that are given, without `none`.
-    pub(crate) fn counts(numbers: &[Self]) -> Vec<usize> {
-        let count = |number: &Self| match number {
-            Self::None => None,
-            Self::Count(count) => Some(*count),
-        };
-        numbers.iter().filter_map(count).collect()
-    }
-
-    fn parse(text: &str, most: usize) -> Option<Self> {
-        match text.parse() {
-            _ if text == "none" => Some(Self::None),
-            Ok(count) if (1..=most).contains(&count) => Some(Self::Count(count)),
-            _ => None,
-        }
+/// A number of faces or casters; 0 for none.
+fn count(text: &str, most: usize, what: &str) -> Result<usize, String> {
+    match text.parse() {
+        _ if text == "none" => Ok(0),
+        Ok(count) if (1..=most).contains(&count) => Ok(count),
+        _ => Err(format!("give numbers of {what}, or `none`")),
     }
 }
 
-fn parse_meshes(text: &str) -> Result<Number, String> {
-    Number::parse(text, 16_777_216).ok_or_else(|| "give numbers of faces up to 16,777,216, or `none`".to_owned())
+fn parse_meshes(text: &str) -> Result<usize, String> {
+    count(text, 16_777_216, "faces up to 16,777,216")
 }
 
-fn parse_casters(text: &str) -> Result<Number, String> {
-    Number::parse(text, 100_000).ok_or_else(|| "give numbers of casters up to 100,000, or `none`".to_owned())
+fn parse_casters(text: &str) -> Result<usize, String> {
+    count(text, 100_000, "casters up to 100,000")
 }

@@ -41,9 +41,9 @@ const ORBIT_SECONDS: f32 = 4.0;
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
-    let mut film = match clip::Format::of(&args.out) {
-        Some(format) => Film::Clip(Clip::begin(&args.out, format, args)?),
-        None => Film::Folder(Frames::begin(&args.out, args.resume)?),
+    let mut film: Box<dyn Film> = match clip::Format::of(&args.out) {
+        Some(format) => Box::new(Clip::begin(&args.out, format, args)?),
+        None => Box::new(Frames::begin(&args.out, args.resume)?),
     };
     let progress = Progress::start();
     progress.step("reading the models");
@@ -118,42 +118,23 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 }
 
 /// Where the pictures go.
-enum Film {
-    Folder(Frames),
-    Clip(Clip),
+trait Film {
+    /// Begins before the first of so many pictures. Refuses to replace inputs.
+    fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure>;
+
+    /// Whether a picture is there and stays.
+    fn has(&self, _frame: u32) -> bool {
+        false
+    }
+
+    fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure>;
+
+    /// Completes it. Returns what was written, in words.
+    fn finish(self: Box<Self>, frames: u32) -> Result<String, Failure>;
 }
 
-impl Film {
-    fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure> {
-        match self {
-            Self::Folder(folder) => folder.start(frames, inputs),
-            Self::Clip(clip) => clip.start(frames, inputs),
-        }
-    }
-
-    fn has(&self, frame: u32) -> bool {
-        if let Self::Folder(folder) = self { folder.has(frame) } else { false }
-    }
-
-    fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
-        match self {
-            Self::Folder(folder) => folder.write(frame, picture),
-            Self::Clip(clip) => clip.write(frame, picture),
-        }
-    }
-
-    /// Returns what was written, in words.
-    fn finish(self, frames: u32) -> Result<String, Failure> {
-        let shown = |file: &Path| Line(file.display()).to_string();
-        Ok(match self {
-            Self::Folder(folder) if frames == 1 => shown(&folder.file(0)),
-            Self::Folder(folder) => {
-                let [first, last] = [folder.file(0), folder.file(frames - 1)].map(|file| shown(&file));
-                format!("{frames} pictures, {first} to {last}")
-            }
-            Self::Clip(clip) => format!("{}, {frames} pictures", shown(&clip.finish()?)),
-        })
-    }
+fn shown(file: &Path) -> String {
+    Line(file.display()).to_string()
 }
 
 /// How many pictures are asked for, or make up the longest animation.

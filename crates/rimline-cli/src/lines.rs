@@ -80,7 +80,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         corners.extend(eye::corners(&objects_at(look * frames / LOOKS.min(frames))?));
     }
     let origin = inputs[0].origin();
-    let eye = Eye::new(args, origin, &corners).map_err(|error| error.on(&args.files[0]))?;
+    let eye = Eye::new(args, origin, &corners)?;
     drop(corners);
     let eye_of = |frame: u32| eye.turned(args.turn * f64::from(frame) / f64::from(frames)).map_err(refused);
     let mut extent = sheet::Extent::default();

@@ -83,9 +83,6 @@ mod tests {
     }
 
     #[test]
-    fn pages_and_plots_have_no_control_characters() {}
-
-    #[test]
     fn json_stays_json() {
         let value = serde_json::json!({ "name": "\u{9b}\x1b\u{202e}\"\n" });
         let shown = Text(format!("{value:#}")).to_string();

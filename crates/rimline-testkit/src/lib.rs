@@ -31,6 +31,7 @@ pub mod harness;
 pub mod models;
 pub mod mutate;
 pub mod on_gpu;
+mod one_caster;
 pub mod oracle;
 pub mod pairs;
 pub mod passes;
@@ -47,7 +48,8 @@ pub mod stage_probe;
 pub mod textures;
 pub mod turns;
 
-pub use rimline_bench::record::{IDENTITY, OneCaster, OneCasterOptions, OneFrame};
+pub use one_caster::{OneCaster, OneCasterOptions, OneFrame};
+pub use rimline_bench::record::IDENTITY;
 pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};
 
 use std::path::PathBuf;

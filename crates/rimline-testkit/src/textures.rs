@@ -129,8 +129,7 @@ pub fn pass<T>(
 pub fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
     let texels = texture.width() * texture.height();
     let bits = gpu.storage(&vec![0_u32; texels as usize]);
-    let floats = wgpu::TextureSampleType::Float { filterable: false };
-    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, ("read", READ), floats, false)))?;
+    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, "read", READ)))?;
     let group = kernel.group(&gpu.device, &depth_view(texture), &bits);
     gpu.submit(|encoder| {
         kernel.run(encoder, &group, [1024, texels.div_ceil(65_536)]);
@@ -162,9 +161,7 @@ impl Stencils {
             return Ok(Self { copy, size, samples });
         }
         let words = size[0] * size[1] * samples;
-        let integers = wgpu::TextureSampleType::Uint;
-        let kernel = || Ok(TexelKernel::new(&gpu.device, ("stencils", STENCILS), integers, true));
-        let kernel = gpu.kept("stencils", kernel)?;
+        let kernel = gpu.kept("stencils", || Ok(TexelKernel::new(&gpu.device, "stencils", STENCILS)))?;
         let copy = gpu.storage(&vec![0_u32; words as usize]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
         kernel.run(encoder, &kernel.group(&gpu.device, &view, &copy), [words.div_ceil(64), 1]);

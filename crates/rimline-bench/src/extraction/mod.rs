@@ -14,13 +14,13 @@ use rimline::internals::layout::ExtractionStatistics;
 use rimline::mesh::Mesh;
 use serde_json::json;
 
-use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
+use crate::engine::{Contender, Rounds, times};
 use crate::error_metrics::{Candidate, Score};
 use crate::gpu::{Gpu, Stopwatch};
-use crate::record::{Meshes, Recorder as _, Until};
-use crate::row::{Entry, Row, Section};
+use crate::record::ExtractorRecorder;
+use crate::row::{Entry, Row, Section, Variant, compare};
 use crate::{Error, Host};
-use method::{CONTESTANTS, Contestant, Runs, checked, timed};
+use method::{CONTESTANTS, Runs};
 use subject::{Case, Made, Subject};
 
 /// A subject with all that its numbers of lights share.
@@ -87,10 +87,8 @@ fn entries(
     rounds: Rounds,
     host: &dyn Host,
 ) -> Result<Vec<Entry>, Error> {
-    let takes_part = |contestant: &&Contestant| contestant.takes(case) && (gpu.is_some() || !contestant.is_gpu());
-    let contestants: Vec<&'static Contestant> = CONTESTANTS.iter().filter(takes_part).collect();
-    let (mut found, mut contenders) = (Vec::new(), Vec::new());
-    for contestant in &contestants {
+    let (mut found, mut contenders) = (Vec::<(Score, u32)>::new(), Vec::<(Variant, Contender<'_>)>::new());
+    for contestant in CONTESTANTS.iter().filter(|contestant| contestant.takes(case)) {
         if host.is_stopped() {
             return Err(Error::Stopped);
         }
@@ -105,12 +103,11 @@ fn entries(
         let candidate = Candidate { facing, masks: &extraction.masks };
         let score = Score::of(case.mesh, case.lights.len(), exact, candidate).expect("masks of this mesh and lights");
         found.push((score, extraction.statistics.undecided_pairs));
-        contenders.push(contender);
+        contenders.push((contestant.variant(), contender));
     }
-    let samples = interleave(rounds, contenders, host)?;
-    let entries = contestants.into_iter().zip(samples).zip(found);
-    let entry = |((contestant, samples), (score, undecided)): ((&Contestant, Vec<Sample>), (Score, u32))| {
-        Entry::new(contestant.variant(), &samples)
+    let entries = compare(rounds, contenders, host)?.into_iter().zip(found);
+    let entry = |(entry, (score, undecided)): (Entry, (Score, u32))| {
+        entry
             .with_count("wrong_facing_bits", score.wrong_facing_bits)
             .with_count("wrong_silhouette_bits", score.wrong_silhouette_bits)
             .with_count("unclosed_vertices", score.unclosed_vertices)
@@ -119,22 +116,18 @@ fn entries(
     Ok(entries.map(entry).collect())
 }
 
-/// The mesh on the GPU.
-fn recorder(gpu: &Gpu, case: &Case<'_>, options: ExtractorOptions) -> Result<Meshes<'static>, Error> {
-    let mut meshes = Meshes::new(None, case.lights, None);
-    meshes.push(gpu, options, case.mesh, case.positions)?;
-    Ok(meshes)
-}
-
-/// Runs a method again and again.
+/// Runs a method again and again, with unordered lists and without masks.
 fn contender<'a>(gpu: &'a Gpu, case: &Case<'_>, method: Method, predicate: Predicate) -> Result<Contender<'a>, Error> {
-    let mut recorder = recorder(gpu, case, timed(method, predicate, case.lights.len()))?;
+    let options = ExtractorOptions { max_lights: case.lights.len(), method, predicate, ..Default::default() };
+    let mut recorder = ExtractorRecorder::new(gpu, options, case.mesh, case.positions, case.lights)?;
     let mut stopwatch = Stopwatch::new(gpu);
     Ok(Box::new(move || {
-        let timed = stopwatch.timed(|encoder, timer| recorder.encode(encoder, Until::Extraction, timer))?;
-        let (wall, gpu) = (timed.recording_ms + timed.clock_ms, timed.passes.as_ref().map(|(_, span)| *span));
-        let mut sample = vec![(Metric::Time("time"), gpu.unwrap_or(wall)), (Metric::Time("wall"), wall)];
-        sample.extend(gpu.map(|ms| (Metric::Time("gpu"), ms)));
+        let timed = stopwatch.timed(|encoder, timer| recorder.encode(encoder, timer))?;
+        let wall = timed.recording_ms + timed.clock_ms;
+        if !timed.has_stamps {
+            return Ok(times([("time", wall), ("wall", wall)]));
+        }
+        let mut sample = times([("time", timed.whole_ms), ("wall", wall), ("gpu", timed.whole_ms)]);
         sample.extend(timed.stages());
         Ok(sample)
     }))
@@ -142,21 +135,20 @@ fn contender<'a>(gpu: &'a Gpu, case: &Case<'_>, method: Method, predicate: Predi
 
 /// A method's bits; facing masks only where it has them.
 fn extraction(gpu: &Gpu, case: &Case<'_>, method: Method, predicate: Predicate) -> Result<cpu::Extraction, Error> {
-    let mut recorder = recorder(gpu, case, checked(method, predicate, case.lights.len()))?;
-    Stopwatch::new(gpu).by_clock(|encoder| recorder.encode(encoder, Until::Extraction, None))?;
-    let Some(extractor) = recorder.extractor() else { return Ok(cpu::Extraction::default()) };
-    let results = extractor.results();
+    let max_lights = case.lights.len();
+    let options =
+        ExtractorOptions { max_lights, method, predicate, masks: true, lists: None, ..ExtractorOptions::default() };
+    let mut recorder = ExtractorRecorder::new(gpu, options, case.mesh, case.positions, case.lights)?;
+    Stopwatch::new(gpu).by_clock(|encoder| recorder.encode(encoder, None))?;
+    let results = recorder.extractor.results();
     let facing = match method {
         Method::FaceMask => gpu.read_planes(results.facing, case.mesh.faces().len())?,
         Method::PerEdge => Vec::new(),
     };
     let masks = gpu.read_planes(results.masks, case.mesh.edges().len())?;
     let statistics: Vec<ExtractionStatistics> = gpu.read(results.statistics)?;
-    let statistics = statistics.first().map(|statistics| cpu::FacingStatistics {
-        non_finite_faces: statistics.non_finite_faces,
-        undecided_pairs: statistics.undecided_pairs,
-        exact_zeros: statistics.exact_zeros,
-    });
+    let undecided_pairs = statistics.first().map_or(0, |statistics| statistics.undecided_pairs);
+    let statistics = cpu::FacingStatistics { undecided_pairs, ..cpu::FacingStatistics::default() };
     gpu.check()?;
-    Ok(cpu::Extraction { facing, masks, statistics: statistics.unwrap_or_default(), ..Default::default() })
+    Ok(cpu::Extraction { facing, masks, statistics, ..Default::default() })
 }

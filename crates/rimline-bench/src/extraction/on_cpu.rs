@@ -2,26 +2,30 @@
 
 use std::hint::black_box;
 
+use glam::{DVec3, Vec3};
 use rimline::internals::cpu::{self, Threads};
-use rimline::{Light, Mesh};
+use rimline::{Light, Mesh, Predicate};
 
 use super::method::{OnCpu, Share};
 use super::subject::Case;
-use crate::engine::{Contender, Metric, Sample, clock};
+use crate::engine::{Contender, Metric, clock, times};
 
 /// Runs a contestant again and again; memory is kept from run to run.
 pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> Contender<'a> {
     let Case { positions, mesh, lights } = case;
-    let threads = threads(share);
-    let (mut facing, mut silhouettes) = (Vec::new(), Vec::new());
+    let threads = match share {
+        Share::OneThread => Threads::ONE,
+        Share::AllThreads => Threads::all(),
+    };
     if on_cpu == OnCpu::Plain {
         let (mut facing, mut silhouettes) = (vec![0; mesh.faces().len()], vec![0; mesh.edges().len()]);
         return Box::new(move || {
             let ms = clock(|| plain_loop(positions, mesh, lights[0], threads.count(), &mut facing, &mut silhouettes));
             black_box((&facing, &silhouettes));
-            Ok(sample(ms))
+            Ok(times([("time", ms), ("wall", ms)]))
         });
     }
+    let (mut facing, mut silhouettes) = (Vec::new(), Vec::new());
     Box::new(move || {
         let facing_ms = clock(|| {
             fill_facing(&mut facing, case, on_cpu, threads);
@@ -30,14 +34,10 @@ pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> 
             cpu::silhouettes_into(&mut silhouettes, mesh.edges(), &facing, mesh.faces().len(), lights.len(), threads);
         });
         black_box((&facing, &silhouettes));
-        let mut sample = sample(facing_ms + edges_ms);
+        let mut sample = times([("time", facing_ms + edges_ms), ("wall", facing_ms + edges_ms)]);
         sample.extend([(Metric::Stage("facing"), facing_ms), (Metric::Stage("edges"), edges_ms)]);
         Ok(sample)
     })
-}
-
-fn sample(ms: f64) -> Sample {
-    vec![(Metric::Time("time"), ms), (Metric::Time("wall"), ms)]
 }
 
 /// Bits of a contestant. For the plain loop these are the CPU reference's bits, because both use the same arithmetic.
@@ -66,18 +66,11 @@ pub(super) fn reference(case: &Case<'_>) -> cpu::Extraction {
     add_masks(case, found)
 }
 
-fn threads(share: Share) -> Threads {
-    match share {
-        Share::OneThread => Threads::ONE,
-        Share::AllThreads => Threads::all(),
-    }
-}
-
 fn fill_facing(facing: &mut Vec<u32>, case: &Case<'_>, on_cpu: OnCpu, threads: Threads) -> cpu::FacingStatistics {
     let Case { positions, mesh, lights } = case;
     match on_cpu {
         OnCpu::Reference(predicate) => cpu::facing_into(facing, positions, mesh.faces(), lights, predicate, threads),
-        OnCpu::Plain => cpu::facing_into(facing, positions, mesh.faces(), lights, rimline::Predicate::Fast, threads),
+        OnCpu::Plain => fill_facing(facing, case, OnCpu::Reference(Predicate::Fast), threads),
         OnCpu::Double => {
             fill_planes(facing, case, threads, double_mask);
             cpu::FacingStatistics::default()
@@ -107,20 +100,12 @@ fn fill_planes(
 
 /// `n · (l − w·a)` in `f64`, as good as one writes it without thinking of more.
 fn double_mask(corners: [[f32; 3]; 3], lights: &[Light]) -> u32 {
-    let [a, b, c] = corners.map(|corner| corner.map(f64::from));
-    let n = normal(a, b, c, |p, q| p - q, |p, q, r, s| p * q - r * s);
+    let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let n = (b - a).cross(c - a);
     lights.iter().enumerate().fold(0, |mask, (bit, light)| {
         let [x, y, z, w] = light.to_array().map(f64::from);
-        let d = n[0] * (x - w * a[0]) + n[1] * (y - w * a[1]) + n[2] * (z - w * a[2]);
-        mask | u32::from(d > 0.0) << bit
+        mask | u32::from(n.dot(DVec3::new(x, y, z) - w * a) > 0.0) << bit
     })
-}
-
-/// `(b − a) × (c − a)` in some arithmetic.
-fn normal<T: Copy>(a: [T; 3], b: [T; 3], c: [T; 3], minus: fn(T, T) -> T, cross: fn(T, T, T, T) -> T) -> [T; 3] {
-    let difference = |p: [T; 3], q: [T; 3]| [minus(p[0], q[0]), minus(p[1], q[1]), minus(p[2], q[2])];
-    let (u, v) = (difference(b, a), difference(c, a));
-    [cross(u[1], v[2], u[2], v[1]), cross(u[2], v[0], u[0], v[2]), cross(u[0], v[1], u[1], v[0])]
 }
 
 /// A byte a face, then a byte an edge; of a closed mesh.
@@ -135,10 +120,8 @@ fn plain_loop(
     let [x, y, z, w] = light.to_array();
     share(threads, facing, mesh.faces(), |facing, faces| {
         for (facing, face) in facing.iter_mut().zip(faces) {
-            let [a, b, c] = face.map(|v| positions[v as usize]);
-            let n = normal(a, b, c, |p, q| p - q, |p, q, r, s| p * q - r * s);
-            let d = n[0] * (x - w * a[0]) + n[1] * (y - w * a[1]) + n[2] * (z - w * a[2]);
-            *facing = u8::from(d > 0.0);
+            let [a, b, c] = face.map(|v| Vec3::from(positions[v as usize]));
+            *facing = u8::from((b - a).cross(c - a).dot(Vec3::new(x, y, z) - w * a) > 0.0);
         }
     });
     let facing = &*facing;

@@ -1,6 +1,6 @@
 //! The report's section on scenes of many casters.
 
-use super::{ms, over, ratio_cells, table};
+use super::{ms, over, ratio_cells};
 use crate::casters::LIGHTS;
 use crate::engine::Metric;
 use crate::page::{Figure, Section as Part, Table};
@@ -38,20 +38,14 @@ fn recording(rows: &[&Row]) -> Figure {
     let mut table = Table::new(["Casters"]);
     table.head.extend(variants().map(|variant| variant.name.clone()));
     for row in rows {
-        let of = |id: &str| ms(row.entry(id).and_then(|entry| entry.summary(metric)));
-        table.rows.push([row.title.clone()].into_iter().chain(variants().map(|variant| of(&variant.id))).collect());
+        let cells = variants().map(|variant| ms(row.summary(&variant.id, metric)));
+        table.rows.push([row.title.clone()].into_iter().chain(cells).collect());
     }
-    Figure {
-        id: "casters_recording",
-        title: format!("Recording a frame against the number of casters, {LIGHTS} lights, one view"),
-        lead:
-            "CPU time of moving what moves, of recording all stages and of finishing the command buffer, without its \
-               submission. Medians; all methods of a scene ran in turn. Beside a scene of all casters stands \
-               a scene for each caster."
-                .to_owned(),
-        chart: Some(chart),
-        table,
-    }
+    let title = format!("Recording a frame against the number of casters, {LIGHTS} lights, one view");
+    let lead = "CPU time of moving what moves, of recording all stages and of finishing the command buffer, without its \
+                submission. Medians; all methods of a scene ran in turn. Beside a scene of all casters stands \
+                a scene for each caster.";
+    Figure::new("casters_recording", title, lead, Some(chart), table)
 }
 
 fn memory(rows: &[&Row]) -> Figure {
@@ -67,7 +61,7 @@ fn memory(rows: &[&Row]) -> Figure {
     }
     let lead =
         "Bytes of a scene are its buffers; those on the device also hold topology, and are what the device allocated.";
-    table("casters_memory", "Memory of a caster", lead, found)
+    Figure::new("casters_memory", "Memory of a caster", lead, None, found)
 }
 
 /// GPU times against the merged mesh.
@@ -87,7 +81,7 @@ fn gpu(rows: &[&Row]) -> Figure {
         let mut cells = vec![row.title.clone()];
         for (metric, of, _) in parts {
             let metric = Metric::Time(metric);
-            cells.extend([of, "merged"].map(|id| ms(row.entry(id).and_then(|entry| entry.summary(metric)))));
+            cells.extend([of, "merged"].map(|id| ms(row.summary(id, metric))));
             cells.push(ratio_cells(row.ratio(metric, of, "merged"))[0].clone());
         }
         found.rows.push(cells);
@@ -97,7 +91,7 @@ fn gpu(rows: &[&Row]) -> Figure {
                 what the frame before computed. Stencil passes are those of all lights, over depths without any \
                 surface. The whole frame is all stages and stencil passes; on software devices it is by the clock, from the \
                 submission on. Stages are timed on a device of their own, on which nothing is drawn.";
-    table("casters_gpu", "GPU time of a scene against the same faces merged into one mesh", lead, found)
+    Figure::new("casters_gpu", "GPU time of a scene against the same faces merged into one mesh", lead, None, found)
 }
 
 /// A scene of one caster against an extractor.
@@ -105,11 +99,17 @@ fn extractors(rows: &[&Row]) -> Figure {
     let mut found = Table::new(["Faces", "scene of one caster", "extractor", "ratio", "quartiles"]);
     let metric = Metric::Time("extraction");
     for row in rows {
-        let [scene, other] = ["scene", "extractor"].map(|id| ms(row.entry(id).and_then(|entry| entry.summary(metric))));
+        let [scene, other] = ["scene", "extractor"].map(|id| ms(row.summary(id, metric)));
         let [ratio, quartiles] = ratio_cells(row.ratio(metric, "scene", "extractor"));
         found.rows.push(vec![row.title.clone(), scene, other, ratio, quartiles]);
     }
     let lead =
         "GPU time of extraction alone. A ratio is the scene's time divided by the extractor's; smaller is better.";
-    table("casters_one_mesh", "Extraction of one mesh: a scene of one caster against an extractor", lead, found)
+    Figure::new(
+        "casters_one_mesh",
+        "Extraction of one mesh: a scene of one caster against an extractor",
+        lead,
+        None,
+        found,
+    )
 }

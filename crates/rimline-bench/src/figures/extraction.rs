@@ -1,6 +1,8 @@
 //! The report's section on extraction.
 
-use super::{Parts, Quotient, cloud, curves, ms, over, ratio_cells, ratios, table};
+use std::collections::BTreeSet;
+
+use super::{Parts, Quotient, cloud, curves, ms, over, ratio_cells, ratios, variants};
 use crate::chart::{Point, Scale, Series};
 use crate::engine::{Metric, Summary};
 use crate::extraction::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
@@ -88,17 +90,6 @@ fn is_distinct(entry: &Entry) -> bool {
     !entry.variant.id.ends_with("-one") && entry.variant.id != "cpu-plain-all"
 }
 
-/// The variants of all rows, each once.
-fn variants<'a>(rows: &[&'a Row], chosen: impl Fn(&Entry) -> bool) -> Vec<&'a Entry> {
-    let mut all: Vec<&Entry> = Vec::new();
-    for entry in rows.iter().flat_map(|row| &row.entries).filter(|entry| chosen(entry)) {
-        if !all.iter().any(|known| known.variant.id == entry.variant.id) {
-            all.push(entry);
-        }
-    }
-    all
-}
-
 fn classes(rows: &[&Row]) -> Figure {
     let mut found = Table { is_prose: true, ..Table::new(["Class", "What makes it hard", "Scenes measured"]) };
     for (class, what) in CLASSES {
@@ -114,7 +105,7 @@ fn classes(rows: &[&Row]) -> Figure {
         }
     }
     let lead = "Charts and tables name scenes by these classes. Numbers in a scene's name say how hard it is.";
-    table("classes", "Classes of scenes", lead, found)
+    Figure::new("classes", "Classes of scenes", lead, None, found)
 }
 
 /// One point a method and class of scenes.
@@ -153,15 +144,10 @@ fn time_against_error(rows: &[&Row], lights: usize) -> Figure {
         series.push(Series { name: variant.name.clone(), mark: variant.mark, points });
     }
     let axes = ["nanoseconds a face and light (left is faster)", "wrong silhouette bits in a million"];
-    Figure {
-        id: "time_against_error",
-        title: format!("Run time against error, {}", lights_text(lights)),
-        lead: "One mark for each method and class of scenes. The higher, the more silhouette bits are wrong; at the foot, none \
-               is. Colours are arithmetics; filled marks are the GPU's, hollow ones the CPU's."
-            .to_owned(),
-        chart: Some(cloud(axes, series)),
-        table: found,
-    }
+    let title = format!("Run time against error, {}", lights_text(lights));
+    let lead = "One mark for each method and class of scenes. The higher, the more silhouette bits are wrong; at the foot, none \
+                is. Colours are arithmetics; filled marks are the GPU's, hollow ones the CPU's.";
+    Figure::new("time_against_error", title, lead, Some(cloud(axes, series)), found)
 }
 
 /// Every scene's errors, the methods beside each other.
@@ -192,7 +178,7 @@ fn errors(rows: &[&Row]) -> Figure {
         add(format!("{}, {}", row.title, lights_text(row.lights())), &[row]);
     }
     let lead = "Wrong facing bits / wrong silhouette bits / open vertices; one 0 where there is none of them.";
-    table("errors", "Errors by scene", lead, found)
+    Figure::new("errors", "Errors by scene", lead, None, found)
 }
 
 /// The curves; more would lie on top of each other.
@@ -204,20 +190,14 @@ fn time_against_size(rows: &[&Row], lights: usize) -> Option<Figure> {
     let (chart, mut table) = over(["faces of the mesh", "milliseconds"], "faces", rows, TIME, is_shown);
     table.head.push("slope".to_owned());
     for (entry, cells) in variants(rows, |_| true).into_iter().zip(&mut table.rows) {
-        let logs = rows
-            .iter()
-            .filter_map(|row| Some([row.number("faces").ln(), row.entry(&entry.variant.id)?.median(TIME)?.ln()]));
-        cells.push(slope(&logs.collect::<Vec<_>>()).map_or_else(String::new, |slope| format!("{slope:.2}")));
+        let point = |row: &&Row| Some([row.number("faces").ln(), row.summary(&entry.variant.id, TIME)?.median.ln()]);
+        let slope = slope(&rows.iter().filter_map(point).collect::<Vec<_>>());
+        cells.push(slope.map_or_else(String::new, |slope| format!("{slope:.2}")));
     }
-    (rows.len() > 1).then(|| Figure {
-        id: "time_against_size",
-        title: format!("Run time against size, closed meshes, {}", lights_text(lights)),
-        lead: "Medians and quartiles. In the table, a slope of 1 is time in proportion to the faces; below it, the fixed cost of \
-               small meshes shows."
-            .to_owned(),
-        chart: Some(chart),
-        table,
-    })
+    let title = format!("Run time against size, closed meshes, {}", lights_text(lights));
+    let lead = "Medians and quartiles. In the table, a slope of 1 is time in proportion to the faces; below it, the fixed cost of \
+                small meshes shows.";
+    (rows.len() > 1).then(|| Figure::new("time_against_size", title, lead, Some(chart), table))
 }
 
 /// The slope of the line through some points, by least squares.
@@ -229,19 +209,12 @@ fn slope(points: &[[f64; 2]]) -> Option<f64> {
     (below > 0.0).then(|| above / below)
 }
 
-/// All numbers of lights, fewest first.
-fn light_counts(rows: &[&Row]) -> Vec<usize> {
-    let mut all: Vec<usize> = rows.iter().map(|row| row.lights()).collect();
-    all.sort_unstable();
-    all.dedup();
-    all
-}
-
 /// How many times faster than the 2003 method the exact one is, a curve a number of lights.
 fn speed_against_2003(rows: &[&Row]) -> Option<Figure> {
+    let lights: BTreeSet<usize> = rows.iter().map(|row| row.lights()).collect();
     let mut series = Vec::new();
     let mut table = Table::new(["Lights, faces", "face masks, f32", "face masks, exact", "quartiles", "exact ÷ f32"]);
-    for (index, lights) in light_counts(rows).into_iter().enumerate() {
+    for (index, lights) in lights.into_iter().enumerate() {
         let mut points = Vec::new();
         for row in ordinary(rows).into_iter().filter(|row| row.lights() == lights) {
             let [exact, fast] = [GPU_EXACT, GPU_FAST].map(|id| row.ratio(TIME, PER_EDGE, id));
@@ -258,16 +231,13 @@ fn speed_against_2003(rows: &[&Row]) -> Option<Figure> {
     }
     series.retain(|series| series.points.len() > 1);
     let of_y = "time of the 2003 method ÷ time of Rimline, exact";
-    (!series.is_empty()).then(|| Figure {
-        id: "speed_against_2003",
-        title: "Exact face masks against the per-edge method of 2003, same GPU".to_owned(),
-        lead:
-            "Time of the 2003 method ÷ time of Rimline's, so larger is better: above the dashed line Rimline's exact \
-               extraction is the faster one. Medians of each round's ratio. In the table's last column, what exactness \
-               costs, smaller is better."
-                .to_owned(),
-        chart: Some(curves("faces of the mesh", of_y, Scale::Linear, times, series, Some(1.0))),
-        table,
+    let lead = "Time of the 2003 method ÷ time of Rimline's, so larger is better: above the dashed line Rimline's exact \
+                extraction is the faster one. Medians of each round's ratio. In the table's last column, what exactness \
+                costs, smaller is better.";
+    (!series.is_empty()).then(|| {
+        let chart = curves("faces of the mesh", of_y, Scale::Linear, times, series, Some(1.0));
+        let title = "Exact face masks against the per-edge method of 2003, same GPU";
+        Figure::new("speed_against_2003", title, lead, Some(chart), table)
     })
 }
 
@@ -278,14 +248,9 @@ fn time_against_lights(rows: &[&Row]) -> Option<Figure> {
     let rows: Vec<&Row> = all.into_iter().filter(|row| row.faces() == faces).collect();
     let is_shown = |entry: &Entry| !entry.variant.id.ends_with("-one") && !entry.variant.id.contains("plain-all");
     let (chart, table) = over(["lights", "milliseconds"], "lights", &rows, TIME, is_shown);
-    (rows.len() > 1).then(|| Figure {
-        id: "time_against_lights",
-        title: format!("Run time against lights, closed mesh of {} faces", grouped(faces)),
-        lead: "A batch of 32 lights is decided and compared at once, so many lights cost less than each by itself."
-            .to_owned(),
-        chart: Some(chart),
-        table,
-    })
+    let title = format!("Run time against lights, closed mesh of {} faces", grouped(faces));
+    let lead = "A batch of 32 lights is decided and compared at once, so many lights cost less than each by itself.";
+    (rows.len() > 1).then(|| Figure::new("time_against_lights", title, lead, Some(chart), table))
 }
 
 /// Stages in the order of the data flow, with colours.
@@ -295,10 +260,7 @@ const STAGES: [(&str, usize); 6] =
 /// The largest mesh's time, stage by stage; `None` where no stage was timed.
 fn stages(rows: &[&Row], lights: usize) -> Option<Figure> {
     let row = ordinary(rows).pop().or_else(|| rows.last().copied())?;
-    let mark = |colour| Mark { colour, shape: 1, hollow: false };
-    let mut keys: Vec<_> = STAGES.map(|(name, colour)| (name.to_owned(), mark(colour))).into();
-    keys.push(("between stages".to_owned(), mark(6)));
-    let mut parts = Parts::new(keys, "Method");
+    let mut parts = Parts::new(STAGES.into_iter().chain([("between stages", 6)]), "Method");
     for entry in row.entries.iter().filter(|entry| entry.stages().next().is_some()) {
         let mut amounts: Vec<f64> =
             STAGES.iter().map(|(name, _)| entry.median(Metric::Stage(name)).unwrap_or(0.0)).collect();
@@ -307,43 +269,28 @@ fn stages(rows: &[&Row], lights: usize) -> Option<Figure> {
         parts.push(["", &entry.variant.name], &amounts, 1.0);
     }
     let (chart, table) = parts.finish("milliseconds");
-    (!table.rows.is_empty()).then(|| Figure {
-        id: "stages",
-        title: format!("Where the time goes: {} faces, {}", grouped(row.faces()), lights_text(lights)),
-        lead: "Medians of each method's stages. The exact stage settles what the filter in the facing stage left open."
-            .to_owned(),
-        chart: Some(chart),
-        table,
-    })
+    let title = format!("Where the time goes: {} faces, {}", grouped(row.faces()), lights_text(lights));
+    let lead =
+        "Medians of each method's stages. The exact stage settles what the filter in the facing stage left open.";
+    (!table.rows.is_empty()).then(|| Figure::new("stages", title, lead, Some(chart), table))
 }
 
 /// Exact ÷ fast for every mesh and scene.
 fn cost_of_exactness(rows: &[&Row], lights: usize) -> Figure {
-    let quotient = |name: &str, of, to, colour, shape, hollow| Quotient {
-        name: name.to_owned(),
-        of,
-        to,
-        mark: Mark { colour, shape, hollow },
-    };
     let quotients = [
-        quotient("GPU", GPU_EXACT, GPU_FAST, 4, 0, false),
-        quotient("CPU, all threads", CPU_EXACT, CPU_FAST, 5, 3, true),
+        Quotient::new("GPU", GPU_EXACT, GPU_FAST, (4, 0, false)),
+        Quotient::new("CPU, all threads", CPU_EXACT, CPU_FAST, (5, 3, true)),
     ];
     let (chart, mut table) = ratios("time of the exact method ÷ time of plain f32", rows, TIME, &quotients);
     table.head.extend(["time, GPU", "pairs settled in integers"].map(str::to_owned));
     for (row, cells) in rows.iter().zip(&mut table.rows) {
-        cells.extend([ms(row.entry(GPU_EXACT).and_then(|entry| entry.summary(TIME))), share_of_undecided(row)]);
+        cells.extend([ms(row.summary(GPU_EXACT, TIME)), share_of_undecided(row)]);
     }
-    Figure {
-        id: "cost_of_exactness",
-        title: format!("What exactness costs, {}", lights_text(lights)),
-        lead: "Time of exact face masks ÷ time of the same in plain f32, in the same run; on the dashed line it costs \
-               nothing. Scenes that cost most have lights in the planes of many of their faces, so that integers must \
-               settle them."
-            .to_owned(),
-        chart: Some(chart),
-        table,
-    }
+    let title = format!("What exactness costs, {}", lights_text(lights));
+    let lead = "Time of exact face masks ÷ time of the same in plain f32, in the same run; on the dashed line it costs \
+                nothing. Scenes that cost most have lights in the planes of many of their faces, so that integers must \
+                settle them.";
+    Figure::new("cost_of_exactness", title, lead, Some(chart), table)
 }
 
 /// Pairs of face and light that went to integers.

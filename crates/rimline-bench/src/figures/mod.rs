@@ -5,10 +5,10 @@ mod extraction;
 mod shadows;
 mod skipping;
 
-use crate::chart::{Axis, Bar, Chart, Point, Scale, Series};
+use crate::chart::{Axis, Bar, Body, Chart, Point, Scale, Series};
 use crate::engine::{Metric, Summary};
 use crate::page::{Figure, Section as Part, Table};
-use crate::row::{Entry, Mark, Row, Section};
+use crate::row::{Entry, Mark, Row, Section, Variant};
 use crate::text::{grouped, or_dash, three_digits, tick, times};
 
 pub(crate) use extraction::usual_lights;
@@ -60,11 +60,6 @@ fn ratio_cells(ratio: Option<Summary>) -> [String; 2] {
     }
 }
 
-/// A figure that is a table alone.
-fn table(id: &'static str, title: &str, lead: &str, table: Table) -> Figure {
-    Figure { id, title: title.to_owned(), lead: lead.to_owned(), chart: None, table }
-}
-
 /// A time against a fact of the rows: a curve a variant that has it, and a row of the table.
 fn over(
     [title, of_time]: [&str; 2],
@@ -77,26 +72,31 @@ fn over(
     rows.sort_by(|a, b| a.number(fact).total_cmp(&b.number(fact)));
     let mut table = Table::new(["Method"]);
     table.head.extend(rows.iter().map(|row| format!("{} {fact}", grouped(row.number(fact) as usize))));
-    let mut series: Vec<Series> = Vec::new();
-    let mut known: Vec<&str> = Vec::new();
-    for entry in rows.iter().flat_map(|row| &row.entries) {
-        let (id, name) = (entry.variant.id.as_str(), &entry.variant.name);
-        if known.contains(&id) || entry.summary(metric).is_none() {
-            continue;
-        }
-        known.push(id);
-        let of = |row: &&Row| row.entry(id).and_then(|entry| entry.summary(metric));
+    let mut series = Vec::new();
+    for entry in variants(&rows, |entry| entry.summary(metric).is_some()) {
+        let Variant { id, name, mark } = &entry.variant;
+        let of = |row: &&Row| row.summary(id, metric);
         table.rows.push([name.clone()].into_iter().chain(rows.iter().map(|row| ms(of(row)))).collect());
         if shown(entry) {
             let point = |row: &&Row| {
                 let Summary { median, quartiles, .. } = of(row)?;
                 Some(Point { x: row.number(fact), y: median, quartiles })
             };
-            let points = rows.iter().filter_map(point).collect();
-            series.push(Series { name: name.clone(), mark: entry.variant.mark, points });
+            series.push(Series { name: name.clone(), mark: *mark, points: rows.iter().filter_map(point).collect() });
         }
     }
     (curves(title, of_time, Scale::Log, tick, series, None), table)
+}
+
+/// The variants of all rows that are chosen, each once.
+fn variants<'a>(rows: &[&'a Row], chosen: impl Fn(&Entry) -> bool) -> Vec<&'a Entry> {
+    let mut all: Vec<&Entry> = Vec::new();
+    for entry in rows.iter().flat_map(|row| &row.entries).filter(|entry| chosen(entry)) {
+        if !all.iter().any(|known| known.variant.id == entry.variant.id) {
+            all.push(entry);
+        }
+    }
+    all
 }
 
 /// Curves over a logarithmic axis.
@@ -109,11 +109,11 @@ fn curves(
     level: Option<f64>,
 ) -> Chart {
     let points = || series.iter().flat_map(|series| &series.points);
-    let ends = points().flat_map(|point| [point.y, point.quartiles[0], point.quartiles[1]]);
-    let y = Axis::over(of_y, scale, format, ends.collect::<Vec<_>>());
-    let y = level.map_or(y.clone(), |level| y.including(level));
-    let x = Axis::over(title, Scale::Log, tick, points().map(|point| point.x).collect::<Vec<_>>());
-    Chart::Plane { x, y, series, joined: true, level }
+    let y =
+        Axis::over(of_y, scale, format, points().flat_map(|point| [point.y, point.quartiles[0], point.quartiles[1]]));
+    let y = level.into_iter().fold(y, Axis::including);
+    let axis = Axis::over(title, Scale::Log, tick, points().map(|point| point.x));
+    Chart { axis, series, body: Body::Plane { y, is_joined: true }, level }
 }
 
 /// Two variants of a row that are divided, with the name and the mark of the quotient.
@@ -122,6 +122,12 @@ struct Quotient {
     of: &'static str,
     to: &'static str,
     mark: Mark,
+}
+
+impl Quotient {
+    fn new(name: &str, of: &'static str, to: &'static str, (colour, shape, hollow): (usize, usize, bool)) -> Self {
+        Self { name: name.to_owned(), of, to, mark: Mark { colour, shape, hollow } }
+    }
 }
 
 /// Ratios of a time, a line a row: dots, and cells of a table. Rows of a group lie below its heading.
@@ -160,9 +166,10 @@ fn ratios(title: &str, rows: &[&Row], metric: Metric, quotients: &[Quotient]) ->
         .iter()
         .flat_map(|bar| bar.values.iter().flatten())
         .flat_map(|(median, [low, high])| [*median, *low, *high]);
-    let axis = Axis::over(title, Scale::Log, times, ends.collect::<Vec<_>>()).including(0.9).including(2.0);
-    let keys = quotients.iter().map(|quotient| (quotient.name.clone(), quotient.mark)).collect();
-    (Chart::Rows { axis, keys, rows: bars, stacked: false, level: Some(1.0) }, table)
+    let axis = Axis::over(title, Scale::Log, times, ends).including(0.9).including(2.0);
+    let key = |quotient: &Quotient| Series { name: quotient.name.clone(), mark: quotient.mark, points: Vec::new() };
+    let (series, body) = (quotients.iter().map(key).collect(), Body::Rows { rows: bars, is_stacked: false });
+    (Chart { axis, series, body, level: Some(1.0) }, table)
 }
 
 fn heading(name: &str, values: usize) -> Bar {
@@ -171,16 +178,22 @@ fn heading(name: &str, values: usize) -> Bar {
 
 /// Parts of wholes, a bar each: those of any size are keys.
 struct Parts {
-    keys: Vec<(String, Mark)>,
-    /// Bars, with how long each part is, and headings, which have none.
-    bars: Vec<(Bar, Vec<f64>)>,
+    keys: Vec<Series>,
+    /// Their values are lengths of all keys; headings have none.
+    bars: Vec<Bar>,
     table: Table,
 }
 
 impl Parts {
-    fn new(keys: Vec<(String, Mark)>, first: &str) -> Self {
+    /// Keys by their names and colours.
+    fn new<'k>(keys: impl IntoIterator<Item = (&'k str, usize)>, first: &str) -> Self {
+        let key = |(name, colour): (&str, _)| {
+            let mark = Mark { colour, shape: 1, hollow: false };
+            Series { name: name.to_owned(), mark, points: Vec::new() }
+        };
+        let keys: Vec<Series> = keys.into_iter().map(key).collect();
         let mut table = Table::new([first]);
-        table.head.extend(keys.iter().map(|(name, _)| format!("{name}, ms")));
+        table.head.extend(keys.iter().map(|key| format!("{}, ms", key.name)));
         table.head.push("together, ms".to_owned());
         Self { keys, bars: Vec::new(), table }
     }
@@ -192,45 +205,47 @@ impl Parts {
         cells.extend(amounts.iter().chain([&sum]).map(|ms| three_digits(*ms)));
         self.table.rows.push(cells);
         let remark = format!("{} ms", three_digits(sum));
-        let bar = Bar { name: name.to_owned(), is_heading: false, values: Vec::new(), remark };
-        self.bars.push((bar, amounts.iter().map(|ms| ms / unit).collect()));
+        let values = amounts.iter().map(|ms| Some((ms / unit, [ms / unit; 2]))).collect();
+        self.bars.push(Bar { name: name.to_owned(), is_heading: false, values, remark });
     }
 
     fn heading(&mut self, name: &str) {
-        self.bars.push((heading(name, 0), Vec::new()));
+        self.bars.push(heading(name, 0));
     }
 
-    fn finish(self, title: &str) -> (Chart, Table) {
+    fn finish(mut self, title: &str) -> (Chart, Table) {
+        let length = |value: &Option<(f64, [f64; 2])>| value.map_or(0.0, |(length, _)| length);
+        let longest: Vec<f64> = self.bars.iter().map(|bar| bar.values.iter().map(length).sum()).collect();
         // A legend of what no bar has would be a riddle.
-        let has =
-            |key: usize| self.bars.iter().any(|(_, amounts)| amounts.get(key).is_some_and(|amount| *amount > 0.0));
-        let shown: Vec<usize> = (0..self.keys.len()).filter(|key| has(*key)).collect();
-        let longest: Vec<f64> = self.bars.iter().map(|(_, amounts)| amounts.iter().sum()).collect();
-        let bars = self.bars.iter().map(|(bar, amounts)| {
-            let value = |key: &usize| amounts.get(*key).map(|length| (*length, [*length; 2]));
-            Bar { values: shown.iter().map(value).collect(), ..bar.clone() }
-        });
-        let rows = bars.collect();
-        let keys = shown.iter().map(|key| self.keys[*key].clone()).collect();
+        let is_shown =
+            |key: usize| self.bars.iter().any(|bar| bar.values.get(key).is_some_and(|one| length(one) > 0.0));
+        let shown: Vec<bool> = (0..self.keys.len()).map(is_shown).collect();
+        for bar in &mut self.bars {
+            let mut shown = shown.iter();
+            bar.values.retain(|_| shown.next() == Some(&true));
+        }
+        let mut shown = shown.iter();
+        self.keys.retain(|_| shown.next() == Some(&true));
         let axis = Axis::over(title, Scale::Linear, tick, longest);
-        (Chart::Rows { axis, keys, rows, stacked: true, level: None }, self.table)
+        let body = Body::Rows { rows: self.bars, is_stacked: true };
+        (Chart { axis, series: self.keys, body, level: None }, self.table)
     }
 }
 
 /// A cloud of points, a series a variant: time across, errors up, zero at the foot.
 fn cloud([across, up]: [&str; 2], series: Vec<Series>) -> Chart {
     let points = || series.iter().flat_map(|series| &series.points);
-    let x = Axis::over(across, Scale::Log, tick, points().map(|point| point.x).collect::<Vec<_>>());
-    let y = Axis::over(up, Scale::Log, tick, points().map(|point| point.y).collect::<Vec<_>>()).with_zero();
-    Chart::Plane { x, y, series, joined: false, level: None }
+    let axis = Axis::over(across, Scale::Log, tick, points().map(|point| point.x));
+    let y = Axis::over(up, Scale::Log, tick, points().map(|point| point.y)).with_zero();
+    Chart { axis, series, body: Body::Plane { y, is_joined: false }, level: None }
 }
 
 /// Casters without a mesh.
 fn depth_maps(rows: &[&Row]) -> Part {
-    let figure = |id, title: &str, lead: &str, of_time, metric| {
+    let figure = |id, title, lead, of_time, metric| {
         let is_shown = |entry: &Entry| !entry.variant.name.contains("not counted");
         let (chart, table) = over(["faces of the caster", of_time], "faces", rows, metric, is_shown);
-        Figure { id, title: title.to_owned(), lead: lead.to_owned(), chart: Some(chart), table }
+        Figure::new(id, title, lead, Some(chart), table)
     };
     let (size, device) = (rows[0].number("size"), &rows[0].group);
     Part {

@@ -4,7 +4,7 @@ use super::{Quotient, cloud, ratios};
 use crate::chart::{Point, Series};
 use crate::engine::Metric;
 use crate::page::{Figure, Section as Part, Table};
-use crate::row::{Mark, Row};
+use crate::row::Row;
 use crate::shadows::Z_PASS;
 use crate::text::{grouped, three_digits};
 
@@ -18,7 +18,11 @@ pub(super) fn section(rows: &[&Row]) -> Part {
              frame also extracts silhouettes, chooses, and draws depth and light. All methods of a path ran in turn, round \
              by round."
         ),
-        figures: vec![time_against_error(rows), costs(rows, "stencil"), costs(rows, "frame")],
+        figures: vec![
+            time_against_error(rows),
+            costs(rows, "shadow_stencil", "stencil", "stencil pass"),
+            costs(rows, "shadow_frame", "frame", "whole frame"),
+        ],
     }
 }
 
@@ -42,46 +46,31 @@ fn time_against_error(rows: &[&Row]) -> Figure {
         series.push(Series { name: variant.name.clone(), mark: variant.mark, points });
     }
     let axes = ["stencil pass: ms a frame (left is faster)", "wrong pixels a frame"];
-    Figure {
-        id: "shadow_time_against_error",
-        title: "Shadows: run time against error".to_owned(),
-        lead: format!(
-            "One mark for each method, model and path. Wrong is a pixel that is lit or shadowed otherwise than by rays in double \
-             precision, more than a pixel from the shadow's edge; of {} pixels. Where the camera stands in the shadow z-pass is \
-             wrong nearly everywhere. The one pixel in a few frames that is wrong by every method has an edge within the \
-             rasteriser's grid of its centre (docs/numerics/rasterisers.md, Hairlines).",
-            grouped(rows[0].number("size").powi(2) as usize)
-        ),
-        chart: Some(cloud(axes, series)),
-        table,
-    }
+    let lead = format!(
+        "One mark for each method, model and path. Wrong is a pixel that is lit or shadowed otherwise than by rays in double \
+         precision, more than a pixel from the shadow's edge; of {} pixels. Where the camera stands in the shadow z-pass is \
+         wrong nearly everywhere. The one pixel in a few frames that is wrong by every method has an edge within the \
+         rasteriser's grid of its centre (docs/numerics/rasterisers.md, Hairlines).",
+        grouped(rows[0].number("size").powi(2) as usize)
+    );
+    let title = "Shadows: run time against error";
+    Figure::new("shadow_time_against_error", title, lead, Some(cloud(axes, series)), table)
 }
 
 /// Time ÷ time of z-pass, a line a model and path.
-fn costs(rows: &[&Row], part: &'static str) -> Figure {
-    let what = if part == "stencil" { "stencil pass" } else { "whole frame" };
-    let quotient = |name: &str, of, colour, shape| Quotient {
-        name: name.to_owned(),
-        of,
-        to: Z_PASS,
-        mark: Mark { colour, shape, hollow: false },
-    };
+fn costs(rows: &[&Row], id: &'static str, part: &'static str, what: &str) -> Figure {
     let quotients = [
-        quotient("z-fail", "z-fail", 0, 1),
-        quotient("ZP+ as published", "zp+paper", 1, 4),
-        quotient("ZP+ clipped", "zp+", 2, 3),
-        quotient("auto", "auto", 4, 0),
+        Quotient::new("z-fail", "z-fail", Z_PASS, (0, 1, false)),
+        Quotient::new("ZP+ as published", "zp+paper", Z_PASS, (1, 4, false)),
+        Quotient::new("ZP+ clipped", "zp+", Z_PASS, (2, 3, false)),
+        Quotient::new("auto", "auto", Z_PASS, (4, 0, false)),
     ];
     let (chart, table) =
         ratios(&format!("time of the {what} ÷ time with z-pass"), rows, Metric::Time(part), &quotients);
-    Figure {
-        id: if part == "stencil" { "shadow_stencil" } else { "shadow_frame" },
-        title: format!("Cost of counting: the {what} against z-pass"),
-        lead: format!(
-            "Time of the {what} over the path ÷ the same with z-pass, in the same run; on the dashed line it costs what \
-             z-pass costs, which is wrong where the camera stands in a shadow. The last line is the mean of those above."
-        ),
-        chart: Some(chart),
-        table,
-    }
+    let title = format!("Cost of counting: the {what} against z-pass");
+    let lead = format!(
+        "Time of the {what} over the path ÷ the same with z-pass, in the same run; on the dashed line it costs what z-pass \
+         costs, which is wrong where the camera stands in a shadow. The last line is the mean of those above."
+    );
+    Figure::new(id, title, lead, Some(chart), table)
 }

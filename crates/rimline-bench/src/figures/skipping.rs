@@ -1,9 +1,11 @@
 //! The report's section on skipping: where a frame's work goes, with each choice of levels.
 
-use super::{Parts, table};
+use std::collections::HashSet;
+
+use super::Parts;
 use crate::engine::Metric;
 use crate::page::{Figure, Section as Part, Table};
-use crate::row::{Entry, Mark, Row};
+use crate::row::{Entry, Row};
 use crate::skipping::{COUNTERS, PARTS};
 use crate::text::{grouped, or_dash, three_digits};
 
@@ -35,10 +37,8 @@ pub(super) fn section(rows: &[&Row]) -> Part {
 
 /// Each scene's bars against its bar with all levels off.
 fn work(rows: &[&Row]) -> Figure {
-    let mark = |colour| Mark { colour, shape: 1, hollow: false };
-    let mut keys: Vec<_> = WORKS.iter().map(|(name, colour, _)| ((*name).to_owned(), mark(*colour))).collect();
-    keys.extend([("other stages".to_owned(), mark(7)), ("stencil passes".to_owned(), mark(2))]);
-    let mut parts = Parts::new(keys, "Scene and levels");
+    let keys = WORKS.map(|(name, colour, _)| (name, colour)).into_iter();
+    let mut parts = Parts::new(keys.chain([("other stages", 7), ("stencil passes", 2)]), "Scene and levels");
     for row in rows {
         parts.heading(&row.title);
         let mut unit = None;
@@ -50,15 +50,9 @@ fn work(rows: &[&Row]) -> Figure {
         }
     }
     let (chart, table) = parts.finish("GPU time, percent of all levels off");
-    Figure {
-        id: "skipping_work",
-        title: "Where a frame's work goes".to_owned(),
-        lead: "Medians of the compute stages and of the stencil passes. A scene's bar with all levels off is 100; the numbers \
-               after bars are milliseconds. Stages are timed on a device of their own, on which nothing is drawn."
-            .to_owned(),
-        chart: Some(chart),
-        table,
-    }
+    let lead = "Medians of the compute stages and of the stencil passes. A scene's bar with all levels off is 100; the numbers \
+                after bars are milliseconds. Stages are timed on a device of their own, on which nothing is drawn.";
+    Figure::new("skipping_work", "Where a frame's work goes", lead, Some(chart), table)
 }
 
 /// Milliseconds of the work of each colour, of other stages, of the stencil passes.
@@ -103,21 +97,18 @@ fn frames(rows: &[&Row]) -> Figure {
                 stencil passes of all lights. Depths that volumes are tested against are drawn before and not timed. Recording \
                 is CPU time. The last column is deforming, compute and stencil passes together divided by the whole frame: far \
                 from 1, the machine was busy, and times are not to be trusted.";
-    table("skipping_frames", "A frame's parts with each choice of levels", lead, found)
+    Figure::new("skipping_frames", "A frame's parts with each choice of levels", lead, None, found)
 }
 
 /// Each stage's median time.
 fn stages(rows: &[&Row]) -> Figure {
-    let mut names: Vec<&'static str> = Vec::new();
-    for name in rows.iter().flat_map(|row| &row.entries).flat_map(Entry::stages) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let mut names: Vec<&'static str> = rows.iter().flat_map(|row| &row.entries).flat_map(Entry::stages).collect();
+    let mut known = HashSet::new();
+    names.retain(|name| known.insert(*name));
     let head = names.iter().map(|name| format!("{name}, ms")).collect();
     let found =
         of_all(rows, head, |_, entry| names.iter().map(|name| or_dash(entry.median(Metric::Stage(name)))).collect());
-    table("skipping_stages", "Stage by stage", "Medians of each stage's GPU time.", found)
+    Figure::new("skipping_stages", "Stage by stage", "Medians of each stage's GPU time.", None, found)
 }
 
 /// Counters of the stages, and fragments.
@@ -138,5 +129,5 @@ fn counters(rows: &[&Row]) -> Figure {
                 they cover one: the samples that pass against depths without any surface. Fragments that lie behind what is \
                 visible count, since a device makes them before it tests them. There is a dash where the device's \
                 queries do not count.";
-    table("skipping_counters", "What is counted", lead, found)
+    Figure::new("skipping_counters", "What is counted", lead, None, found)
 }

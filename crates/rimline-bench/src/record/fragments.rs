@@ -6,7 +6,7 @@
 
 use wgpu::{BufferUsages, LoadOp};
 
-use super::{DEPTH, stencil_pass};
+use super::{DEPTH, STENCIL, Target};
 use crate::Error;
 use crate::gpu::Gpu;
 use crate::pipelines::{self, Drawing};
@@ -30,7 +30,7 @@ impl FragmentCounter {
     /// A counter for pictures of so many pixels across and down. `None` where the device's queries do not count.
     pub fn new(gpu: &Gpu, size: u32, lights: usize) -> Result<Option<Self>, Error> {
         let counter = Self {
-            depth: gpu.texture(size, DEPTH).create_view(&wgpu::TextureViewDescriptor::default()),
+            depth: gpu.texture([size; 2], DEPTH),
             queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("fragments"),
                 ty: wgpu::QueryType::Occlusion,
@@ -67,7 +67,8 @@ impl FragmentCounter {
         let mut encoder = gpu.encoder();
         for light in 0..self.lights {
             // Depth is reversed: 0 is farthest.
-            let mut pass = stencil_pass(&mut encoder, &self.depth, LoadOp::Clear(0.0), None, Some(&self.queries));
+            let target = Target::counting(&self.depth, LoadOp::Clear(0.0));
+            let mut pass = target.begin_timed(&mut encoder, STENCIL, None, Some(&self.queries));
             pass.begin_occlusion_query(light as u32);
             draw(&mut pass, light)?;
             pass.end_occlusion_query();

@@ -2,15 +2,32 @@
 
 use bytemuck::Zeroable as _;
 use glam::{Quat, Vec3};
-use rimline::Light;
 use rimline::gpu::{
-    Caster, CasterHandle, DeformerOptions, FrameInputs, LightHandle, MeshHandle, ModelHandle, Receivers, Scene,
-    SceneFrame, SceneOptions, SceneStatistics, ShadowPipelines, ShadowStatistics, StageTimer, View,
+    Caster, CasterHandle, DeformerOptions, FrameInputs, LightHandle, Measuring, MeshHandle, ModelHandle,
+    PositionBuffer, Receivers, Scene, SceneFrame, SceneOptions, SceneStatistics, ShadowError, ShadowPipelines,
+    ShadowStatistics, StageTimer, View,
 };
+use rimline::{Counting, Light, ShadowCamera};
+use wgpu::BufferUsages;
 
-use super::{Casters, Recorder, Setting, Until};
+use super::{Casters, Setting};
 use crate::Error;
 use crate::gpu::Gpu;
+
+/// How far a frame is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Until {
+    /// Silhouettes are extracted.
+    Extraction,
+    /// Volumes are prepared for a view.
+    Volumes,
+}
+
+/// Options of a scene without clusters that makes its lists anew in each frame.
+pub fn made_anew(max_lights: usize, counting: Counting) -> SceneOptions {
+    let measuring = Measuring::CACHED_LISTS;
+    SceneOptions { max_lights, counting, clusters_from: None, measuring, ..SceneOptions::default() }
+}
 
 /// Counters of a frame's stages.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +37,8 @@ pub struct Counted {
 }
 
 pub struct SceneRecorder<'a> {
-    setting: &'a Setting,
+    pub setting: &'a Setting,
+    pub camera: ShadowCamera,
     /// `None`: nothing is drawn.
     pipelines: Option<&'a ShadowPipelines>,
     pub scene: Scene,
@@ -57,12 +75,21 @@ impl<'a> SceneRecorder<'a> {
                     casters.push(caster);
                 }
             }
+            Casters::InBuffers(shapes) => {
+                for shape in shapes {
+                    let mesh = scene.add_mesh(&shape.mesh()?, &shape.positions)?;
+                    let buffer = &gpu.buffer(BufferUsages::STORAGE, &shape.positions);
+                    let positions = PositionBuffer { buffer, offset: 0, stride: 12 };
+                    casters.push(scene.insert(Caster::in_buffer(mesh, positions))?);
+                }
+            }
             Casters::Walking { model: of, pose } => {
                 model = Some(scene.insert_model(of, &pose(0)?, DeformerOptions::default())?);
             }
         }
         let lights = setting.lights.iter().map(|&light| scene.add_light(light)).collect::<Result<_, _>>()?;
-        Ok(Self { setting, pipelines, scene, meshes, lights, casters, model, frame: None, frames: 0 })
+        let camera = setting.camera;
+        Ok(Self { setting, camera, pipelines, scene, meshes, lights, casters, model, frame: None, frames: 0 })
     }
 
     /// The positions of casters that walk.
@@ -82,7 +109,7 @@ impl<'a> SceneRecorder<'a> {
 
     /// Deforms casters of the pose that the frame needs.
     pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) -> Result<(), Error> {
-        let views = [View::new(self.setting.camera)];
+        let views = [View::new(self.camera)];
         Ok(self.scene.deform(encoder, FrameInputs { views: &views, timer })?)
     }
 
@@ -110,58 +137,58 @@ impl<'a> SceneRecorder<'a> {
         }
         let version = self.setting.still_receivers();
         let depth = depth.map(|depth| Receivers { depth, sky_receives: false, version });
-        let views = [View { depth, ..View::new(self.setting.camera) }];
+        let views = [View { depth, ..View::new(self.camera) }];
         self.frame = Some(self.scene.encode(encoder, FrameInputs { views: &views, timer })?);
         Ok(())
     }
 
+    /// The last frame.
+    pub fn frame(&self) -> Result<&SceneFrame, Error> {
+        self.frame.as_ref().ok_or(Error::Shadow(ShadowError::NotEncoded))
+    }
+
     /// The counters of the last frame's stages.
     pub fn counted(&self, gpu: &Gpu) -> Result<Counted, Error> {
-        let mut counted = Counted { scene: SceneStatistics::zeroed(), shadows: ShadowStatistics::zeroed() };
-        if let Some(frame) = &self.frame {
-            let scene: Vec<SceneStatistics> = gpu.read(frame.statistics())?;
-            counted.scene = scene.first().copied().unwrap_or(counted.scene);
-            if let Some(buffer) = frame.shadow_statistics() {
-                let shadows: Vec<ShadowStatistics> = gpu.read(buffer)?;
-                counted.shadows = shadows.first().copied().unwrap_or(counted.shadows);
-            }
-        }
-        Ok(counted)
+        let frame = self.frame()?;
+        let scene = gpu.read(frame.statistics())?.first().copied();
+        let shadows = frame.shadow_statistics().map(|buffer| gpu.read(buffer)).transpose()?;
+        let shadows = shadows.and_then(|shadows| shadows.first().copied());
+        let (none, nothing) = (SceneStatistics::zeroed(), ShadowStatistics::zeroed());
+        Ok(Counted { scene: scene.unwrap_or(none), shadows: shadows.unwrap_or(nothing) })
     }
 
     /// Bytes of the last frame's buffers, topology not counted.
     pub fn bytes(&self) -> Result<u64, Error> {
-        Ok(self.frame.as_ref().map(SceneFrame::results).transpose()?.map_or(0, |results| results.bytes))
+        Ok(self.frame()?.results()?.bytes)
     }
 
     /// The number of silhouette edges of each light, of the last encode.
     pub fn silhouette_edges(&self, gpu: &Gpu) -> Result<Vec<u64>, Error> {
         let mut edges = vec![0; self.lights.len()];
-        let results = self.frame.as_ref().map(SceneFrame::results).transpose()?;
-        for group in results.iter().flat_map(|results| &results.groups) {
+        for group in &self.frame()?.results()?.groups {
             let counts: Vec<u32> = gpu.read(group.lists)?;
             edges.iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
         }
         Ok(edges)
     }
-}
 
-impl Recorder for SceneRecorder<'_> {
-    fn encode(
+    /// Records the compute stages of a frame in which nothing moves.
+    pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         until: Until,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), Error> {
-        let views = [View::new(self.setting.camera)];
+        let views = [View::new(self.camera)];
         let views = if until == Until::Volumes { &views[..] } else { &[] };
         self.frame = Some(self.scene.encode(encoder, FrameInputs { views, timer })?);
         Ok(())
     }
 
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), Error> {
-        if let (Some(frame), Some(pipelines), Some(&light)) = (&self.frame, self.pipelines, self.lights.get(light)) {
-            frame.draw(pass, pipelines, 0, light)?;
+    /// Draws the volumes of a light into a pass that counts.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), Error> {
+        if let (Some(pipelines), Some(&light)) = (self.pipelines, self.lights.get(light)) {
+            self.frame()?.draw(pass, pipelines, 0, light)?;
         }
         Ok(())
     }

@@ -57,20 +57,21 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Rigid casters that stay, all in the range of all lights.
+    /// Casters in the range of all lights, over no ground.
+    pub fn new(casters: Casters, lights: Vec<Light>, camera: ShadowCamera) -> Self {
+        let pairs_in_range = casters.count() * lights.len();
+        Self { casters, lights, camera, ground: None, turn: 0.0, drift: 0.0, occluders: None, pairs_in_range }
+    }
+
+    /// Rigid casters that stay.
     pub fn rigid(shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)>, lights: Vec<Light>, camera: &Camera) -> Self {
-        let pairs_in_range = placed.len() * lights.len();
-        let casters = Casters::Rigid { shapes, placed };
-        Self {
-            casters,
-            lights,
-            camera: camera.shadow(),
-            ground: None,
-            turn: 0.0,
-            drift: 0.0,
-            occluders: None,
-            pairs_in_range,
-        }
+        Self::new(Casters::Rigid { shapes, placed }, lights, camera.shadow())
+    }
+
+    /// Shapes in the same light, seen by the same camera.
+    #[must_use]
+    pub fn in_buffers(&self, shapes: Vec<Shape>) -> Self {
+        Self::new(Casters::InBuffers(shapes), self.lights.clone(), self.camera)
     }
 
     /// The version of what is seen: casters that do not move look the same in each frame.
@@ -82,6 +83,8 @@ impl Setting {
 pub enum Casters {
     /// Shapes, and for each caster its shape and where it stands.
     Rigid { shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)> },
+    /// Shapes whose positions lie in buffers of the caller, in world space.
+    InBuffers(Vec<Shape>),
     /// Skinned casters that walk: the model, and its pose after so many frames.
     Walking { model: Model, pose: Box<dyn Fn(usize) -> Result<Pose, ModelError>> },
 }
@@ -90,6 +93,7 @@ impl Casters {
     pub fn count(&self) -> usize {
         match self {
             Self::Rigid { placed, .. } => placed.len(),
+            Self::InBuffers(shapes) => shapes.len(),
             Self::Walking { model, .. } => model.instances().len(),
         }
     }
@@ -98,6 +102,7 @@ impl Casters {
     pub fn faces(&self) -> usize {
         match self {
             Self::Rigid { shapes, placed } => placed.iter().map(|(shape, _)| shapes[*shape].faces.len()).sum(),
+            Self::InBuffers(shapes) => shapes.iter().map(|shape| shape.faces.len()).sum(),
             Self::Walking { model, .. } => model.placed_geometries().map(|geometry| geometry.faces().len()).sum(),
         }
     }
@@ -106,21 +111,14 @@ impl Casters {
     pub fn placed(&self) -> Vec<Shape> {
         let Self::Rigid { shapes, placed } = self else { return Vec::new() };
         let shape = |(shape, matrix): &(usize, Matrix3x4)| {
-            let at = |[x, y, z]: &[f32; 3]| matrix.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3]);
-            let Shape { positions, faces } = &shapes[*shape];
-            Shape { positions: positions.iter().map(at).collect(), faces: faces.clone() }
+            let at = |[x, y, z]: [f32; 3]| matrix.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3]);
+            shapes[*shape].clone().placed(at)
         };
         placed.iter().map(shape).collect()
     }
 
     /// Rigid casters as one mesh. Their vertices are not welded.
     pub fn merged(&self) -> Shape {
-        let mut merged = Shape::default();
-        for shape in self.placed() {
-            let first = merged.positions.len() as u32;
-            merged.positions.extend(shape.positions);
-            merged.faces.extend(shape.faces.iter().map(|face| face.map(|vertex| first + vertex)));
-        }
-        merged
+        Shape::joined(&self.placed())
     }
 }

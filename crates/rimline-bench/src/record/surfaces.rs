@@ -1,10 +1,12 @@
 //! Draws everything that is seen: casters and what stands around them.
 
+use rimline::gpu::StageTimer;
 use rimline::{Light, Matrix3x4, ShadowCamera};
-use wgpu::{BufferUsages, LoadOp, Operations, StoreOp, TextureFormat, VertexFormat, VertexStepMode};
+use wgpu::{BufferUsages, LoadOp, TextureFormat, VertexStepMode};
 
-use super::{Casters, DEPTH, IDENTITY, Setting};
+use super::{Casters, DEPTH, IDENTITY, Setting, Target};
 use crate::gpu::Gpu;
+use crate::pipelines::{ADDED, Drawing, group};
 use crate::shapes::Shape;
 
 /// Layout of `Frame` in `surfaces.wgsl`.
@@ -60,8 +62,8 @@ pub enum Pass {
 
 pub struct Surfaces {
     frame: wgpu::Buffer,
-    group: wgpu::BindGroup,
-    pipelines: [wgpu::RenderPipeline; 2],
+    /// For depths, and for light.
+    pipelines: [(wgpu::RenderPipeline, wgpu::BindGroup); 2],
     /// `None`: depths alone are drawn.
     color: Option<wgpu::TextureView>,
     all: Vec<Surface>,
@@ -70,30 +72,14 @@ pub struct Surfaces {
 impl Surfaces {
     /// Surfaces that are lit, in pictures of this size, or of depths alone.
     pub fn new(gpu: &Gpu, lit: Option<u32>, surfaces: Vec<Surface>) -> Self {
-        let device = &gpu.device;
         let frame = gpu.empty(BufferUsages::STORAGE | BufferUsages::COPY_DST, size_of::<Frame>() as u64);
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("surfaces"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Storage { read_only: true },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
+        let pipelines = [Pass::Depth, Pass::Light].map(|pass| {
+            let pipeline = pipeline(gpu, pass, lit.is_some());
+            let group = group(&gpu.device, &pipeline.get_bind_group_layout(0), [frame.as_entire_binding()]);
+            (pipeline, group)
         });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("surfaces"),
-            layout: &layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: frame.as_entire_binding() }],
-        });
-        let has_color = lit.is_some();
-        let pipelines = [Pass::Depth, Pass::Light].map(|pass| pipeline(device, &layout, pass, has_color));
-        let color = lit.map(|size| gpu.texture(size, COLOR).create_view(&wgpu::TextureViewDescriptor::default()));
-        Self { frame, group, pipelines, color, all: surfaces }
+        let color = lit.map(|size| gpu.texture([size; 2], COLOR));
+        Self { frame, pipelines, color, all: surfaces }
     }
 
     /// The surfaces that the eye sees of a setting. `deformed` are the positions of casters that walk.
@@ -105,6 +91,9 @@ impl Surfaces {
                     let matrices = placed.iter().filter(|(of, _)| *of == number).map(|(_, matrix)| *matrix);
                     surfaces.push(Surface::new(gpu, shape, &matrices.collect::<Vec<_>>()));
                 }
+            }
+            (Casters::InBuffers(shapes), _) => {
+                surfaces.extend(shapes.iter().map(|shape| Surface::new(gpu, shape, &[IDENTITY])));
             }
             (Casters::Walking { model, .. }, Some(deformed)) => {
                 if let Some(geometry) = model.geometries().first() {
@@ -135,36 +124,26 @@ impl Surfaces {
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
     }
 
-    /// Records a pass. Depth is reversed: 0 is farthest.
+    /// Records a pass, timed as `depth` or `light`. Depth is reversed: 0 is farthest.
     pub fn pass(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         depth: &wgpu::TextureView,
         which: Pass,
-        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+        timer: Option<&mut StageTimer>,
     ) {
         let is_first = which == Pass::Depth;
-        let store = StoreOp::Store;
-        let color = self.color.as_ref().map(|view| wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: Operations { load: if is_first { LoadOp::Clear(wgpu::Color::BLACK) } else { LoadOp::Load }, store },
-        });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("surfaces"),
-            color_attachments: if color.is_some() { std::slice::from_ref(&color) } else { &[] },
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: depth,
-                depth_ops: Some(Operations { load: if is_first { LoadOp::Clear(0.0) } else { LoadOp::Load }, store }),
-                stencil_ops: Some(Operations { load: if is_first { LoadOp::Clear(0) } else { LoadOp::Load }, store }),
-            }),
-            timestamp_writes,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        pass.set_pipeline(&self.pipelines[usize::from(!is_first)]);
-        pass.set_bind_group(0, &self.group, &[]);
+        let black = LoadOp::Clear(wgpu::Color::BLACK);
+        let target = Target {
+            color: self.color.as_ref().map(|view| (view, if is_first { black } else { LoadOp::Load })),
+            depth_stencil: Some(depth),
+            depth: Some(if is_first { LoadOp::Clear(0.0) } else { LoadOp::Load }),
+            stencil: Some(if is_first { LoadOp::Clear(0) } else { LoadOp::Load }),
+        };
+        let mut pass = target.begin_timed(encoder, if is_first { "depth" } else { "light" }, timer, None);
+        let (pipeline, group) = &self.pipelines[usize::from(!is_first)];
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[]);
         for Surface { positions, faces, corners, matrices, times, stride } in &self.all {
             pass.set_vertex_buffer(0, positions.slice(..));
             pass.set_vertex_buffer(1, matrices.slice(..));
@@ -180,32 +159,15 @@ impl Surfaces {
     }
 }
 
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    pass: Pass,
-    has_color: bool,
-) -> wgpu::RenderPipeline {
-    let source = wgpu::ShaderSource::Wgsl(include_str!("surfaces.wgsl").into());
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("surfaces"), source });
-    let attribute = |shader_location: u32, offset, format| wgpu::VertexAttribute { format, offset, shader_location };
-    let rows: [_; 3] = std::array::from_fn(|row| attribute(1 + row as u32, 16 * row as u64, VertexFormat::Float32x4));
-    let position = [attribute(0, 0, VertexFormat::Float32x3)];
+fn pipeline(gpu: &Gpu, pass: Pass, has_color: bool) -> wgpu::RenderPipeline {
+    let is_depth = pass == Pass::Depth;
+    let rows = wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4];
+    let position = wgpu::vertex_attr_array![0 => Float32x3];
     let buffers = [
         Some(wgpu::VertexBufferLayout { array_stride: 12, step_mode: VertexStepMode::Vertex, attributes: &position }),
         Some(wgpu::VertexBufferLayout { array_stride: 48, step_mode: VertexStepMode::Instance, attributes: &rows }),
     ];
-    let (entry_point, is_depth) = (if pass == Pass::Depth { "ambient" } else { "lit" }, pass == Pass::Depth);
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let target = Some(wgpu::ColorTargetState {
-        format: COLOR,
-        blend: (!is_depth).then_some(wgpu::BlendState { color: add, alpha: add }),
-        write_mask: wgpu::ColorWrites::ALL,
-    });
+    let target = Some(wgpu::ColorTargetState { blend: (!is_depth).then_some(ADDED), ..COLOR.into() });
     // Each lit pixel counts up, so that faces that coincide add their light once.
     let face = if is_depth {
         wgpu::StencilFaceState::IGNORE
@@ -218,36 +180,22 @@ fn pipeline(
         }
     };
     let compare = if is_depth { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Equal };
-    let compilation_options = wgpu::PipelineCompilationOptions::default;
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("surfaces"),
-        layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("surfaces"),
-            bind_group_layouts: &[Some(layout)],
-            immediate_size: 0,
-        })),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("surface"),
-            compilation_options: compilation_options(),
-            buffers: &buffers,
-        },
-        primitive: wgpu::PrimitiveState::default(),
+    let fragment = match pass {
+        _ if !has_color => "nothing",
+        Pass::Depth => "ambient",
+        Pass::Light => "lit",
+    };
+    let drawing = Drawing {
+        label: "surfaces",
+        source: include_str!("surfaces.wgsl"),
+        entry_points: [Some("surface"), Some(fragment)],
+        buffers: &buffers,
         depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH,
-            depth_write_enabled: Some(is_depth),
-            depth_compare: Some(compare),
             stencil: wgpu::StencilState { front: face, back: face, read_mask: !0, write_mask: !0 },
-            bias: wgpu::DepthBiasState::default(),
+            ..crate::pipelines::depth(DEPTH, compare, is_depth)
         }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: has_color.then(|| wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(entry_point),
-            compilation_options: compilation_options(),
-            targets: std::slice::from_ref(&target),
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+        targets: if has_color { std::slice::from_ref(&target) } else { &[] },
+        ..Drawing::default()
+    };
+    drawing.pipeline(&gpu.device)
 }

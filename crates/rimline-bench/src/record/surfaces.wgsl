@@ -28,6 +28,8 @@ struct Surface {
   return Surface(clip, q);
 }
 
+@fragment fn nothing() {}
+
 @fragment fn ambient() -> @location(0) vec4<f32> {
   return vec4<f32>(0.15);
 }

@@ -4,17 +4,18 @@
 pub(crate) mod scene;
 mod truth;
 
+use rimline::Counting;
 use rimline::gpu::{ShadowFormat, ShadowPipelines, StageTimer};
-use rimline::{Counting, Light};
 use serde_json::json;
 use wgpu::{LoadOp, TextureAspect};
 
-use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
-use crate::gpu::{Gpu, Stopwatch};
+use crate::engine::{Contender, Metric, Rounds, times};
+use crate::gpu::{Gpu, Stopwatch, beside_draws};
 use crate::record::{
-    Camera, DEPTH, IDENTITY, Meshes, Pass, Recorder as _, STENCIL, Surface, Surfaces, Until, stencil_pass,
+    Camera, Casters, DEPTH, IDENTITY, Pass, STENCIL, SceneRecorder, Setting, Surface, Surfaces, Target, Until,
+    made_anew,
 };
-use crate::row::{Entry, Row, Section, Variant};
+use crate::row::{Row, Section, Variant, compare};
 use crate::shapes::Shape;
 use crate::{Error, Host};
 use scene::Path;
@@ -59,17 +60,19 @@ impl Frames {
 pub(crate) fn measure(
     plan: Frames,
     gpu: &Gpu,
-    (name, caster): (&str, Shape),
+    (name, caster): (&str, &Shape),
     path: Path,
     host: &dyn Host,
 ) -> Result<Row, Error> {
-    let stage = Stage { caster, room: scene::room(), size: plan.size };
+    let stage = Stage { caster: caster.clone(), room: scene::room(), size: plan.size };
     let (light, faces) = (path.light(), stage.caster.faces.len());
+    let casters = Casters::InBuffers(vec![stage.caster.clone()]);
+    let setting = Setting::new(casters, vec![light], plan.camera(path, 0).shadow());
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = METHODS.map(|(_, _, counting, ..)| ShadowPipelines::new(&gpu.pipelines, &format, counting));
     let pipelines = pipelines.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let mut drawn =
-        pipelines.iter().map(|pipelines| Drawn::new(gpu, &stage, pipelines, light)).collect::<Result<Vec<_>, _>>()?;
+    let drawn = pipelines.iter().map(|pipelines| Drawn::new(gpu, &stage, &setting, pipelines));
+    let mut drawn = drawn.collect::<Result<Vec<_>, _>>()?;
     let mut wrong = vec![Vec::new(); METHODS.len()];
     let truth = Truth::new(&stage, light);
     // About four of each path are held against rays.
@@ -80,27 +83,32 @@ pub(crate) fn measure(
         let camera = plan.camera(path, frame);
         let seen = truth.seen(&camera);
         for (drawn, wrong) in drawn.iter_mut().zip(&mut wrong) {
-            wrong.push(seen.wrong(&drawn.counts(&camera)?) as f64);
+            wrong.push(seen.wrong(&drawn.counts(gpu, &camera)?) as f64);
         }
     }
-    let contenders = drawn.iter_mut().map(|drawn| -> Contender<'_> {
-        Box::new(move || {
+    let mut contenders: Vec<(Variant, Contender<'_>)> = Vec::new();
+    for (drawn, (id, name, _, colour, shape)) in drawn.iter_mut().zip(METHODS) {
+        let mut stopwatch = Stopwatch::new(gpu);
+        let run = move || {
             let mut sums = [0.0; 2];
             for frame in 0..plan.count {
-                let times = drawn.frame(&plan.camera(path, frame))?;
-                sums.iter_mut().zip(times).for_each(|(sum, ms)| *sum += ms / plan.count as f64);
+                drawn.look(gpu, &plan.camera(path, frame));
+                let timed = stopwatch.frame(&["stages", "depth", STENCIL, "light"], |encoder, part, timer| {
+                    drawn.record(encoder, part, timer)
+                })?;
+                let found = [timed.of(|name| name == STENCIL), timed.whole_ms];
+                sums.iter_mut().zip(found).for_each(|(sum, ms)| *sum += ms / plan.count as f64);
             }
-            Ok(Sample::from([(Metric::Time("stencil"), sums[0]), (Metric::Time("frame"), sums[1])]))
-        })
-    });
-    let samples = interleave(plan.rounds, contenders.collect(), host)?;
-    let entries = METHODS.iter().zip(samples).zip(wrong).map(|((&(id, name, _, colour, shape), samples), wrong)| {
-        Entry::new(Variant::new(id, name, colour, shape), &samples).with(Metric::Count("wrong_pixels"), wrong)
-    });
+            Ok(times([("stencil", sums[0]), ("frame", sums[1])]))
+        };
+        contenders.push((Variant::new(id, name, colour, shape), Box::new(run)));
+    }
+    let entries = compare(plan.rounds, contenders, host)?.into_iter().zip(wrong);
+    let entries = entries.map(|(entry, wrong)| entry.with(Metric::Count("wrong_pixels"), wrong));
     Ok(Row {
         section: Section::Shadows,
-        scene: path.id().to_owned(),
-        title: path.name().to_owned(),
+        scene: path.id.to_owned(),
+        title: path.name.to_owned(),
         group: name.to_owned(),
         facts: vec![
             ("faces", json!(faces)),
@@ -114,106 +122,47 @@ pub(crate) fn measure(
 
 /// A caster in its room on the GPU, counted with one method.
 struct Drawn<'a> {
-    stopwatch: Stopwatch<'a>,
-    parts: Parts<'a>,
-}
-
-struct Parts<'a> {
-    meshes: Meshes<'a>,
+    scene: SceneRecorder<'a>,
     surfaces: Surfaces,
-    depth: wgpu::Texture,
-    view: wgpu::TextureView,
-    light: Light,
+    depth: wgpu::TextureView,
 }
 
 impl<'a> Drawn<'a> {
-    fn new(gpu: &'a Gpu, stage: &Stage, pipelines: &'a ShadowPipelines, light: Light) -> Result<Self, Error> {
-        let mut meshes = Meshes::new(Some(pipelines), &[light], None);
-        meshes.push_all(gpu, [stage.caster.clone()])?;
+    fn new(gpu: &Gpu, stage: &Stage, setting: &'a Setting, pipelines: &'a ShadowPipelines) -> Result<Self, Error> {
+        let scene = SceneRecorder::new(gpu, setting, Some(pipelines), made_anew(1, pipelines.counting()))?;
         let surfaces = [&stage.caster, &stage.room].map(|shape| Surface::new(gpu, shape, &[IDENTITY]));
         let surfaces = Surfaces::new(gpu, Some(stage.size), surfaces.into());
-        let depth = gpu.texture(stage.size, DEPTH);
-        let view = depth.create_view(&wgpu::TextureViewDescriptor::default());
-        Ok(Self { stopwatch: Stopwatch::new(gpu), parts: Parts { meshes, surfaces, depth, view, light } })
+        Ok(Self { scene, surfaces, depth: gpu.texture([stage.size; 2], DEPTH) })
     }
 
-    fn look(&mut self, camera: &Camera) {
-        let Parts { meshes, surfaces, light, .. } = &mut self.parts;
-        meshes.camera = Some(camera.shadow());
-        surfaces.set(self.stopwatch.gpu, &camera.shadow(), Some(*light));
-    }
-
-    /// Draws a frame and waits for it. Returns milliseconds of the stencil pass, and of the whole: stages, depth,
-    /// stencil, light.
-    fn frame(&mut self, camera: &Camera) -> Result<[f64; 2], Error> {
-        self.look(camera);
-        let Self { stopwatch, parts } = self;
-        if stopwatch.has_timer() {
-            let timed = stopwatch.timed(|encoder, mut timer| {
-                (0..4).try_for_each(|part| parts.record(encoder, part, timer.as_deref_mut()))
-            })?;
-            if let Some((_, span)) = timed.passes {
-                return Ok([timed.of(|name| name == STENCIL), span]);
-            }
-        }
-        // By the clock, each part waited for.
-        let mut times = [0.0; 2];
-        for part in 0..4 {
-            let [recording, running] = stopwatch.by_clock(|encoder| parts.record(encoder, part, None))?;
-            times[1] += recording + running;
-            if part == 2 {
-                times[0] = recording + running;
-            }
-        }
-        Ok(times)
+    fn look(&mut self, gpu: &Gpu, camera: &Camera) {
+        self.scene.camera = camera.shadow();
+        self.surfaces.set(gpu, &camera.shadow(), self.scene.setting.lights.first().copied());
     }
 
     /// The counts of a frame, row by row, the light pass left out.
-    fn counts(&mut self, camera: &Camera) -> Result<Vec<u8>, Error> {
-        self.look(camera);
-        let gpu = self.stopwatch.gpu;
-        let depth = self.parts.depth.clone();
-        let size = depth.width();
-        let mut encoder = gpu.encoder();
-        for part in 0..3 {
-            self.parts.record(&mut encoder, part, None)?;
-        }
-        let row = size.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let copy = gpu.empty(usage, u64::from(row) * u64::from(size));
-        encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo { aspect: TextureAspect::StencilOnly, ..depth.as_image_copy() },
-            wgpu::TexelCopyBufferInfo {
-                buffer: &copy,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
-            },
-            depth.size(),
-        );
-        gpu.queue.submit([encoder.finish()]);
-        gpu.wait()?;
-        let all: Vec<u8> = gpu.read(&copy)?;
-        Ok(all.chunks(row as usize).flat_map(|line| &line[..size as usize]).copied().collect())
+    fn counts(&mut self, gpu: &Gpu, camera: &Camera) -> Result<Vec<u8>, Error> {
+        self.look(gpu, camera);
+        gpu.pixels(&self.depth.clone(), TextureAspect::StencilOnly, |encoder| {
+            ["stages", "depth", STENCIL].into_iter().try_for_each(|part| self.record(encoder, part, None))
+        })
     }
-}
 
-impl Parts<'_> {
-    /// Records a part of a frame: its stages, then its passes.
+    /// Records a part of a frame: its stages, or one of its passes.
     fn record(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        part: usize,
-        mut timer: Option<&mut StageTimer>,
+        part: &'static str,
+        timer: Option<&mut StageTimer>,
     ) -> Result<(), Error> {
+        let Self { scene, surfaces, depth } = self;
         match part {
-            0 => self.meshes.encode(encoder, Until::Volumes, timer)?,
-            2 => {
-                let mut pass = stencil_pass(encoder, &self.view, LoadOp::Load, timer, None);
-                self.meshes.draw(&mut pass, 0)?;
-            }
-            part => {
-                let (which, name) = if part == 1 { (Pass::Depth, "depth") } else { (Pass::Light, "light") };
-                let writes = timer.as_mut().and_then(|timer| timer.render_pass(name));
-                self.surfaces.pass(encoder, &self.view, which, writes);
+            "stages" => scene.encode(encoder, Until::Volumes, beside_draws(timer))?,
+            "depth" => surfaces.pass(encoder, depth, Pass::Depth, timer),
+            "light" => surfaces.pass(encoder, depth, Pass::Light, timer),
+            _ => {
+                let target = Target::counting(depth, LoadOp::Load);
+                scene.draw(&mut target.begin_timed(encoder, STENCIL, timer, None), 0)?;
             }
         }
         Ok(())

@@ -57,78 +57,77 @@ pub(crate) fn room() -> Shape {
 }
 
 /// Where cameras go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Path {
-    /// In the caster's shadow, away from it.
-    LooksAway,
-    /// In its shadow, towards it.
-    LooksAtOccluder,
-    /// From where the caster is small to where it fills the picture; its shadow falls to the left.
-    Zoom,
-    /// All around, in and out of the shadow.
-    Random,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Path {
+    /// Name in the data.
+    pub(crate) id: &'static str,
+    pub(crate) name: &'static str,
+    light: Vec3,
+    /// Eye and direction at a part of the way, with what is behind the caster as seen from the light.
+    at: fn(f32, Vec3) -> [Vec3; 2],
 }
 
-pub(crate) const PATHS: [Path; 4] = [Path::LooksAway, Path::LooksAtOccluder, Path::Zoom, Path::Random];
+pub(crate) const PATHS: [Path; 4] = [
+    // In the caster's shadow, away from it, and towards it.
+    Path {
+        id: "looks-away",
+        name: "in shadow, looks away",
+        light: Vec3::new(-5.0, 1.2, 0.6),
+        at: |t, behind| [in_shadow(t, behind), behind + sway(t)],
+    },
+    Path {
+        id: "looks-at-occluder",
+        name: "in shadow, looks at occluder",
+        light: Vec3::new(-5.0, 1.2, 0.6),
+        at: |t, behind| [in_shadow(t, behind), 0.5 * sway(t) - behind],
+    },
+    // From where the caster is small to where it fills the picture; its shadow falls to the left.
+    Path {
+        id: "zoom",
+        name: "zoom",
+        light: Vec3::new(6.0, 3.0, 2.0),
+        at: |t, _| {
+            let from = Vec3::new(0.15 * (TAU * t).sin(), 0.3, 1.0).normalize();
+            [from * 23.0 * (2.0_f32 / 23.0).powf(t), -from]
+        },
+    },
+    // All around, in and out of the shadow.
+    Path {
+        id: "random",
+        name: "random",
+        light: Vec3::new(-3.0, 5.0, 2.0),
+        at: |t, _| {
+            let angle = TAU * t;
+            let wander = |[a, b, c]: [f32; 3]| {
+                Vec3::new((2.0 * angle + a).sin(), (3.0 * angle + b).sin(), (5.0 * angle + c).cos())
+            };
+            let from = wander([0.0, 1.0, 2.0]).normalize() * (4.0 + 2.0 * (4.0 * angle).sin());
+            [from, 1.2 * wander([3.0, 5.0, 1.0]) - from]
+        },
+    },
+];
 
 const NEAR: f32 = 0.05;
 /// Clip units per unit at distance 1, of a picture as high as wide: 60°.
 const SCALE: f32 = 1.732;
 
+fn in_shadow(t: f32, behind: Vec3) -> Vec3 {
+    behind * (2.0 + 1.5 * t) + 0.05 * Vec3::new(0.0, (TAU * t).sin(), (TAU * t).cos())
+}
+
+fn sway(t: f32) -> Vec3 {
+    Vec3::new(0.0, 0.25 * (2.0 * TAU * t).sin(), 0.35 * (TAU * t).sin())
+}
+
 impl Path {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::LooksAway => "in shadow, looks away",
-            Self::LooksAtOccluder => "in shadow, looks at occluder",
-            Self::Zoom => "zoom",
-            Self::Random => "random",
-        }
-    }
-
-    /// Name in the data.
-    pub(crate) fn id(self) -> &'static str {
-        match self {
-            Self::LooksAway => "looks-away",
-            Self::LooksAtOccluder => "looks-at-occluder",
-            Self::Zoom => "zoom",
-            Self::Random => "random",
-        }
-    }
-
-    fn light_at(self) -> Vec3 {
-        match self {
-            Self::LooksAway | Self::LooksAtOccluder => Vec3::new(-5.0, 1.2, 0.6),
-            Self::Zoom => Vec3::new(6.0, 3.0, 2.0),
-            Self::Random => Vec3::new(-3.0, 5.0, 2.0),
-        }
-    }
-
     pub(crate) fn light(self) -> Light {
-        Light::point(self.light_at().to_array())
+        Light::point(self.light.to_array())
     }
 
     /// The camera at `t`, from 0 at the path's beginning to 1 at its end.
     pub(crate) fn camera(self, t: f32) -> Camera {
-        let angle = TAU * t;
-        let behind = -self.light_at().normalize();
-        let in_shadow = behind * (2.0 + 1.5 * t) + 0.05 * Vec3::new(0.0, angle.sin(), angle.cos());
-        let sway = Vec3::new(0.0, 0.25 * (2.0 * angle).sin(), 0.35 * angle.sin());
-        match self {
-            Self::LooksAway => camera(in_shadow, behind + sway),
-            Self::LooksAtOccluder => camera(in_shadow, 0.5 * sway - behind),
-            Self::Zoom => {
-                let distance = 23.0 * (2.0_f32 / 23.0).powf(t);
-                let from = Vec3::new(0.15 * angle.sin(), 0.3, 1.0).normalize();
-                camera(from * distance, -from)
-            }
-            Self::Random => {
-                let wander = |[a, b, c]: [f32; 3]| {
-                    Vec3::new((2.0 * angle + a).sin(), (3.0 * angle + b).sin(), (5.0 * angle + c).cos())
-                };
-                let from = wander([0.0, 1.0, 2.0]).normalize() * (4.0 + 2.0 * (4.0 * angle).sin());
-                camera(from, 1.2 * wander([3.0, 5.0, 1.0]) - from)
-            }
-        }
+        let [eye, forward] = (self.at)(t, -self.light.normalize());
+        Camera::level(eye, forward, SCALE, NEAR)
     }
 }
 
@@ -137,10 +136,6 @@ pub(crate) fn fitted(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Shape {
     let (middle, size) = extent(positions);
     let at = |p: &[f32; 3]| std::array::from_fn(|axis| (p[axis] - middle[axis]) / size);
     Shape { positions: positions.iter().map(at).collect(), faces: faces.to_vec() }
-}
-
-fn camera(eye: Vec3, forward: Vec3) -> Camera {
-    Camera::level(eye, forward, SCALE, NEAR)
 }
 
 #[cfg(test)]

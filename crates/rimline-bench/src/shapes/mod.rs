@@ -3,9 +3,13 @@
 //! Faces are counter-clockwise outside and vertices are welded already, so [`Mesh::from_faces`] serves. A count too
 //! small for the shape is taken as the least that makes one, a count above [`MAX_COUNT`] as [`MAX_COUNT`].
 
+use std::collections::HashMap;
+
 use rimline::mesh::{Mesh, MeshError};
 
-pub mod noise;
+use crate::random::Random;
+
+mod noise;
 mod open;
 
 pub use open::{moebius, plane_grid, three_sheets};
@@ -35,7 +39,7 @@ impl Shape {
     /// first corner and its orientation. Indices out of range stay as they are.
     #[must_use]
     pub fn shuffled(&self, seed: u64) -> Self {
-        let mut random = seed;
+        let mut random = Random::new(seed);
         let new_index = permutation(self.positions.len(), &mut random);
         let mut positions = vec![[0.0; 3]; self.positions.len()];
         for (&position, &new) in self.positions.iter().zip(&new_index) {
@@ -71,11 +75,11 @@ impl Shape {
 }
 
 /// A random order of `0..count` (Fisher and Yates).
-fn permutation(count: usize, random: &mut u64) -> Vec<u32> {
+fn permutation(count: usize, random: &mut Random) -> Vec<u32> {
     let mut order: Vec<u32> = (0..count as u32).collect();
     for last in (1..count).rev() {
         // The high product word: a number below last + 1, near enough uniform for any mesh.
-        let other = (u128::from(noise::splitmix64(random)) * (last as u128 + 1)) >> 64;
+        let other = (u128::from(random.next_u64()) * (last as u128 + 1)) >> 64;
         order.swap(last, other as usize);
     }
     order
@@ -135,56 +139,33 @@ pub fn globe(segments: u32, rings: u32) -> Shape {
 #[must_use]
 pub fn sphere(subdivisions: u32) -> Shape {
     let n = subdivisions.clamp(1, MAX_COUNT) as i32;
-    let mut lattice = Lattice::new(n);
-    for (x, y, z) in
-        [(1, 1, 1), (1, 1, -1), (1, -1, 1), (1, -1, -1), (-1, 1, 1), (-1, 1, -1), (-1, -1, 1), (-1, -1, -1)]
-    {
-        let at = |i: i32, j: i32| [x * (n - i - j), y * i, z * j];
+    let (mut shape, mut known) = (Shape::default(), HashMap::new());
+    // Points of the octahedron's surface, |x| + |y| + |z| = n, are numbered as they come up.
+    let mut vertex = |shape: &mut Shape, point: [i32; 3]| {
+        *known.entry(point).or_insert_with(|| {
+            let [x, y, z] = point.map(|axis| axis as f32);
+            let length = (x * x + y * y + z * z).sqrt();
+            shape.positions.push([x / length, y / length, z / length]);
+            shape.positions.len() as u32 - 1
+        })
+    };
+    for octant in 0..8 {
+        let [x, y, z] = [4, 2, 1].map(|bit| if octant & bit == 0 { 1 } else { -1 });
+        // A face given counter-clockwise where x·y·z is positive, mirrored elsewhere.
+        let mut face = |corners: [[i32; 2]; 3]| {
+            let [a, b, c] = corners.map(|[i, j]| vertex(&mut shape, [x * (n - i - j), y * i, z * j]));
+            shape.faces.push(if x * y * z < 0 { [a, c, b] } else { [a, b, c] });
+        };
         for i in 0..n {
             for j in 0..n - i {
-                lattice.face([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                face([[i, j], [i + 1, j], [i, j + 1]]);
                 if i + j + 1 < n {
-                    lattice.face([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                    face([[i + 1, j], [i + 1, j + 1], [i, j + 1]]);
                 }
             }
         }
     }
-    lattice.shape
-}
-
-/// Points of an octahedron's surface, |x| + |y| + |z| = n, numbered as they come up.
-struct Lattice {
-    n: i32,
-    /// Vertex at (x, y), for z ≥ 0 and for z < 0.
-    numbers: [Vec<u32>; 2],
-    shape: Shape,
-}
-
-impl Lattice {
-    fn new(n: i32) -> Self {
-        let side = (2 * n + 1) as usize;
-        Self { n, numbers: [vec![u32::MAX; side * side], vec![u32::MAX; side * side]], shape: Shape::default() }
-    }
-
-    /// A face given counter-clockwise where x·y·z is positive, mirrored elsewhere.
-    fn face(&mut self, corners: [[i32; 3]; 3]) {
-        let sum: [i32; 3] = std::array::from_fn(|axis| corners.iter().map(|corner| corner[axis]).sum());
-        let mirrored = sum.iter().filter(|&&s| s < 0).count() % 2 == 1;
-        let [a, b, c] = corners.map(|corner| self.vertex(corner));
-        self.shape.faces.push(if mirrored { [a, c, b] } else { [a, b, c] });
-    }
-
-    fn vertex(&mut self, point @ [x, y, z]: [i32; 3]) -> u32 {
-        let column = (x + self.n) as usize * (2 * self.n + 1) as usize + (y + self.n) as usize;
-        let number = &mut self.numbers[usize::from(z < 0)][column];
-        if *number == u32::MAX {
-            *number = self.shape.positions.len() as u32;
-            let [x, y, z] = point.map(|axis| axis as f32);
-            let length = (x * x + y * y + z * z).sqrt();
-            self.shape.positions.push([x / length, y / length, z / length]);
-        }
-        *number
-    }
+    shape
 }
 
 /// [`sphere`] with its vertices moved along their rays by smooth noise, so that radii lie between `1 − amplitude` and

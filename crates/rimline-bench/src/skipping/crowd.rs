@@ -63,16 +63,10 @@ pub(super) fn setting(walker_count: usize, view: View) -> Result<Setting, ModelE
         View::Within => (Vec3::new(width * ((side / 2) as f32 / side as f32 - 0.5), EYE, 0.0), Vec3::NEG_Z),
     };
     let camera = Camera { eye, right: Vec3::X, up: Vec3::X.cross(forward), forward, scale: 1.5, near: 0.1 };
-    Ok(Setting {
-        pairs_in_range: distances.iter().filter(|distance| **distance <= range).count(),
-        casters: Casters::Walking { model, pose: Box::new(move |frame| pose(&walkers, frame)) },
-        lights: lamps.iter().map(|lamp| Light::point(lamp.to_array()).with_range(range)).collect(),
-        camera: camera.shadow(),
-        ground: Some(0.0),
-        turn: 0.0,
-        drift: 0.0,
-        occluders: None,
-    })
+    let pairs_in_range = distances.iter().filter(|distance| **distance <= range).count();
+    let casters = Casters::Walking { model, pose: Box::new(move |frame| pose(&walkers, frame)) };
+    let lights = lamps.iter().map(|lamp| Light::point(lamp.to_array()).with_range(range)).collect();
+    Ok(Setting { pairs_in_range, ground: Some(0.0), ..Setting::new(casters, lights, camera.shadow()) })
 }
 
 /// From a lamp to the nearest point of a ball that holds a figure.

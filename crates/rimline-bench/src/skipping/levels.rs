@@ -2,99 +2,59 @@
 
 use rimline::gpu::{Measuring, SceneOptions};
 
-/// A level of skipping, with its switch.
-#[derive(Debug)]
-pub(crate) struct Level {
-    /// Name in the data.
-    pub(crate) id: &'static str,
-    pub(crate) name: &'static str,
-    switch: fn(&mut SceneOptions, bool),
-}
+/// A level of skipping: its name in the data, its name for people, and the work that is done without it.
+type Level = (&'static str, &'static str, &'static [Measuring]);
 
-/// All levels that have a switch.
-pub(crate) static LEVELS: &[Level] = &[
-    Level {
-        id: "light-reach",
-        name: "light reach",
-        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_RANGE, !on),
-    },
-    Level {
-        id: "shadow-reach",
-        name: "shadow reach",
-        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_VIEW, !on),
-    },
-    Level {
-        id: "nothing-moved",
-        name: "nothing moved",
-        switch: |options, on| {
-            options.measuring.set(Measuring::CACHED_BITS, !on);
-            options.measuring.set(Measuring::CACHED_LISTS, !on);
-        },
-    },
-    Level {
-        id: "clusters",
-        name: "clusters",
-        switch: |options, on| options.clusters_from = SceneOptions::default().clusters_from.filter(|_| on),
-    },
-    Level {
-        id: "hidden-receivers",
-        name: "hidden receivers",
-        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_RECEIVERS, !on),
-    },
-    Level {
-        id: "unneeded-figures",
-        name: "unneeded figures",
-        switch: |options, on| options.measuring.set(Measuring::CULLED_CASTERS, !on),
-    },
-    Level {
-        id: "occluders",
-        name: "occluders",
-        switch: |options, on| options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, !on),
-    },
+/// All levels that have a switch. Clusters have an option of their own.
+pub(crate) const LEVELS: [Level; 7] = [
+    ("light-reach", "light reach", &[Measuring::CULLED_BY_RANGE]),
+    ("shadow-reach", "shadow reach", &[Measuring::CULLED_BY_VIEW]),
+    ("nothing-moved", "nothing moved", &[Measuring::CACHED_BITS, Measuring::CACHED_LISTS]),
+    (CLUSTERS, "clusters", &[]),
+    ("hidden-receivers", "hidden receivers", &[Measuring::CULLED_BY_RECEIVERS]),
+    ("unneeded-figures", "unneeded figures", &[Measuring::CULLED_CASTERS]),
+    (OCCLUDERS, "occluders", &[Measuring::CULLED_BY_OCCLUDERS]),
 ];
+pub(super) const CLUSTERS: &str = "clusters";
+pub(super) const OCCLUDERS: &str = "occluders";
 
-/// Which levels are on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Variant {
-    AllOff,
-    AllOn,
-    /// All but this one.
-    Without(&'static Level),
+/// A choice of levels.
+#[derive(Clone, Debug)]
+pub(super) struct Choice {
+    /// Names in the data, and for people.
+    pub(super) id: String,
+    pub(super) name: String,
+    /// The level that is off alone, or none.
+    pub(super) without: Option<&'static str>,
+    is_on: [bool; LEVELS.len()],
 }
 
-impl Variant {
+impl Choice {
     /// All off, all on, and each level off with the others on.
-    pub(crate) fn all() -> impl Iterator<Item = Self> {
-        [Self::AllOff, Self::AllOn].into_iter().chain(LEVELS.iter().map(Self::Without))
-    }
-
-    /// Name in the data.
-    pub(crate) fn id(self) -> String {
-        match self {
-            Self::AllOff => "all-off".to_owned(),
-            Self::AllOn => "all-on".to_owned(),
-            Self::Without(level) => format!("without-{}", level.id),
-        }
-    }
-
-    pub(crate) fn name(self) -> String {
-        match self {
-            Self::AllOff => "all levels off".to_owned(),
-            Self::AllOn => "all levels on".to_owned(),
-            Self::Without(level) => format!("all but: {}", level.name),
-        }
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        let whole = |id: &str, name: &str, is_on| Self {
+            id: id.to_owned(),
+            name: name.to_owned(),
+            without: None,
+            is_on: [is_on; LEVELS.len()],
+        };
+        let without = LEVELS.into_iter().enumerate().map(|(number, (id, name, _))| Self {
+            id: format!("without-{id}"),
+            name: format!("all but: {name}"),
+            without: Some(id),
+            is_on: std::array::from_fn(|level| level != number),
+        });
+        [whole("all-off", "all levels off", false), whole("all-on", "all levels on", true)].into_iter().chain(without)
     }
 
     /// Options of a scene with so many lights.
-    pub(crate) fn options(self, max_lights: usize) -> SceneOptions {
+    pub(super) fn options(&self, max_lights: usize) -> SceneOptions {
         let mut options = SceneOptions { max_lights, ..SceneOptions::default() };
-        for level in LEVELS {
-            let is_on = match self {
-                Self::AllOff => false,
-                Self::AllOn => true,
-                Self::Without(other) => level.id != other.id,
-            };
-            (level.switch)(&mut options, is_on);
+        for ((id, _, bits), is_on) in LEVELS.iter().zip(self.is_on) {
+            bits.iter().for_each(|bit| options.measuring.set(*bit, !is_on));
+            if *id == CLUSTERS && !is_on {
+                options.clusters_from = None;
+            }
         }
         options
     }
@@ -104,34 +64,20 @@ impl Variant {
 mod tests {
     use super::*;
 
-    /// The switches as options have them, all other options left out.
-    fn switches(variant: Variant) -> Vec<bool> {
-        let options = format!("{:?}", variant.options(5));
-        let is_on = |level: &Level| {
-            // A switch that changes nothing is none.
-            let [on, off] = [true, false].map(|on| {
-                let mut options = variant.options(5);
-                (level.switch)(&mut options, on);
-                format!("{options:?}")
-            });
-            assert_ne!(on, off, "{}", level.id);
-            options == on
-        };
-        LEVELS.iter().map(is_on).collect()
-    }
-
     #[test]
     fn each_level_is_off_alone_once() {
-        let all: Vec<Vec<bool>> = Variant::all().map(switches).collect();
-        assert_eq!(all[0], vec![false; LEVELS.len()]);
-        assert_eq!(all[1], vec![true; LEVELS.len()]);
-        for (number, switches) in all[2..].iter().enumerate() {
-            let expected: Vec<bool> = (0..LEVELS.len()).map(|level| level != number).collect();
-            assert_eq!(*switches, expected);
+        let all: Vec<Choice> = Choice::all().collect();
+        assert_eq!(all.len(), LEVELS.len() + 2);
+        let of = |choice: &Choice| format!("{:?}", choice.options(5));
+        let mut different: Vec<String> = all.iter().map(of).collect();
+        different.sort();
+        different.dedup();
+        // A switch that changes nothing is none.
+        assert_eq!(different.len(), all.len());
+        let defaults = SceneOptions { max_lights: 5, ..SceneOptions::default() };
+        assert_eq!(of(&all[1]), format!("{defaults:?}"));
+        for (choice, (id, ..)) in all[2..].iter().zip(LEVELS) {
+            assert_eq!((choice.is_on.iter().filter(|is_on| !**is_on).count(), choice.without), (1, Some(id)));
         }
-        let mut ids: Vec<String> = Variant::all().map(Variant::id).collect();
-        ids.sort();
-        ids.dedup();
-        assert_eq!(ids.len(), LEVELS.len() + 2);
     }
 }

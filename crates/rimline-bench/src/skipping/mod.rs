@@ -13,12 +13,10 @@ use serde_json::json;
 use wgpu::LoadOp;
 
 use crate::casters::Devices;
-use crate::engine::{Contender, Metric, Rounds, Sample, interleave};
-use crate::gpu::{Stopwatch, Timed, beside_draws};
-use crate::record::{
-    Counted, DEPTH, FragmentCounter, Pass, Recorder as _, STENCIL, SceneRecorder, Surfaces, stencil_pass,
-};
-use crate::row::{Entry, Row, Section, Variant as Named};
+use crate::engine::{Contender, Metric, Rounds, Sample, times};
+use crate::gpu::{Stopwatch, beside_draws};
+use crate::record::{Counted, DEPTH, FragmentCounter, Pass, STENCIL, SceneRecorder, Surfaces, Target};
+use crate::row::{Row, Section, Variant, compare};
 use crate::{Error, Host};
 use scenes::SkipScene;
 
@@ -62,53 +60,50 @@ pub(crate) fn measure(
     let setting = scene.setting(casters)?;
     // Frames of many volumes take seconds.
     let rounds = Rounds { least: rounds.least.min(3), ..rounds };
-    let Devices { stages, draws, scene: pipelines, .. } = devices;
+    let Devices { stages, draws, pipelines } = devices;
     let gpu = draws.gpu;
-    let depth = gpu.texture(size, DEPTH).create_view(&wgpu::TextureViewDescriptor::default());
+    let depth = gpu.texture([size; 2], DEPTH);
     let counter = FragmentCounter::new(gpu, size, setting.lights.len())?;
-    let variants = scene.variants();
-    let (mut pairs, mut counts) = (Vec::new(), Vec::new());
-    for variant in &variants {
-        let options = variant.options(setting.lights.len());
+    let (mut recorders, mut counts) = (Vec::new(), Vec::new());
+    for choice in scene.choices() {
+        let options = choice.options(setting.lights.len());
         let mut drawn = SceneRecorder::new(gpu, &setting, Some(pipelines), options)?;
-        let seen = Seen { surfaces: Surfaces::of(gpu, &setting, drawn.positions()?), depth: depth.clone() };
+        let surfaces = Surfaces::of(gpu, &setting, drawn.positions()?);
         let mut timed = SceneRecorder::new(stages.gpu, &setting, None, options)?;
         for _ in 0..=SETTLED {
             if host.is_stopped() {
                 return Err(Error::Stopped);
             }
-            frame(&mut drawn, &seen, draws)?;
+            frame(&mut drawn, &surfaces, &depth, draws)?;
             stages_alone(&mut timed, stages)?;
         }
         let counter = counter.as_ref().map(|counter| counter.count(gpu, |pass, light| drawn.draw(pass, light)));
         counts.push((drawn.counted(gpu)?, counter.transpose()?));
-        pairs.push((timed, drawn, seen));
+        recorders.push((choice, timed, drawn, surfaces));
     }
     let (stages, draws) = (RefCell::new(stages), RefCell::new(draws));
-    let contenders = pairs.iter_mut().map(|(timed, drawn, seen)| -> Contender<'_> {
-        let (stages, draws, seen) = (&stages, &draws, &*seen);
-        Box::new(move || {
+    let contenders = recorders.iter_mut().map(|(choice, timed, drawn, surfaces)| -> (Variant, Contender<'_>) {
+        let (stages, draws, depth) = (&stages, &draws, &depth);
+        let run = move || {
             let mut sample = stages_alone(timed, &mut stages.borrow_mut())?;
-            sample.extend(frame(drawn, seen, &mut draws.borrow_mut())?);
+            sample.extend(frame(drawn, surfaces, depth, &mut draws.borrow_mut())?);
             Ok(sample)
-        })
+        };
+        (Variant::new(&choice.id, &choice.name, 4, 0), Box::new(run))
     });
-    let samples = interleave(rounds, contenders.collect(), host)?;
-    let mut entries = Vec::new();
-    for ((variant, samples), (counted, fragments)) in variants.iter().zip(samples).zip(&counts) {
-        let mut entry = Entry::new(Named::new(&variant.id(), &variant.name(), 4, 0), &samples);
-        for (name, of) in COUNTERS {
-            entry = entry.with_count(name, of(counted) as usize);
-        }
-        entries.push(fragments.iter().fold(entry, |entry, &found| entry.with_count("fragments", found as usize)));
-    }
+    let entries = compare(rounds, contenders.collect(), host)?.into_iter().zip(&counts).map(|(entry, counted)| {
+        let (counted, fragments) = counted;
+        let entry = COUNTERS.iter().fold(entry, |entry, (name, of)| entry.with_count(name, of(counted) as usize));
+        fragments.iter().fold(entry, |entry, &found| entry.with_count("fragments", found as usize))
+    });
+    let entries = entries.collect();
     Ok(Row {
         section: Section::Skipping,
-        scene: scene.name().to_owned(),
+        scene: scene.name.to_owned(),
         title: scene.title(casters),
-        group: scene.name().to_owned(),
+        group: scene.name.to_owned(),
         facts: vec![
-            ("view", json!(scene.view())),
+            ("view", json!(scene.view)),
             ("casters", json!(setting.casters.count())),
             ("faces", json!(setting.casters.faces())),
             ("lights", json!(setting.lights.len())),
@@ -119,12 +114,6 @@ pub(crate) fn measure(
     })
 }
 
-/// Visible surfaces: depths that volumes are tested against.
-struct Seen {
-    surfaces: Surfaces,
-    depth: wgpu::TextureView,
-}
-
 /// Times the stages, on a device on which nothing is drawn.
 fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
     recorder.begin()?;
@@ -132,59 +121,50 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
         recorder.deform(encoder, timer.as_deref_mut())?;
         recorder.encode_seen(encoder, None, timer)
     })?;
-    let mut sample = timed.stages();
-    let deform = timed.of(|name| name == DEFORM);
     // Without timestamps all that is known is their sum.
-    let compute = if timed.passes.is_some() { timed.of(|name| name != DEFORM) } else { timed.clock_ms };
-    if timed.passes.is_none() {
+    if !timed.has_stamps {
+        let mut sample = times([("deform", 0.0), ("compute", timed.clock_ms)]);
         sample.push((Metric::Stage("all stages"), timed.clock_ms));
+        return Ok(sample);
     }
-    sample.extend([(Metric::Time("deform"), deform), (Metric::Time("compute"), compute)]);
+    let [deform, compute] = [true, false].map(|deforms| timed.of(|name| (name == DEFORM) == deforms));
+    let mut sample = timed.stages();
+    sample.extend(times([("deform", deform), ("compute", compute)]));
     Ok(sample)
 }
 
 /// Runs a frame: deforms, draws depths, then runs stages and stencil passes. Depths are the caller's in any case, so
 /// they are not timed.
-fn frame(recorder: &mut SceneRecorder<'_>, seen: &Seen, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
-    let (gpu, depth) = (stopwatch.gpu, &seen.depth);
-    let (mut frame_ms, mut recording_ms) = (0.0, 0.0);
-    let mut add = |timed: &Timed| {
-        frame_ms += timed.clock_ms;
-        recording_ms += timed.recording_ms;
-    };
+fn frame(
+    recorder: &mut SceneRecorder<'_>,
+    surfaces: &Surfaces,
+    depth: &wgpu::TextureView,
+    stopwatch: &mut Stopwatch<'_>,
+) -> Result<Sample, Error> {
+    let [mut recording_ms, mut frame_ms] = [0.0; 2];
     if recorder.begin()? {
-        add(&stopwatch.timed(|encoder, mut timer| recorder.deform(encoder, beside_draws(&mut timer)))?);
+        let deformed = stopwatch.timed(|encoder, timer| recorder.deform(encoder, beside_draws(timer)))?;
+        (recording_ms, frame_ms) = (deformed.recording_ms, deformed.clock_ms);
     }
-    let mut encoder = gpu.encoder();
-    seen.surfaces.pass(&mut encoder, depth, Pass::Depth, None);
-    gpu.queue.submit([encoder.finish()]);
-    gpu.wait()?;
+    stopwatch.by_clock(|encoder| {
+        surfaces.pass(encoder, depth, Pass::Depth, None);
+        Ok(())
+    })?;
     let depths = depth.texture().create_view(&wgpu::TextureViewDescriptor {
         aspect: wgpu::TextureAspect::DepthOnly,
         ..wgpu::TextureViewDescriptor::default()
     });
-    let passes = |encoder: &mut wgpu::CommandEncoder, recorder: &SceneRecorder<'_>, mut timer: Option<&mut _>| {
+    let rest = stopwatch.frame(&["stages", STENCIL], |encoder, part, mut timer| {
+        if part == "stages" {
+            return recorder.encode_seen(encoder, Some(&depths), beside_draws(timer));
+        }
         (0..recorder.lights.len()).try_for_each(|light| {
-            let mut pass = stencil_pass(encoder, depth, LoadOp::Load, timer.as_deref_mut(), None);
-            recorder.draw(&mut pass, light)
+            let target = Target::counting(depth, LoadOp::Load);
+            recorder.draw(&mut target.begin_timed(encoder, STENCIL, timer.as_deref_mut(), None), light)
         })
-    };
-    // Without timestamps the clock tells the passes from the stages, if they are submitted apart.
-    let is_apart = !stopwatch.has_timer();
-    let all = stopwatch.timed(|encoder, mut timer| {
-        recorder.encode_seen(encoder, Some(&depths), beside_draws(&mut timer))?;
-        if is_apart { Ok(()) } else { passes(encoder, recorder, timer) }
     })?;
-    add(&all);
-    let mut stencil = all.of(|name| name == STENCIL);
-    if is_apart {
-        let drawn = stopwatch.timed(|encoder, timer| passes(encoder, recorder, timer))?;
-        add(&drawn);
-        stencil = drawn.clock_ms;
-    }
-    Ok([("stencil", stencil), ("frame", frame_ms), ("recording", recording_ms)]
-        .map(|(name, ms)| (Metric::Time(name), ms))
-        .into())
+    let (stencil, frame_ms) = (rest.of(|name| name == STENCIL), frame_ms + rest.clock_ms);
+    Ok(times([("stencil", stencil), ("frame", frame_ms), ("recording", recording_ms + rest.recording_ms)]))
 }
 
 #[cfg(test)]

@@ -4,155 +4,125 @@ use glam::Vec3;
 use rimline::{Light, ModelError};
 
 use super::crowd::View;
-use super::levels::Variant;
+use super::levels::{CLUSTERS, Choice, OCCLUDERS};
 use super::{city, crowd, house};
 use crate::casters::{CasterMesh, field};
 use crate::record::{Camera, IDENTITY, Setting};
 use crate::shapes;
 use crate::text::grouped;
 
-/// The scenes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SkipScene {
-    /// Figures among which nothing moves.
-    Still,
-    /// Buildings, seen along a street.
-    CityAlong,
-    /// The same, seen across the streets.
-    CityOblique,
-    /// Skinned figures that walk, seen as a whole.
-    Crowd,
-    /// The same, seen by one of them.
-    CrowdWithin,
-    /// Casters that all move, of which all matters.
-    Moving,
-    /// Rooms with a lamp and figures in each, and walls between them.
-    House,
-    /// One mesh of about so many times 65,536 faces.
-    Big(u16),
+/// A scene, not made yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SkipScene {
+    /// Name on the command line and in the data.
+    pub(crate) name: &'static str,
+    /// Name of the view in the data.
+    pub(crate) view: &'static str,
+    /// Name of a caster in the title, and the end of the title.
+    titles: [&'static str; 2],
+    /// The usual number of casters, of a whole run and of a quick one.
+    pub(crate) usual: [usize; 2],
+    /// The most casters that it is measured with.
+    pub(crate) most: usize,
+    of: Of,
 }
+
+/// The contents of a scene.
+#[derive(Clone, Copy, Debug)]
+enum Of {
+    Casters(fn(usize) -> Result<Setting, ModelError>),
+    /// One mesh of about so many faces.
+    OneMesh(usize),
+}
+
+const fn of(
+    [name, view]: [&'static str; 2],
+    titles: [&'static str; 2],
+    usual: [usize; 2],
+    most: usize,
+    make: fn(usize) -> Result<Setting, ModelError>,
+) -> SkipScene {
+    SkipScene { name, view, titles, usual, most, of: Of::Casters(make) }
+}
+
+const fn big(faces: usize) -> SkipScene {
+    SkipScene { name: BIG, view: "whole", titles: [""; 2], usual: [1; 2], most: 1, of: Of::OneMesh(faces) }
+}
+
+const BIG: &str = "big";
+
+/// All scenes, in the order of a run.
+const SCENES: [SkipScene; 11] = [
+    // Figures among which nothing moves.
+    of(["still", "whole"], ["figure", ""], [1000, 20], 1000, |casters| {
+        Ok(field(CasterMesh::Character.shape(), casters))
+    }),
+    of(["city", "along-street"], ["building", ", along a street"], [10_000, 100], usize::MAX, |buildings| {
+        Ok(city::setting(buildings, city::ALONG))
+    }),
+    of(["city", "oblique"], ["building", ", obliquely"], [10_000, 100], usize::MAX, |buildings| {
+        Ok(city::setting(buildings, city::OBLIQUE))
+    }),
+    // Skinned figures that walk, seen as a whole, and by one of them.
+    of(["crowd", "whole"], ["walking figure", ""], [1000, 20], 1000, |walkers| crowd::setting(walkers, View::Whole)),
+    of(["crowd", "within"], ["walking figure", ", from within"], [1000, 20], 1000, |walkers| {
+        crowd::setting(walkers, View::Within)
+    }),
+    of(["moving", "whole"], ["caster", " of which all matters"], [200, 20], 1000, |casters| Ok(moving(casters))),
+    // Rooms with a lamp and figures in each, and walls between them.
+    of(["house", "within"], ["figure", " in rooms"], [100, 20], house::MOST, |figures| Ok(house::setting(figures))),
+    big(16 << 16),
+    big(64 << 16),
+    big(168 << 16),
+    big(256 << 16),
+];
+const QUICK_BIG: SkipScene = big(1 << 16);
 
 impl SkipScene {
     /// The scenes of a name on the command line.
-    pub(crate) fn named(name: &str, is_quick: bool) -> Option<&'static [Self]> {
-        match name {
-            "big" if is_quick => Some(&[Self::Big(1)]),
-            "still" => Some(&[Self::Still]),
-            "city" => Some(&[Self::CityAlong, Self::CityOblique]),
-            "crowd" => Some(&[Self::Crowd, Self::CrowdWithin]),
-            "moving" => Some(&[Self::Moving]),
-            "house" => Some(&[Self::House]),
-            "big" => Some(&[Self::Big(16), Self::Big(64), Self::Big(168), Self::Big(256)]),
-            _ => None,
+    pub(crate) fn named(name: &str, is_quick: bool) -> Vec<Self> {
+        if is_quick && name == BIG {
+            return vec![QUICK_BIG];
         }
-    }
-
-    /// Name on the command line and in the data.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Still => "still",
-            Self::CityAlong | Self::CityOblique => "city",
-            Self::Crowd | Self::CrowdWithin => "crowd",
-            Self::Moving => "moving",
-            Self::House => "house",
-            Self::Big(_) => "big",
-        }
-    }
-
-    /// Name of the view in the data.
-    pub(crate) fn view(self) -> &'static str {
-        match self {
-            Self::Still | Self::Crowd | Self::Moving | Self::Big(_) => "whole",
-            Self::CityAlong => "along-street",
-            Self::CityOblique => "oblique",
-            Self::CrowdWithin | Self::House => "within",
-        }
+        SCENES.into_iter().filter(|scene| scene.name == name).collect()
     }
 
     /// `still, 1,000 figures`.
-    pub(crate) fn title(self, casters: usize) -> String {
-        let number = grouped(casters);
-        let s = if casters == 1 { "" } else { "s" };
-        match self {
-            Self::Still => format!("still, {number} figure{s}"),
-            Self::CityAlong => format!("city, {number} building{s}, along a street"),
-            Self::CityOblique => format!("city, {number} building{s}, obliquely"),
-            Self::Crowd => format!("crowd, {number} walking figure{s}"),
-            Self::CrowdWithin => format!("crowd, {number} walking figure{s}, from within"),
-            Self::Moving => format!("moving, {number} caster{s} of which all matters"),
-            Self::House => format!("house, {number} figure{s} in rooms"),
-            Self::Big(size) => {
-                format!("big, a mesh of {} faces", grouped(big_faces(size)))
+    pub(crate) fn title(&self, casters: usize) -> String {
+        match (self.of, self.titles) {
+            (Of::OneMesh(faces), _) => format!("big, a mesh of {} faces", grouped(faces)),
+            (_, [caster, rest]) => {
+                let s = if casters == 1 { "" } else { "s" };
+                format!("{}, {} {caster}{s}{rest}", self.name, grouped(casters))
             }
-        }
-    }
-
-    /// The usual number of casters, of a quick run and of a whole one.
-    pub(crate) fn usual(self, is_quick: bool) -> usize {
-        match (self, is_quick) {
-            (Self::Big(_), _) => 1,
-            (Self::Moving, false) => 200,
-            (Self::House, is_quick) => {
-                if is_quick {
-                    20
-                } else {
-                    100
-                }
-            }
-            (Self::Still | Self::Crowd | Self::CrowdWithin | Self::Moving, true) => 20,
-            (Self::Still | Self::Crowd | Self::CrowdWithin, false) => 1000,
-            (_, true) => 100,
-            (_, false) => 10_000,
         }
     }
 
     /// The choices of levels that are measured. Meshes of many faces take long to prepare, and only clusters matter to them.
-    pub(super) fn variants(self) -> Vec<Variant> {
-        let is_big = matches!(self, Self::Big(_));
-        let matters = |variant: &Variant| match variant {
-            Variant::Without(level) if level.id == "occluders" => self == Self::House,
-            Variant::Without(level) => !is_big || level.id == "clusters",
-            Variant::AllOff | Variant::AllOn => true,
+    pub(super) fn choices(&self) -> Vec<Choice> {
+        let matters = |choice: &Choice| match choice.without {
+            Some(OCCLUDERS) => self.name == "house",
+            Some(level) => !self.is_one_mesh() || level == CLUSTERS,
+            None => true,
         };
-        Variant::all().filter(matters).collect()
+        Choice::all().filter(matters).collect()
     }
 
     /// Whether it always has one caster.
-    pub(crate) fn is_one_mesh(self) -> bool {
-        matches!(self, Self::Big(_))
+    pub(crate) fn is_one_mesh(&self) -> bool {
+        matches!(self.of, Of::OneMesh(_))
     }
 
-    /// The most casters that it is measured with.
-    pub(crate) fn most(self) -> usize {
-        match self {
-            Self::Still | Self::Crowd | Self::CrowdWithin | Self::Moving => 1000,
-            Self::House => house::MOST,
-            Self::CityAlong | Self::CityOblique => usize::MAX,
-            Self::Big(_) => 1,
+    pub(super) fn setting(&self, casters: usize) -> Result<Setting, ModelError> {
+        match self.of {
+            Of::Casters(make) => make(casters),
+            Of::OneMesh(faces) => Ok(sphere(faces)),
         }
     }
-
-    pub(super) fn setting(self, casters: usize) -> Result<Setting, ModelError> {
-        match self {
-            Self::Still => Ok(field(CasterMesh::Character.shape(), casters)),
-            Self::CityAlong => Ok(city::setting(casters, city::ALONG)),
-            Self::CityOblique => Ok(city::setting(casters, city::OBLIQUE)),
-            Self::Crowd => crowd::setting(casters, View::Whole),
-            Self::CrowdWithin => crowd::setting(casters, View::Within),
-            Self::Moving => Ok(moving(casters)),
-            Self::House => Ok(house::setting(casters)),
-            Self::Big(size) => Ok(big(big_faces(size))),
-        }
-    }
-}
-
-/// About so many faces has the mesh of [`SkipScene::Big`].
-fn big_faces(size: u16) -> usize {
-    usize::from(size) << 16
 }
 
 /// A sphere of radius 1 with at least so many faces, but for rounding, and a light that circles above it.
-fn big(faces: usize) -> Setting {
+fn sphere(faces: usize) -> Setting {
     let shape = shapes::sphere((faces as f64 / 8.0).sqrt().round() as u32);
     // So high that the eye is never in shadow.
     let lights = vec![Light::point([0.0, 5.0, -3.0])];
@@ -190,7 +160,7 @@ mod tests {
     #[test]
     fn the_sphere_has_about_as_many_faces_as_asked() {
         for faces in [1 << 16, 100_000, 1 << 20] {
-            let found = big(faces).casters.faces();
+            let found = sphere(faces).casters.faces();
             assert!(found.abs_diff(faces) < faces / 20, "{found} for {faces}");
         }
     }

@@ -1,9 +1,11 @@
 //! Skinned figures that walk.
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Quat, Vec3};
 use rimline::{Geometry, GeometryOptions, Influences, InstancePose, ModelError, Pose};
+
+use crate::shapes::{self, Shape};
 
 /// Metres and steps a second.
 const SPEED: f32 = 1.25;
@@ -78,34 +80,20 @@ pub(super) fn walker_mesh() -> Result<Geometry, ModelError> {
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     let (mut offsets, mut joints, mut weights) = (vec![0], Vec::new(), Vec::new());
     for Tube { ends, radius, joints: [upper, lower] } in tubes() {
+        let Shape { positions: around, faces: between } = shapes::globe(AROUND, RINGS + 1);
         let first = positions.len() as u32;
-        let mut vertex = |along: f32, turn: f32, radius: f32| {
-            let at = ends[0].lerp(ends[1], along) + radius * Vec3::new(turn.cos(), 0.0, turn.sin());
+        // Y and Z change roles, which turns faces around.
+        faces.extend(between.iter().map(|[a, b, c]| [a, c, b].map(|vertex| first + vertex)));
+        for [x, y, z] in around {
+            let along = z.acos() / PI;
+            let round = (1.0 - (2.0 * along - 1.0).abs().powi(5)).sqrt();
+            let at = ends[0].lerp(ends[1], along) + radius * round * Vec3::new(x, 0.0, y).normalize_or_zero();
             positions.push(at.to_array());
             // It bends within a fifth of its length.
             let share = ((along - 0.5) / 0.2 + 0.5).clamp(0.0, 1.0);
             joints.extend([upper, lower]);
             weights.extend([1.0 - share, share]);
             offsets.push(joints.len() as u32);
-        };
-        vertex(0.0, 0.0, 0.0);
-        vertex(1.0, 0.0, 0.0);
-        for ring in 1..=RINGS {
-            let along = ring as f32 / (RINGS + 1) as f32;
-            let round = (1.0 - (2.0 * along - 1.0).abs().powi(5)).sqrt();
-            for corner in 0..AROUND {
-                vertex(along, TAU * corner as f32 / AROUND as f32, radius * round);
-            }
-        }
-        let at = |ring: u32, corner: u32| first + 2 + ring * AROUND + corner % AROUND;
-        for corner in 0..AROUND {
-            faces.push([first, at(0, corner + 1), at(0, corner)]);
-            faces.push([first + 1, at(RINGS - 1, corner), at(RINGS - 1, corner + 1)]);
-            for ring in 0..RINGS - 1 {
-                let [a, b] = [at(ring, corner), at(ring, corner + 1)];
-                let [c, d] = [at(ring + 1, corner), at(ring + 1, corner + 1)];
-                faces.extend([[a, b, d], [a, d, c]]);
-            }
         }
     }
     let influences = Some(Influences::new(offsets, joints, weights)?);
@@ -138,7 +126,6 @@ mod tests {
 
     use super::super::tests::volume;
     use super::*;
-    use crate::shapes::Shape;
 
     #[test]
     fn a_walker_is_closed_and_wound_outwards_however_it_walks() {

@@ -1,6 +1,6 @@
 //! The stress scenes' meshes.
 
-use crate::shapes::noise::splitmix64;
+use crate::random::Random;
 use crate::shapes::{self, Shape, turn};
 
 /// Subdivisions of a sphere that give about as many faces.
@@ -33,30 +33,20 @@ pub(crate) fn through_origin(faces: usize) -> Shape {
 
 /// The tilted plate, its vertices moved off it at random, by up to `amplitude` or so.
 pub(crate) fn rough_plate(faces: usize, amplitude: f32) -> Shape {
-    let mut random = 11;
+    let mut random = Random::new(11);
     let mut shape = tilted_plate(faces);
     for position in &mut shape.positions {
-        let by = amplitude * signed_unit(&mut random);
+        let by = amplitude * random.between(-1.0, 1.0);
         let [x, y, z] = *position;
         *position = [x + 0.2 * by, y + by, z - 0.4 * by];
     }
     shape
 }
 
-/// A number from −1 to 1, 24 bits of it.
-pub(crate) fn signed_unit(random: &mut u64) -> f32 {
-    (splitmix64(random) >> 40) as f32 / (1 << 23) as f32 - 1.0
-}
-
 /// A body `aspect` times as long as it is thick, whose faces are as thin as it is: a sphere drawn out along X, and
 /// tilted, so that rounding moves vertices by as much as the thinnest are thick.
 pub(crate) fn needle(faces: usize, aspect: f32) -> Shape {
-    let mut shape = stretched(sphere(faces), [1.0, 1.0 / aspect, 1.0 / aspect]);
-    for position in &mut shape.positions {
-        let [x, y, z] = *position;
-        *position = [x, y + 0.7 * x, z - 0.4 * x];
-    }
-    shape
+    stretched(sphere(faces), [1.0, 1.0 / aspect, 1.0 / aspect]).placed(|[x, y, z]| [x, y + 0.7 * x, z - 0.4 * x])
 }
 
 /// A lumpy body whose faces are split in three by a point at the middle of a side, off it by `1/aspect` of the height:
@@ -80,9 +70,7 @@ pub(crate) fn slivers(faces: usize, aspect: f32) -> Shape {
 /// A flat square of side 2, tilted: no face is along an axis, and the plane's points are rounded.
 pub(crate) fn tilted_plate(faces: usize) -> Shape {
     let side = root(faces, 2);
-    let mut plate = shapes::plane_grid(side, side);
-    plate.positions.iter_mut().for_each(|p| *p = tilt(*p));
-    plate
+    shapes::plane_grid(side, side).placed(tilt)
 }
 
 /// The tilt of [`tilted_plate`].
@@ -93,13 +81,13 @@ pub(crate) fn tilt([x, _, z]: [f32; 3]) -> [f32; 3] {
 /// An uneven plate on a lattice of 22 bits, tilted by small whole numbers: every point is on the plane exactly, and
 /// determinants need more bits than f64 has.
 pub(crate) fn lattice_plate(faces: usize) -> Shape {
-    let mut random = 13;
+    let mut random = Random::new(13);
     let side = root(faces, 2);
     let step = 2.0 * LATTICE / side as f32;
     let mut plate = shapes::plane_grid(side, side);
     for position in &mut plate.positions {
         let [a, b] = [position[0], position[2]]
-            .map(|c| (c * LATTICE + 0.25 * step * signed_unit(&mut random)).clamp(-LATTICE, LATTICE).round());
+            .map(|c| (c * LATTICE + 0.25 * step * random.between(-1.0, 1.0)).clamp(-LATTICE, LATTICE).round());
         *position = on_lattice_plane(a, b);
     }
     plate
@@ -156,7 +144,7 @@ pub(crate) fn lattice_box(faces: usize, shift: i32) -> Shape {
 
 /// Two such cubes that have a side in common, each with faces of its own there.
 pub(crate) fn touching_boxes(faces: usize) -> Shape {
-    joined(lattice_box(faces / 2, 0), &lattice_box(faces / 2, 1))
+    Shape::joined([&lattice_box(faces / 2, 0), &lattice_box(faces / 2, 1)])
 }
 
 /// A capsule along Y, bent at its middle by so many degrees as skinning by blended matrices does it: the inner side
@@ -246,27 +234,14 @@ pub(crate) fn three_sheets(faces: usize) -> Shape {
     shapes::three_sheets((faces / 6).max(1) as u32)
 }
 
-pub(crate) fn moved(mut shape: Shape, by: [f32; 3]) -> Shape {
-    for position in &mut shape.positions {
-        *position = std::array::from_fn(|axis| position[axis] + by[axis]);
-    }
-    shape
+pub(crate) fn moved(shape: Shape, by: [f32; 3]) -> Shape {
+    shape.placed(|p| std::array::from_fn(|axis| p[axis] + by[axis]))
 }
 
 pub(crate) fn scaled(shape: Shape, by: f32) -> Shape {
     stretched(shape, [by; 3])
 }
 
-pub(crate) fn stretched(mut shape: Shape, by: [f32; 3]) -> Shape {
-    for position in &mut shape.positions {
-        *position = std::array::from_fn(|axis| position[axis] * by[axis]);
-    }
-    shape
-}
-
-fn joined(mut shape: Shape, other: &Shape) -> Shape {
-    let first = shape.positions.len() as u32;
-    shape.positions.extend(&other.positions);
-    shape.faces.extend(other.faces.iter().map(|face| face.map(|v| first + v)));
-    shape
+pub(crate) fn stretched(shape: Shape, by: [f32; 3]) -> Shape {
+    shape.placed(|p| std::array::from_fn(|axis| p[axis] * by[axis]))
 }

@@ -1,8 +1,8 @@
 //! Where the stress scenes' lights are.
 
 use super::Scene;
-use super::bodies::{LATTICE, on_lattice_plane, signed_unit, tilt};
-use crate::shapes::noise::splitmix64;
+use super::bodies::{LATTICE, on_lattice_plane, tilt};
+use crate::random::Random;
 use rimline::Light;
 
 /// Makes any number of lights for a scene, each by its index alone.
@@ -35,7 +35,7 @@ impl Placing {
     }
 
     pub(crate) fn light(self, scene: &Scene, index: usize) -> Light {
-        let mut random = 0x51ed_270b ^ ((index as u64) << 32);
+        let mut random = Random::new(0x51ed_270b ^ ((index as u64) << 32));
         let light = match self {
             Self::Around { centre, radius } => around(&mut random, index, centre, radius),
             Self::Flat { thickness, radius } => {
@@ -44,11 +44,11 @@ impl Placing {
                 light
             }
             Self::OnTilted { every } if index.is_multiple_of(every) => {
-                let [x, z] = [0; 2].map(|_: u32| 4.0 * signed_unit(&mut random));
+                let [x, z] = [0; 2].map(|_: u32| 4.0 * random.between(-1.0, 1.0));
                 weighted(index / every, tilt([x, 0.0, z]))
             }
             Self::OnLattice { every } if index.is_multiple_of(every) => {
-                let [a, b] = [0; 2].map(|_: u32| (LATTICE * signed_unit(&mut random)).round());
+                let [a, b] = [0; 2].map(|_: u32| (LATTICE * random.between(-1.0, 1.0)).round());
                 let [x, y, z] = on_lattice_plane(a, b);
                 // A weight that is a power of two rounds nothing.
                 let kinds = [Light::point([x, y, z]), Light::directional([x, y, z])];
@@ -64,13 +64,13 @@ impl Placing {
             Self::OnFaces => {
                 let [a, b, c] = face(scene, &mut random);
                 let reach = if index.is_multiple_of(2) { 0.5 } else { 8.0 };
-                let [s, t] = [0; 2].map(|_: u32| reach * signed_unit(&mut random));
+                let [s, t] = [0; 2].map(|_: u32| reach * random.between(-1.0, 1.0));
                 let [s, t] = if reach < 1.0 { [s.abs(), t.abs()] } else { [s, t] };
                 let on_plane: [f32; 3] = std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]));
                 weighted(index / 2 % 2 * 2, on_plane)
             }
             Self::AnyWeight => {
-                let [x, y, z] = direction(&mut random).map(|c| 3.0 * c);
+                let [x, y, z] = random.direction().map(|c| 3.0 * c);
                 let w = [1e-30, 1e-20, 1e-10, 1e-3, 0.1, 7.0, 1e10, 1e30][index % 8];
                 Light::homogeneous([x, y, z, if (index / 8).is_multiple_of(2) { w } else { -w }])
             }
@@ -88,8 +88,8 @@ fn weighted(kind: usize, [x, y, z]: [f32; 3]) -> Light {
     }
 }
 
-fn around(random: &mut u64, index: usize, centre: [f32; 3], radius: f32) -> Light {
-    let from_centre = direction(random).map(|c| c * radius * (1.0 + 0.5 * signed_unit(random)));
+fn around(random: &mut Random, index: usize, centre: [f32; 3], radius: f32) -> Light {
+    let from_centre = random.direction().map(|c| c * radius * (1.0 + 0.5 * random.between(-1.0, 1.0)));
     if index % 4 == 1 {
         return Light::directional(from_centre);
     }
@@ -98,16 +98,16 @@ fn around(random: &mut u64, index: usize, centre: [f32; 3], radius: f32) -> Ligh
 
 /// In the plane of a face, so many times its sides from its corner: on a lattice nothing is rounded. Every fourth is
 /// somewhere else.
-fn in_face_plane(scene: &Scene, random: &mut u64, index: usize) -> Light {
+fn in_face_plane(scene: &Scene, random: &mut Random, index: usize) -> Light {
     if index % 4 == 3 {
         return around(random, index, [0.0; 3], 3.0);
     }
     let [a, b, c] = face(scene, random);
-    let [s, t] = [0; 2].map(|_: u32| (splitmix64(random) % 81) as f32 - 40.0);
+    let [s, t] = [0; 2].map(|_: u32| random.below(81) as f32 - 40.0);
     weighted(index % 4 * 2, std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i])))
 }
 
-fn on_edge(scene: &Scene, random: &mut u64, index: usize) -> Light {
+fn on_edge(scene: &Scene, random: &mut Random, index: usize) -> Light {
     let [a, b, _] = face(scene, random);
     let along: [f32; 3] = std::array::from_fn(|i| b[i] - a[i]);
     if index % 4 == 3 {
@@ -118,19 +118,7 @@ fn on_edge(scene: &Scene, random: &mut u64, index: usize) -> Light {
 }
 
 /// The corners of a random face.
-fn face(scene: &Scene, random: &mut u64) -> [[f32; 3]; 3] {
-    let index = splitmix64(random) % scene.faces.len().max(1) as u64;
-    let corners = scene.faces.get(index as usize).copied().unwrap_or_default();
+fn face(scene: &Scene, random: &mut Random) -> [[f32; 3]; 3] {
+    let corners = scene.faces.get(random.below(scene.faces.len())).copied().unwrap_or_default();
     corners.map(|v| scene.positions.get(v as usize).copied().unwrap_or_default())
-}
-
-/// A unit vector.
-fn direction(random: &mut u64) -> [f32; 3] {
-    loop {
-        let v = [0; 3].map(|_: u32| signed_unit(random));
-        let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        if (0.1..=1.0).contains(&length) {
-            return v.map(|c| c / length);
-        }
-    }
 }

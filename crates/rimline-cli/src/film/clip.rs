@@ -7,6 +7,7 @@ use std::process::{Child, Command, Stdio};
 
 use tempfile::{NamedTempFile, TempPath};
 
+use super::{Film, shown};
 use crate::failure::{Failure, UsageError};
 use crate::image::Picture;
 use crate::output::{Output, note};
@@ -73,7 +74,13 @@ impl Clip {
         Ok(Self { out: out.to_owned(), output: Output::create(out)?, format, fps, size, encoder: None })
     }
 
-    pub(super) fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure> {
+    fn failed(&self, source: io::Error) -> Failure {
+        Failure::Output { file: self.out.clone(), source }
+    }
+}
+
+impl Film for Clip {
+    fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure> {
         inputs.spare(&self.out)?;
         let file = || -> Result<_, Failure> { Ok(BufWriter::with_capacity(1 << 18, self.output.handle()?)) };
         let [width, height] = self.size;
@@ -106,11 +113,7 @@ impl Clip {
         Ok(())
     }
 
-    fn failed(&self, source: io::Error) -> Failure {
-        Failure::Output { file: self.out.clone(), source }
-    }
-
-    pub(super) fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
+    fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
         let (rgb, [width, height]) = (picture.rgb(), picture.size());
         let written = match &mut self.encoder {
             None => Ok(()),
@@ -127,8 +130,7 @@ impl Clip {
         written.map_err(|error| self.failed(error))
     }
 
-    /// Completes the file and says its name.
-    pub(super) fn finish(mut self) -> Result<PathBuf, Failure> {
+    fn finish(mut self: Box<Self>, frames: u32) -> Result<String, Failure> {
         let finished = match self.encoder.take() {
             None => Ok(None),
             Some(Encoder::Gif(encoder)) => {
@@ -141,7 +143,7 @@ impl Clip {
         self.output.finish(|to| -> io::Result<()> {
             made.map_or(Ok(()), |ffmpeg| io::copy(&mut File::open(&ffmpeg.made)?, to).map(drop))
         })?;
-        Ok(self.out)
+        Ok(format!("{}, {frames} pictures", shown(&self.out)))
     }
 }
 

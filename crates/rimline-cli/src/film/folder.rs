@@ -3,6 +3,7 @@
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use super::{Film, shown};
 use crate::failure::{Failure, UsageError};
 use crate::image::Picture;
 use crate::output::{Folder, Output};
@@ -33,8 +34,14 @@ impl Frames {
         Ok(Self { folder: folder.to_owned(), first: None, _claim: claim, _made: made, count: 0, resumes })
     }
 
-    /// Refuses a film that would replace inputs or stand among pictures of another.
-    pub(super) fn start(&mut self, count: u32, inputs: &Inputs) -> Result<(), Failure> {
+    fn file(&self, frame: u32) -> PathBuf {
+        frame_file(&self.folder, frame, self.count, PNG)
+    }
+}
+
+impl Film for Frames {
+    /// Refuses also to stand among pictures of another film.
+    fn start(&mut self, count: u32, inputs: &Inputs) -> Result<(), Failure> {
         self.count = count;
         for frame in 0..count {
             let file = self.file(frame);
@@ -49,22 +56,23 @@ impl Frames {
         Ok(())
     }
 
-    pub(super) fn file(&self, frame: u32) -> PathBuf {
-        frame_file(&self.folder, frame, self.count, PNG)
-    }
-
-    /// Whether a picture is there and stays. All pictures are complete.
-    pub(super) fn has(&self, frame: u32) -> bool {
+    /// All pictures are complete.
+    fn has(&self, frame: u32) -> bool {
         self.resumes && self.file(frame).is_file()
     }
 
-    pub(super) fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
+    fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
         let output = self.first.take().map_or_else(|| Output::create(&self.file(frame)), Ok)?;
         output.finish(|file| picture.write_png(file))?;
         if frame == 0 && !self.resumes {
             remove_earlier((1..self.count).map(|frame| self.file(frame)))?;
         }
         Ok(())
+    }
+
+    fn finish(self: Box<Self>, frames: u32) -> Result<String, Failure> {
+        let [first, last] = [0, frames - 1].map(|frame| shown(&self.file(frame)));
+        Ok(if frames == 1 { first } else { format!("{frames} pictures, {first} to {last}") })
     }
 }
 

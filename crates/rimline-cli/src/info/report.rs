@@ -97,66 +97,59 @@ impl MeshReport {
     /// Why the mesh does not count as closed; `None` where it does.
     pub(super) fn why_open(&self) -> Option<String> {
         let EdgeCounts { inconsistent, boundary, .. } = self.diagnostics.edges;
-        let reason = |count: usize, one: &str, many: &str| match count {
-            0 => None,
-            1 => Some(format!("1 {one}")),
-            _ => Some(format!("{count} {many}")),
-        };
-        let boundary = reason(boundary, "edge has a face on one side only", "edges have a face on one side only");
-        let inconsistent = reason(
-            inconsistent,
-            "edge joins faces that are turned against each other",
-            "edges join faces that are turned against each other",
-        );
-        let reasons: Vec<String> = boundary.into_iter().chain(inconsistent).collect();
+        let reasons = [ONE_SIDED.of(boundary), TURNED.of(inconsistent)];
+        let reasons: Vec<String> = reasons.into_iter().flatten().collect();
         (!reasons.is_empty()).then(|| reasons.join(", "))
+    }
+
+    /// Advice about the findings, beside the options that close seams.
+    pub(super) fn advice(&self) -> Vec<String> {
+        let MeshDiagnostics { edges, inward_components, duplicate_faces, .. } = &self.diagnostics;
+        let findings = [
+            (edges.inconsistent, TURNED),
+            (inward_components.unwrap_or(0), INWARD),
+            (*duplicate_faces, TWICE),
+            (self.t_junctions, T_JUNCTION),
+        ];
+        let advice = |(count, finding): (usize, Finding)| Some(format!("{}: {}", finding.of(count)?, finding.advice));
+        findings.into_iter().filter_map(advice).collect()
     }
 }
 
-/// Advice about a count of something, where something can be done.
-struct Remedy {
-    count: usize,
+/// A fault of edges, faces or parts, and its remedy.
+struct Finding {
     one: &'static str,
     many: &'static str,
     advice: &'static str,
 }
 
-impl MeshReport {
-    /// Advice about the findings, beside the options that close seams.
-    pub(super) fn advice(&self) -> Vec<String> {
-        let diagnostics = &self.diagnostics;
-        let remedies = [
-            Remedy {
-                count: diagnostics.edges.inconsistent,
-                one: "edge joins faces that are turned against each other",
-                many: "edges join faces that are turned against each other",
-                advice: "make the winding consistent (Blender: Mesh, Normals, Recalculate Outside)",
-            },
-            Remedy {
-                count: diagnostics.inward_components.unwrap_or(0),
-                one: "closed part is wound inwards",
-                many: "closed parts are wound inwards",
-                advice: "flip its faces unless it is meant to be seen from inside (Blender: Mesh, Normals, Flip)",
-            },
-            Remedy {
-                count: diagnostics.duplicate_faces,
-                one: "face is there twice",
-                many: "faces are there twice",
-                advice: "remove the copies (Blender: Mesh, Clean Up, Merge by Distance)",
-            },
-            Remedy {
-                count: self.t_junctions,
-                one: "vertex lies on an edge that does not end there",
-                many: "vertices lie on edges that do not end there",
-                advice: "split these edges at the vertices, or light may leak through the seam",
-            },
-        ];
-        let remedies = remedies.iter().filter(|remedy| remedy.count > 0);
-        remedies
-            .map(|Remedy { count, one, many, advice }| {
-                format!("{count} {}: {advice}", if *count == 1 { one } else { many })
-            })
-            .collect()
+const ONE_SIDED: Finding =
+    Finding { one: "edge has a face on one side only", many: "edges have a face on one side only", advice: "" };
+const TURNED: Finding = Finding {
+    one: "edge joins faces that are turned against each other",
+    many: "edges join faces that are turned against each other",
+    advice: "make the winding consistent (Blender: Mesh, Normals, Recalculate Outside)",
+};
+const INWARD: Finding = Finding {
+    one: "closed part is wound inwards",
+    many: "closed parts are wound inwards",
+    advice: "flip its faces unless it is meant to be seen from inside (Blender: Mesh, Normals, Flip)",
+};
+const TWICE: Finding = Finding {
+    one: "face is there twice",
+    many: "faces are there twice",
+    advice: "remove the copies (Blender: Mesh, Clean Up, Merge by Distance)",
+};
+const T_JUNCTION: Finding = Finding {
+    one: "vertex lies on an edge that does not end there",
+    many: "vertices lie on edges that do not end there",
+    advice: "split these edges at the vertices, or light may leak through the seam",
+};
+
+impl Finding {
+    /// So many of it, if there are any.
+    fn of(&self, count: usize) -> Option<String> {
+        (count > 0).then(|| format!("{count} {}", if count == 1 { self.one } else { self.many }))
     }
 }
 

@@ -1,7 +1,5 @@
 //! The eye of a drawing.
 
-use std::path::Path;
-
 use rimline::Origin;
 use rimline_lines::{LinesError, Object, View};
 use rimline_picture::Bounds;
@@ -23,27 +21,6 @@ pub(crate) struct Eye {
     turned: f64,
 }
 
-/// Why there is no eye.
-pub(crate) enum EyeError {
-    Usage(UsageError),
-    Input(InputError),
-}
-
-impl EyeError {
-    pub(crate) fn on(self, file: &Path) -> Failure {
-        match self {
-            Self::Usage(error) => error.into(),
-            Self::Input(error) => Failure::input(file)(error),
-        }
-    }
-}
-
-impl From<LinesError> for EyeError {
-    fn from(error: LinesError) -> Self {
-        Self::Input(InputError::Lines(error))
-    }
-}
-
 /// The corners of the faces of objects that are finite.
 pub(crate) fn corners(objects: &[Object<'_>]) -> Vec<[f32; 3]> {
     let of_object = |object: &'_ Object<'_>| {
@@ -55,8 +32,10 @@ pub(crate) fn corners(objects: &[Object<'_>]) -> Vec<[f32; 3]> {
 
 impl Eye {
     /// The eye that the options ask for, or that sees all corners.
-    pub(crate) fn new(args: &LinesArgs, origin: Origin, corners: &[[f32; 3]]) -> Result<Self, EyeError> {
-        let bounds = Bounds::of(corners).ok_or(EyeError::Input(InputError::NoFiniteFace))?;
+    pub(crate) fn new(args: &LinesArgs, origin: Origin, corners: &[[f32; 3]]) -> Result<Self, Failure> {
+        let failed = Failure::input(&args.files[0]);
+        let bounds = Bounds::of(corners).ok_or_else(|| failed(InputError::NoFiniteFace))?;
+        let of = |at, target, up| Self::of(at, target, up).map_err(|error| failed(InputError::Lines(error)));
         let middle = [0, 1, 2].map(|axis| f64::from(bounds.min[axis]) / 2.0 + f64::from(bounds.max[axis]) / 2.0);
         let nearest = |point: [f64; 3]| point.map(|c| c as f32);
         if let Some(eye) = args.eye {
@@ -64,17 +43,18 @@ impl Eye {
             let target = args.target.map_or(nearest(middle), |target| relative(target, origin));
             if eye == target {
                 let is_given = args.target.is_some();
-                return Err(EyeError::Usage(if is_given { UsageError::EyeAtTarget } else { UsageError::EyeInMiddle }));
+                let error = if is_given { UsageError::EyeAtTarget } else { UsageError::EyeInMiddle };
+                return Err(error.into());
             }
             let up = up_of([0, 1, 2].map(|axis| f64::from(eye[axis]) - f64::from(target[axis])));
             if args.ortho {
-                return Ok(Self::of([0, 1, 2].map(|axis| eye[axis] - target[axis]), None, up)?);
+                return of([0, 1, 2].map(|axis| eye[axis] - target[axis]), None, up);
             }
-            return Ok(Self::of(eye, Some(target), up)?);
+            return of(eye, Some(target), up);
         }
         let (towards_eye, up) = args.view.directions();
         let Some(degrees) = args.fov else {
-            return Ok(Self::of(nearest(towards_eye), None, up)?);
+            return of(nearest(towards_eye), None, up);
         };
         // A ball around all fits into the field of view.
         let length = |v: [f64; 3]| libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -82,7 +62,7 @@ impl Eye {
         let distance = radius.fold(f64::MIN_POSITIVE, f64::max) / libm::sin(f64::from(degrees).to_radians() / 2.0);
         let size = length(towards_eye);
         let eye = [0, 1, 2].map(|axis| middle[axis] + distance / size * towards_eye[axis]);
-        Ok(Self::of(nearest(eye), Some(nearest(middle)), up)?)
+        of(nearest(eye), Some(nearest(middle)), up)
     }
 
     fn of(at: [f32; 3], target: Option<[f32; 3]>, up: [f32; 3]) -> Result<Self, LinesError> {
