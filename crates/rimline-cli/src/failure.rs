@@ -276,7 +276,7 @@ pub(crate) enum UsageError {
     JobsToStdout { jobs: usize },
     #[error("{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format", .out.display())]
     LinesFormat { out: PathBuf },
-    #[error("{option} needs an orthographic view; leave out --fov, or give --ortho with --eye")]
+    #[error("{option} needs an orthographic view; leave out --fov or --camera, or give --ortho with --eye")]
     ScaleOfPerspective { option: &'static str },
     #[error(
         "{} looks like a file, but with --frames --out is the folder for numbered drawings; give the name of a folder, and the \

@@ -168,7 +168,7 @@ impl<'a> ShadowScene<'a> {
 
     /// The camera of the file at another time, if one is asked for.
     pub(crate) fn camera_at(&self, time_s: f32) -> Result<Option<Camera>, Failure> {
-        if self.args.view.camera.is_none() {
+        if self.args.view.camera.wanted.is_none() {
             return Ok(None);
         }
         let view = placed(self.args, &self.bodies[0], time_s)?;
