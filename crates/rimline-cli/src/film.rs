@@ -41,6 +41,7 @@ const ORBIT_SECONDS: f32 = 4.0;
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
+    scene.check()?;
     let mut film = match clip::Format::of(&args.out) {
         Some(format) => Film::Clip(Clip::begin(&args.out, format, args)?),
         None => Film::Folder(Frames::begin(&args.out, args.resume)?),

@@ -134,7 +134,8 @@ fn soft_shadows() -> Outcome {
     }
     println!("{wrong} wrong of {between} in half shadow");
     hold(wrong == 0 && between > 60, format!("{wrong} wrong of {between} in half shadow"))?;
-    hold(viewer.command().contains(&format!(" --area sphere:{radius} ")), viewer.command())?;
+    let area = format!(",radius={radius} --samples 16 --one-pattern ");
+    hold(viewer.command().contains(&area), viewer.command())?;
     viewer.lamps[0].radius = None;
     let hard = picture(&viewer, &mut renderer)?;
     let differing = pixels.iter().filter(|(at, _)| (sum(&hard, *at) - sum(&soft, *at)).abs() > 20).count();
