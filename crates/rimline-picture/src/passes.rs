@@ -152,10 +152,34 @@ impl PicturePipelines {
         attachments: &Attachments,
         subject: &S,
     ) -> Result<(), S::Error> {
+        self.record_receivers(encoder, resources, attachments, subject);
+        self.record_lights(encoder, resources, attachments, subject)
+    }
+
+    /// Records what is seen in ambient light, and its depth. It needs positions and normals, but no facing masks.
+    pub fn record_receivers<S: Subject>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &Resources,
+        attachments: &Attachments,
+        subject: &S,
+    ) {
         let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK)));
         self.ambient.paint(&mut pass, resources, subject, 0);
         resources.factory.draw(&mut pass, &self.backdrop, &[], 3);
-        drop(pass);
+    }
+
+    /// Records the light that falls on [`Self::record_receivers`].
+    ///
+    /// # Errors
+    /// The errors of the subject.
+    pub fn record_lights<S: Subject>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &Resources,
+        attachments: &Attachments,
+        subject: &S,
+    ) -> Result<(), S::Error> {
         for light in 0..subject.lights() {
             let mut pass = subject.begin(attachments.pass(encoder, "light", None));
             if self.shade.is_none() {

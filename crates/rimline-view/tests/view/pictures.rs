@@ -230,12 +230,25 @@ fn switches_change_no_picture() -> Outcome {
     for (skipping, what) in [
         (Skipping { range: false, ..all }, "range"),
         (Skipping { view: false, ..all }, "view"),
+        (Skipping { receivers: false, ..all }, "receivers"),
         (Skipping { bits: false, ..all }, "bits"),
         (Skipping { lists: false, ..all }, "lists"),
         (Skipping { faces: false, ..all }, "faces"),
     ] {
         viewer.options.skipping = skipping;
         same(&viewer, &mut renderer, what)?;
+    }
+    // Shadows end behind what is seen.
+    for receivers in [true, false] {
+        viewer.options.skipping = Skipping { receivers, ..all };
+        // The first picture of a scene is drawn without their depth.
+        for action in [Action::TurnLeft, Action::TurnRight] {
+            viewer.handle(Event::Acted(action));
+            picture(&viewer, &mut renderer)?;
+            renderer.poll();
+        }
+        let ended = renderer.counters().shadow.map(|shadow| shadow.ended);
+        hold(ended.is_some_and(|ended| (ended > 0) == receivers), format!("{receivers}: {ended:?} end"))?;
     }
     Ok(())
 }
