@@ -22,7 +22,7 @@ pub trait Subject {
     /// The surfaces of the models.
     fn surfaces(&self) -> &[Surface];
 
-    /// Draws the shadow volumes of a light into the stencil, which is not 0 in shadow afterwards.
+    /// Draws the shadow volumes of a light into the stencil, which is not 0 in shadow afterwards. The pass has no colour.
     ///
     /// # Errors
     /// [`Self::Error`].
@@ -181,16 +181,18 @@ impl PicturePipelines {
         subject: &S,
     ) -> Result<(), S::Error> {
         for light in 0..subject.lights() {
-            let mut pass = subject.begin(attachments.pass(encoder, "light", None));
+            let mut volumes = subject.begin(attachments.count_pass(encoder));
             if self.shade.is_none() {
-                subject.draw_volumes(&mut pass, light)?;
+                subject.draw_volumes(&mut volumes, light)?;
             }
+            drop(volumes);
+            let mut pass = subject.begin(attachments.pass(encoder, "light", None));
             self.lit.paint(&mut pass, resources, subject, light);
         }
         if let Some(shade) = &self.shade {
             for light in 0..subject.lights() {
+                subject.draw_volumes(&mut subject.begin(attachments.count_pass(encoder)), light)?;
                 let mut pass = subject.begin(attachments.pass(encoder, "shade", None));
-                subject.draw_volumes(&mut pass, light)?;
                 for receivers in shade {
                     receivers.paint(&mut pass, resources, subject, light);
                 }
