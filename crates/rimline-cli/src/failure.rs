@@ -167,13 +167,14 @@ pub(crate) enum UsageError {
          {least:.1e} or more"
     )]
     Near { near: f32, farthest: f32, least: f32 },
-    #[error(
-        "{lights} lights with {samples} samples each are {}, and at most {limit} fit; give fewer --samples",
-        lights * samples
-    )]
+    #[error("{lights} lights have {samples} samples, and at most {limit} fit; give fewer --samples")]
     Samples { lights: usize, samples: usize, limit: usize },
-    #[error("--mode {0} cannot draw soft shadows; leave out --area or --mode {0}")]
+    #[error("--mode {0} cannot draw soft shadows; leave out --mode {0}, or --area and radius=")]
     AreaMode(String),
+    #[error("{option} is for lights with an area; give --area, or a --light with radius=R, or leave {option} out")]
+    NoArea { option: &'static str },
+    #[error("{option} takes lights without an area; leave out {option}, or radius=")]
+    Radius { option: &'static str },
     #[error(
         "--size {width}x{height} needs {needed} MiB in one array, more than {adapter} has; try --size {}x{}",
         .fits[0], .fits[1]
@@ -222,6 +223,8 @@ pub(crate) enum UsageError {
         .folder.display(), .file.display()
     )]
     NotAReport { folder: PathBuf, file: PathBuf },
+    #[error("--light: {0}")]
+    Lamp(SpecError),
     #[error("the file's light `{name}`: {problem}")]
     LampOptions { name: String, problem: SpecError },
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
@@ -276,7 +279,7 @@ pub(crate) enum UsageError {
     JobsToStdout { jobs: usize },
     #[error("{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format", .out.display())]
     LinesFormat { out: PathBuf },
-    #[error("{option} needs an orthographic view; leave out --fov, or give --ortho with --eye")]
+    #[error("{option} needs an orthographic view; leave out --fov or --camera, or give --ortho with --eye")]
     ScaleOfPerspective { option: &'static str },
     #[error(
         "{} looks like a file, but with --frames --out is the folder for numbered drawings; give the name of a folder, and the \

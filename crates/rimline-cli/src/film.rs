@@ -41,6 +41,7 @@ const ORBIT_SECONDS: f32 = 4.0;
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
+    scene.check()?;
     let mut film: Box<dyn Film> = match clip::Format::of(&args.out) {
         Some(format) => Box::new(Clip::begin(&args.out, format, args)?),
         None => Box::new(Frames::begin(&args.out, args.resume)?),

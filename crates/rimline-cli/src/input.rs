@@ -14,7 +14,7 @@ use rimline_files::{File, FileError, Polygons, ReadOptions, read_bytes};
 use rimline_picture::corner_colors;
 
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input_args::{ModelArgs, PlacedView, ViewArgs};
+use crate::input_args::{CameraArgs, ModelArgs, PlacedView, ViewArgs};
 use crate::output::note;
 use crate::report::Times;
 use crate::shown::listed;
@@ -189,12 +189,18 @@ impl Input {
 
     /// The view that is asked for, at a time.
     pub(crate) fn view(&self, args: &ViewArgs, animations: &[usize], time_s: f32) -> Result<PlacedView, Failure> {
-        let camera = args.camera.as_deref().map(|wanted| self.camera(wanted, animations, time_s)).transpose()?;
+        let camera = self.camera(&args.camera, animations, time_s)?;
         Ok(PlacedView { camera, ..args.relative_to(self.origin()) })
     }
 
-    /// A camera of the file, by its name or number.
-    fn camera(&self, wanted: &str, animations: &[usize], time_s: f32) -> Result<SceneCamera, Failure> {
+    /// The camera of the file that is asked for, at a time.
+    pub(crate) fn camera(
+        &self,
+        args: &CameraArgs,
+        animations: &[usize],
+        time_s: f32,
+    ) -> Result<Option<SceneCamera>, Failure> {
+        let Some(wanted) = args.wanted.as_deref() else { return Ok(None) };
         let file = || self.file.clone();
         let asset = self.asset().filter(|asset| !asset.camera_names().is_empty());
         let asset = asset.ok_or_else(|| UsageError::NoFileCameras { file: file() })?;
@@ -206,7 +212,7 @@ impl Input {
         })?;
         let cameras = asset.each_camera(animations.iter().copied(), time_s).map_err(|error| self.not_posed(error))?;
         let camera = cameras.into_iter().nth(index).ok_or_else(|| UsageError::NoFileCameras { file: file() })?;
-        camera.map_err(|error| self.not_posed(error))
+        camera.map(Some).map_err(|error| self.not_posed(error))
     }
 
     /// The lights asked for, in the order asked for, fit for an extraction.

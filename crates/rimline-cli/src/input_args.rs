@@ -150,15 +150,8 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "SIDE|AZ,EL", allow_hyphen_values = true, value_parser = Side::from_str, conflicts_with = "eye")]
     view: Option<Side>,
 
-    /// Take the view of a camera of the glTF, by name or by number from 0; of the first file, if there are several. It moves with
-    /// its animation. The height of the picture is the camera's field of view. Only orthographic cameras have a far plane
-    #[arg(
-        long,
-        value_name = "NAME|INDEX",
-        allow_hyphen_values = true,
-        conflicts_with_all = ["eye", "target", "view", "fov"],
-    )]
-    pub(crate) camera: Option<String>,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
 
     /// Show the view without perspective, as large as fits. --eye and --target then say in which direction it looks. Shadows take
     /// --method auto, zp+ or z-pass, and no depth maps
@@ -172,6 +165,22 @@ pub(crate) struct ViewArgs {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x960", allow_hyphen_values = true, value_parser = spec::size)]
     pub(crate) size: [u32; 2],
+}
+
+/// A camera of the file, instead of an eye and a target.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct CameraArgs {
+    /// Take the view of a camera of the glTF, by name or by number from 0; of the first file, if there are several. It moves with
+    /// its animation. The height of the picture, or of the page within its border, is the camera's field of view. Only pictures
+    /// of orthographic cameras have a far plane
+    #[arg(
+        id = "camera",
+        long = "camera",
+        value_name = "NAME|INDEX",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["eye", "target", "view", "fov"],
+    )]
+    pub(crate) wanted: Option<String>,
 }
 
 /// The same, relative to the run's origin.

@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use rimline::cpu::Threads;
 use rimline::{Mesh, Origin};
 use rimline_lines::{Drawing, Fault, LineClass, LineOptions, LinesError, Object, draw, objects_of_model};
+use rimline_picture::Bounds;
 
 use crate::failure::{Failure, InputError, UsageError};
 use crate::film::{self, Claim};
@@ -61,11 +62,11 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     let mut output = Some(Output::create(&file(0))?);
 
     let is_moving = frames > 1 && chosen.iter().any(|playing| !playing.is_empty());
+    let time_s = |frame: u32| args.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let objects_at = |frame: u32| {
-        let time_s = args.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
         let mut objects = Vec::new();
         for (input, playing) in inputs.iter().zip(&chosen) {
-            objects.extend(objects_of(input, playing, time_s, inputs.len() > 1)?);
+            objects.extend(objects_of(input, playing, time_s(frame), inputs.len() > 1)?);
         }
         tell_apart(&mut objects);
         Ok::<_, Failure>(objects)
@@ -80,12 +81,20 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         corners.extend(eye::corners(&objects_at(look * frames / LOOKS.min(frames))?));
     }
     let origin = inputs[0].origin();
-    let eye = Eye::new(args, origin, &corners)?;
+    let bounds = Bounds::of(&corners).ok_or_else(|| Failure::input(&args.files[0])(InputError::NoFiniteFace))?;
+    let still = Eye::new(args, origin, &corners, &bounds)?;
     drop(corners);
-    let eye_of = |frame: u32| eye.turned(args.turn * f64::from(frame) / f64::from(frames)).map_err(refused);
+    let eye_of = |frame: u32| {
+        let camera = inputs[0].camera(&args.camera, &chosen[0], time_s(frame))?;
+        let eye = camera.map_or(Ok(still), |camera| Eye::of_camera(&camera, &bounds)).map_err(refused)?;
+        eye.turned(args.turn * f64::from(frame) / f64::from(frames)).map_err(refused)
+    };
+    if eye_of(0)?.view.is_perspective() {
+        args.check_perspective()?;
+    }
     let mut extent = sheet::Extent::default();
     for frame in 0..frames {
-        extent.add(args, &eye_of(frame)?.view, &objects_of_frame(frame)?);
+        extent.add(args, &eye_of(frame)?, &objects_of_frame(frame)?);
     }
     let mut remarks = Remarks::default();
     let mut said = String::new();
@@ -93,7 +102,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         let (objects, eye) = (objects_of_frame(frame)?, eye_of(frame)?);
         let what = if frames == 1 { "finding lines".to_owned() } else { format!("drawing {} of {frames}", frame + 1) };
         progress.step(what.clone());
-        let drawing = draw(&objects, &eye.view, &options(args), |done, all| {
+        let drawing = draw(&objects, &eye.view, &options(args, &eye), |done, all| {
             progress.step(format!("{what}, {:.0} %", 100.0 * done as f64 / (all as f64).max(1.0)));
             ControlFlow::Continue(())
         });
@@ -106,10 +115,10 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
             remarks.of_seams(&inputs);
         }
         let units = (format == Format::Dxf && args.dxf_units == DxfUnits::Model).then(|| eye.page_of_origin(origin));
-        let mut sheet = Sheet::new(args, &style, &drawing, extent.window(args), units)?;
+        let mut sheet = Sheet::new(args, &style, &drawing, extent.window(args, &eye), units)?;
         if frame == 0 && sheet.is_crowded() {
             style.is_fine = true;
-            sheet = Sheet::new(args, &style, &drawing, extent.window(args), units)?;
+            sheet = Sheet::new(args, &style, &drawing, extent.window(args, &eye), units)?;
         }
         sheet.remarks.iter().for_each(|remark| remarks.say(remark.clone()));
         if frames == 1 {
@@ -138,11 +147,12 @@ pub(crate) fn files(args: &LinesArgs) -> Result<Vec<PathBuf>, UsageError> {
     })
 }
 
-fn options(args: &LinesArgs) -> LineOptions {
+fn options(args: &LinesArgs, eye: &Eye) -> LineOptions {
     LineOptions {
         classes: args.classes(),
         crease_degrees: args.crease(),
-        window: sheet::taken(args),
+        near: eye.near,
+        window: sheet::taken(args, eye),
         memory_limit: Some(args.load.memory_limit),
         threads: Threads::all(),
         ..LineOptions::default()

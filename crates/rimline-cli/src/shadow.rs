@@ -51,6 +51,7 @@ use crate::warm_up;
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
     ResultFiles::check(args)?;
+    args.check()?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the models");

@@ -1,5 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
+use rimline::gltf::SceneLight;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
 use rimline::mesh::{MeshError, WeldDistance};
 use rimline::{AreaShape, Light};
@@ -29,6 +30,12 @@ pub(crate) struct ShadedLightSpec {
     /// Where its light begins to fall off towards the range, and how.
     pub(crate) begin: Option<f32>,
     pub(crate) exponent: Option<f32>,
+    /// Degrees from the way that a spot shines, up to which it has full light, and beyond which it has none.
+    pub(crate) cone: Option<[f32; 2]>,
+    /// The point that a spot shines at.
+    pub(crate) target: Option<[Coordinate; 3]>,
+    /// The radius of the sphere that shines.
+    pub(crate) radius: Option<f32>,
 }
 
 /// A light's shape of `--area`; without sizes they are chosen by the scene.
@@ -68,7 +75,10 @@ pub(crate) enum SpecError {
     Lift(f64),
     #[error("it is {given}, and may be {least} to {most}")]
     Range { given: f32, least: f32, most: f32 },
-    #[error("there is no light option `{0}`; there are range=R, begin=R, exponent=E, color=R,G,B and intensity=I")]
+    #[error(
+        "there is no light option `{0}`; there are range=R, begin=R, exponent=E, color=R,G,B, intensity=I, radius=R, \
+         cone=INNER,OUTER and target=X,Y,Z"
+    )]
     LampOption(String),
     #[error("{option}={value}: it must be {needed}")]
     LampValue { option: &'static str, value: f32, needed: &'static str },
@@ -79,8 +89,16 @@ pub(crate) enum SpecError {
     BeginBeyondRange { begin: f32, range: f32 },
     #[error("{0}= says how a light fades towards its range, but it has none; give range=R, too, or leave {0}= out")]
     NoRange(&'static str),
-    #[error("range= is a distance from a light's place, but it is at infinity; leave range= out, or write point:x,y,z")]
-    RangeAtInfinity,
+    #[error("{0}= is measured from a light's place, but it is at infinity; leave {0}= out, or write point:x,y,z")]
+    AtInfinity(&'static str),
+    #[error("cone={inner},{outer}: write cone=INNER,OUTER, two angles from 0 to 90 degrees, the smaller first")]
+    Cone { inner: f32, outer: f32 },
+    #[error(
+        "target= says where a spot shines, but the light has no cone; give cone=INNER,OUTER, too, or leave target= out"
+    )]
+    NoCone,
+    #[error("a spot at the point that it shines at has no direction; give another target=X,Y,Z")]
+    TargetAtLight,
     #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
     Area(String),
     #[error("there is no detector `{0}`; write every, automatic, differences=T, second=LOW,HIGH or contours=T")]
@@ -149,6 +167,19 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
             }
             "exponent" => shaded.exponent = Some(bounded("exponent", number(value)?)?),
             "intensity" => shaded.intensity = Some(bounded("intensity", number(value)?)?),
+            "radius" => {
+                let radius = number(value)?;
+                let is_right = radius > 0.0 && radius <= MOST_AREA_SIZE;
+                shaded.radius = Some(lamp("radius", radius, is_right, "more than 0, and at most 1e30")?);
+            }
+            "cone" => {
+                let [inner, outer] = numbers(value)?;
+                if !(0.0 <= inner && inner <= outer && 0.0 < outer && outer <= 90.0) {
+                    return Err(SpecError::Cone { inner, outer });
+                }
+                shaded.cone = Some([inner, outer]);
+            }
+            "target" => shaded.target = Some(coordinates(value)?),
             "color" => {
                 let color: [f32; 3] = numbers(value)?;
                 for component in color {
@@ -168,15 +199,30 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
 
 impl ShadedLightSpec {
     pub(crate) fn new(light: LightSpec) -> Self {
-        Self { light, color: None, intensity: None, range: None, begin: None, exponent: None }
+        Self {
+            light,
+            color: None,
+            intensity: None,
+            range: None,
+            begin: None,
+            exponent: None,
+            cone: None,
+            target: None,
+            radius: None,
+        }
     }
 
-    /// Its options fit together and to the light, which may have a range of its own.
-    pub(crate) fn check(&self, light: Light, file_range: Option<f32>) -> Result<(), SpecError> {
-        if light.w == 0.0 && self.range.is_some() {
-            return Err(SpecError::RangeAtInfinity);
+    /// Its options fit together and to the light, which may have a range and a cone of its own.
+    pub(crate) fn check(&self, light: Light, of_file: Option<&SceneLight>) -> Result<(), SpecError> {
+        let of_place =
+            [("range", self.range.is_some()), ("cone", self.cone.is_some()), ("target", self.target.is_some())];
+        if let Some((option, _)) = of_place.into_iter().find(|(_, is_given)| light.w == 0.0 && *is_given) {
+            return Err(SpecError::AtInfinity(option));
         }
-        match (self.range.or(file_range), self.begin, self.exponent) {
+        if self.target.is_some() && self.cone.is_none() && of_file.is_none_or(|light| light.cone.is_none()) {
+            return Err(SpecError::NoCone);
+        }
+        match (self.range.or(of_file.and_then(|light| light.range)), self.begin, self.exponent) {
             (None, Some(_), _) => Err(SpecError::NoRange("begin")),
             (None, None, Some(_)) => Err(SpecError::NoRange("exponent")),
             (Some(range), Some(begin), _) if begin > range => Err(SpecError::BeginBeyondRange { begin, range }),
@@ -427,6 +473,11 @@ mod tests {
         let shaded = |text: &str| shaded(text).expect(text);
         let plain = shaded("point:1,2,3");
         assert_eq!((plain.color, plain.intensity, plain.range), (None, None, None));
+        let spot = shaded("point:0,5,2,radius=.2,cone=20,30,target=0,-1,.5");
+        assert_eq!((spot.radius, spot.cone), (Some(0.2), Some([20.0, 30.0])));
+        assert_eq!(spot.target.map(|target| target.map(|c| c.double)), Some([0.0, -1.0, 0.5]));
+        // It may be a spot.
+        assert!(shaded("file:Lamp,target=1,2,3").target.is_some());
         let full = shaded("point:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
         assert_eq!((full.color, full.intensity, full.range), (Some([1.0, 0.5, 0.0]), Some(0.5), Some(7.0)));
         assert_eq!((full.begin, full.exponent), (Some(2.0), Some(3.0)));

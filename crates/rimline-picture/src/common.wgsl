@@ -32,16 +32,7 @@ fn unpack_color(word: u32) -> vec3<f32> {
   return root * root;
 }
 
-fn largest(v: vec3<f32>) -> f32 {
-  return max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-37));
-}
-
-// Like `normalize` and `length`, whose squares leave the range of floats sooner.
+// Like `normalize`, whose squares leave the range of floats sooner.
 fn direction_of(v: vec3<f32>) -> vec3<f32> {
-  return normalize(v / largest(v));
-}
-
-fn length_of(v: vec3<f32>) -> f32 {
-  let scale = largest(v);
-  return scale * length(v / scale);
+  return normalize(v / max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-37)));
 }

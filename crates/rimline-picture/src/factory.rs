@@ -70,8 +70,8 @@ pub struct Pass<'a> {
     pub groups: &'a [&'a wgpu::BindGroupLayout],
     /// The primitives that vertices make.
     pub topology: wgpu::PrimitiveTopology,
-    /// The format of the colour target.
-    pub format: wgpu::TextureFormat,
+    /// The format of the colour target, if there is one.
+    pub format: Option<wgpu::TextureFormat>,
     /// How colours are blended, if they are.
     pub blend: Option<wgpu::BlendState>,
     /// Samples a pixel.
@@ -88,9 +88,9 @@ impl<'a> Pass<'a> {
         name: &'static str,
         source: &'a str,
         groups: &'a [&'a wgpu::BindGroupLayout],
-        format: wgpu::TextureFormat,
+        format: impl Into<Option<wgpu::TextureFormat>>,
     ) -> Self {
-        let (topology, write) = (wgpu::PrimitiveTopology::TriangleList, wgpu::ColorWrites::ALL);
+        let (topology, write, format) = (wgpu::PrimitiveTopology::TriangleList, wgpu::ColorWrites::ALL, format.into());
         Self { name, vertex: name, source, groups, topology, format, blend: None, samples: 1, write, depth: None }
     }
 
@@ -99,7 +99,7 @@ impl<'a> Pass<'a> {
         name: &'static str,
         source: &'a str,
         groups: &'a [&'a wgpu::BindGroupLayout],
-        format: wgpu::TextureFormat,
+        format: impl Into<Option<wgpu::TextureFormat>>,
     ) -> Self {
         Self { vertex: "cover", ..Self::new(name, source, groups, format) }
     }
@@ -115,6 +115,7 @@ impl<'a> Pass<'a> {
             label: Some(self.name),
             source: wgpu::ShaderSource::Wgsl(format!("{}\n{}", prelude, self.source).into()),
         });
+        let target = |format| wgpu::ColorTargetState { format, blend: self.blend, write_mask: self.write };
         let groups: Vec<_> = frame.into_iter().chain(self.groups.iter().copied()).map(Some).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(self.name),
@@ -137,11 +138,7 @@ impl<'a> Pass<'a> {
                 module: &module,
                 entry_point: Some(&format!("{}_fragment", self.name)),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: self.format,
-                    blend: self.blend,
-                    write_mask: self.write,
-                })],
+                targets: self.format.map(|format| Some(target(format))).as_slice(),
             }),
             multiview_mask: None,
             cache: None,
@@ -246,7 +243,7 @@ pub fn depth_state(
 }
 
 /// A pass onto one colour target and a depth buffer. Clears both, depth to the infinitely far, or goes on with what is
-/// there; a stencil is cleared in any case.
+/// there.
 pub fn color_pass<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
@@ -265,11 +262,12 @@ pub fn color_pass<'e>(
         })],
         depth_stencil_attachment: depth.map(|view| {
             let load = clear.map_or(wgpu::LoadOp::Load, |_| wgpu::LoadOp::Clear(0.0));
+            let load_stencil = clear.map_or(wgpu::LoadOp::Load, |_| wgpu::LoadOp::Clear(0));
             let has_stencil = view.texture().format().has_stencil_aspect();
             wgpu::RenderPassDepthStencilAttachment {
                 view,
                 depth_ops: Some(wgpu::Operations { load, store }),
-                stencil_ops: has_stencil.then_some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+                stencil_ops: has_stencil.then_some(wgpu::Operations { load: load_stencil, store }),
             }
         }),
         timestamp_writes: None,

@@ -15,22 +15,21 @@ pub(crate) struct Frame {
     eye: [f32; 3],
     ground: f32,
     right: [f32; 3],
-    scale_x: f32,
+    fade_slope: f32,
     up: [f32; 3],
-    scale_y: f32,
+    pitch: f32,
     forward: [f32; 3],
     exposure: f32,
     ambient: [f32; 3],
-    fade_begin: f32,
+    per_unit: f32,
     backdrop: [f32; 3],
-    fade_end: f32,
+    is_parallel: u32,
     size: [f32; 2],
     centre: [f32; 2],
-    per_unit: f32,
-    pitch: f32,
     first: [f32; 2],
-    is_parallel: u32,
-    reserved: [u32; 3],
+    aside_step: [f32; 2],
+    aside: [f32; 2],
+    reserved: [u32; 2],
 }
 
 /// Ambient light: of all lights' together, and what the ground throws back.
@@ -56,12 +55,12 @@ pub struct SceneView<'a> {
 
 impl SceneView<'_> {
     pub(crate) fn frame(&self) -> Frame {
-        let Self { camera, size, bounds: &SceneBounds { models, ground }, lights, reach, .. } = *self;
+        let Self { camera, size, part, bounds: &SceneBounds { models, ground }, lights, reach } = *self;
         let total: Vec3 = lights.iter().map(|shaded| Vec3::from(shaded.color)).sum();
         let brightest = if total.max_element() > 0.0 { total.max_element() } else { 1.0 };
         let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
         let under = models.centre().with_y(ground);
-        // No shadow fades with the ground.
+        // No shadow fades with the ground, which has faded at 3.3 times this distance.
         let begin = (1.8 * models.extent()).max(1.1 * reach);
         let far = 2.6 * begin;
         let unit = self.unit();
@@ -73,6 +72,13 @@ impl SceneView<'_> {
             share * Vec3::from(shaded.color)
         };
         let backdrop = GROUND * (ambient + lights.iter().map(lit).sum::<Vec3>());
+        // From pixels drawn to clip space, divided by its scale; rows go down.
+        let aside = [(0, 1.0), (1, -1.0)].map(|(axis, sign)| {
+            let [size, pitch, first] = [size[axis] as f32, part.pitch, part.first[axis]].map(f64::from);
+            let per_scale = sign / f64::from(camera.scale[axis]);
+            let start = 2.0 * (first - 0.5 * pitch) / size - 1.0;
+            [2.0 * pitch / size * per_scale, start * per_scale].map(|c| c as f32)
+        });
         let mut view_projection = Mat4::from_cols_array_2d(&self.shadow_camera().view_projection);
         if camera.far.is_none() {
             view_projection.w_axis *= unit.recip();
@@ -87,22 +93,21 @@ impl SceneView<'_> {
             eye: camera.eye.into(),
             ground: in_units(ground - camera.eye.y),
             right: camera.right.into(),
-            scale_x: camera.scale[0],
+            fade_slope: (f64::from(unit) / (2.3 * f64::from(begin))) as f32,
             up: camera.up.into(),
-            scale_y: camera.scale[1],
+            pitch: part.pitch,
             forward: camera.forward.into(),
             exposure: 1.12 / ((1.0 + AMBIENT) * brightest),
             ambient: ambient.into(),
-            fade_begin: in_units(begin),
+            per_unit: unit.recip(),
             backdrop: backdrop.into(),
-            fade_end: 3.3 * in_units(begin),
+            is_parallel: u32::from(camera.far.is_some()),
             size: size.map(|pixels| pixels as f32),
             centre: [under.x - camera.eye.x, under.z - camera.eye.z].map(in_units),
-            per_unit: unit.recip(),
-            pitch: self.part.pitch,
-            first: self.part.first,
-            is_parallel: u32::from(camera.far.is_some()),
-            reserved: [0; 3],
+            first: part.first,
+            aside_step: aside.map(|[step, _]| step),
+            aside: aside.map(|[_, start]| start),
+            reserved: [0; 2],
         }
     }
 

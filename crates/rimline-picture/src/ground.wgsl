@@ -18,9 +18,12 @@ struct GroundPoint {
   faded: f32,
 }
 
+// How far from the centre the ground begins to fade, over how long it fades: it has faded at 3.3 times that distance.
+const BEFORE_FADING = 1.0 / 2.3;
+
 fn ground_point(pixel: vec2<f32>) -> GroundPoint {
-  let ndc = in_picture(pixel) / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
-  let aside = ndc.x / frame.scale_x * frame.right + ndc.y / frame.scale_y * frame.up;
+  let at = pixel * frame.aside_step + frame.aside;
+  let aside = at.x * frame.right + at.y * frame.up;
   let is_parallel = frame.is_parallel != 0u;
   // The rays of an orthographic camera begin aside and have one direction.
   let begin = select(vec3<f32>(0.0), aside * frame.per_unit, is_parallel);
@@ -29,7 +32,8 @@ fn ground_point(pixel: vec2<f32>) -> GroundPoint {
   if (ray.y > -1e-6) {
     return GroundPoint(q, 1.0);
   }
-  return GroundPoint(q, smoothstep(frame.fade_begin, frame.fade_end, length_of(vec3<f32>(q.xz - frame.centre, 0.0))));
+  let faded = saturate(length(q.xz - frame.centre) * frame.fade_slope - BEFORE_FADING);
+  return GroundPoint(q, faded * faded * (3.0 - 2.0 * faded));
 }
 
 const ALBEDO = vec3<f32>(0.80, 0.79, 0.77);
@@ -42,13 +46,12 @@ fn is_lit() -> bool {
   return vec4<f32>(mix(ALBEDO * frame.ambient, backdrop(at.xy), ground_point(at.xy).faded), 1.0);
 }
 
+// Without a discard, devices leave out pixels in shadow before they shade them.
 @fragment fn lit_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  if (!is_lit()) {
-    discard;
-  }
   let point = ground_point(at.xy);
   let light = arriving(point.q);
-  return vec4<f32>((1.0 - point.faded) * ALBEDO * light.color * max(0.0, light.towards.y), 0.0);
+  let cosine = select(0.0, max(0.0, light.towards.y), is_lit());
+  return vec4<f32>((1.0 - point.faded) * ALBEDO * light.color * cosine, 0.0);
 }
 
 // Keeps the pixels that the light cannot reach even without casters.

@@ -22,7 +22,7 @@ pub trait Subject {
     /// The surfaces of the models.
     fn surfaces(&self) -> &[Surface];
 
-    /// Draws the shadow volumes of a light into the stencil, which is not 0 in shadow afterwards.
+    /// Draws the shadow volumes of a light into the stencil, which is not 0 in shadow afterwards. The pass has no colour.
     ///
     /// # Errors
     /// [`Self::Error`].
@@ -152,21 +152,47 @@ impl PicturePipelines {
         attachments: &Attachments,
         subject: &S,
     ) -> Result<(), S::Error> {
+        self.record_receivers(encoder, resources, attachments, subject);
+        self.record_lights(encoder, resources, attachments, subject)
+    }
+
+    /// Records what is seen in ambient light, and its depth. It needs positions and normals, but no facing masks.
+    pub fn record_receivers<S: Subject>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &Resources,
+        attachments: &Attachments,
+        subject: &S,
+    ) {
         let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK)));
         self.ambient.paint(&mut pass, resources, subject, 0);
         resources.factory.draw(&mut pass, &self.backdrop, &[], 3);
-        drop(pass);
+    }
+
+    /// Records the light that falls on [`Self::record_receivers`].
+    ///
+    /// # Errors
+    /// The errors of the subject.
+    pub fn record_lights<S: Subject>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &Resources,
+        attachments: &Attachments,
+        subject: &S,
+    ) -> Result<(), S::Error> {
         for light in 0..subject.lights() {
-            let mut pass = subject.begin(attachments.pass(encoder, "light", None));
+            let mut volumes = subject.begin(attachments.count_pass(encoder));
             if self.shade.is_none() {
-                subject.draw_volumes(&mut pass, light)?;
+                subject.draw_volumes(&mut volumes, light)?;
             }
+            drop(volumes);
+            let mut pass = subject.begin(attachments.pass(encoder, "light", None));
             self.lit.paint(&mut pass, resources, subject, light);
         }
         if let Some(shade) = &self.shade {
             for light in 0..subject.lights() {
+                subject.draw_volumes(&mut subject.begin(attachments.count_pass(encoder)), light)?;
                 let mut pass = subject.begin(attachments.pass(encoder, "shade", None));
-                subject.draw_volumes(&mut pass, light)?;
                 for receivers in shade {
                     receivers.paint(&mut pass, resources, subject, light);
                 }

@@ -9,29 +9,29 @@ struct Frame {
   // The ground's height over the eye, in units; negative, since it is seen from above.
   ground: f32,
   right: vec3<f32>,
-  // Clip units per unit of view space, of a perspective camera at distance 1.
-  scale_x: f32,
+  // One over the distance from where the ground begins to fade into the backdrop to where it has; in units.
+  fade_slope: f32,
   up: vec3<f32>,
-  scale_y: f32,
+  // Pixels of the picture from one pixel drawn to the next, and where in the picture the first one's centre is.
+  pitch: f32,
   forward: vec3<f32>,
   exposure: f32,
   ambient: vec3<f32>,
-  // From the centre, where the ground begins to fade into the backdrop, and where it has; in units.
-  fade_begin: f32,
+  // One over the unit, a power of two of about the scene's size: squares of distances are floats then, and so is what
+  // rasterisers divide by w.
+  per_unit: f32,
   backdrop: vec3<f32>,
-  fade_end: f32,
+  // 1 for an orthographic camera.
+  is_parallel: u32,
   // Width and height in pixels.
   size: vec2<f32>,
   // Below the models, (x, z), relative to the eye, in units.
   centre: vec2<f32>,
-  // One over the unit, a power of two of about the scene's size: squares of distances are floats then, and so is what
-  // rasterisers divide by w.
-  per_unit: f32,
-  // Pixels of the picture from one pixel drawn to the next, and where in the picture the first one's centre is.
-  pitch: f32,
   first: vec2<f32>,
-  // 1 for an orthographic camera.
-  is_parallel: u32,
+  // How far right and up of the view's middle a pixel drawn is, at distance 1 of a perspective camera: its step, and its
+  // value where pixels begin.
+  aside_step: vec2<f32>,
+  aside: vec2<f32>,
 }
 
 // A light, or a sample of one with an area.
@@ -101,14 +101,15 @@ fn falloff(distance: f32) -> f32 {
   return select(0.0, pow(left, shaded.exponent), left > 0.0);
 }
 
+// In units, squares are floats.
 fn arriving(q: vec3<f32>) -> Arriving {
   let l = shaded.light.xyz - shaded.light.w * q;
-  let towards = direction_of(l);
+  let towards = normalize(l);
   let cone = saturate(shaded.cone_offset - shaded.cone_scale * dot(shaded.axis, towards));
   var share = cone * cone;
   var reached = cone > 0.0;
   if (shaded.range > 0.0) {
-    let distance = length_of(l);
+    let distance = length(l);
     share *= falloff(distance);
     reached = reached && distance < shaded.range;
   }

@@ -57,7 +57,22 @@ pub struct Attachments {
 }
 
 impl Attachments {
-    /// A pass that clears the stencil and goes on with what is there, or clears everything.
+    /// A pass that counts shadow volumes in the stencil, from 0 on, against the depth that is there.
+    pub fn count_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        let store = wgpu::StoreOp::Store;
+        // Software drivers would read and write colours that no volume changes.
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("volumes"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store }),
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+            }),
+            ..Default::default()
+        })
+    }
+
+    /// A pass that goes on with what is there, or clears everything.
     pub fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,

@@ -8,7 +8,7 @@ use rimline_lines::{Classes, LineClass};
 
 use crate::coordinates::Coordinate;
 use crate::failure::UsageError;
-use crate::input_args::{JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
+use crate::input_args::{CameraArgs, JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
 use crate::side::Side;
@@ -73,8 +73,11 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::field_of_view)]
     pub(crate) fov: Option<f32>,
 
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+
     /// Draw what --eye and --target see without perspective
-    #[arg(long, requires = "eye", conflicts_with = "fov")]
+    #[arg(long, requires = "eye", conflicts_with_all = ["fov", "camera"])]
     pub(crate) ortho: bool,
 
     /// The least angle between two faces whose edge is drawn as a crease, in degrees [default: 30]
@@ -151,6 +154,7 @@ Examples:
   rimline lines house.obj --out house.svg
   rimline lines house.obj --view front --scale 1:50 --hidden dashed --out front.pdf
   rimline lines fox.glb --animation Run --view 30,15 --out fox.svg
+  rimline lines room.glb --camera door --out room.svg
   rimline lines part.obj --unit mm --dxf-units model --view top --out part.dxf
   rimline lines parts/*.stl --out drawings/{stem}.pdf
   rimline lines fox.glb --animation Run --frames 24 --turn 90 --out frames --format png
@@ -186,13 +190,10 @@ spans).";
 impl LinesArgs {
     /// Refuses options that do not go together and that clap cannot tell.
     pub(crate) fn check(&self, format: Format) -> Result<(), UsageError> {
-        let is_perspective = self.fov.is_some() || (self.eye.is_some() && !self.ortho);
-        let in_units = self.dxf_units == DxfUnits::Model;
-        for (option, is_given) in [("--scale", self.scale != Scale::Fit), ("--dxf-units model", in_units)] {
-            if is_perspective && is_given {
-                return Err(UsageError::ScaleOfPerspective { option });
-            }
+        if self.fov.is_some() || (self.eye.is_some() && !self.ortho) {
+            self.check_perspective()?;
         }
+        let in_units = self.is_in_units();
         let has_no_pens = format == Format::Json;
         let is_idle = |option: &str, why: &str| note(&format!("warning: {option} has no effect {why}"));
         for (option, is_given, is_of_format) in [
@@ -216,6 +217,20 @@ impl LinesArgs {
             note("warning: all drawings are the same; give --animation or --turn");
         }
         Ok(())
+    }
+
+    /// Refuses options that a perspective view does not have.
+    pub(crate) fn check_perspective(&self) -> Result<(), UsageError> {
+        for (option, is_given) in [("--scale", self.scale != Scale::Fit), ("--dxf-units model", self.is_in_units())] {
+            if is_given {
+                return Err(UsageError::ScaleOfPerspective { option });
+            }
+        }
+        Ok(())
+    }
+
+    fn is_in_units(&self) -> bool {
+        self.dxf_units == DxfUnits::Model
     }
 
     /// The angle of creases in degrees.

@@ -1,12 +1,14 @@
 //! The eye of a drawing.
 
 use rimline::Origin;
-use rimline_lines::{LinesError, Object, View};
+use rimline::gltf::{CameraProjection, SceneCamera};
+use rimline_lines::{LinesError, Object, PageBox, View};
 use rimline_picture::Bounds;
 
 use super::args::LinesArgs;
 use crate::coordinates::relative;
 use crate::failure::{Failure, InputError, UsageError};
+use crate::shown::Line;
 use crate::side::{Side, up_of};
 
 /// A view, and what it was made of.
@@ -19,6 +21,18 @@ pub(crate) struct Eye {
     target: Option<[f32; 3]>,
     up: [f32; 3],
     turned: f64,
+    /// What the page shows, if the options say so.
+    shown: Option<Shown>,
+    /// Lines nearer than this are not drawn. `None`: by the models.
+    pub(crate) near: Option<f64>,
+}
+
+/// A part of the page's plane.
+#[derive(Clone, Copy)]
+struct Shown {
+    /// The point in its middle.
+    middle: [f32; 3],
+    half_height: f64,
 }
 
 /// The corners of the faces of objects that are finite.
@@ -30,14 +44,26 @@ pub(crate) fn corners(objects: &[Object<'_>]) -> Vec<[f32; 3]> {
     objects.iter().flat_map(of_object).filter(|corner| corner.iter().all(|c| c.is_finite())).collect()
 }
 
+/// The middle of a box.
+fn middle(bounds: &Bounds) -> [f64; 3] {
+    [0, 1, 2].map(|axis| f64::from(bounds.min[axis]) / 2.0 + f64::from(bounds.max[axis]) / 2.0)
+}
+
+fn nearest(point: [f64; 3]) -> [f32; 3] {
+    point.map(|c| c as f32)
+}
+
 impl Eye {
-    /// The eye that the options ask for, or that sees all corners.
-    pub(crate) fn new(args: &LinesArgs, origin: Origin, corners: &[[f32; 3]]) -> Result<Self, Failure> {
+    /// The eye that the options ask for, or that sees all corners, which lie in `bounds`.
+    pub(crate) fn new(
+        args: &LinesArgs,
+        origin: Origin,
+        corners: &[[f32; 3]],
+        bounds: &Bounds,
+    ) -> Result<Self, Failure> {
         let failed = Failure::input(&args.files[0]);
-        let bounds = Bounds::of(corners).ok_or_else(|| failed(InputError::NoFiniteFace))?;
         let of = |at, target, up| Self::of(at, target, up).map_err(|error| failed(InputError::Lines(error)));
-        let middle = [0, 1, 2].map(|axis| f64::from(bounds.min[axis]) / 2.0 + f64::from(bounds.max[axis]) / 2.0);
-        let nearest = |point: [f64; 3]| point.map(|c| c as f32);
+        let middle = middle(bounds);
         if let Some(eye) = args.eye {
             let eye = relative(eye, origin);
             let target = args.target.map_or(nearest(middle), |target| relative(target, origin));
@@ -50,7 +76,9 @@ impl Eye {
             if args.ortho {
                 return of([0, 1, 2].map(|axis| eye[axis] - target[axis]), None, up);
             }
-            return of(eye, Some(target), up);
+            let half_height = args.fov.map(|degrees| libm::tan(f64::from(degrees).to_radians() / 2.0));
+            let shown = half_height.map(|half_height| Shown { middle: target, half_height });
+            return Ok(Self { shown, ..of(eye, Some(target), up)? });
         }
         let (towards_eye, up) = args.view.directions();
         let Some(degrees) = args.fov else {
@@ -65,12 +93,32 @@ impl Eye {
         of(nearest(eye), Some(nearest(middle)), up)
     }
 
+    /// The eye of a camera of the file. It goes around a point ahead of it, beside the middle of `bounds`.
+    pub(crate) fn of_camera(camera: &SceneCamera, bounds: &Bounds) -> Result<Self, LinesError> {
+        let SceneCamera { eye, forward, up, .. } = *camera;
+        let middle = middle(bounds);
+        let along = |axis: usize| (middle[axis] - f64::from(eye[axis])) * f64::from(forward[axis]);
+        let ahead = (along(0) + along(1) + along(2)).max(f64::from(bounds.extent()));
+        let target = nearest([0, 1, 2].map(|axis| f64::from(eye[axis]) + ahead * f64::from(forward[axis])));
+        let shown = |half_height| Some(Shown { middle: target, half_height });
+        Ok(match camera.projection {
+            CameraProjection::Perspective { yfov, znear, .. } => Self {
+                shown: shown(libm::tan(f64::from(yfov) / 2.0)),
+                near: Some(znear.into()),
+                ..Self::of(eye, Some(target), up)?
+            },
+            CameraProjection::Orthographic { ymag, .. } => {
+                Self { shown: shown(f64::from(ymag).abs()), ..Self::of(forward.map(|c| -c), None, up)? }
+            }
+        })
+    }
+
     fn of(at: [f32; 3], target: Option<[f32; 3]>, up: [f32; 3]) -> Result<Self, LinesError> {
         let view = match target {
             Some(target) => View::perspective(at, target, up)?,
             None => View::orthographic(at, up)?,
         };
-        Ok(Self { view, at, target, up, turned: 0.0 })
+        Ok(Self { view, at, target, up, turned: 0.0, shown: None, near: None })
     }
 
     /// Moved to the right around what it looks at, by an angle in degrees about a vertical line.
@@ -86,7 +134,17 @@ impl Eye {
         let around = self.target.unwrap_or_default();
         let from = turn([0, 1, 2].map(|axis| self.at[axis] - around[axis]));
         let turned = Self::of([0, 1, 2].map(|axis| around[axis] + from[axis]), self.target, turn(self.up))?;
-        Ok(Self { turned: degrees, ..turned })
+        Ok(Self { turned: degrees, shown: self.shown, near: self.near, ..turned })
+    }
+
+    /// The part of the view's page that the options ask for, as wide as it is `aspect` times high.
+    pub(crate) fn window(&self, aspect: f64) -> Option<PageBox> {
+        let Shown { middle, half_height } = self.shown?;
+        // A point that an eye looks at is in the middle, but for rounding.
+        let is_perspective = self.view.is_perspective();
+        let [x, y] = if is_perspective { [0.0; 2] } else { self.view.page(middle.map(f64::from)) };
+        let half_width = half_height * aspect;
+        Some(PageBox { low: [x - half_width, y - half_height], high: [x + half_width, y + half_height] })
     }
 
     /// The offset to add to a point of the page of an eye at infinity, so that it is relative to the origin of the files.
@@ -98,6 +156,9 @@ impl Eye {
     pub(crate) fn said(&self, args: &LinesArgs) -> String {
         let how = if self.view.is_perspective() { "perspective" } else { "orthographic" };
         let turned = if self.turned == 0.0 { String::new() } else { format!(", turned by {}°", self.turned) };
+        if let Some(camera) = &args.camera.wanted {
+            return format!("{how} view of the camera {}{turned}", Line(camera));
+        }
         match (args.eye, args.view) {
             (Some(_), _) => format!("{how} view of an eye at {:?}", self.view.eye().xyz),
             (None, Side::Named(name, _)) => format!("{how} view, {name}{turned}"),

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use rimline_lines::{Chain, Drawing, LineClass, Object, PageBox, View};
 
 use super::args::{Hidden, LinesArgs, Paper, Scale, Unit};
+use super::eye::Eye;
 use super::style::{Pen, Style};
 use crate::failure::UsageError;
 use crate::shown::Line;
@@ -249,19 +250,16 @@ impl Sheet {
 
 /// The part of the view's page from which lines are taken. An eye within a model sees lines at any angle, so there is a
 /// limit.
-pub(crate) fn taken(args: &LinesArgs) -> Option<PageBox> {
+pub(crate) fn taken(args: &LinesArgs, eye: &Eye) -> Option<PageBox> {
     const MOST: f64 = 1.19; // The tangent of 50 degrees.
     let most = PageBox { low: [-MOST; 2], high: [MOST; 2] };
-    window(args).or_else(|| args.eye.filter(|_| !args.ortho).map(|_| most))
+    window(args, eye).or_else(|| args.eye.filter(|_| !args.ortho).map(|_| most))
 }
 
-/// The part of the view's page that `--fov` asks for, if the eye is given.
-fn window(args: &LinesArgs) -> Option<PageBox> {
-    let (Some(_), Some(degrees)) = (args.eye, args.fov) else { return None };
-    let height = libm::tan(f64::from(degrees).to_radians() / 2.0);
+/// The part of the view's page that the options ask for: as high as a field of view, and as wide as the page within its border.
+fn window(args: &LinesArgs, eye: &Eye) -> Option<PageBox> {
     let [width_mm, height_mm] = turned(args.page.unwrap_or(Paper::A4), [2.0, 1.0]).map(|side| side - 2.0 * MARGIN_MM);
-    let width = height * (width_mm / height_mm).max(f64::MIN_POSITIVE);
-    Some(PageBox { low: [-width, -height], high: [width, height] })
+    eye.window((width_mm / height_mm).max(f64::MIN_POSITIVE))
 }
 
 /// Width and height of a page for a drawing of this size.
@@ -278,7 +276,8 @@ pub(crate) struct Extent(Option<PageBox>);
 
 impl Extent {
     /// Adds objects as an eye sees them.
-    pub(crate) fn add(&mut self, args: &LinesArgs, view: &View, objects: &[Object<'_>]) {
+    pub(crate) fn add(&mut self, args: &LinesArgs, eye: &Eye, objects: &[Object<'_>]) {
+        let view = &eye.view;
         let is_finite = |object: &&Object<'_>| {
             let mut corners = object.mesh.faces().iter().flatten();
             corners
@@ -298,7 +297,7 @@ impl Extent {
         } else {
             f64::NEG_INFINITY
         };
-        let most = taken(args);
+        let most = taken(args, eye);
         for face in faces() {
             let points = beyond(face, near, view).map(|point| view.page(point));
             let Some(around) =
@@ -317,9 +316,9 @@ impl Extent {
     }
 
     /// The part of the view's page that is drawn: what the options say, or all.
-    pub(crate) fn window(&self, args: &LinesArgs) -> PageBox {
+    pub(crate) fn window(&self, args: &LinesArgs, eye: &Eye) -> PageBox {
         // A drawing of nothing has the origin in its middle.
-        window(args).or(self.0).unwrap_or(PageBox { low: [0.0; 2], high: [0.0; 2] })
+        window(args, eye).or(self.0).unwrap_or(PageBox { low: [0.0; 2], high: [0.0; 2] })
     }
 }
 

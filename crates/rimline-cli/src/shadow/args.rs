@@ -8,6 +8,7 @@ use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
 use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
+use crate::failure::UsageError;
 use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
@@ -111,20 +112,20 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, value_enum, default_value_t = ModeArg::Additive)]
     pub(crate) mode: ModeArg,
 
-    /// Soft shadows: every light has this shape. Sizes of lights at infinity are measured at distance 1. Without a size, the
+    /// Soft shadows: every light without a radius of its own has this shape. Sizes of lights at infinity are measured at distance 1. Without a size, the
     /// radius is 0.04 of the distance to the middle of the models
     #[arg(long, value_name = "rect[:W,H]|disc[:R]|sphere[:R]", value_parser = spec::area)]
     pub(crate) area: Option<AreaSpec>,
 
-    /// With --area: the number of samples of each light, 1 to 32; all share one extraction [default: 16, with --one-pattern
+    /// The number of samples of each light with an area, 1 to 32; all share one extraction [default: 16, with --one-pattern
     /// 32]
-    #[arg(long, value_name = "N", requires = "area", allow_hyphen_values = true, value_parser = spec::samples)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = spec::samples)]
     pub(crate) samples: Option<usize>,
 
-    /// Give every pixel the same samples, for measurements: the light at a place is then the share of samples that reach
+    /// Give every pixel the same samples of areas, for measurements: the light at a place is then the share of samples that reach
     /// it, and soft shadows show one step for each sample. Without it, neighbouring pixels use different samples, out of
     /// 16 times as many
-    #[arg(long, requires = "area")]
+    #[arg(long)]
     pub(crate) one_pattern: bool,
 
     /// Show models as clay, not in their base colours
@@ -140,10 +141,32 @@ pub(crate) struct ShadowSceneArgs {
 }
 
 impl ShadowSceneArgs {
-    /// Lights that stand for one.
+    /// Lights that stand for one with an area.
     pub(crate) fn samples(&self) -> usize {
         let usual = if self.one_pattern { spec::MOST_SAMPLES } else { spec::MOST_SAMPLES / 2 };
-        self.area.map_or(1, |_| self.samples.unwrap_or(usual as usize))
+        self.samples.unwrap_or(usual as usize)
+    }
+
+    /// Whether some light has an area.
+    pub(crate) fn is_soft(&self) -> bool {
+        self.area.is_some() || self.has_radius()
+    }
+
+    fn has_radius(&self) -> bool {
+        self.lights.iter().any(|light| light.radius.is_some())
+    }
+
+    /// Refuses options that do not go together and that clap cannot tell.
+    pub(crate) fn check(&self) -> Result<(), UsageError> {
+        for (option, is_given) in [("--samples", self.samples.is_some()), ("--one-pattern", self.one_pattern)] {
+            if is_given && !self.is_soft() {
+                return Err(UsageError::NoArea { option });
+            }
+        }
+        if self.is_soft() && self.mode != ModeArg::Additive {
+            return Err(UsageError::AreaMode(value_name(&self.mode)));
+        }
+        Ok(())
     }
 }
 
@@ -158,6 +181,10 @@ Options of a light, after its SPEC:
                 shadow, and masks are 0; not for lights at infinity
   begin=D       distance at which the light begins to fade, at most R; 0 without it
   exponent=E    the light fades with ((R - distance) / (R - D))^E; 1 without it (Bergeron 1986)
+  radius=R      the light is a sphere of this radius, with soft shadows; as --area, for this light alone
+  cone=A,B      the light is a spot: full within A degrees of its direction, nothing beyond B, 90 at
+                most; not for lights at infinity
+  target=X,Y,Z  the point that a spot shines at; the middle of the models without it
 
 Lights of the file have color, range and cone as KHR_lights_punctual says, unless an option changes
 them. Masks are 0 outside a cone. Intensities of these lights are measured at the middle of the
@@ -255,6 +282,23 @@ pub(crate) struct ShadowArgs {
     _jobs: JobsArgs,
 }
 
+impl ShadowArgs {
+    /// Refuses options that do not go together and that clap cannot tell.
+    pub(crate) fn check(&self) -> Result<(), UsageError> {
+        self.scene.check()?;
+        for (option, is_given) in [
+            ("--hide-covered", self.hide_covered),
+            ("--depth", self.depth.is_some()),
+            ("--save-depth", self.save_depth.is_some()),
+        ] {
+            if is_given && self.scene.has_radius() {
+                return Err(UsageError::Radius { option });
+            }
+        }
+        Ok(())
+    }
+}
+
 const SHADOW_EXAMPLES: &str = concat!(
     light_options!(),
     "
@@ -263,6 +307,7 @@ Examples:
   rimline shadow fox.glb --animation Run --time 0.4 --out fox.png \\
       --light dir:1,2,1,color=1,.8,.6 --light point:-90,80,60,range=300
   rimline shadow fox.glb box.glb --area disc --out soft.png
+  rimline shadow fox.glb --light point:9,80,60,radius=5,cone=20,30 --out spot.png
   rimline shadow fox.glb --light point:50,150,100 --mask fox --json
   rimline shadow house.glb chairs.glb --hide-covered --volumes --out house.png
   rimline shadow fox.glb --from-depth 2048 --mask fox
@@ -273,10 +318,10 @@ Examples:
 const SHADOW_REMARKS: &str = "\
 World space is right-handed with +Y up. The ground is visible from above only: an eye below it sees no ground.
 
-Keys of --json: adapter, method, mode, origin (only where it is not zero), files, faces, samples (of a light), count_bound (an upper bound of the stencil \
+Keys of --json: adapter, method, mode, origin (only where it is not zero), files, faces, samples (of a light with an area, else 1), count_bound (an upper bound of the stencil \
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
 the stencil holds, and are not made in batches: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
-file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
+file, casting, counting, silhouette_edges, each with one value a sample of a light with an area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \
 also \

@@ -32,7 +32,7 @@ impl Pictures {
         let format = PictureFormat { samples: if in_parts { 1 } else { 4 }, in_parts, is_encoded: false };
         let light = format.light();
         Ok(Self {
-            pipelines: resources.pipelines(light, method)?,
+            pipelines: resources.pipelines(light.samples, method)?,
             passes: PicturePipelines::new(shared, format, mode),
             targets: Targets::new(&shared.factory, format, *size, TextureUsages::empty()),
             overlay: volumes.then(|| Overlay::new(shared, light, method.from_depth.is_some())),
@@ -81,7 +81,7 @@ impl Masks {
         let depth = target("depth", depth_format(&gpu.device), TextureUsages::empty());
         let receivers = |name, onto| ReceiverPipelines::new(shared, ReceiverPass::new(MASK, name, onto));
         Ok(Self {
-            pipelines: resources.pipelines(MASK, method)?,
+            pipelines: resources.pipelines(MASK.samples, method)?,
             attachments: Attachments { color: view(&finished), resolved: None, depth: view(&depth) },
             dark: receivers("dark", Onto::Nearest),
             lit: receivers("mask", Onto::Lit),
@@ -102,8 +102,11 @@ impl Masks {
         let mut pass = subject.begin(self.attachments.pass(encoder, "mask", Some(nothing)));
         let shared = &subject.casters.resources.shared;
         self.dark.paint(&mut pass, shared, &subject, light);
-        subject.draw_volumes(&mut pass, light)?;
+        drop(pass);
+        subject.draw_volumes(&mut subject.begin(self.attachments.count_pass(encoder)), light)?;
+        let mut pass = subject.begin(self.attachments.pass(encoder, "mask", None));
         self.lit.paint(&mut pass, shared, &subject, light);
+        drop(pass);
         Ok(&self.finished)
     }
 }

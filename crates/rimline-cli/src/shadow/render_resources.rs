@@ -1,7 +1,7 @@
 //! Resources that pictures and masks with shadows share, on a device of the command.
 
 use rimline::gpu::ShadowFormat;
-use rimline_picture::{Resources, Target, depth_format};
+use rimline_picture::{Resources, depth_format};
 
 use super::shadows::{ShadowMethod, VolumePipelines};
 use crate::device::Gpu;
@@ -19,11 +19,12 @@ impl<'a> RenderResources<'a> {
         Self { gpu, shared: Resources::new((&gpu.device, &gpu.queue), samples), size }
     }
 
-    pub(super) fn pipelines(&self, target: Target, method: &ShadowMethod) -> Result<VolumePipelines, GpuError> {
+    /// Pipelines of volumes for so many samples a pixel.
+    pub(super) fn pipelines(&self, samples: u32, method: &ShadowMethod) -> Result<VolumePipelines, GpuError> {
         let format = ShadowFormat {
             depth_stencil: depth_format(&self.gpu.device),
-            samples: target.samples,
-            colors: vec![Some(target.format)],
+            samples,
+            colors: Vec::new(),
             trim: method.from_depth.is_none() && self.gpu.clips_wrongly(),
             ..ShadowFormat::default()
         };

@@ -2,6 +2,7 @@
 //! maps.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use rimline::cpu::{OccludedFaces, OcclusionStatistics};
@@ -41,14 +42,22 @@ pub(super) struct Report {
     /// Statistics of all files together.
     pub(super) all: ShadowStatistics,
     origin: Origin,
-    /// Each light as JSON, in the files' coordinates, with its range and its colour.
-    lights: Vec<(Value, f32, [f32; 3])>,
-    samples: usize,
+    lights: Vec<Light>,
     /// Statistics of occluded faces for each light, if they were asked for.
     covered: Option<Vec<OcclusionStatistics>>,
     left_out: usize,
     /// If maps of the lights cast.
     depth: Option<DepthsFound>,
+}
+
+struct Light {
+    /// In the files' coordinates.
+    light: Value,
+    range: f32,
+    color: [f32; 3],
+    /// The numbers of its samples among those of all lights.
+    samples: Range<usize>,
+    has_area: bool,
 }
 
 fn covered_json(covered: &OcclusionStatistics) -> Value {
@@ -71,7 +80,7 @@ impl Report {
         casters: &Casters<'_>,
         covered: Option<&CoveredFaces>,
     ) -> Result<Self, GpuError> {
-        let (samples, origin) = (set.samples(), set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin()));
+        let origin = set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin());
         let found = casters.shadows.found()?;
         let file = |(body, found): (&PosedModel<'_>, Found)| File {
             name: body.input.file.display().to_string(),
@@ -86,9 +95,15 @@ impl Report {
             lights: set
                 .shaded_lights
                 .iter()
-                .map(|shaded| (coordinates::light(&shaded.light, origin), shaded.range, shaded.color))
+                .enumerate()
+                .map(|(number, shaded)| Light {
+                    light: coordinates::light(&shaded.light, origin),
+                    range: shaded.range,
+                    color: shaded.color,
+                    samples: set.samples_of(number),
+                    has_area: shaded.area.is_some(),
+                })
                 .collect(),
-            samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(OccludedFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
             depth: casters.shadows.depths_found()?,
@@ -97,13 +112,12 @@ impl Report {
 
     /// Keys are stable: they are only ever added to.
     pub(super) fn json(&self, args: &ShadowSceneArgs, times: &Times) -> String {
-        let is_soft = args.area.is_some();
-        let per_sample = |values: Vec<Value>| match (is_soft, values.first()) {
-            (false, Some(one)) => one.clone(),
-            _ => values.into(),
-        };
-        let light = |(number, (light, range, color)): (usize, &(Value, f32, [f32; 3]))| {
-            let of = number * self.samples..(number + 1) * self.samples;
+        let light = |(number, of_light): (usize, &Light)| {
+            let Light { light, range, color, samples: of, has_area } = of_light;
+            let per_sample = |values: Vec<Value>| match (has_area, values.first()) {
+                (false, Some(one)) => one.clone(),
+                _ => values.into(),
+            };
             let caster = |File { name, found, .. }: &File| {
                 let chosen = &found.lights[of.clone()];
                 json!({
@@ -172,7 +186,7 @@ impl Report {
             "mode": value_name(&args.mode),
             "files": self.files.iter().map(|file| &file.name).collect::<Vec<_>>(),
             "faces": self.files.iter().map(|file| file.faces).collect::<Vec<_>>(),
-            "samples": self.samples,
+            "samples": self.lights.iter().map(|light| light.samples.len()).max(),
             "count_bound": self.all.count_bound,
             "may_wrap": self.all.may_wrap,
             "lights": self.lights.iter().enumerate().map(light).collect::<Vec<_>>(),

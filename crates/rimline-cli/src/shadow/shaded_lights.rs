@@ -1,11 +1,12 @@
 //! Lights of the command line and of files, as a picture has them.
 
 use glam::{DVec3, Vec3};
-use rimline::gltf::SceneLight;
+use rimline::gltf::{SceneLight, SpotCone};
 use rimline::internals::light::check_shadow_lights;
-use rimline::{AreaLight, AreaShape, Light};
+use rimline::{AreaLight, AreaShape, Light, Origin};
 use rimline_picture::{SceneBounds, ShadedLight};
 
+use crate::coordinates::relative;
 use crate::failure::{Failure, UsageError};
 use crate::input::ChosenLight;
 use crate::input_args::PlacedView;
@@ -34,8 +35,14 @@ pub(crate) fn shaded_lights(
     }
     let of_file = chosen.iter().filter_map(|(_, chosen)| chosen.of_file.as_ref());
     let brightest = of_file.map(|of_file| illuminance(of_file, stage)).fold(0.0, f64::max);
-    let mut shaded_lights: Vec<ShadedLight> =
-        chosen.iter().map(|(spec, chosen)| shaded(spec, chosen, brightest, stage)).collect();
+    let origin = first.input.origin();
+    let mut shaded_lights = Vec::new();
+    for (spec, chosen) in &chosen {
+        shaded_lights.push(ShadedLight {
+            cone: cone(spec, chosen, stage, origin).map_err(|problem| lamp_options(chosen, problem))?,
+            ..shaded(spec, chosen, brightest, stage)
+        });
+    }
     if shaded_lights.is_empty() {
         let light = file_light.unwrap_or_else(|| default_light(view, stage));
         let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
@@ -44,8 +51,10 @@ pub(crate) fn shaded_lights(
     // Once for every way to cast: depth maps and areas would take such a light for another.
     let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
     check_shadow_lights(&lights, usize::MAX).map_err(UsageError::Lights)?;
-    if let Some(area) = args.area {
-        for shaded in &mut shaded_lights {
+    let own = |radius| AreaSpec::Given(AreaShape::Sphere { radius });
+    let own = chosen.iter().map(|(spec, _)| spec.radius.map(own)).chain([None]);
+    for (shaded, own) in shaded_lights.iter_mut().zip(own) {
+        if let Some(area) = own.or(args.area) {
             spread(shaded, area, args.samples(), stage);
         }
     }
@@ -65,9 +74,31 @@ fn shaded(spec: &ShadedLightSpec, chosen: &ChosenLight, brightest: f64, stage: &
         range: if light.w == 0.0 { f32::INFINITY } else { range },
         begin: spec.begin.unwrap_or(0.0),
         exponent: spec.exponent.unwrap_or(1.0),
-        cone: of_file.and_then(|of_file| of_file.cone),
         ..ShadedLight::new(light)
     }
+}
+
+/// The cone of a spot: from the command line, or else from the file.
+fn cone(
+    spec: &ShadedLightSpec,
+    chosen: &ChosenLight,
+    stage: &SceneBounds,
+    origin: Origin,
+) -> Result<Option<SpotCone>, SpecError> {
+    let of_file = chosen.of_file.as_ref().and_then(|of_file| of_file.cone);
+    let given = spec.cone.filter(|_| chosen.light.w != 0.0).map(|angles| angles.map(f32::to_radians));
+    let Some([inner_angle, outer_angle]) = given.or(of_file.map(|cone| [cone.inner_angle, cone.outer_angle])) else {
+        return Ok(None);
+    };
+    let direction = match (spec.target, of_file) {
+        (None, Some(cone)) => cone.direction,
+        (target, _) => {
+            let target = target.map_or(stage.models.centre(), |target| relative(target, origin).into());
+            let way = target.as_dvec3() - ShadedLight::new(chosen.light).position_or_direction();
+            way.try_normalize().ok_or(SpecError::TargetAtLight)?.as_vec3().into()
+        }
+    };
+    Ok(Some(SpotCone { direction, inner_angle, outer_angle }))
 }
 
 fn spread(shaded: &mut ShadedLight, area: AreaSpec, count: usize, stage: &SceneBounds) {
@@ -112,17 +143,23 @@ fn illuminance(light: &SceneLight, stage: &SceneBounds) -> f64 {
     intensity / (distance * distance)
 }
 
+fn lamp_options(light: &ChosenLight, problem: SpecError) -> UsageError {
+    match &light.of_file {
+        Some(of_file) => UsageError::LampOptions { name: of_file.name.clone().unwrap_or_default(), problem },
+        None => UsageError::Lamp(problem),
+    }
+}
+
 /// Refuses options that none of the lights that they are given to can have.
 fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), UsageError> {
     let mut first = None;
     let mut wrong = 0;
-    for ChosenLight { light, of_file } in lights {
-        let Err(problem) = spec.check(*light, of_file.as_ref().and_then(|of_file| of_file.range)) else { continue };
+    for chosen in lights {
+        let Err(problem) = spec.check(chosen.light, chosen.of_file.as_ref()) else { continue };
         wrong += 1;
         let is_grave = matches!(problem, SpecError::BeginBeyondRange { .. });
         if is_grave || first.is_none() {
-            let name = of_file.as_ref().and_then(|of_file| of_file.name.clone()).unwrap_or_default();
-            first = Some(UsageError::LampOptions { name, problem });
+            first = Some(lamp_options(chosen, problem));
         }
         if is_grave {
             wrong = lights.len();

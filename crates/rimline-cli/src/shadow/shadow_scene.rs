@@ -22,7 +22,7 @@ use crate::output::note;
 use crate::posed_input::{self, animations};
 use crate::render::camera::{camera, elevation, outermost};
 use crate::render::{check_bounds, check_size, too_large};
-use crate::shadow::args::{CountingArg, ModeArg, ShadowSceneArgs, value_name};
+use crate::shadow::args::{CountingArg, ShadowSceneArgs};
 use crate::shown::{animation_name, listed_animations};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
@@ -39,9 +39,6 @@ impl ShadowInputs {
     pub(crate) fn read(args: &ShadowSceneArgs) -> Result<Self, Failure> {
         if Wanted::parse(&args.posed.device.device) == Wanted::Cpu {
             return Err(UsageError::DrawOnCpu.into());
-        }
-        if let (Some(_), mode @ (ModeArg::Ambient | ModeArg::Black | ModeArg::Composited)) = (args.area, &args.mode) {
-            return Err(UsageError::AreaMode(value_name(mode)).into());
         }
         let displacement = args.posed.displace.as_deref().map(posed_input::read_displacement).transpose()?;
         let options = args.load.options(args.weld.weld());
@@ -124,8 +121,8 @@ impl<'a> ShadowScene<'a> {
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
         let shaded_lights = shaded_lights(args, (first, &view), &stage, file_light)?;
-        let samples = args.samples();
-        if shaded_lights.len() * samples > MAX_LIGHTS {
+        let samples = shaded_lights.iter().map(|shaded| shaded.samples.len()).sum();
+        if samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
             return Err(UsageError::Samples { lights, samples, limit }.into());
         }
@@ -168,7 +165,7 @@ impl<'a> ShadowScene<'a> {
 
     /// The camera of the file at another time, if one is asked for.
     pub(crate) fn camera_at(&self, time_s: f32) -> Result<Option<Camera>, Failure> {
-        if self.args.view.camera.is_none() {
+        if self.args.view.camera.wanted.is_none() {
             return Ok(None);
         }
         let view = placed(self.args, &self.bodies[0], time_s)?;
@@ -225,7 +222,7 @@ impl<'a> ShadowScene<'a> {
 
     /// Pixels take turns with patterns of samples.
     pub(crate) fn is_in_parts(&self) -> bool {
-        self.args.area.is_some() && !self.args.one_pattern
+        self.args.is_soft() && !self.args.one_pattern
     }
 
     /// Takes a part's view and samples, or those of the whole.

@@ -47,6 +47,8 @@ mod signals;
 mod small_gltf;
 mod soft;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 mod words;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -102,6 +104,8 @@ fn main() {
         signals::TESTS,
         soft::TESTS,
         verify::TESTS,
+        #[cfg(feature = "view")]
+        view::TESTS,
         words::TESTS,
     ];
     let mut trials: Vec<Trial> = always
@@ -121,5 +125,7 @@ fn main() {
         verify::trials(),
     ];
     trials.extend(on_files.into_iter().flatten());
-    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+    let conclusion = libtest_mimic::run(&Arguments::from_args(), trials);
+    rimline_testkit::device::Gpu::close();
+    conclusion.exit();
 }

@@ -45,45 +45,44 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
 fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
     let extent = bounds.extent();
     match &mut lamp.kind {
-        LampKind::Point(at) => {
-            numbers(ui, "at", &mut at.x, &mut at.y, &mut at.z, 0.01 * extent);
-            length(ui, "range", &mut lamp.range, 4.0 * extent, 0.05 * extent..=20.0 * extent);
-            length(ui, "radius", &mut lamp.radius, 0.1 * extent, 1e-3 * extent..=extent);
-            let mut is_spot = lamp.cone.is_some();
-            ui.horizontal(|ui| {
-                if ui.checkbox(&mut is_spot, "spot").on_hover_text("drag the ring to aim it").changed() {
-                    lamp.set_spot(is_spot, bounds);
-                }
-                if let Some((_, angle)) = &mut lamp.cone {
-                    let mut degrees = angle.to_degrees();
-                    if ui.add(egui::Slider::new(&mut degrees, 1.0..=89.0).suffix("°").max_decimals(1)).changed() {
-                        *angle = degrees.to_radians();
-                    }
-                }
-            });
-        }
+        LampKind::Point(at) => numbers(ui, "at", &mut at.x, &mut at.y, &mut at.z, 0.01 * extent),
         LampKind::Sun(towards) => {
             let mut given = *towards;
             numbers(ui, "from", &mut given.x, &mut given.y, &mut given.z, 0.01);
             if given != *towards {
                 *towards = given.normalize_or(*towards);
             }
-            length(ui, "radius", &mut lamp.radius, 0.05, 1e-3..=1.0);
         }
     }
+    ui.horizontal_wrapped(|ui| {
+        if let LampKind::Sun(_) = lamp.kind {
+            length(ui, "radius", &mut lamp.radius, 0.05, 1e-3..=1.0);
+            return;
+        }
+        length(ui, "range", &mut lamp.range, 4.0 * extent, 0.05 * extent..=20.0 * extent);
+        length(ui, "radius", &mut lamp.radius, 0.1 * extent, 1e-3 * extent..=extent);
+        let mut is_spot = lamp.cone.is_some();
+        if ui.checkbox(&mut is_spot, "spot").on_hover_text("drag the ring to aim it").changed() {
+            lamp.set_spot(is_spot, bounds);
+        }
+        if let Some((_, angle)) = &mut lamp.cone {
+            let mut degrees = angle.to_degrees();
+            if ui.add(egui::DragValue::new(&mut degrees).range(1.0..=89.0).speed(0.25).suffix("°")).changed() {
+                *angle = degrees.to_radians();
+            }
+        }
+    });
 }
 
 /// A length that there may be, `usual` at first.
 fn length(ui: &mut egui::Ui, name: &str, value: &mut Option<f32>, usual: f32, range: RangeInclusive<f32>) {
     let mut is_given = value.is_some();
-    ui.horizontal(|ui| {
-        if ui.checkbox(&mut is_given, name).changed() {
-            *value = is_given.then_some(usual);
-        }
-        if let Some(value) = value {
-            ui.add(egui::Slider::new(value, range).logarithmic(true).max_decimals(3));
-        }
-    });
+    if ui.checkbox(&mut is_given, name).changed() {
+        *value = is_given.then_some(usual);
+    }
+    if let Some(value) = value {
+        ui.add(egui::DragValue::new(value).range(range).clamp_existing_to_range(false).speed(0.01 * usual));
+    }
 }
 
 fn numbers(ui: &mut egui::Ui, name: &str, x: &mut f32, y: &mut f32, z: &mut f32, speed: f32) {

@@ -4,6 +4,7 @@ mod help;
 mod lights;
 mod models;
 mod picture;
+mod shown;
 mod statistics;
 mod style;
 mod switches;
@@ -13,6 +14,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use egui_wgpu::ScreenDescriptor;
+use shown::Shown;
 
 use crate::renderer::{Gpu, Renderer};
 use crate::state::event::Event;
@@ -26,9 +28,7 @@ const HISTORY: usize = 120;
 pub struct Panel {
     context: egui::Context,
     painter: egui_wgpu::Renderer,
-    texture: Option<egui::TextureId>,
-    /// The picture that the texture shows.
-    shown: u64,
+    shown: Shown,
     history: VecDeque<f32>,
     last: Option<f64>,
     /// Whether the last run asked to be run again at once, so that the time since then is a frame's.
@@ -56,8 +56,7 @@ impl Panel {
         Self {
             context,
             painter: egui_wgpu::Renderer::new(&gpu.device, format, options),
-            texture: None,
-            shown: 0,
+            shown: Shown::new(gpu, format),
             history: VecDeque::with_capacity(HISTORY),
             last: None,
             was_busy: false,
@@ -85,24 +84,18 @@ impl Panel {
             input.events.retain(|event| !take_key(event, viewer));
         }
         let has_news = renderer.poll();
-        if self.texture.is_none() {
-            // egui needs a texture to refer to.
-            renderer.show(viewer);
-            self.take_picture(renderer);
-        }
-        let (context, texture) = (self.context.clone(), self.texture);
-        let full = context.run_ui(input, |ui| {
+        let full = self.context.clone().run_ui(input, |ui| {
             if viewer.shows_panel {
                 side_panel(ui, viewer, renderer, &self.history);
             }
             if viewer.duration() > 0.0 {
                 egui::Panel::bottom("time").frame(style::strip()).show(ui, |ui| time::show(ui, viewer));
             }
-            egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| picture::show(ui, viewer, texture));
+            egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| picture::show(ui, viewer));
             help::show(ui.ctx(), viewer);
         });
         let is_drawn = renderer.show(viewer);
-        self.take_picture(renderer);
+        self.shown.take(renderer);
         let is_busy = viewer.is_animated() || viewer.is_dragging();
         let mut repaint_after =
             full.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
@@ -147,24 +140,16 @@ impl Panel {
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        self.painter.render(&mut pass.forget_lifetime(), &output.primitives, &screen);
+        let mut pass = pass.forget_lifetime();
+        self.shown.draw(&mut pass);
+        self.painter.render(&mut pass, &output.primitives, &screen);
+        drop(pass);
         buffers.push(encoder.finish());
         gpu.queue.submit(buffers);
         for id in &self.deltas.free {
             self.painter.free_texture(id);
         }
         self.deltas.clear();
-    }
-
-    /// Lets egui's texture be the last picture.
-    fn take_picture(&mut self, renderer: &Renderer) {
-        let Some(view) = renderer.texture().filter(|_| self.shown != renderer.pictures()) else { return };
-        self.shown = renderer.pictures();
-        let (device, filter) = (&renderer.gpu().device, wgpu::FilterMode::Nearest);
-        match self.texture {
-            Some(id) => self.painter.update_egui_texture_from_wgpu_texture(device, view, filter, id),
-            None => self.texture = Some(self.painter.register_native_texture(device, view, filter)),
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The picture: what the pointer does there, and handles of lights over it.
 
-use egui::{Color32, Pos2, Rect, Stroke, pos2};
+use egui::{Color32, Pos2, Rect, Stroke};
 use glam::{Vec2, Vec3};
 
 use super::style;
@@ -11,7 +11,7 @@ use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
 use rimline_picture::Bounds;
 
-pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, texture: Option<egui::TextureId>) {
+pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     let rect = ui.max_rect();
     let scale = ui.ctx().pixels_per_point();
     let pixels = |length: f32| ((length * scale).round() as u32).max(1);
@@ -23,10 +23,6 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, texture: Option<egui:
     let response = ui.interact(rect, ui.scope_id().with("picture"), egui::Sense::drag());
     listen(ui, viewer, &response, rect, scale);
     let painter = ui.painter_at(rect);
-    if let Some(texture) = texture {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture, rect, whole, Color32::WHITE);
-    }
     let over = Over { painter, rect, scale, camera: viewer.camera(), bounds: viewer.bounds(), ground: viewer.ground() };
     if viewer.options.overlays.boxes {
         viewer.bodies.iter().for_each(|body| over.draw_box(&body.bounds()));

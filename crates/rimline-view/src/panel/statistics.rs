@@ -27,6 +27,8 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, 
     }
     if let Some(shadow) = &counters.shadow {
         line(ui, "shadows skipped", grouped(shadow.skipped as usize));
+        let [culled, ended] = [shadow.culled_by_receivers, shadow.ended].map(|count| grouped(count as usize));
+        line(ui, "without a receiver, ended", format!("{culled}, {ended}"));
         line(ui, "with near caps", grouped(shadow.near_capped as usize));
         line(ui, "lists cached", grouped(shadow.cached_lists as usize));
     }

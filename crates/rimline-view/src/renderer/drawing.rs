@@ -14,7 +14,7 @@ pub(super) struct Drawing<'a> {
     pub(super) resources: &'a Resources,
     pub(super) pipelines: &'a Pipelines,
     pub(super) models: &'a Models,
-    pub(super) frame: &'a SceneFrame,
+    pub(super) frame: Option<&'a SceneFrame>,
     /// Draws the shadows, if there are any.
     pub(super) shadows: Option<&'a ShadowPipelines>,
     pub(super) overlays: Option<&'a Overlays>,
@@ -22,6 +22,19 @@ pub(super) struct Drawing<'a> {
     pub(super) has_ground: bool,
     /// For each light the first point of its that shines, and its own number.
     pub(super) firsts: Vec<[usize; 2]>,
+}
+
+impl<'a> Drawing<'a> {
+    /// What shadows fall on, without any.
+    pub(super) fn of_receivers(
+        resources: &'a Resources,
+        pipelines: &'a Pipelines,
+        models: &'a Models,
+        has_ground: bool,
+    ) -> Self {
+        let (frame, shadows, overlays, shown, firsts) = (None, None, None, ShownOverlays::default(), Vec::new());
+        Self { resources, pipelines, models, frame, shadows, overlays, shown, has_ground, firsts }
+    }
 }
 
 impl Subject for Drawing<'_> {
@@ -40,8 +53,8 @@ impl Subject for Drawing<'_> {
     }
 
     fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), RenderError> {
-        let Some(shadows) = self.shadows else { return Ok(()) };
-        Ok(self.frame.draw(pass, shadows, 0, self.models.lights[light])?)
+        let (Some(frame), Some(shadows)) = (self.frame, self.shadows) else { return Ok(()) };
+        Ok(frame.draw(pass, shadows, 0, self.models.lights[light])?)
     }
 
     fn has_overlays(&self) -> bool {

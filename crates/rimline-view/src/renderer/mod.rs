@@ -15,7 +15,7 @@ mod skipping;
 
 use std::future::Future;
 
-use rimline::gpu::{SceneFrame, StageTimer, read_back_vec_async};
+use rimline::gpu::{Receivers, SceneFrame, StageTimer, View, read_back_vec_async};
 use rimline_picture::{Mode, NormalPipeline, Resources};
 
 pub use counters::Counters;
@@ -246,7 +246,22 @@ impl Renderer {
         if let Some(timer) = &mut timer {
             timer.clear();
         }
-        let frame = models.encode((resources, normals), encoder, viewer, camera, timer.as_deref_mut())?;
+        models.set((resources, normals), viewer)?;
+        models.deform(normals, encoder, camera.into(), timer.as_deref_mut())?;
+        let (attachments, has_ground) = (&canvas.targets.attachments[0], options.ground && view.sees_ground());
+        let ambient = |encoder: &mut wgpu::CommandEncoder, models: &Models| {
+            let seen = Drawing::of_receivers(resources, pipelines, models, has_ground);
+            pipelines.passes.record_receivers(encoder, resources, attachments, &seen);
+        };
+        // Where the surfaces are as in the last frame, their depth is drawn first and tells which shadows fall on something.
+        let depth = (options.shadows && options.skipping.receivers && models.has_surfaces()).then(|| {
+            ambient(encoder, models);
+            Receivers { depth: &canvas.depth, sky_receives: false, version: None }
+        });
+        let frame = models.encode(resources, encoder, View { depth, ..camera.into() }, timer.as_deref_mut())?;
+        if depth.is_none() {
+            ambient(encoder, models);
+        }
         if let Some(timer) = timer {
             timer.resolve(encoder);
         }
@@ -257,14 +272,14 @@ impl Renderer {
             resources,
             pipelines,
             models,
-            frame: &frame,
+            frame: Some(&frame),
             shadows: pipelines.shadows(options.counting).filter(|_| options.shadows),
             overlays: overlays.as_ref(),
             shown: options.overlays,
-            has_ground: options.ground && view.sees_ground(),
+            has_ground,
             firsts: seen.firsts(),
         };
-        pipelines.passes.record(encoder, resources, &canvas.targets.attachments[0], &drawing)?;
+        pipelines.passes.record_lights(encoder, resources, attachments, &drawing)?;
         pipelines.passes.develop(encoder, resources, &canvas.targets);
         if let Some(overlays) = overlays.as_ref() {
             for outline in overlays.outlines(pipelines, canvas, viewer, &camera)? {

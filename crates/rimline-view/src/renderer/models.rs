@@ -1,9 +1,9 @@
 //! Models on the GPU: the scene that throws their shadows, and what draws them.
 
 use rimline::gpu::{
-    DeformerOptions, FrameInputs, LightHandle, ModelHandle, Scene, SceneFrame, SceneOptions, StageTimer,
+    DeformerOptions, FrameInputs, LightHandle, ModelHandle, Scene, SceneFrame, SceneOptions, StageTimer, View,
 };
-use rimline::{Geometry, InstancePose, Model, Pose, ShadowCamera};
+use rimline::{Geometry, InstancePose, Model, Pose};
 use rimline_picture::{
     FacingMasks, NormalPipeline, Normals, Resources, Smoothing, Surface, SurfaceBuffers, corner_colors,
 };
@@ -123,15 +123,12 @@ impl Models {
         Ok(Placed { handle, faces, normals, colors, state, bytes })
     }
 
-    /// Records where everything is now, its normals, and its shadow volumes as the camera sees them.
-    pub(super) fn encode(
+    /// Takes the poses and the lights of now.
+    pub(super) fn set(
         &mut self,
         (resources, normals): (&Resources, &NormalPipeline),
-        encoder: &mut wgpu::CommandEncoder,
         viewer: &Viewer,
-        camera: ShadowCamera,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, RenderError> {
+    ) -> Result<(), RenderError> {
         for (index, body) in viewer.bodies.iter().enumerate() {
             let pose =
                 body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
@@ -153,9 +150,36 @@ impl Models {
                 None => self.lights.push(self.scene.add_light(source.light())?),
             }
         }
-        let views = [camera.into()];
-        let frame = self.scene.encode(encoder, FrameInputs { views: &views, timer })?;
+        Ok(())
+    }
+
+    /// Records where everything is now, and its normals.
+    pub(super) fn deform(
+        &mut self,
+        normals: &NormalPipeline,
+        encoder: &mut wgpu::CommandEncoder,
+        view: View<'_>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), RenderError> {
+        self.scene.deform(encoder, FrameInputs { views: &[view], timer })?;
         normals.encode(encoder, self.placed.iter().map(|placed| &placed.normals));
+        Ok(())
+    }
+
+    /// Whether the surfaces of the last encode are those of now.
+    pub(super) fn has_surfaces(&self) -> bool {
+        self.frame.is_some()
+    }
+
+    /// Records the shadow volumes that a view sees, after [`Self::deform`].
+    pub(super) fn encode(
+        &mut self,
+        resources: &Resources,
+        encoder: &mut wgpu::CommandEncoder,
+        view: View<'_>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<SceneFrame, RenderError> {
+        let frame = self.scene.encode(encoder, FrameInputs { views: &[view], timer })?;
         if self.frame.as_ref().is_none_or(|last| !last.has_layout_of(&frame)) {
             let placed = self.placed.iter().enumerate();
             let surfaces = placed.map(|(number, placed)| self.surface(resources, number, placed, &frame));

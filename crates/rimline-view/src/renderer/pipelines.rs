@@ -52,7 +52,7 @@ impl Pipelines {
             let format = ShadowFormat {
                 depth_stencil: depth_format(&gpu.device),
                 samples: self.samples(),
-                colors: vec![Some(self.passes.format().light().format)],
+                colors: Vec::new(),
                 ..ShadowFormat::default()
             };
             self.shadows.push((counting, ShadowPipelines::new(&gpu.pipelines, &format, counting)?));

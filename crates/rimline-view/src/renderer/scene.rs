@@ -1,9 +1,8 @@
 //! The state of the viewer as pictures take it.
 
-use rimline::gltf::SpotCone;
 use rimline_picture::{Camera, Part, SceneBounds, SceneView, ShadedLight, reach};
 
-use crate::state::lamp::{Lamp, LampKind};
+use crate::state::lamp::Lamp;
 use crate::state::viewer::Viewer;
 
 /// The scene that a picture of the viewer shows.
@@ -51,17 +50,6 @@ impl SeenScene {
 }
 
 fn shaded(lamp: &Lamp) -> ShadedLight {
-    let all = ShadedLight { color: lamp.shine().into(), ..ShadedLight::new(lamp.light()) };
-    match lamp.kind {
-        LampKind::Sun(_) => all,
-        LampKind::Point(_) => ShadedLight {
-            range: lamp.range.unwrap_or(f32::INFINITY),
-            cone: lamp.cone.map(|(axis, outer_angle)| SpotCone {
-                direction: axis.into(),
-                inner_angle: 0.8 * outer_angle,
-                outer_angle,
-            }),
-            ..all
-        },
-    }
+    let light = lamp.light();
+    ShadedLight { color: lamp.shine().into(), range: light.range, cone: lamp.spot_cone(), ..ShadedLight::new(light) }
 }

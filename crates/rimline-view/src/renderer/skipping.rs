@@ -6,7 +6,8 @@ use crate::state::options::Skipping;
 
 /// Work that no picture needs: the levels of skipping that are off.
 pub(super) fn measuring(skipping: Skipping) -> Measuring {
-    let Skipping { range, view, bits, lists, faces } = skipping;
+    // Receivers are culled by where depth is given.
+    let Skipping { range, view, bits, lists, faces, receivers: _ } = skipping;
     let mut measuring = Measuring::default();
     for (level, is_on) in [
         (Measuring::CULLED_BY_RANGE, range),

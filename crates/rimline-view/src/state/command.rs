@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::lamp::LampKind;
+use super::lamp::{AREA_SAMPLES, Lamp, LampKind};
 use super::options::counting_name;
 use super::viewer::Viewer;
+use rimline_picture::Mode;
 
 impl Viewer {
     /// The command line that draws this view: `rimline shadow`, or without shadows `draw` or `lines`.
@@ -44,7 +45,9 @@ impl Viewer {
         if verb == "shadow" {
             let ground = f64::from(self.ground()) + self.origin.to_array()[1];
             let _ = write!(line, " --ground {}", ground as f32);
-            for lamp in self.lamps.iter().filter(|lamp| lamp.is_on) {
+            let lamps = || self.lamps.iter().filter(|lamp| lamp.is_on);
+            let radius = |lamp: &Lamp| lamp.radius.filter(|_| options.mode == Mode::Additive);
+            for lamp in lamps() {
                 let _ = match lamp.kind {
                     LampKind::Point(at) => write!(line, " --light point:{}", moved(at)),
                     LampKind::Sun(towards) => write!(line, " --light dir:{},{},{}", towards.x, towards.y, towards.z),
@@ -54,11 +57,16 @@ impl Viewer {
                 if let (LampKind::Point(_), Some(range)) = (lamp.kind, lamp.range) {
                     let _ = write!(line, ",range={range}");
                 }
+                if let (Some(target), Some(cone)) = (lamp.target(&self.bounds()), lamp.spot_cone()) {
+                    let [inner, outer] = [cone.inner_angle, cone.outer_angle].map(f32::to_degrees);
+                    let _ = write!(line, ",cone={inner},{outer},target={}", moved(target));
+                }
+                if let Some(radius) = radius(lamp) {
+                    let _ = write!(line, ",radius={radius}");
+                }
             }
-            // The command has one area for all lights.
-            let radius = self.lamps.iter().filter(|lamp| lamp.is_on).filter_map(|lamp| lamp.radius).reduce(f32::max);
-            if let Some(radius) = radius {
-                let _ = write!(line, " --area sphere:{radius}");
+            if lamps().any(|lamp| radius(lamp).is_some()) {
+                let _ = write!(line, " --samples {AREA_SAMPLES} --one-pattern");
             }
             let _ = write!(line, " --method {} --mode {}", counting_name(options.counting), options.mode.name());
             if options.overlays.volumes {

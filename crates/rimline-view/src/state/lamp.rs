@@ -1,7 +1,7 @@
 //! Lights that are dragged.
 
 use glam::Vec3;
-use rimline::gltf::SceneLight;
+use rimline::gltf::{SceneLight, SpotCone};
 use rimline::{AreaLight, AreaShape, Cone, Light};
 use rimline_picture::Bounds;
 
@@ -91,6 +91,12 @@ impl Lamp {
                 }
             }
         }
+    }
+
+    /// The cone of a spot, which begins to fade at four fifths of its angle.
+    pub(crate) fn spot_cone(&self) -> Option<SpotCone> {
+        let (LampKind::Point(_), Some((axis, outer_angle))) = (self.kind, self.cone) else { return None };
+        Some(SpotCone { direction: axis.into(), inner_angle: 0.8 * outer_angle, outer_angle })
     }
 
     /// Lights at points that shine together as this one does: itself, or samples of its area.

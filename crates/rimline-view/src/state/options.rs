@@ -44,6 +44,8 @@ pub struct Skipping {
     pub range: bool,
     /// Shadows out of sight.
     pub view: bool,
+    /// Shadows that fall on nothing that is seen.
+    pub receivers: bool,
     /// Facing bits of what did not change.
     pub bits: bool,
     /// Lists of what did not change.
@@ -54,7 +56,7 @@ pub struct Skipping {
 
 impl Default for Skipping {
     fn default() -> Self {
-        Self { range: true, view: true, bits: true, lists: true, faces: true }
+        Self { range: true, view: true, receivers: true, bits: true, lists: true, faces: true }
     }
 }
 

@@ -134,7 +134,8 @@ fn soft_shadows() -> Outcome {
     }
     println!("{wrong} wrong of {between} in half shadow");
     hold(wrong == 0 && between > 60, format!("{wrong} wrong of {between} in half shadow"))?;
-    hold(viewer.command().contains(&format!(" --area sphere:{radius} ")), viewer.command())?;
+    let area = format!(",radius={radius} --samples 16 --one-pattern ");
+    hold(viewer.command().contains(&area), viewer.command())?;
     viewer.lamps[0].radius = None;
     let hard = picture(&viewer, &mut renderer)?;
     let differing = pixels.iter().filter(|(at, _)| (sum(&hard, *at) - sum(&soft, *at)).abs() > 20).count();
@@ -229,12 +230,25 @@ fn switches_change_no_picture() -> Outcome {
     for (skipping, what) in [
         (Skipping { range: false, ..all }, "range"),
         (Skipping { view: false, ..all }, "view"),
+        (Skipping { receivers: false, ..all }, "receivers"),
         (Skipping { bits: false, ..all }, "bits"),
         (Skipping { lists: false, ..all }, "lists"),
         (Skipping { faces: false, ..all }, "faces"),
     ] {
         viewer.options.skipping = skipping;
         same(&viewer, &mut renderer, what)?;
+    }
+    // Shadows end behind what is seen.
+    for receivers in [true, false] {
+        viewer.options.skipping = Skipping { receivers, ..all };
+        // The first picture of a scene is drawn without their depth.
+        for action in [Action::TurnLeft, Action::TurnRight] {
+            viewer.handle(Event::Acted(action));
+            picture(&viewer, &mut renderer)?;
+            renderer.poll();
+        }
+        let ended = renderer.counters().shadow.map(|shadow| shadow.ended);
+        hold(ended.is_some_and(|ended| (ended > 0) == receivers), format!("{receivers}: {ended:?} end"))?;
     }
     Ok(())
 }

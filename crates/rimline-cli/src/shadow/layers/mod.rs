@@ -206,15 +206,13 @@ fn resolve(device: &wgpu::Device, format: &ShadowFormat) -> wgpu::RenderPipeline
         pass_op: wgpu::StencilOperation::Replace,
     };
     let depth = depth_state(format.depth_stencil, false, wgpu::CompareFunction::Always, face);
-    let color = format.colors.iter().flatten().next().copied().unwrap_or(wgpu::TextureFormat::Rgba8Unorm);
     let pass = Pass {
         samples: format.samples,
-        write: wgpu::ColorWrites::empty(),
         depth: Some(wgpu::DepthStencilState {
             stencil: wgpu::StencilState { read_mask: MOST_OF_BATCH, ..depth.stencil.clone() },
             ..depth
         }),
-        ..Pass::over("resolve", "@fragment fn resolve_fragment() {}", &[], color)
+        ..Pass::over("resolve", "@fragment fn resolve_fragment() {}", &[], None)
     };
     pass.pipeline(device, COMMON, None)
 }
