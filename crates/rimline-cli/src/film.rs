@@ -3,8 +3,6 @@
 mod clip;
 mod folder;
 
-use std::path::Path;
-
 use serde_json::json;
 
 use rimline::internals::layout::ShadowStatistics;
@@ -54,7 +52,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
-    film.start(frames, &Inputs::new(props.files(scene)))?;
+    let identity = folder::identity(&format!("{:?} {} {:?} {frames}", args.scene, args.fps, args.orbit));
+    film.start(frames, &Inputs::new(props.files(scene)), scene.view.size, identity)?;
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
@@ -92,7 +91,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         casters.set_bodies(&set.bodies)?;
         set.cast(&mut casters, None).on(&gpu)?;
         set.count_layers(&mut casters)?;
-        let picture = shadow::picture(&pictures, &mut set, &mut casters).on(&gpu)?;
+        let picture = shadow::picture(&pictures, &mut set, &mut casters, None).on(&gpu)?;
         let found = casters.shadows.statistics().on(&gpu)?;
         most.count_bound = most.count_bound.max(found.count_bound);
         most.may_wrap = most.may_wrap.max(found.may_wrap);
@@ -105,10 +104,10 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     drop(progress);
     warn_of_limits(most);
     set.warn_of_depth(&gpu);
-    let names = film.finish(frames)?;
+    let said = film.finish(frames)?;
     let [width, height] = scene.view.size;
     if !args.json {
-        return say(&format!("wrote {names} ({width}×{height})\n"));
+        return say(&format!("{said} ({width}×{height})\n"));
     }
     let report = json!({
         "adapter": describe(&gpu.info), "out": args.out.display().to_string(), "frames": frames, "fps": args.fps,
@@ -124,9 +123,9 @@ enum Film {
 }
 
 impl Film {
-    fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure> {
+    fn start(&mut self, frames: u32, inputs: &Inputs, size: [u32; 2], identity: String) -> Result<(), Failure> {
         match self {
-            Self::Folder(folder) => folder.start(frames, inputs),
+            Self::Folder(folder) => folder.start(frames, inputs, size, identity),
             Self::Clip(clip) => clip.start(frames, inputs),
         }
     }
@@ -144,14 +143,9 @@ impl Film {
 
     /// Returns what was written, in words.
     fn finish(self, frames: u32) -> Result<String, Failure> {
-        let shown = |file: &Path| Line(file.display()).to_string();
         Ok(match self {
-            Self::Folder(folder) if frames == 1 => shown(&folder.file(0)),
-            Self::Folder(folder) => {
-                let [first, last] = [folder.file(0), folder.file(frames - 1)].map(|file| shown(&file));
-                format!("{frames} pictures, {first} to {last}")
-            }
-            Self::Clip(clip) => format!("{}, {frames} pictures", shown(&clip.finish()?)),
+            Self::Folder(folder) => folder.said(),
+            Self::Clip(clip) => format!("wrote {}, {frames} pictures", Line(clip.finish()?.display())),
         })
     }
 }
