@@ -136,7 +136,7 @@ impl MeshReport {
                 count: diagnostics.inward_components.unwrap_or(0),
                 one: "closed part is wound inwards",
                 many: "closed parts are wound inwards",
-                advice: "flip its faces unless it is meant to be seen from inside (Blender: Mesh, Normals, Flip)",
+                advice: "flip the faces unless they are meant to be seen from inside (Blender: Mesh, Normals, Flip)",
             },
             Remedy {
                 count: diagnostics.duplicate_faces,
