@@ -122,7 +122,7 @@ pub struct OutlineStyle {
 }
 
 impl Default for OutlineStyle {
-    /// Two pixels, black silhouettes and boundaries, nothing else, creases from 30°, a bias of 1e-6.
+    /// Two pixels, black silhouettes and boundaries, nothing else, creases from 33°, a bias of 1e-6.
     fn default() -> Self {
         const BLACK: Option<[f32; 4]> = Some([0.0, 0.0, 0.0, 1.0]);
         Self {
@@ -130,7 +130,8 @@ impl Default for OutlineStyle {
             silhouette: BLACK,
             boundary: BLACK,
             crease: None,
-            crease_angle: std::f32::consts::FRAC_PI_6,
+            // No regular prism has this angle, as one of twelve sides has 30°: rounding would decide there edge by edge.
+            crease_angle: 33.0_f32.to_radians(),
             marked: None,
             depth_bias: 1e-6,
         }

@@ -339,7 +339,7 @@ pub(crate) struct VerifyArgs {
 
 /// Makes options of loading require `--make`, because `verify` reads models only then.
 fn when_making(arg: clap::Arg) -> clap::Arg {
-    let is_of_models = ["memory_limit", "input_format", "allow_outside"].contains(&arg.get_id().as_str());
+    let is_of_models = ["memory_limit", "input_format", "allow_outside", "up"].contains(&arg.get_id().as_str());
     if is_of_models { arg.requires("make") } else { arg }
 }
 

@@ -102,10 +102,10 @@ pub(crate) fn add_origin(report: &mut Value, origin: Origin) {
     }
 }
 
-/// Text about the origin, for a report for people. `None` if the origin is zero.
-pub(crate) fn origin_text(origin: Origin) -> Option<String> {
+/// Text about the origin, and what it is for, for a report for people. `None` if the origin is zero.
+pub(crate) fn origin_text(origin: Origin, what: &str) -> Option<String> {
     let [x, y, z] = origin.to_array();
-    (!origin.is_zero()).then(|| format!("{x},{y},{z}: what is written is relative to it"))
+    (!origin.is_zero()).then(|| format!("{x},{y},{z}: {what}"))
 }
 
 #[cfg(test)]

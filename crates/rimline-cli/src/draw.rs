@@ -60,7 +60,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let picture = draw(args, &gpu, &posed, &scene, &progress)?;
     gpu.check()?;
     progress.step("writing");
-    output.finish(|file| picture.write_png(file))?;
+    output.finish(|file| picture.write_png(file, None))?;
     drop(progress);
     if !args.json {
         return say(&format!("{}\n", wrote(&args.out, args.view.size)));

@@ -6,6 +6,8 @@ use rimline::{CameraError, LightError, MeshError};
 use rimline_files::npz::NpzError;
 use rimline_files::size::size;
 use rimline_files::{FileError, FormatError};
+#[cfg(feature = "view")]
+use rimline_view::desktop::DesktopError;
 
 use crate::shadow::given_map_error::GivenMapError;
 use crate::spec::SpecError;
@@ -39,8 +41,8 @@ pub(crate) enum Failure {
     NoDevice(#[from] NoDevice),
     /// There is no window.
     #[cfg(feature = "view")]
-    #[error("{0}")]
-    Window(String),
+    #[error(transparent)]
+    Window(DesktopError),
     /// The device stopped in the middle.
     #[error("the device {adapter} failed: {message}; nothing was written")]
     DeviceLost { adapter: String, message: String },
@@ -180,7 +182,10 @@ pub(crate) enum UsageError {
         .fits[0], .fits[1]
     )]
     PictureMemory { width: u32, height: u32, needed: u64, adapter: String, fits: [u32; 2] },
-    #[error("no file has an animation, so nothing moves; give --displace, or the number of pictures with --frames")]
+    #[error(
+        "no file has an animation, so nothing moves; give --orbit 360 to lead the camera around, or --displace, or the number of \
+         pictures with --frames"
+    )]
     NoAnimation,
     #[error(
         "{} needs ffmpeg, and no program of this name can be started: {source}; install it (on Debian `sudo apt-get install ffmpeg`), \
@@ -189,6 +194,11 @@ pub(crate) enum UsageError {
     NoFfmpeg { out: PathBuf, source: std::io::Error },
     #[error("--resume keeps the pictures of a folder; give --out the name of a folder, or leave it out")]
     ResumeClip,
+    #[error(
+        "{} is of a film with other options or another size, so --resume would mix two; give the options of that film, or leave \
+         --resume out, which draws all pictures anew, or choose another folder", .file.display()
+    )]
+    ResumeOther { file: PathBuf },
     #[error("a GIF has at most 65535 pixels in each direction; give a smaller --size, or .apng")]
     GifSize,
     #[error("a film with --displace needs a length; give --frames or --seconds, or name an --animation")]
@@ -350,6 +360,10 @@ impl Failure {
             Self::Input { .. } | Self::Pose(_) => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
+            #[cfg(feature = "view")]
+            Self::Window(DesktopError::NoFile) => 1,
+            #[cfg(feature = "view")]
+            Self::Window(DesktopError::NoFolder(_)) => 2,
             #[cfg(feature = "view")]
             Self::Window(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,

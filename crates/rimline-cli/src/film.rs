@@ -3,8 +3,6 @@
 mod clip;
 mod folder;
 
-use std::path::Path;
-
 use serde_json::json;
 
 use rimline::internals::layout::ShadowStatistics;
@@ -55,7 +53,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
-    film.start(frames, &Inputs::new(props.files(scene)))?;
+    let identity = folder::identity(&format!("{:?} {} {:?} {frames}", args.scene, args.fps, args.orbit));
+    film.start(frames, &Inputs::new(props.files(scene)), scene.view.size, identity)?;
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
@@ -93,7 +92,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         casters.set_bodies(&set.bodies)?;
         set.cast(&mut casters, None).on(&gpu)?;
         set.count_layers(&mut casters)?;
-        let picture = shadow::picture(&pictures, &mut set, &mut casters).on(&gpu)?;
+        let picture = shadow::picture(&pictures, &mut set, &mut casters, None).on(&gpu)?;
         let found = casters.shadows.statistics().on(&gpu)?;
         most.count_bound = most.count_bound.max(found.count_bound);
         most.may_wrap = most.may_wrap.max(found.may_wrap);
@@ -106,10 +105,10 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     drop(progress);
     warn_of_limits(most);
     set.warn_of_depth(&gpu);
-    let names = film.finish(frames)?;
+    let said = film.finish(frames)?;
     let [width, height] = scene.view.size;
     if !args.json {
-        return say(&format!("wrote {names} ({width}×{height})\n"));
+        return say(&format!("{said} ({width}×{height})\n"));
     }
     let report = json!({
         "adapter": describe(&gpu.info), "out": args.out.display().to_string(), "frames": frames, "fps": args.fps,
@@ -121,7 +120,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 /// Where the pictures go.
 trait Film {
     /// Begins before the first of so many pictures. Refuses to replace inputs.
-    fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure>;
+    fn start(&mut self, frames: u32, inputs: &Inputs, size: [u32; 2], identity: String) -> Result<(), Failure>;
 
     /// Whether a picture is there and stays.
     fn has(&self, _frame: u32) -> bool {
@@ -132,10 +131,6 @@ trait Film {
 
     /// Completes it. Returns what was written, in words.
     fn finish(self: Box<Self>, frames: u32) -> Result<String, Failure>;
-}
-
-fn shown(file: &Path) -> String {
-    Line(file.display()).to_string()
 }
 
 /// How many pictures are asked for, or make up the longest animation.

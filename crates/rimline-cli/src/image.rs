@@ -72,8 +72,8 @@ impl Picture {
         mean
     }
 
-    /// Writes an opaque PNG, in colour or grey.
-    pub(crate) fn write_png(&self, to: impl Write) -> io::Result<()> {
+    /// Writes an opaque PNG, in colour or grey, with a text under a keyword, if any.
+    pub(crate) fn write_png(&self, to: impl Write, text: Option<(&str, &str)>) -> io::Result<()> {
         let [width, height] = self.size;
         let mut encoder = png::Encoder::new(to, width, height);
         let is_grey = self.depth == 1;
@@ -85,6 +85,9 @@ impl Picture {
         encoder.set_deflate_compression(png::DeflateCompression::Level(5));
         if !is_grey {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        }
+        if let Some((keyword, text)) = text {
+            encoder.add_text_chunk(keyword.to_owned(), text.to_owned()).map_err(io::Error::from)?;
         }
         let mut header = encoder.write_header().map_err(io::Error::from)?;
         let mut rows = header.stream_writer().map_err(io::Error::from)?;

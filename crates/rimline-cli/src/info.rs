@@ -95,7 +95,8 @@ impl Report {
         let mut text = Text::titled(&Line(input.file.display()));
         text.line("meshes", self.meshes.len());
         text.line("instances", input.model().instances().len());
-        if let Some(origin) = origin_text(input.origin()) {
+        let what = "what other subcommands write is relative to it; the lines below are not";
+        if let Some(origin) = origin_text(input.origin(), what) {
             text.line("origin", origin);
         }
         if let Some(asset) = input.asset() {

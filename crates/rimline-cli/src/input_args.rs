@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use rimline::Origin;
 use rimline::gltf::SceneCamera;
 use rimline::mesh::{Weld, WeldDistance};
 use rimline_files::size::bytes;
-use rimline_files::{Format, Polygons, ReadOptions};
+use rimline_files::{Format, Polygons, ReadOptions, Up};
 
 use crate::coordinates::{Coordinate, relative};
 use crate::side::Side;
@@ -235,6 +236,16 @@ pub(crate) struct LoadArgs {
     /// Allow a glTF file to read buffers outside its folder, through `..`, an absolute path or a symbolic link
     #[arg(long)]
     allow_outside: bool,
+
+    /// The axis of an .obj, .ply, .stl or .npz that is up. With `z`, as files of CAD often have it, (x, y, z) of the file is (x, z,
+    /// -y) everywhere else, also in options and results. A glTF is always y up
+    #[arg(long, value_name = "y|z", value_parser = up(), default_value = "y")]
+    up: Up,
+}
+
+/// Reads the axis that is up.
+pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
+    PossibleValuesParser::new(["y", "z"]).map(|axis| if axis == "z" { Up::Z } else { Up::Y })
 }
 
 /// A format that is read.
@@ -266,6 +277,7 @@ impl LoadArgs {
             weld,
             memory_limit: self.memory_limit,
             allow_outside: self.allow_outside,
+            up: self.up,
             ..ReadOptions::default()
         }
     }

@@ -99,8 +99,7 @@ impl Many {
         common.retain(|option, _| option == "json" || !OF_RUN.contains(&&**option));
 
         let named = RESULTS.iter().filter_map(|option| common.get(*option)).flatten().flatten();
-        let has_pattern =
-            named.map(|name| name.to_string_lossy()).any(|name| PATTERNS.iter().any(|p| name.contains(p)));
+        let has_pattern = named.map(|name| name.to_string_lossy()).any(|name| words(&name).next().is_some());
         let is_each = is_each || has_pattern;
         let several = is_each && common.get(FILE).is_some_and(|files| files.len() > 1);
         let is_asked = args.jobs.is_some() || args.resume || args.shard.is_some() || (name == "lines" && is_json);
@@ -263,6 +262,17 @@ impl Many {
             }
             None => value,
         };
+        for (option, value) in RESULTS.iter().filter_map(|option| Some((option, options.get(*option)?))) {
+            let names = value.iter().flatten().map(|value| value.to_string_lossy());
+            for name in names {
+                if let Some(word) = words(&name).find(|word| !PATTERNS.contains(word)) {
+                    let known = PATTERNS.join(", ");
+                    return Err(
+                        self.wrong(line, format!("--{option} has `{word}`, which stands for nothing; write {known}"))
+                    );
+                }
+            }
+        }
         let read = INPUTS.iter().filter_map(|option| options.get(*option)).flatten().flatten();
         let read = read.map(PathBuf::from).collect();
         let mut arguments: Vec<OsString> = vec!["rimline".into(), self.command.get_name().into()];
@@ -321,6 +331,13 @@ impl Many {
         }
         Ok(())
     }
+}
+
+/// Words in braces.
+fn words(name: &str) -> impl Iterator<Item = &str> {
+    let is_word = |word: &&str| word.len() > 2 && word[1..word.len() - 1].bytes().all(|c| c.is_ascii_lowercase());
+    let starts = name.match_indices('{').map(|(at, _)| &name[at..]);
+    starts.filter_map(|rest| rest.find('}').map(|end| &rest[..=end])).filter(is_word)
 }
 
 /// The parser's message in one line, without the usage.

@@ -118,6 +118,11 @@ pub(crate) fn refuse(error: &clap::Error) -> ! {
         output::complain(&failure);
         std::process::exit(failure.code().into());
     }
+    if let Some(file) = named_alone(error) {
+        let _ = error.print();
+        let _ = writeln!(std::io::stderr(), "tip: to see the model, `rimline view {}`", Line(file));
+        std::process::exit(error.exit_code());
+    }
     let is_tame = |argument: std::ffi::OsString| {
         let argument = argument.to_string_lossy();
         Line(&argument).to_string() == argument
@@ -127,6 +132,16 @@ pub(crate) fn refuse(error: &clap::Error) -> ! {
     }
     let _ = writeln!(std::io::stderr(), "{}", Line(error.render()));
     std::process::exit(error.exit_code());
+}
+
+/// The file that stands in the place of a subcommand.
+fn named_alone(error: &clap::Error) -> Option<String> {
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    if error.kind() != ErrorKind::InvalidSubcommand {
+        return None;
+    }
+    let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+    (std::path::Path::new(wrong).is_file() && Line(wrong).to_string() == *wrong).then(|| wrong.clone())
 }
 
 pub(crate) fn run(command: &Command) -> Result<(), Failure> {

@@ -57,6 +57,10 @@ impl Progress {
         }
     }
 
+    pub(crate) fn is_shown(&self) -> bool {
+        !self.0.is_hidden()
+    }
+
     /// Runs what prints to the terminal, the line out of its way.
     pub(crate) fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
         self.0.suspend(print)

@@ -20,7 +20,7 @@ impl Lines {
     }
 
     pub(crate) fn origin(&mut self, origin: Origin) {
-        if let Some(origin) = origin_text(origin) {
+        if let Some(origin) = origin_text(origin, "what is written is relative to it") {
             self.line("origin", origin);
         }
     }

@@ -131,7 +131,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         times.measure("compile", || trial(&gpu, drawn, &set.trial(&casters)))?;
     }
     if let Some(pictures) = &pictures {
-        let drawn = || picture(pictures, &mut set, &mut casters);
+        let drawn = || picture(pictures, &mut set, &mut casters, Some(&progress));
         files.finish_picture(&gpu, &times.measure("picture", drawn).on(&gpu)?)?;
     }
     if let Some(masks) = &masks {
@@ -171,6 +171,7 @@ pub(crate) fn picture(
     pictures: &Pictures,
     set: &mut ShadowScene<'_>,
     casters: &mut Casters<'_>,
+    progress: Option<&Progress>,
 ) -> Result<Picture, GpuError> {
     let gpu = casters.gpu();
     let mut encoder = gpu.encoder("picture");
@@ -180,6 +181,11 @@ pub(crate) fn picture(
             set.encode_lights(&mut encoder, casters, None)?;
             pictures.record(&mut encoder, &set.subject(casters), part)?;
             gpu.submit(std::mem::replace(&mut encoder, gpu.encoder("picture")));
+            if let Some(progress) = progress.filter(|progress| progress.is_shown()) {
+                // Commands are recorded long before they run.
+                let _ = gpu.device.poll(rimline::wgpu::PollType::wait_indefinitely());
+                progress.step(format!("drawing, {} %", 100 * (part + 1) / PARTS));
+            }
         }
         set.take_part(None);
         set.encode_lights(&mut encoder, casters, None)?;

@@ -1,7 +1,7 @@
 //! Signals that ask the command to end, Ctrl-C, termination, hang-up, and what is removed then.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
@@ -11,6 +11,14 @@ static SIGNAL: AtomicU8 = AtomicU8::new(0);
 
 /// Whether a signal is to be noticed instead of obeyed at once.
 static IS_FINISHING: AtomicBool = AtomicBool::new(false);
+
+/// What is said when a signal ends the command.
+static LAST_WORDS: Mutex<String> = Mutex::new(String::new());
+
+/// Says this on standard error if a signal ends the command.
+pub(crate) fn say_at_end(text: String) {
+    *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = text;
+}
 
 /// Files being written and folders that were made for them, each folder before what is in it.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -62,6 +70,14 @@ pub(crate) fn heed_signals() {
             // Locked until the end, or a result about to be renamed would be missed and reported as a failure.
             let mut unfinished = unfinished();
             unfinished.drain(..).rev().for_each(|path| remove(&path));
+            let text = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            if !text.is_empty() {
+                // The line of progress may stand there.
+                if io::stderr().is_terminal() {
+                    eprintln!();
+                }
+                eprintln!("rimline: {text}");
+            }
             leave(interrupted_code());
         };
         if let Err(error) = listen(handler) {

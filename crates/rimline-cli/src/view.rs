@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use rimline_files::Up;
 use rimline_view::desktop::{DesktopError, DesktopOptions, run as open_window};
 
 use crate::device::Wanted;
-use crate::failure::{Failure, UsageError};
-use crate::input_args::{drawing_device, verbatim};
+use crate::failure::{Failure, NoDevice, UsageError};
+use crate::input_args::{drawing_device, up, verbatim};
 use crate::spec;
 
 #[derive(Args, Debug)]
@@ -26,6 +27,11 @@ pub(crate) struct WindowArgs {
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
     device: String,
 
+    /// The axis of an .obj, .ply, .stl or .npz that is up. With `z`, as files of CAD often have it, (x, y, z) of the file is (x, z,
+    /// -y) in the copied line. A glTF is always y up
+    #[arg(long, value_name = "y|z", value_parser = up(), default_value = "y")]
+    up: Up,
+
     /// The folder that screenshots go to
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     pictures: PathBuf,
@@ -37,7 +43,9 @@ Examples:
   rimline view fox.glb house.obj
 
 Drag a light by its handle, or elsewhere to turn. ? lists the keys. C copies the view as
-a line of `rimline shadow`, which draws the same without a window.
+a line of `rimline shadow`, without shadows of `draw` or `lines`, which needs no window.
+Overlays but volumes, flat faces and a missing ground have no option there: the message
+says what of the view is not in the line.
 ";
 
 pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
@@ -46,7 +54,16 @@ pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
         Wanted::Named(name) => Some(name),
         Wanted::Auto | Wanted::Gpu => None,
     };
-    let options =
-        DesktopOptions { files: args.files.clone(), size: args.size, device, pictures: args.pictures.clone() };
-    open_window(options).map_err(|error: DesktopError| Failure::Window(error.to_string()))
+    let options = DesktopOptions {
+        files: args.files.clone(),
+        size: args.size,
+        device,
+        pictures: args.pictures.clone(),
+        up: args.up,
+    };
+    open_window(options).map_err(|error| match error {
+        DesktopError::NoGpu => NoDevice::none().into(),
+        DesktopError::NotNamed { name, found } => NoDevice::NotNamed { name, adapters: found }.into(),
+        error => Failure::Window(error),
+    })
 }

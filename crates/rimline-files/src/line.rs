@@ -8,6 +8,8 @@ pub(crate) struct Statements<R> {
     text: Vec<u8>,
     /// Lines read so far.
     count: usize,
+    /// Whether the last line was read, and has no end.
+    pub(crate) is_cut: bool,
 }
 
 /// One statement, with its comment.
@@ -29,7 +31,7 @@ pub(crate) enum Next<'a> {
 
 impl<R: BufRead> Statements<R> {
     pub(crate) fn new(reader: R) -> Self {
-        Self { reader, text: Vec::new(), count: 0 }
+        Self { reader, text: Vec::new(), count: 0, is_cut: false }
     }
 
     /// The next statement, of at most `most` bytes with the end of its line.
@@ -79,6 +81,7 @@ impl<R: BufRead> Statements<R> {
                 return Ok(read + self.rest_of_end()?);
             }
             if end.is_some() || used == 0 {
+                self.is_cut |= end.is_none() && read > 0;
                 break;
             }
         }

@@ -17,13 +17,16 @@ pub enum ObjError {
     Read(#[from] io::Error),
     #[error("line {line}: {found:?} is no number; a vertex is `v x y z`")]
     Number { line: usize, found: String },
-    #[error("line {line}: the vertex has {found} coordinates; it needs 3, as in `v x y z`")]
+    #[error("line {line}: the vertex has {found} coordinate{}; it needs 3, as in `v x y z`", if *.found == 1 { "" } else { "s" })]
     Coordinates { line: usize, found: usize },
     #[error(
         "line {line}: {found:?} is no corner; write it as `v`, `v/vt`, `v//vn` or `v/vt/vn`, all of them whole numbers"
     )]
     Corner { line: usize, found: String },
-    #[error("line {line}: the face has {found} corners; it needs at least 3, and a line is an `l`")]
+    #[error(
+        "line {line}: the face has {found} corner{}; it needs at least 3, and a line is an `l`",
+        if *.found == 1 { "" } else { "s" }
+    )]
     Corners { line: usize, found: usize },
     #[error("line {line}: the face has more than {MAX_POLYGON_CORNERS} corners; cut it into several")]
     FaceTooLarge { line: usize },
@@ -50,6 +53,22 @@ pub enum ObjError {
     TooLarge { line: usize, needed: u64, limit: u64 },
     #[error("it has no faces, which are lines `f v v v …`; export the model as polygons")]
     NoFaces,
+    #[error("{source}; the last line has no end, so the file may be cut off")]
+    CutOff { source: Box<ObjError> },
+}
+
+impl ObjError {
+    /// The same, where the last line has no end.
+    fn of_cut_file(self) -> Self {
+        match self {
+            Self::Number { .. }
+            | Self::Coordinates { .. }
+            | Self::Corner { .. }
+            | Self::Corners { .. }
+            | Self::OutOfRange { .. } => Self::CutOff { source: Box::new(self) },
+            other => other,
+        }
+    }
 }
 
 /// Statements of curved surfaces that faces do not say the same as.
@@ -87,14 +106,17 @@ pub fn read(
     loop {
         // The line and its copy while it grows.
         let room = obj.model.room() / 3;
-        match lines.next(room)? {
-            Next::Statement(statement) => obj.take(&statement)?,
+        let taken = match lines.next(room)? {
+            Next::Statement(statement) => obj.take(&statement),
             Next::TooLong { line } => {
                 let needed = memory_limit.saturating_add(1);
                 return Err(ObjError::TooLarge { line, needed, limit: memory_limit });
             }
-            Next::End => return obj.finish(),
-        }
+            Next::End => {
+                return obj.finish().map_err(|error| if lines.is_cut { error.of_cut_file() } else { error });
+            }
+        };
+        taken.map_err(|error| if lines.is_cut { error.of_cut_file() } else { error })?;
     }
 }
 

@@ -37,7 +37,7 @@ pub enum PlyError {
     List { element: String, index: u64, found: f64 },
     #[error("`{element}` {index} names vertex {found}, but there are {vertices}; they are counted from 0")]
     OutOfRange { element: String, index: u64, found: f64, vertices: u64 },
-    #[error("`{element}` {index} has {found} corners; a face needs at least 3")]
+    #[error("`{element}` {index} has {found} corner{}; a face needs at least 3", if *.found == 1 { "" } else { "s" })]
     Corners { element: String, index: u64, found: usize },
     #[error("`{element}` {index} has more than {MAX_POLYGON_CORNERS} corners; cut it into several")]
     FaceTooLarge { element: String, index: u64 },

@@ -7,7 +7,7 @@ use std::path::Path;
 use rimline::gltf::{Asset, Colors, GltfError, LoadOptions};
 use rimline::internals::colors;
 use rimline::mesh::Weld;
-use rimline::{Geometry, GeometryOptions, Instance, Mesh, Model};
+use rimline::{Geometry, GeometryOptions, Instance, Mesh, Model, Origin};
 
 use crate::error::FileError;
 use crate::file::{File, GivenPolygons};
@@ -27,6 +27,26 @@ pub enum Polygons {
     Whole,
 }
 
+/// The axis of a file that is up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Up {
+    /// As in Rimline: nothing is turned.
+    #[default]
+    Y,
+    /// (x, y, z) of the file becomes (x, z, −y), also its origin.
+    Z,
+}
+
+impl Up {
+    fn turned<T: Copy + std::ops::Sub<Output = T> + Default>(self, [x, y, z]: [T; 3]) -> [T; 3] {
+        match self {
+            Self::Y => [x, y, z],
+            // No −0.
+            Self::Z => [x, z, T::default() - y],
+        }
+    }
+}
+
 /// How a file is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadOptions {
@@ -41,12 +61,14 @@ pub struct ReadOptions {
     pub allow_outside: bool,
     /// How polygons are taken. Default: as triangles.
     pub polygons: Polygons,
+    /// The axis that is up. Default: y. A glTF is always y up.
+    pub up: Up,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
         let LoadOptions { weld, memory_limit, allow_outside } = LoadOptions::default();
-        Self { format: None, weld, memory_limit, allow_outside, polygons: Polygons::default() }
+        Self { format: None, weld, memory_limit, allow_outside, polygons: Polygons::default(), up: Up::Y }
     }
 }
 
@@ -125,10 +147,10 @@ fn of_reader(
         Format::Obj => obj::read(reader, &mut materials, limit, are_kept)?,
         Format::Ply => ply::read(reader, limit, are_kept)?,
         Format::Stl => stl::read(reader, limit)?,
-        Format::Npz | Format::Gltf => return of_arrays(npz::read(reader, limit)?, options.weld, Polygons::Whole),
+        Format::Npz | Format::Gltf => return of_arrays(npz::read(reader, limit)?, Polygons::Whole, options),
     };
     let Materials { notes, files, .. } = materials;
-    let file = of_arrays(arrays, options.weld, options.polygons)?;
+    let file = of_arrays(arrays, options.polygons, options)?;
     Ok(File { color_notes: notes, named_files: files, ..file })
 }
 
@@ -147,8 +169,13 @@ fn of_gltf(file: &Path, error: GltfError) -> FileError {
     }
 }
 
-fn of_arrays(arrays: npz::Arrays, weld: Weld, taken: Polygons) -> Result<File, FileError> {
-    let npz::Arrays { positions, mut faces, polygons, origin, mut colors } = arrays;
+fn of_arrays(arrays: npz::Arrays, taken: Polygons, options: &ReadOptions) -> Result<File, FileError> {
+    let ReadOptions { weld, up, .. } = *options;
+    let npz::Arrays { mut positions, mut faces, polygons, mut origin, mut colors } = arrays;
+    if up != Up::Y {
+        positions.iter_mut().for_each(|position| *position = up.turned(*position));
+        origin = Origin::new(up.turned(origin.to_array()));
+    }
     match &polygons {
         Some(polygons) => colors::split(&mut colors, &positions, polygons.of_one_loop()),
         None => colors::split(&mut colors, &positions, faces.iter().map(<[u32; 3]>::as_slice)),

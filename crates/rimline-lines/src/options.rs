@@ -87,7 +87,7 @@ pub struct PageBox {
 pub struct LineOptions {
     /// The classes that are drawn. Default: all.
     pub classes: Classes,
-    /// The least angle between the normals of two faces that makes a crease, in degrees: 0 to 180. Default: 30. Its
+    /// The least angle between the normals of two faces that makes a crease, in degrees: 0 to 180. Default: 33. Its
     /// cosine is rounded up to `f64`, and angles are compared with this number exactly.
     pub crease_degrees: f64,
     /// Lines nearer to a perspective eye than this are left out, and cut there. Faces there still hide what is behind them.
@@ -106,7 +106,7 @@ impl Default for LineOptions {
     fn default() -> Self {
         Self {
             classes: Classes::ALL,
-            crease_degrees: 30.0,
+            crease_degrees: 33.0,
             near: None,
             window: None,
             threads: Threads::all(),

@@ -39,4 +39,4 @@ pub use state::handle::Handle;
 pub use state::keys::{Action, KEYS, KeyBinding};
 pub use state::lamp::{Lamp, LampKind};
 pub use state::options::{Counting, Options, Overlays, Skipping};
-pub use state::viewer::{Request, Tone, Viewer};
+pub use state::viewer::{Message, Request, Tone, Viewer};

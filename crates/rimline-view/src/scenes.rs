@@ -15,9 +15,13 @@ pub type Make = fn() -> Result<Vec<Body>, BodyError>;
 pub const ALL: [(&str, Make); 3] =
     [("Walking figure", walking_figure), ("Still life", still_life), ("Moebius band", moebius)];
 
-/// Shows the scene after this one, and counts on.
+/// Shows the scene after this one, and counts on. Models of files are one of the scenes, before the first.
 pub(crate) fn show_next(viewer: &mut Viewer, scene: &mut usize) {
-    *scene = (*scene + 1) % ALL.len();
+    let next = if viewer.is_built_in() { *scene + 1 } else { 0 };
+    if next == ALL.len() && viewer.show_own() {
+        return;
+    }
+    *scene = next % ALL.len();
     viewer.handle(match ALL[*scene].1() {
         Ok(bodies) => Event::Replaced(bodies),
         Err(error) => Event::Message(error.to_string()),

@@ -7,11 +7,12 @@ use std::process::{Child, Command, Stdio};
 
 use tempfile::{NamedTempFile, TempPath};
 
-use super::{Film, shown};
+use super::Film;
 use crate::failure::{Failure, UsageError};
 use crate::image::Picture;
 use crate::output::{Output, note};
 use crate::shadow::args::FilmArgs;
+use crate::shown::Line;
 use crate::signals::{make_unfinished, remove_unfinished};
 use crate::target::Inputs;
 
@@ -80,7 +81,7 @@ impl Clip {
 }
 
 impl Film for Clip {
-    fn start(&mut self, frames: u32, inputs: &Inputs) -> Result<(), Failure> {
+    fn start(&mut self, frames: u32, inputs: &Inputs, _size: [u32; 2], _identity: String) -> Result<(), Failure> {
         inputs.spare(&self.out)?;
         let file = || -> Result<_, Failure> { Ok(BufWriter::with_capacity(1 << 18, self.output.handle()?)) };
         let [width, height] = self.size;
@@ -143,7 +144,7 @@ impl Film for Clip {
         self.output.finish(|to| -> io::Result<()> {
             made.map_or(Ok(()), |ffmpeg| io::copy(&mut File::open(&ffmpeg.made)?, to).map(drop))
         })?;
-        Ok(format!("{}, {frames} pictures", shown(&self.out)))
+        Ok(format!("wrote {}, {frames} pictures", Line(self.out.display())))
     }
 }
 

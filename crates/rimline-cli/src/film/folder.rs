@@ -3,11 +3,12 @@
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::{Film, shown};
+use super::Film;
 use crate::failure::{Failure, UsageError};
 use crate::image::Picture;
-use crate::output::{Folder, Output};
-use crate::signals::{create_unfinished, remove_unfinished};
+use crate::output::{Folder, Output, is_quiet};
+use crate::shown::Line;
+use crate::signals::{self, create_unfinished, remove_unfinished};
 use crate::target::{Inputs, check_folder};
 
 /// The ending of the pictures.
@@ -24,6 +25,22 @@ pub(super) struct Frames {
     count: u32,
     /// Whether pictures that are there are kept.
     resumes: bool,
+    /// The film that each picture names.
+    identity: String,
+    /// How many pictures were there.
+    kept: u32,
+    written: u32,
+}
+
+/// The keyword of a picture's text that names its film.
+const FILM: &str = "rimline film";
+
+/// A name for the film of these options: a hash, FNV-1a, of all that decides the pictures.
+pub(super) fn identity(options: &str) -> String {
+    let hash = options
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    format!("{hash:016x}")
 }
 
 impl Frames {
@@ -31,7 +48,17 @@ impl Frames {
     pub(super) fn begin(folder: &Path, resumes: bool) -> Result<Self, Failure> {
         check_folder(folder, |out| UsageError::FolderEnding { out })?;
         let (made, claim) = (Folder::create(folder)?, Claim::take(folder)?);
-        Ok(Self { folder: folder.to_owned(), first: None, _claim: claim, _made: made, count: 0, resumes })
+        Ok(Self {
+            folder: folder.to_owned(),
+            first: None,
+            _claim: claim,
+            _made: made,
+            count: 0,
+            resumes,
+            identity: String::new(),
+            kept: 0,
+            written: 0,
+        })
     }
 
     fn file(&self, frame: u32) -> PathBuf {
@@ -41,8 +68,8 @@ impl Frames {
 
 impl Film for Frames {
     /// Refuses also to stand among pictures of another film.
-    fn start(&mut self, count: u32, inputs: &Inputs) -> Result<(), Failure> {
-        self.count = count;
+    fn start(&mut self, count: u32, inputs: &Inputs, size: [u32; 2], identity: String) -> Result<(), Failure> {
+        (self.count, self.identity) = (count, identity);
         for frame in 0..count {
             let file = self.file(frame);
             inputs.spare(&file)?;
@@ -52,6 +79,12 @@ impl Film for Frames {
             }
         }
         check_earlier(&self.folder, count, PNG)?;
+        let kept: Vec<PathBuf> = (0..count).filter(|&frame| self.has(frame)).map(|frame| self.file(frame)).collect();
+        if let Some(file) = kept.iter().find(|file| !is_of(file, &self.identity, size)) {
+            return Err(UsageError::ResumeOther { file: file.clone() }.into());
+        }
+        self.kept = kept.len() as u32;
+        self.tell();
         self.first = if self.has(0) { None } else { Some(Output::create(&self.file(0))?) };
         Ok(())
     }
@@ -63,17 +96,43 @@ impl Film for Frames {
 
     fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
         let output = self.first.take().map_or_else(|| Output::create(&self.file(frame)), Ok)?;
-        output.finish(|file| picture.write_png(file))?;
+        output.finish(|file| picture.write_png(file, Some((FILM, &self.identity))))?;
+        self.written += 1;
+        self.tell();
         if frame == 0 && !self.resumes {
             remove_earlier((1..self.count).map(|frame| self.file(frame)))?;
         }
         Ok(())
     }
 
-    fn finish(self: Box<Self>, frames: u32) -> Result<String, Failure> {
-        let [first, last] = [0, frames - 1].map(|frame| shown(&self.file(frame)));
-        Ok(if frames == 1 { first } else { format!("{frames} pictures, {first} to {last}") })
+    fn finish(self: Box<Self>, _frames: u32) -> Result<String, Failure> {
+        let [first, last] = [0, self.count - 1].map(|frame| Line(self.file(frame).display()).to_string());
+        let pictures = |count: u32| if count == 1 { "1 picture".to_owned() } else { format!("{count} pictures") };
+        Ok(match (self.kept, self.count) {
+            (0, 1) => format!("wrote {first}"),
+            (0, count) => format!("wrote {count} pictures, {first} to {last}"),
+            (kept, _) => format!("kept {}, wrote {}: {first} to {last}", pictures(kept), self.written),
+        })
     }
+}
+
+impl Frames {
+    /// What a signal should say.
+    fn tell(&self) {
+        let (done, folder) = (self.kept + self.written, Line(self.folder.display()));
+        if !is_quiet() {
+            signals::say_at_end(format!("{done} of {} pictures are in {folder}; --resume goes on", self.count));
+        }
+    }
+}
+
+/// Whether a picture may be of a film: it names it, or names none and has its size. What is no picture may be anything.
+fn is_of(file: &Path, identity: &str, size: [u32; 2]) -> bool {
+    let Ok(file) = std::fs::File::open(file) else { return true };
+    let Ok(reader) = png::Decoder::new(io::BufReader::new(file)).read_info() else { return true };
+    let info = reader.info();
+    let named = info.uncompressed_latin1_text.iter().find(|text| text.keyword == FILM);
+    named.map_or([info.width, info.height] == size, |text| text.text == identity)
 }
 
 /// Refuses a folder with pictures of a film that this one does not replace: they would stand among its own.

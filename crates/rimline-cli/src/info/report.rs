@@ -133,7 +133,7 @@ const TURNED: Finding = Finding {
 const INWARD: Finding = Finding {
     one: "closed part is wound inwards",
     many: "closed parts are wound inwards",
-    advice: "flip its faces unless it is meant to be seen from inside (Blender: Mesh, Normals, Flip)",
+    advice: "flip the faces unless they are meant to be seen from inside (Blender: Mesh, Normals, Flip)",
 };
 const TWICE: Finding = Finding {
     one: "face is there twice",

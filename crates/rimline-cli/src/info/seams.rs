@@ -53,7 +53,11 @@ impl Seams {
         let Self { edges, gap, distance, closes, collapses, across_data, by_position } = self;
         let position = if *across_data { "--weld position " } else { "" };
         let them = if closes >= edges { "them".to_owned() } else { format!("{closes} of them") };
-        let collapse = if *collapses > 0 { format!(", and {collapses} faces collapse") } else { String::new() };
+        let collapse = match *collapses {
+            0 => String::new(),
+            1 => ", and 1 face collapses".to_owned(),
+            _ => format!(", and {collapses} faces collapse"),
+        };
         if *by_position {
             let some = if closes >= edges { String::new() } else { format!(", which closes {them}") };
             return format!("{edges} boundary edges are seams of split vertices: use --weld position{some}{collapse}");

@@ -80,7 +80,7 @@ pub(crate) struct LinesArgs {
     #[arg(long, requires = "eye", conflicts_with_all = ["fov", "camera"])]
     pub(crate) ortho: bool,
 
-    /// The least angle between two faces whose edge is drawn as a crease, in degrees [default: 30]
+    /// The least angle between two faces whose edge is drawn as a crease, in degrees [default: 33, which is no angle of a regular prism]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::crease)]
     crease: Option<f64>,
 
@@ -235,7 +235,7 @@ impl LinesArgs {
 
     /// The angle of creases in degrees.
     pub(crate) fn crease(&self) -> f64 {
-        self.crease.unwrap_or(30.0)
+        self.crease.unwrap_or(33.0)
     }
 
     /// Pixels an inch of a PNG.

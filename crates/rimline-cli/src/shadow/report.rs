@@ -287,7 +287,7 @@ impl ResultFiles {
 
     pub(super) fn finish_picture(&mut self, gpu: &Gpu, picture: &Picture) -> Result<(), Failure> {
         gpu.check()?;
-        self.picture.take().map_or(Ok(()), |output| output.finish(|file| picture.write_png(file)))
+        self.picture.take().map_or(Ok(()), |output| output.finish(|file| picture.write_png(file, None)))
     }
 
     /// Writes the masks that `draw` draws for each light.
@@ -299,7 +299,7 @@ impl ResultFiles {
         for (light, output) in std::mem::take(&mut self.masks).into_iter().enumerate() {
             let mask = draw(light)?;
             gpu.check()?;
-            output.finish(|file| mask.write_png(file))?;
+            output.finish(|file| mask.write_png(file, None))?;
         }
         Ok(())
     }

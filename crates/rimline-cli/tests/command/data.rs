@@ -58,7 +58,9 @@ fn of_file(file: &Path) -> Vec<Trial> {
 /// A case up to the first paragraph with a step that cannot run here, and without such rows.
 fn runnable(case: &str) -> String {
     let is_out = |line: &str| {
-        (cfg!(not(unix)) && line.starts_with('%')) || (cfg!(not(feature = "bench")) && line.contains("bench --"))
+        (cfg!(not(unix)) && line.starts_with('%'))
+            || (cfg!(not(feature = "bench")) && line.contains("bench --"))
+            || (cfg!(not(feature = "view")) && line.contains("rimline view"))
     };
     let kept = |part: &str| {
         let mut is_kept = true;

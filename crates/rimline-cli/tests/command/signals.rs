@@ -13,6 +13,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("signals::a_hang_up_that_is_ignored_stays_ignored", ignored),
     ("signals::each_ends_with_its_own_code", codes),
     ("signals::the_second_removes_what_is_unfinished", second),
+    ("signals::a_film_says_how_far_it_came", film),
     ("signals::one_while_shaders_compile_ends_with_its_own_code", compiling),
 ];
 
@@ -83,6 +84,32 @@ fn only_data(folder: &Path) -> Outcome {
         let name = entry.map_err(|error| error.to_string())?.file_name();
         ensure!(name == OsStr::new("out.json"), "left behind: {name:?}");
     }
+    Ok(())
+}
+
+fn film() -> Outcome {
+    let folder = with_cube()?;
+    let run = with_signals(env!("CARGO_BIN_EXE_rimline"))
+        .args(["film", "cube.npz", "--orbit", "360", "--frames", "5000", "--size", "16x12", "--out", "film"])
+        .current_dir(folder.path())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|error| error.to_string())?;
+    let until = std::time::Instant::now() + std::time::Duration::from_secs(60);
+    while !folder.path().join("film/0002.png").exists() {
+        ensure!(std::time::Instant::now() < until, "no picture was written");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let kill = Command::new("kill").args(["-INT", &run.id().to_string()]).status();
+    ensure!(kill.is_ok_and(|status| status.success()), "no signal could be sent");
+    let output = run.wait_with_output().map_err(|error| error.to_string())?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.code() == Some(130), "{}: {text}", output.status);
+    let pictures = std::fs::read_dir(folder.path().join("film")).map_err(|error| error.to_string())?.count();
+    // The signal may come between a picture's last byte and its count.
+    let says = |count: usize| text.contains(&format!("{count} of 5000 pictures are in film; --resume goes on"));
+    ensure!(says(pictures) || says(pictures - 1), "{pictures} pictures are there: {text}");
     Ok(())
 }
 

@@ -17,31 +17,76 @@ use crate::panel::Panel;
 use crate::renderer::Renderer;
 use crate::scenes;
 use crate::state::event::Event;
-use crate::state::viewer::{Request, Viewer};
+use crate::state::viewer::{Request, Tone, Viewer};
 
 /// How long nothing must change before the picture is drawn once more with all samples, on software devices.
 const REFINE_AFTER: Duration = Duration::from_millis(350);
 
-pub(super) fn run(options: DesktopOptions, viewer: Viewer) -> Result<(), DesktopError> {
-    let events = EventLoop::<Files>::with_user_event();
-    let events = { events }.build().map_err(|error| DesktopError::NoDisplay(error.to_string()))?;
-    let proxy = events.create_proxy();
-    let mut app = App { options, viewer, proxy, shown: None, scene: 0, error: None, refine_at: None, wake_at: None };
-    for file in std::mem::take(&mut app.options.files) {
-        app.open(&file);
+/// A dialog that ends sooner was never shown.
+const LEAST_DIALOG: Duration = Duration::from_millis(300);
+
+pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), DesktopError> {
+    if !options.pictures.is_dir() {
+        return Err(DesktopError::NoFolder(options.pictures));
     }
+    let is_read = |file: &PathBuf| open(&mut viewer, file);
+    let are_read: Vec<bool> = options.files.iter().map(is_read).collect();
+    if !are_read.is_empty() && !are_read.contains(&true) {
+        return Err(DesktopError::NoFile);
+    }
+    let events = EventLoop::<Chosen>::with_user_event();
+    let events = { events }.build().map_err(|error| DesktopError::NoDisplay(reason(&error.to_string())))?;
+    let proxy = events.create_proxy();
+    let mut app = App {
+        options,
+        viewer,
+        proxy,
+        shown: None,
+        clipboard: None,
+        scene: 0,
+        error: None,
+        refine_at: None,
+        wake_at: None,
+    };
     events.run_app(&mut app).map_err(|error| DesktopError::Window(error.to_string()))?;
     app.error.map_or(Ok(()), Err)
 }
 
-/// Files that a dialog was closed with.
-type Files = Vec<PathBuf>;
+/// Opens a file, or prints why it cannot be opened; the viewer says so, too.
+fn open(viewer: &mut Viewer, path: &Path) -> bool {
+    let options = rimline_files::ReadOptions { up: viewer.up, ..rimline_files::ReadOptions::default() };
+    let file = rimline_files::read(path, &options);
+    viewer.open(&name(path), path.display().to_string(), file);
+    let error = viewer.message.as_ref().filter(|message| message.tone == Tone::Error);
+    if let Some(error) = error {
+        // Names may have characters that steer a terminal.
+        eprintln!("rimline: {}", error.text.replace(char::is_control, "\u{fffd}"));
+    }
+    error.is_none()
+}
+
+/// What winit says, without the line of its source that says it.
+fn reason(error: &str) -> String {
+    let said = error.strip_prefix("os error at ").and_then(|rest| rest.split_once(".rs:")?.1.split_once(": "));
+    said.map_or(error, |(_, said)| said).trim_end_matches('.').to_owned()
+}
+
+/// Files that a dialog was closed with. `None`: there was no dialog.
+type Chosen = Option<Vec<PathBuf>>;
+
+/// What came of asking for files.
+fn chosen(files: Option<Vec<PathBuf>>, took: Duration) -> Chosen {
+    // The library tells a dialog that nobody can show as one that was closed; nobody closes one so fast.
+    files.or_else(|| (took >= LEAST_DIALOG).then(Vec::new))
+}
 
 struct App {
     options: DesktopOptions,
     viewer: Viewer,
-    proxy: EventLoopProxy<Files>,
+    proxy: EventLoopProxy<Chosen>,
     shown: Option<Shown>,
+    /// On X11 the text is gone with whoever put it there.
+    clipboard: Option<arboard::Clipboard>,
     /// The built-in scene that was shown last.
     scene: usize,
     error: Option<DesktopError>,
@@ -55,6 +100,16 @@ struct Shown {
     panel: Panel,
     input: egui_winit::State,
     screen: Screen,
+    titled: String,
+}
+
+/// The title of the window.
+fn title(viewer: &Viewer) -> String {
+    match viewer.bodies.as_slice() {
+        [body] => format!("{} – Rimline", body.name),
+        [body, rest @ ..] if !viewer.is_built_in() => format!("{} and {} more – Rimline", body.name, rest.len()),
+        _ => "Rimline".to_owned(),
+    }
 }
 
 impl Shown {
@@ -77,16 +132,22 @@ impl Shown {
         let scale = Some(window.scale_factor() as f32);
         let context = panel.context().clone();
         let input = egui_winit::State::new(context, egui::ViewportId::ROOT, &**window, scale, None, Some(most));
-        Ok(Self { renderer, panel, input, screen })
+        Ok(Self { renderer, panel, input, screen, titled: String::new() })
     }
 }
 
 impl App {
     /// Opens a file, or lets the viewer say why it cannot be opened.
     fn open(&mut self, path: &Path) {
-        let file = rimline_files::read(path, &rimline_files::ReadOptions::default());
-        self.viewer.open(&name(path), path.display().to_string(), file);
+        open(&mut self.viewer, path);
         self.redraw();
+    }
+
+    fn copy(&mut self, line: &str) -> Result<(), arboard::Error> {
+        if self.clipboard.is_none() {
+            self.clipboard = Some(arboard::Clipboard::new()?);
+        }
+        self.clipboard.as_mut().map_or(Ok(()), |clipboard| clipboard.set_text(line))
     }
 
     fn redraw(&self) {
@@ -113,7 +174,7 @@ impl App {
             self.redraw();
             return Ok(());
         }
-        let Shown { renderer, panel, input, screen } = shown;
+        let Shown { renderer, panel, input, screen, titled } = shown;
         let texture = match screen.next()? {
             Next::Texture(texture) => texture,
             Next::Hidden => return Ok(()),
@@ -123,6 +184,11 @@ impl App {
             }
         };
         let window = Arc::clone(&screen.window);
+        let title = title(viewer);
+        if *titled != title {
+            window.set_title(&title);
+            *titled = title;
+        }
         let raw = input.take_egui_input(&window);
         let pictures = renderer.pictures();
         let output = panel.run(raw, viewer, renderer);
@@ -150,10 +216,9 @@ impl App {
                 Request::Close => events.exit(),
                 Request::NextScene => scenes::show_next(&mut self.viewer, &mut self.scene),
                 Request::Copy(line) => {
-                    let copied = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.set_text(line.clone()));
-                    let said = if copied.is_ok() { "copied" } else { "no clipboard; printed" };
+                    let how = if self.copy(&line).is_ok() { "copied" } else { "no clipboard; printed" };
                     println!("{line}");
-                    self.viewer.handle(Event::Message(format!("{said}: {line}")));
+                    self.viewer.handle(Event::Copied(how.into(), line));
                 }
                 Request::Screenshot { scale } => {
                     let said = self.screenshot(scale);
@@ -185,9 +250,10 @@ impl App {
     fn ask_for_files(&self) {
         let proxy = self.proxy.clone();
         let ask = move || {
+            let begin = Instant::now();
             let files = rfd::FileDialog::new().set_title("Open models").pick_files();
             // The window may be closed by now.
-            let _ = proxy.send_event(files.unwrap_or_default());
+            let _ = proxy.send_event(chosen(files, begin.elapsed()));
         };
         if cfg!(target_os = "macos") {
             ask();
@@ -197,7 +263,7 @@ impl App {
     }
 }
 
-impl ApplicationHandler<Files> for App {
+impl ApplicationHandler<Chosen> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.shown.is_some() {
             return;
@@ -209,9 +275,13 @@ impl ApplicationHandler<Files> for App {
         self.redraw();
     }
 
-    fn user_event(&mut self, _: &ActiveEventLoop, files: Files) {
-        for file in &files {
-            self.open(file);
+    fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
+        match files {
+            Some(files) => files.iter().for_each(|file| self.open(file)),
+            None => {
+                self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into()));
+                self.redraw();
+            }
         }
     }
 
@@ -266,5 +336,25 @@ impl ApplicationHandler<Files> for App {
     fn exiting(&mut self, _: &ActiveEventLoop) {
         // The device goes before the display does.
         self.shown = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dialog_that_ends_at_once_was_never_shown() {
+        let files = Some(vec![PathBuf::from("a.obj")]);
+        assert_eq!(chosen(None, Duration::from_millis(40)), None);
+        assert_eq!(chosen(None, Duration::from_secs(2)), Some(Vec::new()));
+        assert_eq!(chosen(files.clone(), Duration::ZERO), files);
+    }
+
+    #[test]
+    fn no_path_of_a_source_is_said() {
+        let said = "os error at /home/a/winit-0.30.13/src/platform_impl/linux/mod.rs:765: neither WAYLAND_DISPLAY nor DISPLAY is set.";
+        assert_eq!(reason(said), "neither WAYLAND_DISPLAY nor DISPLAY is set");
+        assert_eq!(reason("the event loop cannot be made again"), "the event loop cannot be made again");
     }
 }

@@ -8,6 +8,7 @@ mod surface;
 use std::path::PathBuf;
 
 pub use error::DesktopError;
+use rimline_files::Up;
 
 use crate::state::viewer::Viewer;
 
@@ -22,12 +23,14 @@ pub struct DesktopOptions {
     pub device: Option<String>,
     /// Where screenshots go.
     pub pictures: PathBuf,
+    /// The axis that is up in files that do not say it.
+    pub up: Up,
 }
 
 impl Default for DesktopOptions {
     /// A built-in scene at 1280 × 800 on any device. Screenshots go to the current folder.
     fn default() -> Self {
-        Self { files: Vec::new(), size: [1280, 800], device: None, pictures: PathBuf::from(".") }
+        Self { files: Vec::new(), size: [1280, 800], device: None, pictures: PathBuf::from("."), up: Up::Y }
     }
 }
 
@@ -36,6 +39,7 @@ impl Default for DesktopOptions {
 /// # Errors
 /// [`DesktopError`] if there is no display, or nothing that can draw onto it.
 pub fn run(options: DesktopOptions) -> Result<(), DesktopError> {
-    let viewer = Viewer::new(crate::scenes::walking_figure()?);
+    let mut viewer = Viewer::new(crate::scenes::walking_figure()?);
+    viewer.up = options.up;
     app::run(options, viewer)
 }

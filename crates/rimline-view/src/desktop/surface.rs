@@ -30,8 +30,14 @@ impl Screen {
     pub(super) fn open(window: Arc<Window>, device: Option<&str>) -> Result<Self, DesktopError> {
         let descriptor = wgpu::InstanceDescriptor::new_with_display_handle(Box::new(Arc::clone(&window))).with_env();
         let instance = wgpu::Instance::new(descriptor);
-        let surface = instance.create_surface(Arc::clone(&window));
-        let surface = surface.map_err(|error| DesktopError::Window(error.to_string()))?;
+        let surface = match instance.create_surface(Arc::clone(&window)) {
+            Ok(surface) => surface,
+            // No backend is left where wgpu's variable says so.
+            Err(_) if pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).is_empty() => {
+                return Err(DesktopError::NoGpu);
+            }
+            Err(error) => return Err(DesktopError::Window(error.to_string())),
+        };
         let adapter = pollster::block_on(adapter(&instance, &surface, device))?;
         let gpu = pollster::block_on(Gpu::open(&adapter))?;
         let capabilities = surface.get_capabilities(&adapter);
@@ -105,11 +111,16 @@ async fn adapter(
     }
     let all = instance.enumerate_adapters(wgpu::Backends::all()).await;
     let name = |adapter: &wgpu::Adapter| format!("{} ({:?})", adapter.get_info().name, adapter.get_info().backend);
-    let found = all.iter().map(name).collect::<Vec<_>>().join(", ");
+    let found: Vec<String> = all.iter().map(name).collect();
+    if found.is_empty() {
+        return Err(DesktopError::NoGpu);
+    }
     let is_wanted =
         |adapter: &wgpu::Adapter| device.is_none_or(|part| name(adapter).to_lowercase().contains(&part.to_lowercase()));
-    let mut fitting = all.into_iter().filter(|adapter| is_wanted(adapter) && adapter.is_surface_supported(surface));
-    fitting
-        .next()
-        .ok_or_else(|| DesktopError::NoAdapter { found: if found.is_empty() { "none".into() } else { found } })
+    let wanted: Vec<wgpu::Adapter> = all.into_iter().filter(is_wanted).collect();
+    if let Some(name) = device.filter(|_| wanted.is_empty()) {
+        return Err(DesktopError::NotNamed { name: name.to_owned(), found });
+    }
+    let mut fitting = wanted.into_iter().filter(|adapter| adapter.is_surface_supported(surface));
+    fitting.next().ok_or_else(|| DesktopError::NoAdapter { found: found.join(", ") })
 }

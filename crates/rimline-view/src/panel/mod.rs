@@ -19,7 +19,7 @@ use shown::Shown;
 use crate::renderer::{Gpu, Renderer};
 use crate::state::event::Event;
 use crate::state::keys::{self, Action};
-use crate::state::viewer::{Tone, Viewer};
+use crate::state::viewer::{Message, Tone, Viewer};
 
 /// Frame times that the plot shows.
 const HISTORY: usize = 120;
@@ -199,10 +199,13 @@ fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
             }
         });
     });
-    if let Some((tone, text)) = viewer.message.clone() {
+    if let Some(Message { tone, text, details }) = viewer.message.clone() {
         let color = if tone == Tone::Error { style::ERROR } else { style::DIM };
         ui.horizontal_wrapped(|ui| {
-            ui.colored_label(color, text);
+            let label = ui.colored_label(color, text);
+            if !details.is_empty() {
+                label.on_hover_text(details);
+            }
             if ui.small_button("×").clicked() {
                 viewer.message = None;
             }

@@ -7,12 +7,18 @@ use crate::state::viewer::Viewer;
 
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     style::heading(ui, "Models");
-    let mut choice = None;
+    let (mut choice, mut removed) = (None, None);
     for (number, body) in viewer.bodies.iter().enumerate() {
         let report = body.report();
         ui.horizontal(|ui| {
             ui.label(&body.name);
-            ui.colored_label(style::DIM, format!("{} faces", grouped(report.faces)));
+            let faces = if report.faces == 1 { "face" } else { "faces" };
+            ui.colored_label(style::DIM, format!("{} {faces}", grouped(report.faces)));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.small_button("×").on_hover_text("remove this model").clicked() {
+                    removed = Some(number);
+                }
+            });
         });
         if let Some(advice) = report.advice() {
             let mut facts = Vec::new();
@@ -46,8 +52,11 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     if let Some((number, animation)) = choice {
         viewer.play(number, animation);
     }
+    if let Some(number) = removed {
+        viewer.remove_body(number);
+    }
     ui.horizontal(|ui| {
-        if ui.small_button("Next scene").on_hover_text("built-in scenes (N)").clicked() {
+        if ui.small_button("Next scene").on_hover_text("built-in scenes and your files in turn (N)").clicked() {
             viewer.handle(Event::Acted(Action::NextScene));
         }
         if ui.small_button("Show all").on_hover_text("reset the camera (R)").clicked() {

@@ -42,30 +42,45 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
 fn listen(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, rect: Rect, scale: f32) {
     let pixel = |at: Pos2| ((at - rect.min) * scale).into();
     let modifiers = ui.input(|input| input.modifiers);
-    let held = Modifiers { shift: modifiers.shift, control: modifiers.command };
-    let pressed = [
-        (egui::PointerButton::Primary, Button::Primary),
-        (egui::PointerButton::Secondary, Button::Secondary),
-        (egui::PointerButton::Middle, Button::Middle),
-    ];
-    for (of_egui, button) in pressed {
-        if response.drag_started_by(of_egui) {
-            if let Some(at) = ui.input(|input| input.pointer.press_origin()) {
+    let held = |modifiers: egui::Modifiers| Modifiers { shift: modifiers.shift, control: modifiers.command };
+    let is_here = |at| rect.contains(at) && ui.ctx().layer_id_at(at).is_none_or(|layer| layer == response.layer_id);
+    // A slow frame may hold a press, moves, a release and more moves: their order decides what a move drags.
+    for event in ui.input(|input| input.events.clone()) {
+        match event {
+            egui::Event::PointerMoved(at) if viewer.is_dragging() || response.hovered() => {
                 viewer.handle(Event::Moved(pixel(at)));
             }
-            viewer.handle(Event::Pressed(button, held));
+            egui::Event::PointerButton { pos, button, pressed: true, modifiers } if is_here(pos) => {
+                let button = match button {
+                    egui::PointerButton::Primary => Button::Primary,
+                    egui::PointerButton::Secondary => Button::Secondary,
+                    egui::PointerButton::Middle => Button::Middle,
+                    _ => continue,
+                };
+                if !viewer.is_dragging() {
+                    viewer.handle(Event::Moved(pixel(pos)));
+                    viewer.handle(Event::Pressed(button, held(modifiers)));
+                }
+            }
+            egui::Event::PointerButton { pos, pressed: false, .. } if viewer.is_dragging() => {
+                viewer.handle(Event::Moved(pixel(pos)));
+                viewer.handle(Event::Released);
+            }
+            _ => {}
         }
     }
-    if let Some(at) = response.interact_pointer_pos().or(response.hover_pos()) {
-        viewer.handle(Event::Moved(pixel(at)));
-    }
-    if response.drag_stopped() {
+    // A window that lost the pointer hears of no release.
+    if viewer.is_dragging() && !ui.input(|input| input.pointer.any_down()) {
         viewer.handle(Event::Released);
+    }
+    let at = if viewer.is_dragging() { response.interact_pointer_pos() } else { response.hover_pos() };
+    if let Some(at) = at {
+        viewer.handle(Event::Moved(pixel(at)));
     }
     if response.hovered() {
         let (scrolled, pinched) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
         if scrolled != egui::Vec2::ZERO {
-            viewer.handle(Event::Scrolled([scrolled.x / 40.0, scrolled.y / 40.0], held));
+            viewer.handle(Event::Scrolled([scrolled.x / 40.0, scrolled.y / 40.0], held(modifiers)));
         }
         if pinched != 1.0 {
             viewer.handle(Event::Pinched(pinched));

@@ -23,7 +23,7 @@ pub use error::RenderError;
 pub use gpu::Gpu;
 pub use picture::Picture;
 
-use crate::state::viewer::{MAX_SOURCES, Tone, Viewer};
+use crate::state::viewer::{MAX_SOURCES, Message, Tone, Viewer};
 use canvas::Canvas;
 use counters::Readings;
 use drawing::Drawing;
@@ -128,13 +128,16 @@ impl Renderer {
             match self.draw(viewer) {
                 Ok(is_drawn) => return is_drawn,
                 Err(error) => {
-                    viewer.message = Some((Tone::Error, error.to_string()));
-                    let RenderError::Body { index, .. } = error else {
+                    let index = if let RenderError::Body { index, .. } = error { Some(index) } else { None };
+                    if let Some(index) = index {
+                        viewer.remove_body(index);
+                    }
+                    viewer.message = Some(Message::new(Tone::Error, error.to_string()));
+                    if index.is_none() {
                         // The same state would fail again.
                         self.drawn = Some(Drawn::of(viewer));
                         return false;
-                    };
-                    viewer.remove_body(index);
+                    }
                 }
             }
         }

@@ -6,7 +6,7 @@ use rimline_picture::Mode;
 use super::keys::Action;
 use super::lamp::Lamp;
 use super::options::COUNTINGS;
-use super::viewer::{MAX_LAMPS, Request, Tone, Viewer};
+use super::viewer::{MAX_LAMPS, Message, Request, Tone, Viewer};
 
 /// Degrees for each press of a key.
 const STEP: f32 = 6.0;
@@ -93,9 +93,9 @@ impl Viewer {
         match cameras.get(next) {
             Some((name, orbit)) => {
                 self.orbit = *orbit;
-                self.message = Some((Tone::Note, format!("camera {name}")));
+                self.message = Some(Message::new(Tone::Note, format!("camera {name}")));
             }
-            None => self.message = Some((Tone::Note, "these models have no cameras".to_owned())),
+            None => self.message = Some(Message::new(Tone::Note, "these models have no cameras")),
         }
     }
 
@@ -113,7 +113,8 @@ impl Viewer {
 
     fn add_lamp(&mut self) {
         if self.lamps.len() >= MAX_LAMPS {
-            self.message = Some((Tone::Error, format!("the viewer has at most {MAX_LAMPS} lights; remove one first")));
+            let text = format!("the viewer has at most {MAX_LAMPS} lights; remove one first");
+            self.message = Some(Message::new(Tone::Error, text));
             return;
         }
         self.lamps.push(Lamp::around(&self.bounds(), self.lamps.len()));

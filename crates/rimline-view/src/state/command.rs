@@ -2,36 +2,80 @@
 
 use std::fmt::Write as _;
 
+use rimline_files::Up;
+use rimline_picture::Mode;
+
+use super::body::Body;
 use super::lamp::{AREA_SAMPLES, Lamp, LampKind};
 use super::options::counting_name;
 use super::viewer::Viewer;
-use rimline_picture::Mode;
 
 impl Viewer {
+    fn verb(&self) -> &'static str {
+        match (self.options.shadows, self.options.overlays.creases) {
+            (false, true) => "lines",
+            // It takes one file.
+            (false, false) if self.bodies.len() == 1 => "draw",
+            _ => "shadow",
+        }
+    }
+
+    /// What this view shows otherwise than the picture of [`Self::command`], in words.
+    pub fn not_in_command(&self) -> Vec<String> {
+        let (options, verb) = (&self.options, self.verb());
+        let is_shaded = verb == "shadow";
+        let shown = &options.overlays;
+        let differs = [
+            (is_shaded && !options.shadows, "shadows off"),
+            (verb != "lines" && !options.ground, "ground off"),
+            (!is_shaded, "lights"),
+            (verb == "lines" && options.colors, "colours"),
+            (verb != "lines" && !options.smooth, "flat faces"),
+            (is_shaded && shown.silhouettes, "silhouettes"),
+            (shown.light_silhouettes, "silhouettes of the lights"),
+            (!is_shaded && shown.volumes, "volumes"),
+            (shown.caps, "light caps"),
+            (verb != "lines" && shown.boundary, "boundary"),
+            (shown.non_manifold, "non-manifold edges"),
+            (verb != "lines" && shown.creases, "creases"),
+            (shown.exact, "faces decided exactly"),
+            (shown.boxes, "boxes"),
+        ];
+        let differs = differs.into_iter().filter(|(is_so, _)| *is_so).map(|(_, what)| what.to_owned());
+        // `--animation` plays the animation with one number in each file that has it.
+        let played = self.played();
+        let is_other = |body: &&Body| body.animation != played.filter(|&index| index < body.animations().len());
+        let still = self.bodies.iter().filter(is_other).map(|body| match body.animation {
+            Some(index) => format!("animation {index} of {}", body.name),
+            None => format!("{} at rest", body.name),
+        });
+        differs.chain(still).collect()
+    }
+
+    /// The animation that the command names: that of the first model that moves.
+    fn played(&self) -> Option<usize> {
+        self.bodies.iter().find(|body| body.duration() > 0.0)?.animation
+    }
+
     /// The command line that draws this view: `rimline shadow`, or without shadows `draw` or `lines`.
     pub fn command(&self) -> String {
-        let options = &self.options;
-        let verb = match (options.shadows, options.overlays.creases) {
-            (true, _) => "shadow",
-            (false, true) => "lines",
-            (false, false) => "draw",
-        };
+        let (options, verb) = (&self.options, self.verb());
         let mut line = format!("rimline {verb}");
-        let files = self.bodies.iter().map(|body| body.file.as_deref().unwrap_or("FILE"));
-        // `draw` takes one file.
-        for file in files.take(if verb == "draw" { 1 } else { usize::MAX }) {
-            let _ = write!(line, " {}", quoted(file));
+        let files = self.bodies.iter().filter_map(|body| body.file.as_deref());
+        files.for_each(|file| line += &format!(" {}", quoted(file)));
+        if self.is_built_in() {
+            line += " FILE";
+        }
+        if self.up == Up::Z {
+            line += " --up z";
         }
         let moved = |point: glam::Vec3| {
             let origin = self.origin.to_array();
             let [x, y, z] = [0, 1, 2].map(|axis| f64::from(point[axis]) + origin[axis]);
             if origin == [0.0; 3] { format!("{},{},{}", point.x, point.y, point.z) } else { format!("{x},{y},{z}") }
         };
-        if let Some(body) = self.bodies.iter().find(|body| body.duration() > 0.0) {
-            if let Some(index) = body.animation {
-                let _ = write!(line, " --animation {index}");
-            }
-            let _ = write!(line, " --time {}", self.clock.seconds);
+        if let Some(index) = self.played() {
+            let _ = write!(line, " --animation {index} --time {}", self.clock.seconds);
         }
         let orbit = &self.orbit;
         let [width, height] = self.size();
@@ -91,6 +135,91 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::quoted;
+    use crate::state::event::Event;
+    use crate::state::keys::Action;
+    use crate::state::viewer::Viewer;
+
+    fn block(name: &str) -> (String, rimline_files::File) {
+        let cube = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let options = rimline_files::ReadOptions::default();
+        let file = rimline_files::read_bytes(cube, Some(std::path::Path::new("a.obj")), &options);
+        (name.to_owned(), file.expect("a triangle"))
+    }
+
+    fn viewer(files: usize) -> Viewer {
+        let mut viewer = Viewer::new(crate::scenes::moebius().expect("a band"));
+        for number in 0..files {
+            let (name, file) = block(&format!("{number}.obj"));
+            viewer.open(&name, name.clone(), Ok(file));
+        }
+        viewer
+    }
+
+    #[test]
+    fn all_files_are_in_the_line_and_the_message_says_what_is_not() {
+        let mut viewer = viewer(2);
+        assert!(viewer.command().starts_with("rimline shadow 0.obj 1.obj --eye "), "{}", viewer.command());
+        assert!(viewer.not_in_command().is_empty(), "{:?}", viewer.not_in_command());
+        for action in [Action::Shadows, Action::Smooth, Action::Silhouettes, Action::Ground] {
+            viewer.handle(Event::Acted(action));
+        }
+        // `draw` would take one file.
+        assert!(viewer.command().starts_with("rimline shadow 0.obj 1.obj --eye "), "{}", viewer.command());
+        viewer.handle(Event::Copied("copied".into(), viewer.command()));
+        let message = viewer.message.as_ref().expect("it was copied");
+        assert_eq!(message.text, "copied; not in it: shadows off, ground off, flat faces, silhouettes");
+        assert_eq!(message.details, viewer.command());
+        viewer.remove_body(1);
+        assert!(viewer.message.is_none(), "the message is of the models before");
+        assert!(viewer.command().starts_with("rimline draw 0.obj --eye "), "{}", viewer.command());
+        assert_eq!(viewer.not_in_command(), ["ground off", "lights", "flat faces"]);
+        viewer.up = rimline_files::Up::Z;
+        assert!(viewer.command().starts_with("rimline draw 0.obj --up z --eye "), "{}", viewer.command());
+        viewer.up = rimline_files::Up::Y;
+        viewer.handle(Event::Acted(Action::Creases));
+        assert!(viewer.command().starts_with("rimline lines 0.obj --eye "), "{}", viewer.command());
+    }
+
+    #[test]
+    fn an_animation_of_another_number_is_not_in_the_line() {
+        let mut viewer = Viewer::new(crate::scenes::walking_figure().expect("a figure"));
+        assert!(viewer.command().contains(" --animation 0 --time 0 "), "{}", viewer.command());
+        let more = crate::scenes::walking_figure().expect("a figure");
+        viewer.bodies.extend(more);
+        assert!(viewer.not_in_command().is_empty(), "{:?}", viewer.not_in_command());
+        viewer.play(1, None);
+        assert_eq!(viewer.not_in_command(), ["Walking figure at rest"]);
+        viewer.handle(Event::Copied("copied".into(), viewer.command()));
+        let text = &viewer.message.as_ref().expect("it was copied").text;
+        assert!(text.starts_with("copied; a built-in scene has no file"), "{text}");
+        assert_eq!(viewer.command().matches("FILE").count(), 1);
+    }
+
+    #[test]
+    fn a_second_file_keeps_what_the_user_changed() {
+        let mut viewer = viewer(1);
+        viewer.handle(Event::Acted(Action::TurnLeft));
+        viewer.handle(Event::Acted(Action::LightUp));
+        let (orbit, lamps) = (viewer.orbit, viewer.lamps.clone());
+        let (name, file) = block("second.obj");
+        viewer.open(&name, name.clone(), Ok(file));
+        assert!(viewer.orbit == orbit && viewer.lamps == lamps && viewer.bodies.len() == 2);
+        // They are there again after all built-in scenes.
+        let mut scene = 0;
+        for _ in crate::scenes::ALL {
+            crate::scenes::show_next(&mut viewer, &mut scene);
+            assert!(viewer.is_built_in());
+        }
+        crate::scenes::show_next(&mut viewer, &mut scene);
+        assert!(!viewer.is_built_in() && viewer.orbit == orbit && viewer.lamps == lamps && viewer.bodies.len() == 2);
+        // A file that is dropped on a built-in scene joins the others.
+        crate::scenes::show_next(&mut viewer, &mut scene);
+        let (name, file) = block("third.obj");
+        viewer.open(&name, name.clone(), Ok(file));
+        assert!(viewer.lamps == lamps && viewer.bodies.len() == 3);
+        (0..3).for_each(|_| viewer.remove_body(0));
+        assert!(viewer.bodies.is_empty() && !viewer.is_built_in());
+    }
 
     #[test]
     fn words_are_quoted_for_a_shell() {

@@ -49,6 +49,8 @@ pub enum Event {
     Opened(Result<Box<Body>, (String, String)>),
     /// The scene was replaced, by models of the viewer's own.
     Replaced(Vec<Body>),
+    /// The command line of the view was copied, or what became of it instead, in words: it and the line.
+    Copied(String, String),
     /// Something else to tell the user.
     Message(String),
 }

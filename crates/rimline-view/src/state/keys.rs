@@ -83,7 +83,7 @@ pub const KEYS: [KeyBinding; 48] = {
         key(K::F1, Action::Help, "this list; ? too"),
         key(K::Tab, Action::Panel, "show or hide the panel"),
         key(K::O, Action::OpenFile, "open files"),
-        key(K::N, Action::NextScene, "next built-in scene"),
+        key(K::N, Action::NextScene, "next scene: built-in ones, your files"),
         key(K::R, Action::ResetCamera, "show everything"),
         key(K::V, Action::NextCamera, "next camera of the files"),
         key(K::ArrowLeft, Action::TurnLeft, "turn left"),
@@ -151,8 +151,12 @@ pub(crate) fn key_of(action: Action) -> String {
 impl KeyBinding {
     /// The key in words.
     pub fn name(&self) -> String {
-        // The fonts lack egui's symbols of arrows.
-        let key = self.key.name().strip_prefix("Arrow").unwrap_or(self.key.symbol_or_name());
+        use egui::Key as K;
+        let key = match self.key {
+            // The fonts lack egui's symbols of arrows.
+            K::ArrowLeft | K::ArrowRight | K::ArrowUp | K::ArrowDown => self.key.name(),
+            key => key.symbol_or_name(),
+        };
         if self.shift { format!("Shift {key}") } else { key.to_owned() }
     }
 }
@@ -160,6 +164,19 @@ impl KeyBinding {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_fonts_have_the_names_of_all_keys() {
+        let context = egui::Context::default();
+        let mut output = context.run_ui(egui::RawInput::default(), |_| {});
+        // egui panics where textures that were never painted are dropped.
+        output.textures_delta.clear();
+        for binding in &KEYS {
+            let name = binding.name();
+            let is_drawn = context.fonts_mut(|fonts| fonts.has_glyphs(&egui::FontId::default(), &name));
+            assert!(is_drawn, "{name}: {}", binding.what);
+        }
+    }
 
     #[test]
     fn no_key_has_two_meanings() {

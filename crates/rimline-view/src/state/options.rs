@@ -20,7 +20,7 @@ pub struct Overlays {
     pub boundary: bool,
     /// Edges of more than two faces, and of faces that run opposite ways.
     pub non_manifold: bool,
-    /// Edges between faces that meet at more than 30°.
+    /// Edges between faces that meet at more than 33°.
     pub creases: bool,
     /// Edges of faces whose side some light leaves to exact arithmetic.
     pub exact: bool,

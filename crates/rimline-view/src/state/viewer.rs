@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use rimline::Origin;
 use rimline::gltf::SceneCamera;
+use rimline_files::Up;
 use rimline_picture::{Bounds, Mode};
 
 use super::body::Body;
@@ -45,6 +46,34 @@ pub enum Tone {
     Error,
 }
 
+/// A message for the user.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// Whether it is about a failure.
+    pub tone: Tone,
+    /// A sentence.
+    pub text: String,
+    /// What is shown while the pointer is on it. Empty: nothing.
+    pub details: String,
+}
+
+impl Message {
+    /// A message without details.
+    pub fn new(tone: Tone, text: impl Into<String>) -> Self {
+        Self { tone, text: text.into(), details: String::new() }
+    }
+}
+
+/// Models of files, and what belongs to them, while a built-in scene is shown.
+#[derive(Debug)]
+struct Own {
+    bodies: Vec<Body>,
+    lamps: Vec<Lamp>,
+    orbit: Orbit,
+    origin: Origin,
+    arranged: (Vec<Lamp>, Orbit),
+}
+
 /// The state of the viewer.
 #[derive(Debug)]
 pub struct Viewer {
@@ -63,13 +92,15 @@ pub struct Viewer {
     /// The handle that the pointer is on.
     pub hovered: Option<Handle>,
     /// A message for the user.
-    pub message: Option<(Tone, String)>,
+    pub message: Option<Message>,
     /// Whether the panel is shown.
     pub shows_panel: bool,
     /// Whether the list of keys is shown.
     pub shows_help: bool,
     /// The origin of models with large coordinates.
     pub origin: Origin,
+    /// The axis that is up in files that do not say it, for those that are read from now on.
+    pub up: Up,
     /// How near to a handle the pointer drags it, in pixels.
     pub handle_radius: f32,
     /// Requests to the shell, which takes them out.
@@ -80,15 +111,19 @@ pub struct Viewer {
     pub(super) drag: Option<Drag>,
     /// Whether models of the viewer's own are shown, which those of files replace.
     is_built_in: bool,
+    /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added.
+    arranged: (Vec<Lamp>, Orbit),
+    own: Option<Own>,
 }
 
 impl Viewer {
     /// Shows these models, with three lights around them.
     pub fn new(bodies: Vec<Body>) -> Self {
+        let orbit = Orbit { target: Vec3::ZERO, azimuth: 0.0, elevation: 0.0, distance: 1.0, fov: 35.0 };
         let mut viewer = Self {
             bodies: Vec::new(),
             lamps: Vec::new(),
-            orbit: Orbit { target: Vec3::ZERO, azimuth: 0.0, elevation: 0.0, distance: 1.0, fov: 35.0 },
+            orbit,
             options: Options::default(),
             clock: Clock::default(),
             selected: Some(0),
@@ -97,6 +132,7 @@ impl Viewer {
             shows_panel: true,
             shows_help: false,
             origin: Origin::ZERO,
+            up: Up::Y,
             handle_radius: 16.0,
             requests: Vec::new(),
             size: [1280, 800],
@@ -104,6 +140,8 @@ impl Viewer {
             pointer: Vec2::ZERO,
             drag: None,
             is_built_in: true,
+            arranged: (Vec::new(), orbit),
+            own: None,
         };
         viewer.replace(bodies);
         viewer
@@ -169,12 +207,34 @@ impl Viewer {
         self.drag.is_some()
     }
 
-    /// Takes a model out, as one that the device has no room for.
+    /// Takes a model out.
     pub fn remove_body(&mut self, index: usize) {
         if index < self.bodies.len() {
             self.bodies.remove(index);
             self.generation += 1;
+            self.message = None;
         }
+    }
+
+    /// Whether a built-in scene is shown.
+    pub fn is_built_in(&self) -> bool {
+        self.is_built_in
+    }
+
+    /// Shows the models of files again that a built-in scene replaced. Returns whether there are any.
+    pub(crate) fn show_own(&mut self) -> bool {
+        let Some(own) = self.own.take() else { return false };
+        (self.bodies, self.lamps, self.orbit) = (own.bodies, own.lamps, own.orbit);
+        (self.origin, self.arranged) = (own.origin, own.arranged);
+        self.is_built_in = false;
+        self.begin();
+        true
+    }
+
+    /// The origin of the models of files, if there are any.
+    pub(super) fn own_origin(&self) -> Option<Origin> {
+        let own = self.own.as_ref().map(|own| own.origin);
+        own.or_else(|| self.bodies.iter().any(|body| body.file.is_some()).then_some(self.origin))
     }
 
     /// Lets another animation of a model play, or none.
@@ -199,42 +259,81 @@ impl Viewer {
             Event::Flown(by, seconds) => self.orbit.shift(Vec3::from(by) * 0.7 * seconds * self.bounds().extent()),
             Event::Passed(seconds) => self.clock.advance(seconds, self.duration()),
             Event::Opened(Ok(body)) => self.add(*body),
-            Event::Opened(Err((name, why))) => self.message = Some((Tone::Error, format!("{name}: {why}"))),
+            Event::Opened(Err((name, why))) => {
+                self.message = Some(Message::new(Tone::Error, format!("{name}: {why}")));
+            }
             Event::Replaced(bodies) => self.replace(bodies),
-            Event::Message(text) => self.message = Some((Tone::Note, text)),
+            Event::Copied(how, line) => self.copied(how, line),
+            Event::Message(text) => self.message = Some(Message::new(Tone::Note, text)),
         }
     }
 
     fn replace(&mut self, bodies: Vec<Body>) {
-        self.bodies = bodies;
+        let bodies = std::mem::replace(&mut self.bodies, bodies);
+        if !self.is_built_in && !bodies.is_empty() {
+            let (lamps, arranged) = (std::mem::take(&mut self.lamps), self.arranged.clone());
+            self.own = Some(Own { bodies, lamps, orbit: self.orbit, origin: self.origin, arranged });
+        }
         self.is_built_in = true;
         self.origin = Origin::ZERO;
         self.arrange();
+        self.begin();
     }
 
-    /// Adds a model of a file. The first one takes the place of models of the viewer's own.
+    /// Adds a model of a file. Models of files take the place of those of the viewer's own.
     fn add(&mut self, body: Body) {
-        if self.is_built_in {
+        if self.is_built_in && !self.show_own() {
             self.bodies.clear();
         }
         self.is_built_in = false;
-        self.message = Some((Tone::Note, format!("{}: {} faces", body.name, body.report().faces)));
+        let text = format!("{}: {} faces", body.name, body.report().faces);
         self.bodies.push(body);
+        let (lamps, orbit) = (self.lamps.clone(), self.orbit);
+        let is_first = self.bodies.len() == 1;
+        let (keeps_lamps, keeps_orbit) = (!is_first && lamps != self.arranged.0, !is_first && orbit != self.arranged.1);
         self.arrange();
+        self.begin();
+        if keeps_lamps {
+            self.lamps = lamps;
+        }
+        if keeps_orbit {
+            self.orbit = orbit;
+        }
+        self.message = Some(Message::new(Tone::Note, text));
+    }
+
+    /// Other models are shown: what belongs to those before ends.
+    fn begin(&mut self) {
+        self.generation += 1;
+        self.drag = None;
+        self.clock.seconds = 0.0;
+        self.selected = Some(0);
+        self.hovered = None;
+        self.message = None;
     }
 
     /// Places camera and lights for new models.
     fn arrange(&mut self) {
-        self.generation += 1;
-        self.drag = None;
-        self.clock.seconds = 0.0;
         let bounds = self.bounds();
         self.lamps = self.bodies.first().map_or_else(Vec::new, |body| lamps_of(body, &bounds));
         if self.lamps.is_empty() {
             self.lamps = (0..3).map(|number| Lamp::around(&bounds, number)).collect();
         }
-        self.selected = Some(0);
         self.reset_camera();
+        self.arranged = (self.lamps.clone(), self.orbit);
+    }
+
+    /// Says that the command line was copied, and what it lacks.
+    fn copied(&mut self, how: String, details: String) {
+        let mut text = how;
+        if self.is_built_in {
+            text += "; a built-in scene has no file: put one in the place of FILE";
+        }
+        let lacking = self.not_in_command();
+        if !lacking.is_empty() {
+            text += &format!("; not in it: {}", lacking.join(", "));
+        }
+        self.message = Some(Message { tone: Tone::Note, text, details });
     }
 
     pub(super) fn reset_camera(&mut self) {

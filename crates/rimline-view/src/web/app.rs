@@ -235,10 +235,16 @@ impl App {
 
     /// Writes the viewer's message into the page, for screen readers.
     fn speak(&mut self) {
-        let message = self.viewer.message.as_ref().map_or("", |(_, message)| message);
-        if message != self.said {
-            self.said = message.to_owned();
-            self.page.tell("said", message);
+        let said = self.viewer.message.as_ref().map_or_else(String::new, |message| {
+            if message.details.is_empty() {
+                message.text.clone()
+            } else {
+                format!("{}: {}", message.text, message.details)
+            }
+        });
+        if said != self.said {
+            self.page.tell("said", &said);
+            self.said = said;
         }
     }
 }
@@ -264,8 +270,8 @@ fn fulfil(app: &Shared, request: Request) {
             scenes::show_next(viewer, scene);
         }
         Request::Copy(line) => wasm_bindgen_futures::spawn_local(async move {
-            let said = if page.copy(&line).await { "copied" } else { "no clipboard; it is" };
-            tell(Event::Message(format!("{said}: {line}")));
+            let how = if page.copy(&line).await { "copied" } else { "no clipboard; the line is here" };
+            tell(Event::Copied(how.into(), line));
         }),
         Request::Screenshot { scale } => {
             let picture = {

@@ -113,7 +113,7 @@ fn session() -> Result<(), String> {
         "bad.glb".into(),
         read_bytes(b"this is no model", Some(Path::new("bad.glb")), &ReadOptions::default()),
     );
-    let message = viewer.message.as_ref().map(|(_, message)| message.as_str());
+    let message = viewer.message.as_ref().map(|message| message.text.as_str());
     expect(message == Some(said.as_str()), format!("`{said}` instead of {message:?}"))?;
     browser.press("g")?;
     let without = screenshot(&mut browser, 4)?;

@@ -4,13 +4,14 @@ use std::time::Duration;
 
 use egui::{Event as Heard, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use rimline_testkit::harness::Test;
-use rimline_view::{Event, Handle, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
+use rimline_view::{Event, Handle, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
 
 use crate::support::{Outcome, handle, hold, say, viewer};
 
-pub(crate) const TESTS: [Test; 4] = [
+pub(crate) const TESTS: [Test; 5] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
     ("the pointer drags a light on the picture", the_pointer_drags_a_light),
+    ("what the pointer does within one frame has its order", a_frame_of_many_events),
     ("keys do what the list says", keys),
     ("a bad file gives a message and the viewer goes on", a_bad_file),
 ];
@@ -112,13 +113,42 @@ fn the_pointer_drags_a_light() -> Outcome {
     hold(stage.viewer.orbit != orbit, "the camera does not turn")
 }
 
+fn a_frame_of_many_events() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    let (at, orbit) = (handle(&stage.viewer, 1)?, stage.viewer.orbit);
+    let (from, to, past) = (pos2(at.x, at.y), pos2(at.x - 60.0, at.y + 25.0), pos2(at.x - 200.0, at.y + 90.0));
+    let is_at = |viewer: &Viewer, to: Pos2| {
+        let there = handle(viewer, 1)?;
+        hold((there.x - to.x).hypot(there.y - to.y) < 1.0, format!("the handle is at {there}, not {to}"))
+    };
+    // The move after the release is not the light's.
+    stage.run(vec![Heard::PointerMoved(from), button(from, true)]);
+    stage.run(vec![Heard::PointerMoved(to), button(to, false), Heard::PointerMoved(past)]);
+    is_at(&stage.viewer, to)?;
+    hold(!stage.viewer.is_dragging(), "it is not let go")?;
+    // All of a drag, and the press of the next.
+    let moved = |to| Heard::PointerMoved(to);
+    stage.run(vec![moved(to), button(to, true), moved(from), button(from, false), moved(past)]);
+    is_at(&stage.viewer, from)?;
+    stage.run(vec![moved(from), button(from, true)]);
+    stage.run(vec![moved(to), button(to, false), moved(past), button(past, true)]);
+    is_at(&stage.viewer, to)?;
+    hold(stage.viewer.orbit == orbit && stage.viewer.is_dragging(), "the camera turned before the second drag moved")?;
+    // A press on the panel is not one on the picture behind.
+    stage.run(vec![button(past, false)]);
+    let on_panel = pos2(SIZE[0] as f32 - 20.0, 300.0);
+    stage.run(vec![moved(on_panel), button(on_panel, true), moved(past), button(past, false)]);
+    hold(stage.viewer.orbit == orbit && !stage.viewer.is_dragging(), "the panel turns the camera")
+}
+
 fn keys() -> Outcome {
     let mut stage = Stage::new(scenes::walking_figure)?;
     stage.settle()?;
     for binding in &rimline_view::KEYS {
         let modifiers = if binding.shift { Modifiers::SHIFT } else { Modifiers::NONE };
         stage.run(vec![key(binding.key, modifiers)]);
-        hold(stage.viewer.message.as_ref().is_none_or(|(tone, _)| *tone == Tone::Note), binding.what)?;
+        hold(stage.viewer.message.as_ref().is_none_or(|message| message.tone == Tone::Note), binding.what)?;
     }
     let has = |request: &Request| stage.viewer.requests.contains(request);
     hold(has(&Request::OpenFiles) && has(&Request::Screenshot { scale: 4 }), "a request is missing")?;
@@ -136,7 +166,7 @@ fn a_bad_file() -> Outcome {
     let pictures = stage.renderer.pictures();
     stage.viewer.handle(Event::Opened(Err(("bad.glb".into(), "it is no glTF".into()))));
     stage.settle()?;
-    hold(stage.viewer.message == Some((Tone::Error, "bad.glb: it is no glTF".into())), "no message")?;
+    hold(stage.viewer.message == Some(Message::new(Tone::Error, "bad.glb: it is no glTF")), "no message")?;
     hold(stage.viewer.bodies.len() == 5 && stage.renderer.pictures() == pictures, "the scene changed")?;
     stage.run(vec![key(Key::ArrowLeft, Modifiers::NONE)]);
     hold(stage.renderer.pictures() == pictures + 1, "the viewer does not go on")

@@ -80,6 +80,21 @@ impl Display {
         Err("no window appeared".into())
     }
 
+    pub(crate) fn title(&self, window: Window) -> Result<String, String> {
+        let atom = |name: &[u8]| -> Result<_, String> {
+            Ok(self.connection.intern_atom(false, name).map_err(say)?.reply().map_err(say)?.atom)
+        };
+        let (name, kind) = (atom(b"_NET_WM_NAME")?, atom(b"UTF8_STRING")?);
+        let property = self.connection.get_property(false, window, name, kind, 0, 1000).map_err(say)?;
+        Ok(String::from_utf8_lossy(&property.reply().map_err(say)?.value).into_owned())
+    }
+
+    /// Whether somebody offers a text to paste.
+    pub(crate) fn has_clipboard(&self) -> Result<bool, String> {
+        let atom = self.connection.intern_atom(false, b"CLIPBOARD").map_err(say)?.reply().map_err(say)?.atom;
+        Ok(self.connection.get_selection_owner(atom).map_err(say)?.reply().map_err(say)?.owner != x11rb::NONE)
+    }
+
     pub(crate) fn resize(&self, window: Window, [width, height]: [u32; 2]) -> Result<(), String> {
         let change = x11rb::protocol::xproto::ConfigureWindowAux::new().width(width).height(height);
         self.connection.configure_window(window, &change).map_err(say)?;

@@ -10,10 +10,15 @@ use crate::display::Display;
 
 type Test = (&'static str, fn() -> Result<(), String>);
 
-pub(crate) const TESTS: [Test; 2] = [
+pub(crate) const TESTS: [Test; 4] = [
     ("a window opens, and a light is dragged, overlays switched, a picture taken", a_session),
     ("without a display there is a clear error", without_a_display),
+    ("without a GPU there is a clear error", without_a_gpu),
+    ("without a file that can be shown there is no window", without_a_file),
 ];
+
+const BLOCK: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+    f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 /// A software driver on a busy machine compiles for long.
 const PATIENCE: Duration = Duration::from_secs(75);
@@ -56,9 +61,11 @@ fn picture(folder: &Path, number: usize, child: &mut Child) -> Result<Vec<u8>, S
 fn a_session() -> Result<(), String> {
     let display = Display::start()?;
     let folder = tempfile::tempdir().map_err(say)?;
-    let bad = folder.path().join("bad.glb");
-    fs::write(&bad, "this is no model").map_err(say)?;
-    let mut child = viewer(folder.path()).arg(&bad).env("DISPLAY", &display.name).spawn().map_err(say)?;
+    for (name, text) in [("bad.glb", "this is no model"), ("block.obj", BLOCK)] {
+        fs::write(folder.path().join(name), text).map_err(say)?;
+    }
+    let mut command = viewer(folder.path());
+    let mut child = command.args(["bad.glb", "block.obj"]).env("DISPLAY", &display.name).spawn().map_err(say)?;
     let outcome = steps(&display, folder.path(), &mut child);
     if outcome.is_err() {
         let _ = child.kill();
@@ -66,6 +73,9 @@ fn a_session() -> Result<(), String> {
     let output = child.wait_with_output().map_err(say)?;
     let said = String::from_utf8_lossy(&output.stderr);
     outcome.map_err(|error| format!("{error}\n{said}"))?;
+    if !said.contains("rimline: bad.glb: ") {
+        return Err(format!("nothing is said of the bad file: {said}"));
+    }
     if !output.status.success() || said.to_lowercase().contains("validation") || said.contains("panicked") {
         return Err(format!("{}: {said}", output.status));
     }
@@ -82,6 +92,23 @@ fn steps(display: &Display, folder: &Path, child: &mut Child) -> Result<(), Stri
         picture(folder, number, child)
     };
     take(child)?;
+    let title = display.title(window)?;
+    if title != "block.obj – Rimline" {
+        return Err(format!("the title is `{title}`"));
+    }
+    // The text is there as long as the window has it.
+    display.press(window, u32::from('c'))?;
+    let until = Instant::now() + PATIENCE;
+    while !display.has_clipboard()? {
+        if Instant::now() > until {
+            return Err("nothing is on the clipboard".into());
+        }
+        sleep(Duration::from_millis(50));
+    }
+    sleep(Duration::from_millis(300));
+    if !display.has_clipboard()? {
+        return Err("the clipboard was emptied".into());
+    }
     display.press(window, u32::from(' '))?;
     let still = take(child)?;
     if take(child)? != still {
@@ -123,7 +150,32 @@ fn without_a_display() -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(say)?;
     let output = viewer(folder.path()).output().map_err(say)?;
     let said = String::from_utf8_lossy(&output.stderr);
-    if output.status.success() || !said.contains("`rimline shadow`") || !said.contains("no display") {
+    let is_clear = said.contains("`rimline shadow`") && said.contains("no display") && !said.contains(".rs:");
+    if output.status.success() || !is_clear {
+        return Err(format!("{}: {said}", output.status));
+    }
+    Ok(())
+}
+
+fn without_a_gpu() -> Result<(), String> {
+    let (display, folder) = (Display::start()?, tempfile::tempdir().map_err(say)?);
+    let hidden =
+        viewer(folder.path()).env("DISPLAY", &display.name).env("WGPU_BACKEND", "noop").output().map_err(say)?;
+    let said = String::from_utf8_lossy(&hidden.stderr);
+    if hidden.status.success() || !said.contains("no GPU was found") {
+        return Err(format!("{}: {said}", hidden.status));
+    }
+    Ok(())
+}
+
+fn without_a_file() -> Result<(), String> {
+    let folder = tempfile::tempdir().map_err(say)?;
+    fs::write(folder.path().join("empty.obj"), "").map_err(say)?;
+    let output = viewer(folder.path()).args(["nope.obj", "empty.obj", "."]).output().map_err(say)?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    let are_named = ["rimline: nope.obj: ", "rimline: empty.obj: ", "no file can be shown"];
+    // There is no display, either: files come first.
+    if output.status.success() || said.contains("no display") || !are_named.iter().all(|part| said.contains(part)) {
         return Err(format!("{}: {said}", output.status));
     }
     Ok(())
