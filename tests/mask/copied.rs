@@ -31,17 +31,16 @@ const READ: &str = "
 @group(0) @binding(0) var map: TEXTURE;
 @group(0) @binding(1) var<storage, read_write> values: array<u32>;
 @compute @workgroup_size(8, 8) fn read(@builtin(global_invocation_id) id: vec3<u32>) {
-  values[id.x + 1024u * id.y] = bitcast<u32>(textureLoad(map, id.xy, LAST).x);
+  values[id.x + 1024u * id.y] = bitcast<u32>(textureLoad(map, id.xy, LAST));
 }
 ";
 
 /// The bits of the last sample of each pixel.
 fn read(gpu: &Gpu, map: &wgpu::Texture) -> Result<Vec<u32>, String> {
     let samples = map.sample_count();
-    let ty = if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
+    let ty = if samples > 1 { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
     let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
-    let floats = wgpu::TextureSampleType::Float { filterable: false };
-    let kernel = TexelKernel::new(&gpu.device, ("read", &source), floats, samples > 1);
+    let kernel = TexelKernel::new(&gpu.device, "read", &source);
     let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
     let group = kernel.group(&gpu.device, &depth_view(map), &values);
     gpu.submit(|encoder| {

@@ -25,7 +25,6 @@ use crate::shadow::posed_model::PosedModel;
 use crate::shadow::render_resources::RenderResources;
 use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu};
 use crate::shadow::shadows::ShadowMethod;
-use crate::shown::Line;
 use crate::target::Inputs;
 use clip::Clip;
 use folder::Frames;

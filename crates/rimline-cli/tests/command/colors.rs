@@ -1,5 +1,6 @@
 //! Base colours of models in pictures.
 
+use super::facts::without_text;
 use super::run::folder;
 use super::{Outcome, Test, ensure};
 
@@ -32,7 +33,7 @@ fn pictures() -> Outcome {
         };
         let drawn = |file: &str, options: &str| -> Result<(Vec<u8>, usize), String> {
             picture(file, options)?;
-            Ok((folder.read(out)?, folder.image(out)?.count_pixels(is_red)?))
+            Ok((without_text(&folder.read(out)?), folder.image(out)?.count_pixels(is_red)?))
         };
         let (clay, none) = drawn("clay.obj", "")?;
         ensure!(none == 0, "{command}: {none} pixels of clay are red");

@@ -136,8 +136,23 @@ fn names(folder: &Folder, file: &str) -> Result<Vec<String>, String> {
 fn bytes(folder: &Folder, name: &str) -> Result<Vec<u8>, String> {
     match name.split_once(':') {
         Some((file, name)) => Ok(entry(&folder.read(file)?, name)?.bytes),
+        None if name.ends_with(".png") => Ok(without_text(&folder.read(name)?)),
         None => folder.read(name),
     }
+}
+
+/// A PNG without its texts, which name a film.
+pub(crate) fn without_text(png: &[u8]) -> Vec<u8> {
+    let (head, mut rest) = png.split_at(png.len().min(8));
+    let mut kept = head.to_vec();
+    while let Some((&[a, b, c, d], after)) = rest.split_first_chunk::<4>() {
+        let size = rest.len().min(u32::from_be_bytes([a, b, c, d]) as usize + 12);
+        if !after.starts_with(b"tEXt") {
+            kept.extend(&rest[..size]);
+        }
+        rest = &rest[size..];
+    }
+    kept
 }
 
 fn array(folder: &Folder, words: &[&str]) -> Outcome {

@@ -8,7 +8,7 @@ use rimline_lines::Object;
 use serde_json::Value;
 
 /// The angle of creases of the command's defaults.
-const CREASE_COSINE: f64 = 0.866_025_403_784_438_6;
+const CREASE_COSINE: f64 = 0.838_670_567_945_424;
 /// Signs and angles nearer to a change than this are left open.
 const DOUBT: f64 = 1e-9;
 
