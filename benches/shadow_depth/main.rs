@@ -29,14 +29,14 @@ fn main() -> Result<(), Error> {
             println!("faces {order}, points {title}");
             // A part of the points is enough for what is slow.
             let of = |part: usize| &points[..points.len() / if order == "shuffled" { 16 } else { part }];
-            compare(&gpu, &shape, [of(1), of(16)])?;
+            measure(&gpu, &shape, [of(1), of(16)])?;
         }
     }
     Ok(())
 }
 
 /// All points on the GPU, few without skipping and on the CPU.
-fn compare(gpu: &Gpu, shape: &Shape, [points, few]: [&[[f32; 3]]; 2]) -> Result<(), Error> {
+fn measure(gpu: &Gpu, shape: &Shape, [points, few]: [&[[f32; 3]]; 2]) -> Result<(), Error> {
     let (mesh, lights) = (shape.mesh()?, [Light::point([2.5, 1.5, 3.0])]);
     let on_gpu = |points: &[[f32; 3]], skip_by_boxes| -> Result<Contender<'_>, Error> {
         let (count, stopwatch) = (points.len() as u32, Stopwatch::new(gpu));

@@ -7,7 +7,6 @@
 // `counting_methods` culls volumes without a receiver. So no depth may be too near, and the box must not be too small.
 // docs/numerics/receivers.md, "Volumes without a receiver".
 
-#import common/casters
 #import common/order_keys
 #import shadow/receivers
 

@@ -7,7 +7,6 @@
 // `piece_crossings` add to the same rows.
 // Tests of boxes have slack, so no caster that the axis meets is missed. docs/numerics/receivers.md, "Bound on counts".
 
-#import common/casters
 #import common/order_keys
 #import shadow/caster
 #import shadow/choices

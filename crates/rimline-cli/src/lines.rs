@@ -155,7 +155,6 @@ fn options(args: &LinesArgs, eye: &Eye) -> LineOptions {
         window: sheet::taken(args, eye),
         memory_limit: Some(args.load.memory_limit),
         threads: Threads::all(),
-        ..LineOptions::default()
     }
 }
 

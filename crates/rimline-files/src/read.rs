@@ -173,7 +173,9 @@ fn of_arrays(arrays: npz::Arrays, taken: Polygons, options: &ReadOptions) -> Res
     let ReadOptions { weld, up, .. } = *options;
     let npz::Arrays { mut positions, mut faces, polygons, mut origin, mut colors } = arrays;
     if up != Up::Y {
-        positions.iter_mut().for_each(|position| *position = up.turned(*position));
+        for position in &mut positions {
+            *position = up.turned(*position);
+        }
         origin = Origin::new(up.turned(origin.to_array()));
     }
     match &polygons {

@@ -51,8 +51,8 @@ pub(super) struct Report {
 }
 
 struct Light {
-    /// In the files' coordinates.
-    light: Value,
+    /// The light in the files' coordinates.
+    given: Value,
     range: f32,
     color: [f32; 3],
     /// The numbers of its samples among those of all lights.
@@ -97,7 +97,7 @@ impl Report {
                 .iter()
                 .enumerate()
                 .map(|(number, shaded)| Light {
-                    light: coordinates::light(&shaded.light, origin),
+                    given: coordinates::light(&shaded.light, origin),
                     range: shaded.range,
                     color: shaded.color,
                     samples: set.samples_of(number),
@@ -113,7 +113,7 @@ impl Report {
     /// Keys are stable: they are only ever added to.
     pub(super) fn json(&self, args: &ShadowSceneArgs, times: &Times) -> String {
         let light = |(number, of_light): (usize, &Light)| {
-            let Light { light, range, color, samples: of, has_area } = of_light;
+            let Light { given: light, range, color, samples: of, has_area } = of_light;
             let per_sample = |values: Vec<Value>| match (has_area, values.first()) {
                 (false, Some(one)) => one.clone(),
                 _ => values.into(),

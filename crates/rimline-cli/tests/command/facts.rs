@@ -134,11 +134,11 @@ fn names(folder: &Folder, file: &str) -> Result<Vec<String>, String> {
 
 /// The bytes of a file, or of one of its arrays.
 fn bytes(folder: &Folder, name: &str) -> Result<Vec<u8>, String> {
-    match name.split_once(':') {
-        Some((file, name)) => Ok(entry(&folder.read(file)?, name)?.bytes),
-        None if name.ends_with(".png") => Ok(without_text(&folder.read(name)?)),
-        None => folder.read(name),
+    if let Some((file, name)) = name.split_once(':') {
+        return Ok(entry(&folder.read(file)?, name)?.bytes);
     }
+    let bytes = folder.read(name)?;
+    Ok(if bytes.starts_with(b"\x89PNG") { without_text(&bytes) } else { bytes })
 }
 
 /// A PNG without its texts, which name a film.

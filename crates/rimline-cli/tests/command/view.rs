@@ -5,6 +5,7 @@ use std::process::Command;
 
 use rimline_files::{ReadOptions, read_bytes};
 use rimline_testkit::device::Gpu as Device;
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::shapes;
 use rimline_view::{Action, Event, Gpu, Lamp, LampKind, Mode, Renderer, Viewer, scenes};
 
@@ -17,18 +18,17 @@ pub(crate) const TESTS: &[Test] = &[("view::a_copied_command_draws_the_picture_o
 
 const SIZE: [u32; 2] = [320, 240];
 
+/// What a viewer shows, and what is done to it before.
+type State<'a> = (&'a str, &'a dyn Fn(&mut Viewer));
+
 /// Noise of half a step of 8 bits is added to darkness after and before the curve of sRGB, and by then is larger.
 const CHANNEL: u8 = 8;
 
-fn say(error: impl ToString) -> String {
-    error.to_string()
-}
-
 /// Channels of a screenshot of the viewer.
 fn screenshot(renderer: &mut Renderer, viewer: &Viewer) -> Result<Vec<u8>, String> {
-    let picture = renderer.screenshot(viewer, 1).map_err(say)?;
-    renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
-    Ok(pollster::block_on(picture).map_err(say)?.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect())
+    let picture = renderer.screenshot(viewer, 1).map_err(text)?;
+    renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(text)?;
+    Ok(pollster::block_on(picture).map_err(text)?.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect())
 }
 
 /// Channels of the picture that a command draws in a folder.
@@ -45,14 +45,14 @@ fn copied() -> Outcome {
     folder.write("torus.npz", &model)?;
     let device = Device::shared_with_depth_features()?;
     let gpu = Gpu::of(device.device.clone(), device.queue.clone(), device.name.clone(), true);
-    let mut renderer = Renderer::new(gpu).map_err(say)?;
-    let mut viewer = Viewer::new(scenes::moebius().map_err(say)?);
+    let mut renderer = Renderer::new(gpu).map_err(text)?;
+    let mut viewer = Viewer::new(scenes::moebius().map_err(text)?);
     viewer.handle(Event::Resized(SIZE));
     let file = read_bytes(&model, Some(Path::new("torus.npz")), &ReadOptions::default());
     viewer.open("torus.npz", "torus.npz".into(), file);
     let bounds = viewer.bounds();
     let spot = |viewer: &mut Viewer| viewer.lamps[0].set_spot(true, &bounds);
-    let states: [(&str, &dyn Fn(&mut Viewer)); 6] = [
+    let states: [State<'_>; 6] = [
         ("points", &|_| ()),
         ("volumes", &|viewer| viewer.handle(Event::Acted(Action::Volumes))),
         ("a spot", &|viewer| {

@@ -276,12 +276,13 @@ impl ApplicationHandler<Chosen> for App {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
-        match files {
-            Some(files) => files.iter().for_each(|file| self.open(file)),
-            None => {
-                self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into()));
-                self.redraw();
+        if let Some(files) = files {
+            for file in &files {
+                self.open(file);
             }
+        } else {
+            self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into()));
+            self.redraw();
         }
     }
 

@@ -62,7 +62,9 @@ impl Viewer {
         let (options, verb) = (&self.options, self.verb());
         let mut line = format!("rimline {verb}");
         let files = self.bodies.iter().filter_map(|body| body.file.as_deref());
-        files.for_each(|file| line += &format!(" {}", quoted(file)));
+        for file in files {
+            let _ = write!(line, " {}", quoted(file));
+        }
         if self.is_built_in() {
             line += " FILE";
         }

@@ -331,7 +331,8 @@ impl Viewer {
         }
         let lacking = self.not_in_command();
         if !lacking.is_empty() {
-            text += &format!("; not in it: {}", lacking.join(", "));
+            text += "; not in it: ";
+            text += &lacking.join(", ");
         }
         self.message = Some(Message { tone: Tone::Note, text, details });
     }
