@@ -12,7 +12,7 @@ static SIGNAL: AtomicU8 = AtomicU8::new(0);
 /// Whether a signal is to be noticed instead of obeyed at once.
 static IS_FINISHING: AtomicBool = AtomicBool::new(false);
 
-/// What is said when a signal ends the command.
+/// The words that are said when a signal ends the command.
 static LAST_WORDS: Mutex<String> = Mutex::new(String::new());
 
 /// Says this on standard error if a signal ends the command.

@@ -30,7 +30,7 @@ pub enum Polygons {
 /// The axis of a file that is up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
-    /// As in Rimline: nothing is turned.
+    /// Nothing is turned.
     #[default]
     Y,
     /// (x, y, z) of the file becomes (x, z, −y), also its origin.

@@ -117,7 +117,7 @@ impl Film for Frames {
 }
 
 impl Frames {
-    /// What a signal should say.
+    /// Sets the words that a signal should say.
     fn tell(&self) {
         let (done, folder) = (self.kept + self.written, Line(self.folder.display()));
         if !is_quiet() {

@@ -21,7 +21,7 @@ pub(crate) struct Eye {
     target: Option<[f32; 3]>,
     up: [f32; 3],
     turned: f64,
-    /// What the page shows, if the options say so.
+    /// The part of the page that is shown, if the options say so.
     shown: Option<Shown>,
     /// Lines nearer than this are not drawn. `None`: by the models.
     pub(crate) near: Option<f64>,

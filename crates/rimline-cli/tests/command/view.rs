@@ -18,7 +18,7 @@ pub(crate) const TESTS: &[Test] = &[("view::a_copied_command_draws_the_picture_o
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// What a viewer shows, and what is done to it before.
+/// A view's name, and how a viewer gets there.
 type State<'a> = (&'a str, &'a dyn Fn(&mut Viewer));
 
 /// Noise of half a step of 8 bits is added to darkness after and before the curve of sRGB, and by then is larger.

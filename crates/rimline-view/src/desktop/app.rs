@@ -65,7 +65,7 @@ fn open(viewer: &mut Viewer, path: &Path) -> bool {
     error.is_none()
 }
 
-/// What winit says, without the line of its source that says it.
+/// The message of winit, without the line of its source.
 fn reason(error: &str) -> String {
     let said = error.strip_prefix("os error at ").and_then(|rest| rest.split_once(".rs:")?.1.split_once(": "));
     said.map_or(error, |(_, said)| said).trim_end_matches('.').to_owned()
@@ -74,7 +74,7 @@ fn reason(error: &str) -> String {
 /// Files that a dialog was closed with. `None`: there was no dialog.
 type Chosen = Option<Vec<PathBuf>>;
 
-/// What came of asking for files.
+/// The files that were chosen. `None`: there is no dialog.
 fn chosen(files: Option<Vec<PathBuf>>, took: Duration) -> Chosen {
     // The library tells a dialog that nobody can show as one that was closed; nobody closes one so fast.
     files.or_else(|| (took >= LEAST_DIALOG).then(Vec::new))

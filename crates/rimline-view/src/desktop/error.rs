@@ -25,7 +25,7 @@ pub enum DesktopError {
     /// No adapter has this name.
     #[error("no device has `{name}` in its name or backend; the devices are {}", .found.join(", "))]
     NotNamed {
-        /// What was asked for.
+        /// The device that was asked for.
         name: String,
         /// Adapters that were found.
         found: Vec<String>,

@@ -25,7 +25,7 @@ pub(super) struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    /// What shadows fall on, without any.
+    /// The surfaces that shadows fall on, without shadows.
     pub(super) fn of_receivers(
         resources: &'a Resources,
         pipelines: &'a Pipelines,

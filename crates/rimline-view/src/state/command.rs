@@ -20,7 +20,7 @@ impl Viewer {
         }
     }
 
-    /// What this view shows otherwise than the picture of [`Self::command`], in words.
+    /// Lists how this view differs from the picture of [`Self::command`], in words.
     pub fn not_in_command(&self) -> Vec<String> {
         let (options, verb) = (&self.options, self.verb());
         let is_shaded = verb == "shadow";

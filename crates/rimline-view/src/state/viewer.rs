@@ -53,7 +53,7 @@ pub struct Message {
     pub tone: Tone,
     /// A sentence.
     pub text: String,
-    /// What is shown while the pointer is on it. Empty: nothing.
+    /// Shown while the pointer is on it, if not empty.
     pub details: String,
 }
 
