@@ -214,9 +214,9 @@ impl ShadedLightSpec {
 
     /// Its options fit together and to the light, which may have a range and a cone of its own.
     pub(crate) fn check(&self, light: Light, of_file: Option<&SceneLight>) -> Result<(), SpecError> {
-        let of_place =
+        let at_a_point =
             [("range", self.range.is_some()), ("cone", self.cone.is_some()), ("target", self.target.is_some())];
-        if let Some((option, _)) = of_place.into_iter().find(|(_, is_given)| light.w == 0.0 && *is_given) {
+        if let Some((option, _)) = at_a_point.into_iter().find(|(_, is_given)| light.w == 0.0 && *is_given) {
             return Err(SpecError::AtInfinity(option));
         }
         if self.target.is_some() && self.cone.is_none() && of_file.is_none_or(|light| light.cone.is_none()) {

@@ -18,7 +18,7 @@ pub const ALL: [(&str, Make); 3] =
 /// Shows the scene after this one, and counts on. Models of files are one of the scenes, before the first.
 pub(crate) fn show_next(viewer: &mut Viewer, scene: &mut usize) {
     let next = if viewer.is_built_in() { *scene + 1 } else { 0 };
-    if next == ALL.len() && viewer.show_own() {
+    if next == ALL.len() && viewer.show_opened() {
         return;
     }
     *scene = next % ALL.len();

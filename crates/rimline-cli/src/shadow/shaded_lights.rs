@@ -51,10 +51,10 @@ pub(crate) fn shaded_lights(
     // Once for every way to cast: depth maps and areas would take such a light for another.
     let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
     check_shadow_lights(&lights, usize::MAX).map_err(UsageError::Lights)?;
-    let own = |radius| AreaSpec::Given(AreaShape::Sphere { radius });
-    let own = chosen.iter().map(|(spec, _)| spec.radius.map(own)).chain([None]);
-    for (shaded, own) in shaded_lights.iter_mut().zip(own) {
-        if let Some(area) = own.or(args.area) {
+    let sphere = |radius| AreaSpec::Given(AreaShape::Sphere { radius });
+    let areas = chosen.iter().map(|(spec, _)| spec.radius.map(sphere)).chain([None]);
+    for (shaded, area) in shaded_lights.iter_mut().zip(areas) {
+        if let Some(area) = area.or(args.area) {
             spread(shaded, area, args.samples(), stage);
         }
     }

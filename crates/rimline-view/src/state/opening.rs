@@ -11,7 +11,7 @@ impl Viewer {
     /// Shows a file that was read, beside those that are shown already and relative to their origin, or says why it
     /// cannot be shown. `path` is what the command calls it.
     pub fn open(&mut self, name: &str, path: String, file: Result<File, FileError>) {
-        let origin = self.own_origin();
+        let origin = self.opened_origin();
         match file.map_err(BodyError::from).and_then(|file| body(name, path, file, origin)) {
             Ok((body, origin)) => {
                 self.handle(Event::Opened(Ok(Box::new(body))));

@@ -66,7 +66,7 @@ impl Message {
 
 /// Models of files, and what belongs to them, while a built-in scene is shown.
 #[derive(Debug)]
-struct Own {
+struct Opened {
     bodies: Vec<Body>,
     lamps: Vec<Lamp>,
     orbit: Orbit,
@@ -113,7 +113,7 @@ pub struct Viewer {
     is_built_in: bool,
     /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added.
     arranged: (Vec<Lamp>, Orbit),
-    own: Option<Own>,
+    opened: Option<Opened>,
 }
 
 impl Viewer {
@@ -141,7 +141,7 @@ impl Viewer {
             drag: None,
             is_built_in: true,
             arranged: (Vec::new(), orbit),
-            own: None,
+            opened: None,
         };
         viewer.replace(bodies);
         viewer
@@ -222,19 +222,19 @@ impl Viewer {
     }
 
     /// Shows the models of files again that a built-in scene replaced. Returns whether there are any.
-    pub(crate) fn show_own(&mut self) -> bool {
-        let Some(own) = self.own.take() else { return false };
-        (self.bodies, self.lamps, self.orbit) = (own.bodies, own.lamps, own.orbit);
-        (self.origin, self.arranged) = (own.origin, own.arranged);
+    pub(crate) fn show_opened(&mut self) -> bool {
+        let Some(opened) = self.opened.take() else { return false };
+        (self.bodies, self.lamps, self.orbit) = (opened.bodies, opened.lamps, opened.orbit);
+        (self.origin, self.arranged) = (opened.origin, opened.arranged);
         self.is_built_in = false;
         self.begin();
         true
     }
 
     /// The origin of the models of files, if there are any.
-    pub(super) fn own_origin(&self) -> Option<Origin> {
-        let own = self.own.as_ref().map(|own| own.origin);
-        own.or_else(|| self.bodies.iter().any(|body| body.file.is_some()).then_some(self.origin))
+    pub(super) fn opened_origin(&self) -> Option<Origin> {
+        let opened = self.opened.as_ref().map(|opened| opened.origin);
+        opened.or_else(|| self.bodies.iter().any(|body| body.file.is_some()).then_some(self.origin))
     }
 
     /// Lets another animation of a model play, or none.
@@ -272,7 +272,7 @@ impl Viewer {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {
             let (lamps, arranged) = (std::mem::take(&mut self.lamps), self.arranged.clone());
-            self.own = Some(Own { bodies, lamps, orbit: self.orbit, origin: self.origin, arranged });
+            self.opened = Some(Opened { bodies, lamps, orbit: self.orbit, origin: self.origin, arranged });
         }
         self.is_built_in = true;
         self.origin = Origin::ZERO;
@@ -282,7 +282,7 @@ impl Viewer {
 
     /// Adds a model of a file. Models of files take the place of those of the viewer's own.
     fn add(&mut self, body: Body) {
-        if self.is_built_in && !self.show_own() {
+        if self.is_built_in && !self.show_opened() {
             self.bodies.clear();
         }
         self.is_built_in = false;
