@@ -129,7 +129,7 @@ fn frames() -> Result<(), String> {
     device.device.destroy();
     refused([
         refusal("an earlier frame", given.write(&stale, masks, good), shadow(ShadowError::StaleFrame)),
-        refusal("another device", foreign, shows(&["Device(OtherDevice {", "the masks"])),
+        refusal("another device", foreign, shows(&["Device(OtherDevice {", "`ShadowMasks`"])),
         refusal("a lost device", given.write(&lost.frame, theirs, of_lost), is(MaskError::Device(DeviceError::Lost))),
     ])
 }
