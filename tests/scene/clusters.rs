@@ -108,11 +108,8 @@ fn shifted() -> Result<(), String> {
 /// Four times the faces of smooth meshes leave about twice as many to test, in any order.
 fn smooth() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let make: [fn(u32) -> Shape; 3] = [
-        shapes::sphere,
-        |size| shapes::torus(2 * size, 2 * size, 1.0, 0.4),
-        |size| shapes::sphere(size).shuffled(1),
-    ];
+    let make: [fn(u32) -> Shape; 3] =
+        [shapes::sphere, |size| shapes::torus(2 * size, 2 * size, 1.0, 0.4), |size| shapes::sphere(size).shuffled(1)];
     for (number, make) in make.into_iter().enumerate() {
         let mut tested = Vec::new();
         for size in [32, 64] {

@@ -269,11 +269,11 @@ impl<'a> Renderer<'a> {
     /// Depth of every body; the stencil cleared.
     fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) -> Result<(), String> {
         let Self { gpu, format, samples, .. } = *self;
-        let camera = frame.eye.camera();
+        let eye = frame.eye.camera();
         let is_reversed = frame.eye.depth == DepthDirection::Reversed;
         let mut words = [0.0; 20];
-        words[..16].copy_from_slice(camera.view_projection.as_flattened());
-        words[16..19].copy_from_slice(&camera.origin);
+        words[..16].copy_from_slice(eye.view_projection.as_flattened());
+        words[16..19].copy_from_slice(&eye.origin);
         words[19] = f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered));
         let compare = if is_reversed { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
         let pipeline = gpu.kept(&format!("bodies {format:?} {samples} {is_reversed}"), || {
@@ -288,14 +288,17 @@ impl<'a> Renderer<'a> {
                 faces.into_iter().flatten().map(|v| body.shape.positions[v as usize])
             })
             .collect();
-        let buffers = [uniform::<[f32; 20]>(gpu, &words), gpu.storage(&corners)];
-        let bound = buffers.each_ref().map(wgpu::Buffer::as_entire_binding);
-        let group = passes::bind(gpu, &pipeline.get_bind_group_layout(0), bound);
+        let camera = uniform::<[f32; 20]>(gpu, &words);
         let far = wgpu::LoadOp::Clear(if is_reversed { 0.0 } else { 1.0 });
         let mut pass = encoder.begin_render_pass(&depth_pass(view, (Some(far), CLEARED.1)));
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..corners.len() as u32, 0..1);
+        // Small devices bind 64 KiB.
+        for part in corners.chunks(3 * 1024) {
+            let part_buffer = gpu.storage(part);
+            let bound = [&camera, &part_buffer].map(wgpu::Buffer::as_entire_binding);
+            pass.set_bind_group(0, &passes::bind(gpu, &pipeline.get_bind_group_layout(0), bound), &[]);
+            pass.draw(0..part.len() as u32, 0..1);
+        }
         Ok(())
     }
 }
