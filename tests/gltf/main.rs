@@ -5,6 +5,7 @@
 mod animate;
 mod bad;
 mod cameras;
+mod cases;
 mod check;
 mod colors;
 mod details;
@@ -37,6 +38,7 @@ fn main() {
         animate::tests,
         visible::tests,
         warned::tests,
+        cases::tests,
         refuse::tests,
         outside::tests,
         details::tests,

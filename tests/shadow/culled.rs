@@ -89,6 +89,20 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
+/// A count that is off by one is noticed, but where a border or a hairline is near.
+fn notices_one(traced: &Traced, renderer: Renderer<'_>, counting: Counting) -> Result<(), String> {
+    let counted = renderer.count(&traced.frame, counting)?;
+    let expected = &counted.stencils[0];
+    let is_noticed = |at: &u32| {
+        let mut other = expected.clone();
+        other[(at / 5 * 12 + 7) as usize * traced.frame.size as usize + (at % 5 * 12 + 7) as usize] ^= 1;
+        traced.compared().alike("one count", &other, expected, &every(&counted, 0)).is_err()
+    };
+    let noticed = (0..25).filter(is_noticed).count();
+    println!("{noticed} of 25 counts that are off by one are noticed");
+    if noticed >= 20 { Ok(()) } else { Err(format!("{noticed} of 25 counts that are off by one are noticed")) }
+}
+
 /// A culled volume changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -105,6 +119,7 @@ fn walls() -> Result<(), String> {
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
         if seed == 5001 {
+            notices_one(&traced, renderer, counting)?;
             let other = Traced::of(behind_walls(&mut Random::new(seed + 1)), seed);
             let other = Traced { truths: other.truths, ..traced };
             must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;

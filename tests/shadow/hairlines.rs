@@ -97,29 +97,31 @@ impl<'a> Hairlines<'a> {
         DVec2::new(f64::from(x), f64::from(y)) + self.within_pixel
     }
 
+    /// Rays less than `distance` pixels away along either axis, so many to either side.
+    fn around(&self, pixel: (u32, u32), distance: f64, rays: i32) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let off = move |step: i32| (f64::from(step) + 0.5) / f64::from(rays) * distance;
+        let (at, end) = (self.at(pixel), DVec2::splat(f64::from(self.frame.size)));
+        let around = (-rays..rays).flat_map(move |y| (-rays..rays).map(move |x| at + DVec2::new(off(x), off(y))));
+        let seen = around.filter(move |point| point.min_element() >= 0.0 && point.cmplt(end).all());
+        seen.map(|point| self.rays.at(point))
+    }
+
     /// Whether a ray of the picture less than `distance` pixels away along either axis finds what fits. Within a pixel:
     /// what casts a shadow thinner than a pixel may be between all pixels' rays.
     pub(crate) fn is_near(&self, pixel: (u32, u32), distance: f64, fits: impl Fn(Truth) -> bool) -> bool {
-        let off = |step: i32| (f64::from(step) + 0.5) / f64::from(FINE) * distance;
-        let (at, end) = (self.at(pixel), DVec2::splat(f64::from(self.frame.size)));
-        let around = (-FINE..FINE).flat_map(|y| (-FINE..FINE).map(move |x| at + DVec2::new(off(x), off(y))));
-        let mut seen = around.filter(|point| point.min_element() >= 0.0 && point.cmplt(end).all());
-        seen.any(|point| fits(self.tracer.pixel(self.rays.at(point), &self.frame.lights)[self.number]))
+        let mut rays = self.around(pixel, distance, FINE);
+        rays.any(|ray| fits(self.tracer.pixel(ray, &self.frame.lights)[self.number]))
     }
 
     /// The counts that rays find up to half a pixel from a pixel's. A back-facing surface of a caster is in its own shadow.
     pub(crate) fn counts_near(&self, pixel: (u32, u32), every: &[bool]) -> BTreeSet<u8> {
-        const STEPS: i32 = 8;
-        let at = self.at(pixel);
-        let off = |step: i32| f64::from(step) / f64::from(2 * STEPS);
-        let offsets = (-STEPS..=STEPS).flat_map(|y| (-STEPS..=STEPS).map(move |x| DVec2::new(off(x), off(y))));
-        let count = |by: DVec2| {
-            let (point, start) = self.tracer.first(self.rays.at(at + by))?;
+        let count = |ray| {
+            let (point, start) = self.tracer.first(ray)?;
             let between = self.tracer.towards(point, start, self.number, &self.frame.lights[self.number]);
             let is_shadowed = start.of.caster.is_some() && start.of.sides[self.number] < 0;
             Some((between.count(every) + u16::from(is_shadowed)) as u8)
         };
-        offsets.filter_map(count).collect()
+        self.around(pixel, 0.5, FINE / 4).filter_map(count).collect()
     }
 
     /// Whether an edge passes a pixel's ray on another side when its ends are on the grid.

@@ -10,13 +10,7 @@ use crate::pairs;
 /// A face across an axis, so far away that even a tiny w counts, and a light along its plane.
 fn far_away(random: &mut Random) -> pairs::Pair {
     let scale = random.between(30.0, 118.0).exp2();
-    let axis = random.below(3);
-    let level = scale * random.between(-1.0, 1.0);
-    let corners = [(); 3].map(|()| {
-        let mut corner = random.direction().map(|c| c * scale);
-        corner[axis] = level;
-        corner
-    });
+    let (axis, level, corners) = pairs::across(random, scale);
     let w = random.between(-149.0, -58.0).exp2() * [1.0, random.between(1.0, 2.0), -1.0][random.below(3)];
     let mut light = random.direction();
     light[axis] *= [0.0, w * level, random.between(-1e-5, 1e-5), 1.0][random.below(4)];

@@ -63,6 +63,11 @@ pub fn assets() -> Option<PathBuf> {
     folder.is_dir().then_some(folder)
 }
 
+/// The folder of small files after public reports, which is beside that of the models, if it is there.
+pub fn shared_cases() -> Option<PathBuf> {
+    assets().map(|folder| folder.with_file_name("cases")).filter(|folder| folder.is_dir())
+}
+
 /// Fails with the first index at which two slices differ, and their number.
 pub fn same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], expected: &[T]) -> Result<(), String> {
     if got.len() != expected.len() {

@@ -11,9 +11,8 @@ pub fn any(random: &mut Random) -> Pair {
     [hard, grazing, tight, tiny_w][random.below(4)](random)
 }
 
-/// A face on a plane across an axis, and a light so far away along the plane that w may be lost: the sign hangs on it.
-fn tiny_w(random: &mut Random) -> Pair {
-    let scale = random.between(0.0, 39.0).exp2();
+/// An axis, a coordinate on it, and a face of about this size across it there.
+pub(crate) fn across(random: &mut Random, scale: f32) -> (usize, f32, [[f32; 3]; 3]) {
     let axis = random.below(3);
     let level = scale * random.between(-1.0, 1.0);
     let corners = [(); 3].map(|()| {
@@ -21,6 +20,13 @@ fn tiny_w(random: &mut Random) -> Pair {
         corner[axis] = level;
         corner
     });
+    (axis, level, corners)
+}
+
+/// A face on a plane across an axis, and a light so far away along the plane that w may be lost: the sign hangs on it.
+fn tiny_w(random: &mut Random) -> Pair {
+    let scale = random.between(0.0, 39.0).exp2();
+    let (axis, _, corners) = across(random, scale);
     let w = random.between(-149.0, -56.0).exp2() * [1.0, 1.0, random.between(1.0, 2.0), -1.0][random.below(4)];
     let mut light = random.direction();
     // From certain to nothing but w.

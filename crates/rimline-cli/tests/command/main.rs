@@ -9,6 +9,7 @@ mod bad_input;
 mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
+mod cases;
 mod clipping;
 mod colors;
 mod contract;
@@ -115,12 +116,15 @@ fn main() {
         .collect();
     let on_files = [
         bad_input::trials(),
+        cases::trials(),
         clipping::trials(),
         data::trials(),
         drawings::raster::trials(),
         info::trials(),
         models::trials(),
+        origin::trials(),
         outlines::trials(),
+        seams::trials(),
         shadow::trials(),
         verify::trials(),
     ];

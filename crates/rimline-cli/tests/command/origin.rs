@@ -7,13 +7,18 @@ use serde_json::Value;
 use super::archive::{Entry, array, compare, data, read_zip, write_zip};
 use super::models_of_code::house as house_obj;
 use super::pictures::{Image, apart};
-use super::run::{Folder, folder};
+use super::run::{Folder, folder, on_cases};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("origin::archives_are_relative_to_it_and_are_read_back", archives),
     ("origin::depth_maps_are_in_the_files_coordinates", depth_maps),
 ];
+
+/// The same on the shared cases; the house is like the one here.
+pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
+    on_cases(&[("origin::cases", "l_house.obj", house, true), ("origin::cases", "e4_utm.glb", ball, false)])
+}
 
 /// A place of a survey, in millimetres.
 const FAR: [f64; 3] = [392_143.517, 34.128, -5_820_467.702];
@@ -173,4 +178,30 @@ fn depth_maps() -> Outcome {
     // A light that is not the map's is told in the file's coordinates.
     let other = format!("--light point:{} --depth @far.0.npz --mask @x", beside_house("far", [7.5, 6.0, 5.0]));
     folder.run(&line("far", &other)).expect(2, &["point:392151.017,40.128,-5820462.702", "point:392150.5"])
+}
+
+fn house(file: &Path) -> Outcome {
+    let folder = folder();
+    for (name, file) in [("far", file.to_owned()), ("near", file.with_file_name("l_house_local.obj"))] {
+        std::fs::copy(&file, folder.path().join(format!("{name}.obj"))).map_err(|error| error.to_string())?;
+        folder.run(&format!("draw @{name}.obj --size 320x240 --out @{name}.png")).expect(0, &[])?;
+        let line = format!("shadow @{name}.obj --size 320x240 --out @{name}-s.png --mask @{name}");
+        folder.run(&line).expect(0, &[])?;
+    }
+    for suffix in [".png", "-s.png", ".0.png"] {
+        let files = [format!("near{suffix}"), format!("far{suffix}")];
+        ensure!(values_apart(folder.path(), [&files[0], &files[1]])? <= 6, "{files:?} differ");
+    }
+    Ok(())
+}
+
+fn ball(file: &Path) -> Outcome {
+    let folder = folder();
+    std::fs::copy(file, folder.path().join("ball.glb")).map_err(|error| error.to_string())?;
+    let run = folder.run("shadow @ball.glb --size 160x120 --out @ball.png --json");
+    run.expect(0, &["warning: ", "ball.glb: 32-bit floats move its vertices by up to 2."])?;
+    ensure!(!run.stderr.contains("256"), "a false warning: {}", run.stderr);
+    let origin = origin(&run.json()?)?;
+    ensure!((origin[0] - 392_000.0).abs() < 16.0 && (origin[2] + 5_820_000.0).abs() < 16.0, "{origin:?}");
+    Ok(())
 }

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use libtest_mimic::Trial;
+use rimline_testkit::{harness, shared_cases};
+
 use super::pictures::Image;
 use super::{Outcome, ensure};
 
@@ -172,4 +175,19 @@ pub(crate) fn is_empty(folder: &Path) -> Outcome {
         .collect();
     ensure!(left.is_empty(), "left behind: {left:?}");
     Ok(())
+}
+
+/// A test on one of the shared cases, and whether it runs only if long trials are wanted.
+pub(crate) type Case = (&'static str, &'static str, fn(&Path) -> Outcome, bool);
+
+/// Tests on shared cases. Where the folder is missing, there is one that is ignored.
+pub(crate) fn on_cases(rows: &[Case]) -> Vec<Trial> {
+    let Some(folder) = shared_cases() else {
+        return harness::on_files::<String>(&format!("{}::", rows[0].0), None, &[], |_| Ok(()));
+    };
+    let trial = |&(name, file, test, is_long_one): &Case| {
+        let trials = harness::on_files(&format!("{name}::"), Some(folder.clone()), &[file], test);
+        trials.into_iter().map(move |trial| trial.with_ignored_flag(is_long_one && !is_long()))
+    };
+    rows.iter().flat_map(trial).collect()
 }

@@ -8,13 +8,19 @@ use serde_json::Value;
 
 use super::models_of_code::{PROFILES, lathe};
 use super::pictures::{is_ink, is_orange};
-use super::run::{folder, run, write_file};
+use super::run::{folder, on_cases, run, write_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("seams::bodies_of_revolution_are_closed_by_the_distance_that_is_named", revolved),
     ("seams::t_junctions_are_those_of_the_definition", t_junctions),
 ];
+
+/// The same on the shared cases.
+pub(crate) fn trials() -> Vec<libtest_mimic::Trial> {
+    let is_closed = |file: &Path| closes(file, &file.to_string_lossy(), true);
+    on_cases(&[("seams::cases", "h_torus.glb", is_closed, true), ("seams::cases", "h_cylinder.glb", is_closed, false)])
+}
 
 /// An open model that `info` names a distance for, is closed by it, and is drawn without a seam in any case.
 fn closes(model: &Path, name: &str, is_drawn: bool) -> Outcome {
