@@ -90,7 +90,7 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
 }
 
 /// A count that is off by one is noticed, but where a border or a hairline is near.
-fn notices_one(traced: &Traced, renderer: Renderer<'_>, counting: Counting) -> Result<(), String> {
+fn notices_one(traced: &Traced, renderer: &Renderer<'_>, counting: Counting) -> Result<(), String> {
     let counted = renderer.count(&traced.frame, counting)?;
     let expected = &counted.stencils[0];
     let is_noticed = |at: &u32| {
@@ -119,7 +119,7 @@ fn walls() -> Result<(), String> {
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
         if seed == 5001 {
-            notices_one(&traced, renderer, counting)?;
+            notices_one(&traced, &renderer, counting)?;
             let other = Traced::of(behind_walls(&mut Random::new(seed + 1)), seed);
             let other = Traced { truths: other.truths, ..traced };
             must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;
