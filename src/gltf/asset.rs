@@ -11,7 +11,7 @@ use super::budget::Budget;
 use super::colors::Colors;
 use super::document::{Document, Mesh, Mode, Named, Part, Skin};
 use super::error::GltfError;
-use super::files::{self, Bytes, Folder};
+use super::files::{self, Beside, Bytes, Folder};
 use super::graph::Graph;
 use super::info::{AnimationInfo, LoadOptions, MeshInfo, SkinInfo, SkippedPrimitives};
 use super::instances::{self, Built};
@@ -19,7 +19,7 @@ use super::reader::Reader;
 use super::skin::{self, LoadedSkin};
 use super::warning::{GltfWarning, Warnings};
 use super::{container, estimate, parse};
-use crate::mesh::WeldCounts;
+use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, Influences, Model};
 use crate::origin::Origin;
 
@@ -69,13 +69,15 @@ impl Asset {
     pub fn open(path: impl AsRef<Path>, options: impl Into<LoadOptions>) -> Result<Self, GltfError> {
         let (path, options) = (path.as_ref(), options.into());
         let budget = Budget::new(options.memory_limit);
+        let folder = Folder { path: path.parent(), allow_outside: options.allow_outside };
+        let source = Source { beside: Beside::Folder(folder), weld: options.weld, budget: &budget };
         // The JSON of a GLB comes first: it states the size of all other data.
         let json = files::glb_json(path, &budget)?;
-        let header = json.map(|(json, length)| Header::read(&json, path.parent(), length, &budget)).transpose()?;
+        let header = json.map(|(json, length)| Header::read(&json, length, &source)).transpose()?;
         let bytes = files::read(path, u64::MAX, &budget)?;
         match header {
-            Some(header) => Self::load(header, container::split(&bytes)?.1, (path.parent(), options), &budget),
-            None => Self::of_bytes(&bytes, path.parent(), options, &budget),
+            Some(header) => Self::load(header, container::split(&bytes)?.1, &source),
+            None => Self::of_bytes(&bytes, &source),
         }
     }
 
@@ -89,28 +91,52 @@ impl Asset {
         base_dir: Option<&Path>,
         options: impl Into<LoadOptions>,
     ) -> Result<Self, GltfError> {
-        let options = options.into();
-        Self::of_bytes(bytes, base_dir, options, &Budget::new(options.memory_limit))
+        let LoadOptions { weld, allow_outside, memory_limit } = options.into();
+        let beside = Beside::Folder(Folder { path: base_dir, allow_outside });
+        Self::of_bytes(bytes, &Source { beside, weld, budget: &Budget::new(memory_limit) })
     }
 
-    fn of_bytes(bytes: &[u8], base: Option<&Path>, options: LoadOptions, budget: &Budget) -> Result<Self, GltfError> {
-        let (json, binary) = container::split(bytes)?;
-        let header = Header::read(json, base, 0, budget)?;
-        Self::load(header, binary, (base, options), budget)
-    }
-
-    fn load(
-        header: Header<'_>,
-        binary: Option<&[u8]>,
-        (base, options): (Option<&Path>, LoadOptions),
-        budget: &Budget,
+    /// Loads the content of a .gltf or .glb file whose buffers are not in a folder: in an archive, or in memory. `find`
+    /// gives the content of the file with a path relative to the glTF, whose percent signs are decoded, and `None` if
+    /// there is none.
+    ///
+    /// ```
+    /// use rimline::gltf::Asset;
+    /// use rimline::mesh::Weld;
+    ///
+    /// let gltf = br#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    ///     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    ///     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 0]}],
+    ///     "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "a%20triangle.bin"}]}"#;
+    /// let find = |path: &str| (path == "a triangle.bin").then(|| vec![0; 36]);
+    /// assert_eq!(Asset::from_slices(gltf, &find, Weld::Keep)?.model().geometries()[0].faces().len(), 1);
+    /// assert!(Asset::from_slices(gltf, &|_| None, Weld::Keep).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GltfError`] as [`from_slice`](Self::from_slice), and if a buffer is used that `find` does not know.
+    pub fn from_slices(
+        bytes: &[u8],
+        find: &dyn Fn(&str) -> Option<Vec<u8>>,
+        options: impl Into<LoadOptions>,
     ) -> Result<Self, GltfError> {
+        let LoadOptions { weld, memory_limit, .. } = options.into();
+        Self::of_bytes(bytes, &Source { beside: Beside::Given(find), weld, budget: &Budget::new(memory_limit) })
+    }
+
+    fn of_bytes(bytes: &[u8], source: &Source<'_>) -> Result<Self, GltfError> {
+        let (json, binary) = container::split(bytes)?;
+        Self::load(Header::read(json, 0, source)?, binary, source)
+    }
+
+    fn load(header: Header<'_>, binary: Option<&[u8]>, source: &Source<'_>) -> Result<Self, GltfError> {
         let Header { mut document, graph, named_files, warnings } = header;
-        let folder = Folder { path: base, allow_outside: options.allow_outside };
-        let buffers = files::buffers(&document.buffers, binary, folder, budget, &warnings)?;
+        let budget = source.budget;
+        let buffers = files::buffers(&document.buffers, binary, source.beside, budget, &warnings)?;
         let reader = Reader { document: &document, buffers: &buffers, budget, warnings: &warnings };
         let skins = skin::load(&reader)?;
-        let built = instances::build(&reader, &graph, &skins, options.weld)?;
+        let built = instances::build(&reader, &graph, &skins, source.weld)?;
         instances::charge_lights_and_cameras(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
         let skipped = skipped_primitives(&document);
@@ -208,6 +234,13 @@ impl Asset {
     }
 }
 
+/// Where the files of a glTF are, and how to read them.
+struct Source<'a> {
+    beside: Beside<'a>,
+    weld: Weld,
+    budget: &'a Budget,
+}
+
 /// A parsed glTF before its buffers are read.
 struct Header<'a> {
     document: Document,
@@ -218,7 +251,8 @@ struct Header<'a> {
 
 impl<'a> Header<'a> {
     /// Reads the JSON and refuses what is not going to fit with `files` bytes of files that are yet to be read.
-    fn read(json: &[u8], base: Option<&Path>, files: u64, budget: &'a Budget) -> Result<Self, GltfError> {
+    fn read(json: &[u8], files: u64, source: &Source<'a>) -> Result<Self, GltfError> {
+        let budget = source.budget;
         let warnings = Warnings::new(budget);
         // A byte order mark is not allowed, but harmless.
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
@@ -230,7 +264,7 @@ impl<'a> Header<'a> {
         budget.charge_json(json)?;
         let value: Value = serde_json::from_slice(json).map_err(|error| GltfError::Json(Arc::new(error)))?;
         let document = parse::document(&value, budget, &warnings)?;
-        let named_files = files::named(&value, base);
+        let named_files = files::named(&value, source.beside.folder());
         drop(value);
         let graph = Graph::new(&document, &warnings)?;
         estimate::check(&document, &graph, files, budget)?;

@@ -20,10 +20,48 @@ use super::error::GltfError;
 use super::json::shorten;
 use super::warning::Warnings;
 
-/// Where to look for the files that a glTF names.
+/// Gives the content of the file with a relative path, or `None` if there is none.
+pub(super) type Given<'a> = &'a dyn Fn(&str) -> Option<Vec<u8>>;
+
+/// Where the files are that a glTF names.
+#[derive(Clone, Copy)]
+pub(super) enum Beside<'a> {
+    Given(Given<'a>),
+    Folder(Folder<'a>),
+}
+
+impl<'a> Beside<'a> {
+    /// The folder, if there is one.
+    pub(super) fn folder(&self) -> Option<&'a Path> {
+        if let Self::Folder(folder) = self { folder.path } else { None }
+    }
+
+    /// At most `most` bytes of the file that a relative URI names.
+    fn read(
+        &self,
+        uri: &str,
+        json_path: &dyn Fn() -> String,
+        most: u64,
+        budget: &Budget,
+    ) -> Result<Vec<u8>, GltfError> {
+        match self {
+            Self::Folder(folder) => read(&folder.find(uri, json_path)?, most, budget),
+            Self::Given(given) => {
+                let refuse = |problem| bad_uri(uri, json_path, problem);
+                let path = relative(uri).map_err(refuse)?;
+                let content = path.to_str().and_then(given);
+                let content = content.ok_or_else(|| refuse("names a file, but the glTF was given without it"))?;
+                budget.charge_file(content.capacity() as u64, json_path)?;
+                Ok(content)
+            }
+        }
+    }
+}
+
+/// The folder of a glTF.
 #[derive(Clone, Copy)]
 pub(super) struct Folder<'a> {
-    /// The folder. `None`: no file is read.
+    /// Its path. `None`: no file is read.
     pub(super) path: Option<&'a Path>,
     /// Whether files outside the folder are read, too.
     pub(super) allow_outside: bool,
@@ -132,12 +170,12 @@ pub(super) type Bytes<'a> = Option<Cow<'a, [u8]>>;
 pub(super) fn buffers<'a>(
     buffers: &[Part<Buffer>],
     binary: Option<&'a [u8]>,
-    folder: Folder<'_>,
+    beside: Beside<'_>,
     budget: &Budget,
     warnings: &Warnings<'_>,
 ) -> Result<Vec<Part<Bytes<'a>>>, GltfError> {
     let load = |(index, buffer): (usize, &Part<Buffer>)| {
-        let read = checked(buffer).and_then(|buffer| bytes(buffer, index, binary, folder, budget));
+        let read = checked(buffer).and_then(|buffer| bytes(buffer, index, binary, beside, budget));
         warnings.keep(read)
     };
     buffers.iter().enumerate().map(load).collect()
@@ -147,7 +185,7 @@ fn bytes<'a>(
     buffer: &Buffer,
     index: usize,
     binary: Option<&'a [u8]>,
-    folder: Folder<'_>,
+    beside: Beside<'_>,
     budget: &Budget,
 ) -> Result<Bytes<'a>, GltfError> {
     let json_path = || format!("buffers[{index}].uri");
@@ -161,7 +199,7 @@ fn bytes<'a>(
             budget.charge_file(bytes.capacity() as u64, &json_path)?;
             Cow::Owned(bytes)
         }
-        Some(uri) => Cow::Owned(read(&folder.find(uri, &json_path)?, buffer.bytes, budget)?),
+        Some(uri) => Cow::Owned(beside.read(uri, &json_path, buffer.bytes, budget)?),
         None => match binary.filter(|_| index == 0) {
             Some(binary) => Cow::Borrowed(binary),
             None => return Ok(None),

@@ -40,5 +40,5 @@ pub use error::FileError;
 pub use file::{File, GivenPolygons, resting};
 pub use format::{Foreign, Format, FormatError, archive};
 pub use origin::{Settled, settle};
-pub use read::{Polygons, ReadOptions, Up, open_regular, read, read_bytes};
+pub use read::{Polygons, ReadOptions, Up, open_regular, read, read_bytes, read_slices};
 pub use rimline::gltf::Colors;

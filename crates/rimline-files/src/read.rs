@@ -108,17 +108,31 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<File, FileError> {
     }
 }
 
-/// Reads the content of a file, such as standard input or what was dropped on a page. The name is asked where the content
-/// does not say its format; without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must
-/// be in the content. Materials of an OBJ are not read.
+/// Reads the content of a file, such as standard input. The name is asked where the content does not say its format;
+/// without a name, text is a glTF or an OBJ if it begins like one. Of a glTF, all buffers must be in the content.
+/// Materials of an OBJ are not read.
 ///
 /// # Errors
 /// [`FileError`] says what is wrong with it.
 pub fn read_bytes(bytes: &[u8], name: Option<&Path>, options: &ReadOptions) -> Result<File, FileError> {
+    read_slices(bytes, name, &|_| None, options)
+}
+
+/// Reads the content of a file with others beside it, such as what was dropped on a page. `find` gives the content of the
+/// file with a relative path, for the buffers of a glTF. Else this is [`read_bytes`].
+///
+/// # Errors
+/// [`FileError`] says what is wrong with it.
+pub fn read_slices(
+    bytes: &[u8],
+    name: Option<&Path>,
+    find: &dyn Fn(&str) -> Option<Vec<u8>>,
+    options: &ReadOptions,
+) -> Result<File, FileError> {
     let mut reader = Cursor::new(bytes);
     match format(&mut reader, name, options)? {
         Format::Gltf => {
-            let asset = Asset::from_slice(bytes, None, options.of_gltf());
+            let asset = Asset::from_slices(bytes, find, options.of_gltf());
             asset.map(File::of_asset).map_err(|error| of_gltf(Path::new("-"), error))
         }
         format => of_reader(format, reader, None, options),

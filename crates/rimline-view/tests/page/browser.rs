@@ -216,9 +216,9 @@ impl Browser {
         Ok(())
     }
 
-    /// Drops a file onto the page.
-    pub(crate) fn drop_file(&mut self, file: &Path) -> Result<(), String> {
-        let data = json!({ "items": [], "files": [file], "dragOperationsMask": 1 });
+    /// Drops files onto the page.
+    pub(crate) fn drop_files(&mut self, files: &[&Path]) -> Result<(), String> {
+        let data = json!({ "items": [], "files": files, "dragOperationsMask": 1 });
         for kind in ["dragEnter", "dragOver", "drop"] {
             self.call("Input.dispatchDragEvent", &json!({ "type": kind, "x": 300, "y": 300, "data": data }))?;
         }

@@ -21,6 +21,13 @@ f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
 const PLATE: &str =
     "v -1 0 -1\nv 2 0 -1\nv 2 0 2\nv -1 0 2\nv 0.5 -0.2 0.5\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
 
+/// Two triangles, whose positions are in a file beside.
+const PAIR: &str = r#"{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+    "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }], "buffers": [{ "byteLength": 72, "uri": "a%20pair.bin" }],
+    "bufferViews": [{ "buffer": 0, "byteLength": 72 }], "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 6,
+    "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1] }] }"#;
+const PAIR_POSITIONS: [f32; 18] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 1., 0., 1., 1., 1., 0., 1.];
+
 fn expect(is_true: bool, what: impl Into<String>) -> Result<(), String> {
     if is_true { Ok(()) } else { Err(what.into()) }
 }
@@ -71,7 +78,7 @@ fn session() -> Result<(), String> {
     // One by the dialog, one dropped.
     browser.choose_file(&block)?;
     browser.wait_for("said", |said| said == "block.obj: 12 faces")?;
-    browser.drop_file(&plate)?;
+    browser.drop_files(&[&plate])?;
     browser.wait_for("said", |said| said == "plate.obj: 6 faces")?;
     // Without the panel the picture has the whole page, from the next frame on.
     browser.press("Tab")?;
@@ -106,7 +113,7 @@ fn session() -> Result<(), String> {
     let parts = different(&shown, &after)?;
     expect(parts < 0.03, format!("{parts} of the pixels on the canvas are others"))?;
 
-    browser.drop_file(&bad)?;
+    browser.drop_files(&[&bad])?;
     let said = browser.wait_for("said", |said| said.starts_with("bad.glb"))?;
     viewer.open(
         "bad.glb",
@@ -115,6 +122,11 @@ fn session() -> Result<(), String> {
     );
     let message = viewer.message.as_ref().map(|message| message.text.as_str());
     expect(message == Some(said.as_str()), format!("`{said}` instead of {message:?}"))?;
+    let gltf = write("pair.gltf", PAIR)?;
+    let buffer = browser.folder().join("a pair.bin");
+    fs::write(&buffer, PAIR_POSITIONS.map(f32::to_le_bytes).concat()).map_err(say)?;
+    browser.drop_files(&[&buffer, &gltf])?;
+    browser.wait_for("said", |said| said == "pair.gltf: 2 faces")?;
     browser.press("g")?;
     let without = screenshot(&mut browser, 4)?;
     expect(different(&after, &without)? > 0.02, "after a bad file, switching the ground off changes nothing")?;
