@@ -1,4 +1,4 @@
-//! Masks from frame to frame: encoders that are dropped, pictures of other sizes, views in one encoder.
+//! Masks of some views and lights of a frame.
 
 use rimline::gpu::{MaskInputs, SceneOptions, ShadowMasks};
 use rimline_testkit::device::Gpu;
@@ -10,11 +10,8 @@ use wgpu::TextureFormat::{Depth24Plus, R8Uint, R32Uint};
 use crate::drawn::Picture;
 use crate::world::{SIZE, World, encode};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("masks_of_dropped_encoders_and_other_sizes", sizes),
-    ("masks_of_two_views_in_one_encoder", views),
-    ("lights_in_any_order_and_none", order),
-];
+pub(crate) const TESTS: &[Test] =
+    &[("masks_of_two_views_in_one_encoder", views), ("lights_in_any_order_and_none", order)];
 
 const PICTURE: Picture = Picture { size: SIZE, depth: Depth24Plus, samples: 1, target: R8Uint };
 
@@ -23,29 +20,6 @@ fn by_new_masks(gpu: &Gpu, world: &World, picture: &Picture) -> Result<Vec<Vec<u
     let mut masks = ShadowMasks::new(&gpu.pipelines).map_err(text)?;
     let [found, _] = picture.both(gpu, world, &SceneOptions::default(), &mut masks)?;
     Ok(found)
-}
-
-fn sizes() -> Result<(), String> {
-    let gpu = &*Gpu::shared_with_depth_features()?;
-    let masks = &mut ShadowMasks::new(&gpu.pipelines).map_err(text)?;
-    for (seed, size) in [(1, SIZE), (2, [64, 40]), (3, [65, 41]), (4, SIZE), (5, [1, 1])] {
-        let picture = Picture { size, ..PICTURE };
-        let [world, other] = [seed, seed + 50].map(|seed| World::new(seed, 0, 3));
-        let target = picture.target(gpu, 3);
-        // Recorded, but never submitted.
-        let mut dropped = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let depth = &picture.depth(gpu, &mut dropped, &other)?;
-        let encoded = other.encode(gpu, &mut dropped, SceneOptions::default())?;
-        let inputs = MaskInputs { depth, view: 0, lights: &encoded.lights, target: &target };
-        encoded.frame.write_masks(&mut dropped, masks, &inputs).map_err(text)?;
-        drop(dropped);
-        let [mut found, _] = picture.both(gpu, &world, &SceneOptions::default(), masks)?;
-        let expected = by_new_masks(gpu, &world, &picture)?;
-        same(&format!("{size:?}"), &found, &expected)?;
-        found[2][0] ^= 1;
-        must_fail("a bit that is changed", &same("masks", &found, &expected))?;
-    }
-    Ok(())
 }
 
 fn views() -> Result<(), String> {

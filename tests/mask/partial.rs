@@ -1,6 +1,6 @@
 //! Lights that affect a part of the image: masks are right there, and 0 outside a rectangle around it.
 
-use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
+use glam::{DVec3, DVec4, Mat4};
 use rimline::DepthDirection;
 use rimline::gpu::{SceneOptions, ShadowMasks};
 use rimline_testkit::device::Gpu;
@@ -16,35 +16,25 @@ use crate::world::{SIZE, World};
 
 pub(crate) const TESTS: &[Test] = &[("lights_that_affect_a_part_of_the_image", parts)];
 
-/// The surfaces of a world, for rays from its eye.
-struct Surfaces<'a> {
-    tracer: Tracer<()>,
-    world: &'a World,
-    inverse: DMat4,
-    size: [u32; 2],
-}
-
-impl<'a> Surfaces<'a> {
-    fn new(world: &'a World, size: [u32; 2]) -> Self {
-        let corners = world.corners();
-        let (triangles, _) = corners.as_chunks::<3>();
-        let faces = triangles.iter().map(|face| (face.map(|corner| DVec3::from(corner.map(f64::from))), ()));
-        let inverse = Mat4::from_cols_array_2d(&world.camera.view_projection).as_dmat4().inverse();
-        Self { tracer: Tracer::build(faces), world, inverse, size }
-    }
-
-    /// The nearest surface at a position of the image, in pixels.
-    fn at(&self, pixel: DVec2) -> Option<DVec3> {
-        let [width, height] = self.size.map(f64::from);
-        let ndc = [2.0 * pixel.x / width - 1.0, 1.0 - 2.0 * pixel.y / height];
-        let near_z = f64::from(u8::from(self.world.camera.depth == DepthDirection::Reversed));
-        let origin = DVec3::from(self.world.camera.origin.map(f64::from));
+/// The nearest surface of a world at the middle of each pixel.
+fn surfaces(world: &World) -> Vec<Option<DVec3>> {
+    let corners = world.corners();
+    let (triangles, _) = corners.as_chunks::<3>();
+    let faces = triangles.iter().map(|face| (face.map(|corner| DVec3::from(corner.map(f64::from))), ()));
+    let tracer = Tracer::build(faces);
+    let inverse = Mat4::from_cols_array_2d(&world.camera.view_projection).as_dmat4().inverse();
+    let near_z = f64::from(u8::from(world.camera.depth == DepthDirection::Reversed));
+    let origin = DVec3::from(world.camera.origin.map(f64::from));
+    let [width, height] = SIZE.map(f64::from);
+    let at = |pixel: u32| {
+        let [x, y] = [pixel % SIZE[0], pixel / SIZE[0]].map(|c| f64::from(c) + 0.5);
         let [near, beyond] = [near_z, 0.5].map(|z| {
-            let point = self.inverse * DVec4::new(ndc[0], ndc[1], z, 1.0);
+            let point = inverse * DVec4::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, z, 1.0);
             point.truncate() / point.w + origin
         });
-        self.tracer.first((near, (beyond - near).normalize())).map(|(point, _)| point)
-    }
+        tracer.first((near, (beyond - near).normalize())).map(|(point, _)| point)
+    };
+    (0..SIZE[0] * SIZE[1]).map(at).collect()
 }
 
 /// Whether a point is within the range and the cone of a light.
@@ -70,9 +60,7 @@ fn parts() -> Result<(), String> {
         let world = World::new(2000 + number as u64, number % PROJECTIONS, 8).with_ranges(number as u64);
         let picture = Picture { size: SIZE, depth: Depth32Float, samples: 1, target: R8Uint };
         let [found, stencils] = picture.both(gpu, &world, &SceneOptions::default(), masks)?;
-        let surfaces = Surfaces::new(&world, SIZE);
-        let pixels = (0..SIZE[0] * SIZE[1]).map(|at| DVec2::new(f64::from(at % SIZE[0]), f64::from(at / SIZE[0])));
-        let points: Vec<_> = pixels.map(|pixel| surfaces.at(pixel + 0.5)).collect();
+        let points = surfaces(&world);
         for (light, (mask, stencil)) in world.lights.iter().zip(found.iter().zip(&stencils)) {
             let is_affected: Vec<bool> =
                 points.iter().map(|point| point.is_some_and(|point| affects(light, point))).collect();

@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{
-    DeviceError, LightHandle, MaskError, MaskInputs, SceneFrame, SceneOptions, ShadowError, ShadowMasks,
-};
+use rimline::gpu::{DeviceError, MaskError, MaskInputs, SceneFrame, SceneOptions, ShadowError, ShadowMasks};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::refusals::{Expected, Refusal, is, refusal, refused, shows};
+use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use wgpu::TextureFormat::{
     Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, R8Uint, R8Unorm, R32Uint, Rgba8Unorm,
 };
@@ -19,8 +17,7 @@ use crate::world::{Encoded, World, encode};
 
 pub(crate) const TESTS: &[Test] = &[
     ("frames_and_lights_that_have_no_masks_are_typed_errors", frames),
-    ("depth_that_has_no_masks_is_a_typed_error", depths),
-    ("targets_that_hold_no_masks_are_typed_errors", targets),
+    ("textures_that_serve_no_masks_are_typed_errors", textures),
 ];
 
 const PICTURE: Picture = Picture { size: [16, 8], depth: Depth24Plus, samples: 1, target: R8Uint };
@@ -35,11 +32,7 @@ struct Given {
     target: wgpu::Texture,
 }
 
-fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-/// A texture of the picture's size in some format, and with other usages or dimensions.
+/// A texture of the picture's size with two layers.
 fn odd(gpu: &Gpu, format: wgpu::TextureFormat, usage: TextureUsages, dimension: TextureDimension) -> wgpu::Texture {
     let [width, height] = PICTURE.size;
     gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -54,6 +47,10 @@ fn odd(gpu: &Gpu, format: wgpu::TextureFormat, usage: TextureUsages, dimension: 
     })
 }
 
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
 impl Given {
     fn new() -> Result<Self, String> {
         let gpu = Gpu::shared()?;
@@ -64,20 +61,8 @@ impl Given {
         Ok(Self { other_device, world, encoded, depth: view(&depth), target, gpu })
     }
 
-    fn texture(&self, format: wgpu::TextureFormat, samples: u32) -> wgpu::Texture {
-        PICTURE.texture(&self.gpu, format, samples, 1)
-    }
-
-    fn masks(&self) -> Result<ShadowMasks, String> {
-        ShadowMasks::new(&self.gpu.pipelines).map_err(text)
-    }
-
-    fn lights(&self) -> &[LightHandle] {
-        &self.encoded.lights[..3]
-    }
-
     fn good(&self) -> MaskInputs<'_> {
-        MaskInputs { depth: &self.depth, view: 0, lights: self.lights(), target: &self.target }
+        MaskInputs { depth: &self.depth, view: 0, lights: &self.encoded.lights[..3], target: &self.target }
     }
 
     fn write(&self, frame: &SceneFrame, masks: &mut ShadowMasks, inputs: MaskInputs<'_>) -> Result<(), MaskError> {
@@ -89,13 +74,12 @@ impl Given {
     }
 
     /// Rows of inputs, and good ones before and after.
-    fn refused(&self, rows: Vec<(&str, MaskInputs<'_>, Expected)>) -> Result<(), String> {
-        let masks = &mut self.masks()?;
-        let mut all = vec![("all good", self.good(), Expected::Taken)];
-        all.extend(rows);
-        all.push(("all good again", self.good(), Expected::Taken));
+    fn refused(&self, mut rows: Vec<(&str, MaskInputs<'_>, Expected)>) -> Result<(), String> {
+        let masks = &mut ShadowMasks::new(&self.gpu.pipelines).map_err(text)?;
+        rows.insert(0, ("all good", self.good(), Expected::Taken));
+        rows.push(("all good again", self.good(), Expected::Taken));
         let row = |(what, inputs, expected)| refusal(what, self.write(&self.encoded.frame, masks, inputs), expected);
-        refused(all.into_iter().map(row).collect::<Vec<Refusal>>())
+        refused(rows.into_iter().map(row).collect::<Vec<_>>())
     }
 }
 
@@ -108,19 +92,15 @@ fn frames() -> Result<(), String> {
     given.encoded.scene.remove_light(given.encoded.lights[8]).map_err(text)?;
     let later = given.encoded.scene.add_light(given.world.lights[0]).map_err(text)?;
     let shadow = |error| is(MaskError::Shadow(error));
-    let good = given.good();
+    let (good, foreign) = (given.good(), ShadowError::OtherScene { what: "light" });
     given.refused(vec![
         ("a view too many", MaskInputs { view: 1, ..good }, shadow(ShadowError::NoSuchView { view: 1, views: 1 })),
         ("a later light", MaskInputs { lights: &[later], ..good }, shadow(ShadowError::NotEncoded)),
-        (
-            "a foreign light",
-            MaskInputs { lights: &other.lights, ..good },
-            shadow(ShadowError::OtherScene { what: "light" }),
-        ),
+        ("a foreign light", MaskInputs { lights: &other.lights, ..good }, shadow(foreign)),
     ])?;
     // On a device that is another, and then lost.
     let device = &given.other_device;
-    let masks = &mut given.masks()?;
+    let masks = &mut ShadowMasks::new(&given.gpu.pipelines).map_err(text)?;
     let theirs = &mut ShadowMasks::new(&device.pipelines).map_err(text)?;
     let lost = device.submit(|encoder| given.world.encode(device, encoder, SceneOptions::default()))?;
     let [depth, target] = [Depth24Plus, R8Uint].map(|format| PICTURE.texture(device, format, 1, 1));
@@ -134,43 +114,37 @@ fn frames() -> Result<(), String> {
     ])
 }
 
-fn depths() -> Result<(), String> {
+fn textures() -> Result<(), String> {
     let given = &Given::new()?;
-    let good = given.good();
-    let read = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
-    let unread = view(&odd(&given.gpu, Depth24Plus, TextureUsages::RENDER_ATTACHMENT, TextureDimension::D2));
-    let array = view(&odd(&given.gpu, Depth24Plus, read, TextureDimension::D2));
-    let foreign = view(&PICTURE.texture(&given.other_device, Depth24Plus, 1, 1));
-    let [colored, float, with_stencil, sixteen] =
-        [R8Unorm, Depth32Float, Depth24PlusStencil8, Depth16Unorm].map(|format| view(&given.texture(format, 1)));
+    let (gpu, good) = (&given.gpu, given.good());
+    let texture = |format, samples| PICTURE.texture(gpu, format, samples, 1);
+    let (drawn, read) = (TextureUsages::RENDER_ATTACHMENT, TextureUsages::TEXTURE_BINDING);
+    let [unread, layers] = [drawn, drawn | read].map(|usage| view(&odd(gpu, Depth24Plus, usage, TextureDimension::D2)));
+    let [foreign_depth, foreign] =
+        [Depth24Plus, R8Uint].map(|format| PICTURE.texture(&given.other_device, format, 1, 1));
+    let [foreign_depth, mask] = [view(&foreign_depth), view(&texture(R8Unorm, 1))];
+    let [float, with_stencil, sixteen] =
+        [Depth32Float, Depth24PlusStencil8, Depth16Unorm].map(|format| view(&texture(format, 1)));
+    let depth = |depth| MaskInputs { depth, ..good };
     let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+    let no_feature = is(MaskError::Feature { format: Depth32Float, needed });
     let refused = || shows(&["Refused { what: \"the depth\""]);
     given.refused(vec![
-        ("depth that is not read", MaskInputs { depth: &unread, ..good }, is(MaskError::Depth { format: Depth24Plus })),
-        ("a colour for depth", MaskInputs { depth: &colored, ..good }, is(MaskError::Depth { format: R8Unorm })),
-        (
-            "floats without the feature",
-            MaskInputs { depth: &float, ..good },
-            is(MaskError::Feature { format: Depth32Float, needed }),
-        ),
-        ("depth with its stencil", MaskInputs { depth: &with_stencil, ..good }, refused()),
-        ("layers of depth", MaskInputs { depth: &array, ..good }, refused()),
-        ("depth of another device", MaskInputs { depth: &foreign, ..good }, refused()),
-        ("16 bits", MaskInputs { depth: &sixteen, ..good }, Expected::Taken),
-    ])
-}
-
-fn targets() -> Result<(), String> {
-    let given = &Given::new()?;
-    let good = given.good();
-    let foreign = PICTURE.texture(&given.other_device, R8Uint, 1, 1);
-    let destroyed = given.texture(R8Uint, 1);
+        ("depth that is not read", depth(&unread), is(MaskError::Depth { format: Depth24Plus })),
+        ("a colour for depth", depth(&mask), is(MaskError::Depth { format: R8Unorm })),
+        ("floats without the feature", depth(&float), no_feature),
+        ("depth with its stencil", depth(&with_stencil), refused()),
+        ("layers of depth", depth(&layers), refused()),
+        ("depth of another device", depth(&foreign_depth), refused()),
+        ("16 bits", depth(&sixteen), Expected::Taken),
+    ])?;
+    let destroyed = texture(R8Uint, 1);
     destroyed.destroy();
-    let [colored, shares, words] = [Rgba8Unorm, R8Unorm, R32Uint].map(|format| given.texture(format, 1));
-    let sampled = given.texture(R8Unorm, 4);
-    let solid = odd(&given.gpu, R8Uint, TextureUsages::RENDER_ATTACHMENT, TextureDimension::D3);
-    let unwritten = odd(&given.gpu, R8Uint, TextureUsages::TEXTURE_BINDING, TextureDimension::D2);
-    let small = Picture { size: [8, 8], ..PICTURE }.texture(&given.gpu, R8Uint, 1, 1);
+    let [colored, shares, words] = [Rgba8Unorm, R8Unorm, R32Uint].map(|format| texture(format, 1));
+    let sampled = texture(R8Unorm, 4);
+    let solid = odd(gpu, R8Uint, drawn, TextureDimension::D3);
+    let unwritten = odd(gpu, R8Uint, read, TextureDimension::D2);
+    let small = Picture { size: [8, 8], ..PICTURE }.texture(gpu, R8Uint, 1, 1);
     let all = &given.encoded.lights;
     let refused = || shows(&["Refused { what: \"the target\""]);
     let too_many = |lights, needed, format| is(MaskError::TooManyLights { lights, needed, format, layers: 1 });

@@ -1,19 +1,18 @@
 //! Casters in a room, a camera and lights, at random; and a scene of them.
 
 use glam::DVec3;
-use rimline::gpu::{Caster, FrameInputs, LightHandle, Scene, SceneFrame, SceneOptions, View};
-use rimline::{Cone, Counting, Light, Mesh, ShadowCamera, mesh::Weld};
+use rimline::gpu::{Caster, FrameInputs, LightHandle, Scene, SceneFrame, SceneOptions};
+use rimline::{Cone, Light, Mesh, ShadowCamera, mesh::Weld};
+use rimline_testkit::IDENTITY;
 use rimline_testkit::cases::topologies;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::on_gpu::text;
+use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{Pose, direction};
 use rimline_testkit::shapes::{self, Shape};
 
 /// The size of pictures, if nothing else is said.
 pub(crate) const SIZE: [u32; 2] = [192, 128];
-
-const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// All in world space.
 pub(crate) struct World {
@@ -109,11 +108,5 @@ pub(crate) fn encode(
     encoder: &mut wgpu::CommandEncoder,
     cameras: &[ShadowCamera],
 ) -> Result<SceneFrame, String> {
-    let views: Vec<View<'_>> = cameras.iter().map(|&camera| camera.into()).collect();
-    scene.encode(encoder, FrameInputs::new(&views)).map_err(text)
-}
-
-/// Options of a scene with a counting method.
-pub(crate) fn counted_by(counting: Counting) -> SceneOptions {
-    SceneOptions { counting, ..SceneOptions::default() }
+    scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
 }

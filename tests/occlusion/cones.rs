@@ -1,13 +1,11 @@
 //! Scenes of so many faces that cones of directions are searched one by one.
 
 use rimline::Light;
-use rimline::Mesh;
 use rimline::cpu::{OcclusionOptions, Threads};
-use rimline::mesh::Weld;
 use rimline_testkit::random::Random;
-use rimline_testkit::shapes;
+use rimline_testkit::shapes::{self, Shape};
 
-use crate::occluded_faces::{check_some, find, lists};
+use crate::occluded_faces::{all_left_out, check, find, lists};
 use crate::static_scenes::{Caster, StaticScene};
 
 /// Towers around the light or under it.
@@ -18,7 +16,7 @@ fn towers(random: &mut Random, light: Light) -> StaticScene {
         let at = [random.between(-30.0, 30.0), random.between(-30.0, 30.0), high];
         let position = |p: &[f32; 3]| [p[0] + at[0], p[1] + at[1], high * p[2] + at[2]];
         let positions: Vec<[f32; 3]> = shape.positions.iter().map(position).collect();
-        Caster { mesh: Mesh::new(&positions, &shape.faces, Weld::Position).expect("a mesh"), positions }
+        Caster::new(Shape { positions, faces: shape.faces.clone() })
     };
     StaticScene { casters: (0..500).map(tower).collect(), light }
 }
@@ -35,10 +33,10 @@ fn occluded_faces_are_occluded_in_scenes_of_many_cones() {
     for (seed, light) in (8000..).zip(lights) {
         let mut random = Random::new(seed);
         let scene = towers(&mut random, light);
-        let options = OcclusionOptions { leave_out_all: true, threads: Threads::new(3), ..OcclusionOptions::default() };
+        let options = OcclusionOptions { threads: Threads::new(3), ..all_left_out() };
         let found = find(&scene, options);
         let mut faces = lists(&scene, &found);
-        let count = check_some(&scene, &faces, &mut random, 40).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let count = check(&scene, &faces, &mut random, 40).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         assert_eq!(count, found.statistics().occluded, "seed {seed}");
         occluded += count;
         // So many threads find the same.
@@ -47,7 +45,7 @@ fn occluded_faces_are_occluded_in_scenes_of_many_cones() {
         for (caster, faces) in scene.casters.iter().zip(&mut faces).take(50) {
             *faces = (0..caster.mesh.faces().len() as u32).collect();
         }
-        refuted += usize::from(check_some(&scene, &faces, &mut random, 40).is_err());
+        refuted += usize::from(check(&scene, &faces, &mut random, 40).is_err());
     }
     println!("{occluded} occluded faces; {refuted} wrong lists refuted");
     assert!(occluded > 4000 && refuted > 2, "{occluded} {refuted}");

@@ -1,13 +1,10 @@
 //! The occluded faces that are left out are those without which the fewest sides are drawn.
 
 use rimline::cpu::{OccludedFaces, OcclusionOptions};
-use rimline::mesh::{EdgeKind, Weld};
-use rimline::{Light, Mesh};
+use rimline::mesh::EdgeKind;
 use rimline_testkit::random::Random;
-use rimline_testkit::shapes;
 
-use crate::least_cut::least;
-use crate::occluded_faces::{faces_light, find};
+use crate::occluded_faces::{all_left_out, faces_light, find};
 use crate::static_scenes::{Caster, StaticScene};
 
 /// The sides of a caster of which some faces cast, by the definition: a face adds its direction to each of its records, and
@@ -45,7 +42,7 @@ fn check(caster: &Caster, facing: &[bool], occluded: &[u32], left_out: &[u32]) -
     if !no_more(all) || !no_more(both_ways(caster, facing, occluded)) {
         return Err(format!("{found:?} sides, and {all:?} with all faces"));
     }
-    if occluded.len() > 8 {
+    if occluded.len() > 10 {
         return Ok(0);
     }
     for choice in 0..1_u32 << occluded.len() {
@@ -65,7 +62,7 @@ fn no_other_choice_has_fewer_sides() {
     for seed in 5400..5900 {
         let scene = StaticScene::random(seed);
         let mut random = Random::new(seed);
-        let all = find(&scene, OcclusionOptions { leave_out_all: true, ..OcclusionOptions::default() });
+        let all = find(&scene, all_left_out());
         let found = find(&scene, OcclusionOptions::default());
         let statistics = found.statistics();
         let [mut before, mut left] = [0, 0];
@@ -101,49 +98,4 @@ fn no_other_choice_has_fewer_sides() {
          {grown} scenes; {refuted} wrong choices refuted"
     );
     assert!(tried > 5000 && fewer > 200 && kept > 100 && grown > 20 && refuted > 100);
-}
-
-/// A sphere under some blades, which hide parts of it. `count` is that of the blades.
-fn under_blades(random: &mut Random, count: usize) -> StaticScene {
-    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Caster {
-        mesh: Mesh::new(&positions, faces, Weld::Position).expect("a mesh"),
-        positions,
-    };
-    let body = shapes::sphere(4);
-    let mut casters = vec![of(body.positions, &body.faces)];
-    for _ in 0..count {
-        let corners = (0..3).map(|_| [random.between(-2.0, 2.0), random.between(-2.0, 2.0), 2.0]).collect();
-        casters.push(of(corners, &[[0, 1, 2]]));
-    }
-    StaticScene { casters, light: Light::directional([random.between(-0.5, 0.5), 0.25, 1.0]) }
-}
-
-#[test]
-fn a_flow_on_a_table_finds_no_fewer_sides() {
-    let (mut faces, mut some, mut refuted) = (0, 0, 0);
-    for seed in 6000..6060 {
-        let mut random = Random::new(seed);
-        let count = 2 + random.below(5);
-        let scene = under_blades(&mut random, count);
-        let all = find(&scene, OcclusionOptions { leave_out_all: true, ..OcclusionOptions::default() });
-        let found = find(&scene, OcclusionOptions::default());
-        let caster = &scene.casters[0];
-        let facing: Vec<bool> =
-            (0..caster.mesh.faces().len()).map(|face| faces_light(caster, face, scene.light)).collect();
-        let occluded = all.faces(0);
-        let cost = |numbers: &[usize]| {
-            let left_out: Vec<u32> = numbers.iter().map(|&number| occluded[number]).collect();
-            i64::from(both_ways(caster, &facing, &left_out)[1])
-        };
-        let least = least(occluded.len(), cost);
-        let sides = |left_out: &[u32]| i64::from(both_ways(caster, &facing, left_out)[1]);
-        assert_eq!(sides(found.faces(0)), least, "seed {seed}: {} occluded faces", occluded.len());
-        refuted += usize::from(sides(occluded) != least);
-        faces += occluded.len();
-        some += usize::from(!found.faces(0).is_empty() && found.faces(0).len() < occluded.len());
-    }
-    println!(
-        "{faces} occluded faces; {some} times some of them are left out and some are not; all would be wrong {refuted} times"
-    );
-    assert!(faces > 1000 && some > 10 && refuted > 20);
 }

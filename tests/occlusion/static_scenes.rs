@@ -6,9 +6,16 @@ use rimline::{Light, Mesh};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
+#[derive(Clone)]
 pub(crate) struct Caster {
     pub(crate) mesh: Mesh,
     pub(crate) positions: Vec<[f32; 3]>,
+}
+
+impl Caster {
+    pub(crate) fn new(Shape { positions, faces }: Shape) -> Self {
+        Self { mesh: Mesh::new(&positions, &faces, Weld::Position).expect("a mesh"), positions }
+    }
 }
 
 pub(crate) struct StaticScene {
@@ -63,9 +70,7 @@ impl StaticScene {
         for _ in 0..2 + random.below(4) {
             // Some lie where others are, with other bits or the same.
             if random.below(5) == 0 && !casters.is_empty() {
-                let of = &casters[random.below(casters.len())];
-                let (mesh, positions) = (of.mesh.clone(), of.positions.clone());
-                casters.push(Caster { mesh, positions });
+                casters.push(casters[random.below(casters.len())].clone());
                 continue;
             }
             let shape = shape(&mut random);
@@ -86,8 +91,7 @@ impl StaticScene {
                     face.swap(1, 2);
                 }
             }
-            let mesh = Mesh::new(&positions, &faces, Weld::Position).expect("a mesh");
-            casters.push(Caster { mesh, positions });
+            casters.push(Caster::new(Shape { positions, faces }));
         }
         let mut number = |far: f32| {
             [(); 3].map(|()| if random.below(2) == 0 { random.between(-far, far) } else { (far / 2.0).round() })

@@ -4,59 +4,53 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
-    Capacities, Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, LightMask, OutlineError,
-    OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle, PositionBuffer, Scene, SceneFrame,
-    SceneOptions, ShadowError, View as FrameView,
+    Capacities, Caster, CasterHandle, CasterPositions, Deformer, DeformerOptions, FrameInputs, LightHandle, LightMask,
+    OutlineError, OutlineInputs, OutlineSource, OutlineStyle, Scene, SceneOptions, View as FrameView,
 };
 use rimline::mesh::Weld;
-use rimline::{Light, Matrix3x4, ShadowCamera};
+use rimline::{Light, Matrix3x4};
 use rimline_testkit::cases::{Case, case, topologies};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::bending_tube;
 use rimline_testkit::on_gpu::{deformed, interleaved, text};
-use rimline_testkit::passes;
 use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_box, quad_torus};
 use rimline_testkit::random::Random;
-use rimline_testkit::refusals::{Expected, is, refusal, refused, says};
 use rimline_testkit::scenes::{Pose, direction};
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{lights, must_fail};
+use rimline_testkit::{IDENTITY, lights, must_fail};
 
-use crate::rendered::{Attachments, Inputs, Picture, corners, draw_small, render};
+use crate::rendered::{Attachments, Inputs, Picture, corners, render};
 use crate::{CLASSES, Truth, View, check, style, truth};
 
 pub(crate) const TESTS: &[Test] = &[
     ("outlines_of_a_caster_are_those_of_its_extraction", same_as_extractions),
     ("outlines_of_casters_are_what_rays_see", seen),
     ("outlines_of_models_are_those_of_their_positions", models),
-    ("outlines_of_scenes_that_cannot_be_drawn_are_typed_errors", refused_outlines),
 ];
 
-const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-
 /// A scene, and its light that stands for the eye.
-struct Outlined {
-    scene: Scene,
-    eye: LightHandle,
+pub(crate) struct Outlined {
+    pub(crate) scene: Scene,
+    pub(crate) eye: LightHandle,
 }
 
 impl Outlined {
     /// So many other lights come first. `lists` is the room of each list of edges.
-    fn new(gpu: &Gpu, light: Light, others: usize, lists: Option<u32>) -> Result<Self, String> {
+    pub(crate) fn new(gpu: &Gpu, light: Light, others: usize, lists: Option<u32>) -> Result<Self, String> {
         let capacities = Capacities { lists, ..Capacities::default() };
         // Some meshes are in clusters, so that their edges have another order.
         let options =
             SceneOptions { max_lights: others + 1, capacities, clusters_from: Some(500), ..SceneOptions::default() };
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
-        for other in self::lights(&mut Random::new(5), others) {
+        for other in lights(&mut Random::new(5), others) {
             scene.add_light(other).map_err(text)?;
         }
         let eye = scene.add_light(light).map_err(text)?;
         Ok(Self { scene, eye })
     }
 
-    fn insert(&mut self, (_, positions, mesh): &Case, transform: Matrix3x4) -> Result<CasterHandle, String> {
+    pub(crate) fn insert(&mut self, (_, positions, mesh): &Case, transform: Matrix3x4) -> Result<CasterHandle, String> {
         let mesh = self.scene.add_mesh(mesh, positions).map_err(text)?;
         self.scene.insert(Caster::rigid(mesh, transform)).map_err(text)
     }
@@ -161,19 +155,13 @@ impl Body {
     fn move_to(&mut self, gpu: &Gpu, scene: &mut Scene, transform: Matrix3x4) -> Result<(), String> {
         self.transform = transform;
         match &self.buffer {
-            Some(buffer) => gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&in_buffer(&self.world()))),
-            None => scene.set_transform(self.handle, transform).map_err(text)?,
+            Some(buffer) => {
+                gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&interleaved(&self.world(), 8, 20)));
+                Ok(())
+            }
+            None => scene.set_transform(self.handle, transform).map_err(text),
         }
-        Ok(())
     }
-}
-
-/// Where the buffer of a caster has its vertices, in bytes.
-const OFFSET: u64 = 8;
-const STRIDE: u64 = 20;
-
-fn in_buffer(world: &[[f32; 3]]) -> Vec<f32> {
-    interleaved(world, OFFSET, STRIDE)
 }
 
 fn in_world(positions: &[[f32; 3]], transform: &Matrix3x4) -> Vec<[f32; 3]> {
@@ -216,16 +204,13 @@ fn bodies(gpu: &Gpu, drawing: &mut Outlined, random: &mut Random) -> Result<Vec<
     let mut bodies = Vec::new();
     for (number, case) in cases.into_iter().enumerate() {
         let transform = placed(random, number == 4);
-        let world = in_world(&case.1, &transform);
-        let buffer = (number == 1).then(|| gpu.storage(&in_buffer(&world)));
-        let handle = match &buffer {
-            Some(buffer) => {
-                let mesh = drawing.scene.add_mesh(&case.2, &case.1).map_err(text)?;
-                let positions = PositionBuffer { buffer, offset: OFFSET, stride: STRIDE };
-                drawing.scene.insert(Caster::in_buffer(mesh, positions)).map_err(text)?
-            }
-            None => drawing.insert(&case, transform)?,
-        };
+        let mesh = drawing.scene.add_mesh(&case.2, &case.1).map_err(text)?;
+        let buffer = (number == 1).then(|| gpu.storage(&interleaved(&in_world(&case.1, &transform), 8, 20)));
+        let mut caster = Caster::rigid(mesh, transform);
+        if let Some(buffer) = buffer.clone() {
+            caster.positions = CasterPositions::Buffer { buffer, offset: 8, stride: 20 };
+        }
+        let handle = drawing.scene.insert(caster).map_err(text)?;
         bodies.push(Body { case, transform, buffer, handle, has_outline: true });
     }
     Ok(bodies)
@@ -315,55 +300,4 @@ fn models() -> Result<(), String> {
         must_fail("another pose", &same("pose", &drawing.ink(&gpu, &picture, style, &[])?, &expected))?;
     }
     Ok(())
-}
-
-fn encoded(gpu: &Gpu, drawing: &mut Outlined) -> Result<SceneFrame, String> {
-    gpu.submit(|encoder| drawing.scene.encode(encoder, FrameInputs::default()).map_err(text))
-}
-
-fn refused_outlines() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let light = Light::point([0.0, 0.0, 4.0]);
-    let mut drawing = Outlined::new(gpu, light, 0, None)?;
-    let mut other = Outlined::new(gpu, light, 0, None)?;
-    drawing.insert(&case("cube", shapes::cube()), IDENTITY)?;
-    let (frame, empty) = (encoded(gpu, &mut drawing)?, encoded(gpu, &mut other)?);
-    let outlines = OutlinePipeline::new(&gpu.pipelines, &OutlineFormat::default()).map_err(text)?;
-    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-    let camera =
-        &ShadowCamera { view_projection: identity, origin: [0.0; 3], depth: rimline::DepthDirection::Standard };
-    let depth = gpu.device.create_texture(&passes::texture([8; 2], wgpu::TextureFormat::Depth32Float));
-    let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
-    let of = OutlineSource::Scene(&frame, drawing.eye);
-    let good = OutlineInputs { of, camera, depth, style: OutlineStyle::default(), marked: None };
-    let of = |frame, light| outlines.prepare(&OutlineInputs { of: OutlineSource::Scene(frame, light), ..good });
-    let made = outlines.prepare(&good).map_err(text)?;
-    let marks = gpu.storage(&[0_u32; 4]);
-    let marked = OutlineInputs { marked: Some(&marks), ..good };
-    let wide = OutlineInputs { style: OutlineStyle { width: f32::NAN, ..good.style }, ..good };
-    let singular = &ShadowCamera { view_projection: [[0.0; 4]; 4], ..*camera };
-    let elsewhere = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
-    let theirs = OutlinePipeline::new(&elsewhere.pipelines, &OutlineFormat::default()).map_err(text)?;
-    drawing.scene.remove_light(drawing.eye).map_err(text)?;
-    let new = drawing.scene.add_light(light).map_err(text)?;
-    refused([
-        refusal("a removed light of the frame", of(&frame, drawing.eye), Expected::Taken),
-        refusal("no casters", of(&empty, other.eye), Expected::Taken),
-        refusal("another scene's light", of(&frame, other.eye), is(scene(ShadowError::OtherScene { what: "light" }))),
-        refusal("a light after the encode", of(&frame, new), is(scene(ShadowError::NotEncoded))),
-        refusal("marks", outlines.prepare(&marked), is(OutlineError::MarkedScene)),
-        refusal("width", outlines.prepare(&wide), says(&["`width` of the style is NaN"])),
-        refusal("no camera", outlines.prepare(&OutlineInputs { camera: singular, ..good }), says(&["singular"])),
-        refusal("another device", theirs.prepare(&good), says(&["the scene is of another device than the outline's"])),
-    ])?;
-    encoded(gpu, &mut drawing)?;
-    let drawn = draw_small(gpu, &made)?;
-    refused([
-        refusal("an old frame", outlines.prepare(&good), is(scene(ShadowError::StaleFrame))),
-        refusal("an outline of an old frame", drawn, is(scene(ShadowError::StaleFrame))),
-    ])
-}
-
-fn scene(error: ShadowError) -> OutlineError {
-    OutlineError::Scene(error)
 }

@@ -2,17 +2,15 @@
 
 use rimline::Light;
 use rimline::gpu::{SceneOptions, SceneStatistics};
+use rimline_testkit::cluster_meshes::{self, Case};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::is_long;
-use rimline_testkit::must_fail;
-use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
+use rimline_testkit::{IDENTITY, is_long, must_fail};
 
 use crate::found::{Checked, check_frame, checked};
-use crate::random_scene::{IDENTITY, RandomScene};
+use crate::random_scene::RandomScene;
 use crate::scenes::roomy;
-use rimline_testkit::cluster_meshes::{self, Case};
 
 pub(crate) const TESTS: &[Test] = &[
     ("clusters_change_no_bit", hostile),
@@ -29,35 +27,28 @@ fn with_mesh(gpu: &Gpu, seed: u64, shape: Shape) -> Result<RandomScene, String> 
 }
 
 fn put_lights(scene: &mut RandomScene, lights: &[Light]) -> Result<(), String> {
-    for (index, &light) in lights.iter().enumerate().take(40) {
-        if index < scene.content.lights.len() {
-            scene.set_light(index, light)?;
-        } else {
-            scene.put_light(light)?;
-        }
-    }
-    Ok(())
+    lights.iter().enumerate().take(40).try_for_each(|(index, &light)| {
+        if index < scene.content.lights.len() { scene.set_light(index, light) } else { scene.put_light(light) }
+    })
 }
 
 /// Smooth, flat, nearly flat, huge, tiny and spoilt meshes, with lights where a bound only just decides, in planes and on
 /// vertices. Lights and casters move from frame to frame.
 fn hostile() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(4101);
-    println!("seed 4101");
+    let (gpu, mut random) = Gpu::seeded(4101)?;
     let mut sum = [0; 4];
     for index in 0..if is_long() { 600 } else { 60 } {
-        let Case { name, shape, lights } = cluster_meshes::case(&mut random, index);
+        let Case { name, shape, mut lights } = cluster_meshes::case(&mut random, index);
         let what = |error: String| format!("{name}, case {index}: {error}");
         // A scene refuses a negative weight; the same point has a positive one.
-        let positive =
-            |light: &Light| if light.w < 0.0 { Light::homogeneous(light.to_array().map(|c| -c)) } else { *light };
-        let lights: Vec<Light> = lights.iter().map(positive).collect();
-        let mut scene = with_mesh(gpu, 4200 + index as u64, shape)?;
+        for light in lights.iter_mut().filter(|light| light.w < 0.0) {
+            *light = Light::homogeneous(light.to_array().map(|c| -c));
+        }
+        let mut scene = with_mesh(&gpu, 4200 + index as u64, shape)?;
         put_lights(&mut scene, &lights)?;
-        (0..3).try_for_each(|_| scene.insert(gpu))?;
+        (0..3).try_for_each(|_| scene.insert(&gpu))?;
         for frame in 0..4 {
-            let Checked { frame: drawn, mut found } = checked(gpu, &mut scene).map_err(what)?;
+            let Checked { frame: drawn, mut found } = checked(&gpu, &mut scene).map_err(what)?;
             let SceneStatistics { faces, edges, untested_faces, untested_edges, .. } = found.statistics;
             sum.iter_mut().zip([faces, edges, untested_faces, untested_edges]).for_each(|(sum, count)| *sum += count);
             if let Some(face) = found.lit_face(&scene.content, &drawn).filter(|_| frame == 0) {
@@ -69,8 +60,9 @@ fn hostile() -> Result<(), String> {
                 scene.move_casters()?;
             } else {
                 // Lights of the case take other bits.
-                let turned: Vec<Light> = lights.iter().cycle().skip(frame).take(lights.len()).copied().collect();
-                put_lights(&mut scene, &turned)?;
+                let count = lights.len().max(1);
+                lights.rotate_left(frame % count);
+                put_lights(&mut scene, &lights)?;
             }
         }
     }
@@ -83,10 +75,8 @@ fn hostile() -> Result<(), String> {
 /// the axis before.
 fn shifted() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut scene, mut frames) = (with_mesh(gpu, 4501, shapes::sphere(20))?, 0);
-    scene.set_all_lights()?;
-    let directions = [[1.0, 0.01, 0.02], [0.01, 1.0, 0.02], [0.02, 0.01, 1.0]];
-    put_lights(&mut scene, &[Light::directional(directions[0])])?;
+    let (mut scene, mut sign) = (with_mesh(gpu, 4501, shapes::sphere(20))?, 1.0);
+    put_lights(&mut scene, &[Light::directional([1.0, 0.01, 0.02])])?;
     for casters in [9, 7, 5, 3, 1, 3, 5, 7, 9, 3, 9, 1] {
         while scene.content.casters.len() > casters {
             scene.remove_caster(scene.content.casters.len() - 1)?;
@@ -95,11 +85,10 @@ fn shifted() -> Result<(), String> {
             scene.insert_at(0, IDENTITY)?;
         }
         scene.set_all_lights()?;
-        for direction in directions {
-            let sign = if frames % 2 == 0 { 1.0 } else { -1.0 };
+        for direction in [[1.0, 0.01, 0.02], [0.01, 1.0, 0.02], [0.02, 0.01, 1.0]] {
             put_lights(&mut scene, &[Light::directional(direction.map(|c| sign * c))])?;
-            frames += 1;
-            checked(gpu, &mut scene).map_err(|error| format!("frame {frames}, {casters} casters: {error}"))?;
+            sign = -sign;
+            checked(gpu, &mut scene).map_err(|error| format!("{casters} casters, {direction:?}: {error}"))?;
         }
     }
     Ok(())
@@ -116,11 +105,10 @@ fn smooth() -> Result<(), String> {
             let mut scene = with_mesh(gpu, 4401, make(size))?;
             scene.set_all_lights()?;
             put_lights(&mut scene, &[Light::point([3.0, 2.0, 1.0])])?;
-            let SceneStatistics { faces, untested_faces, .. } = checked(gpu, &mut scene)?.found.statistics;
-            println!("mesh {number}: {faces} faces tested, {untested_faces} not");
-            tested.push(f64::from(faces));
+            tested.push(f64::from(checked(gpu, &mut scene)?.found.statistics.faces));
         }
         let growth = tested[1] / tested[0];
+        println!("mesh {number}: {tested:?} faces tested");
         if growth >= 2.6 {
             return Err(format!("{growth} times as many faces of mesh {number} are tested"));
         }

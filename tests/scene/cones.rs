@@ -8,6 +8,7 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::probe::Probe;
 use rimline_testkit::random::Random;
+use rimline_testkit::scenes::direction;
 use rimline_testkit::{is_long, same};
 
 pub(crate) const TESTS: &[Test] = &[("boxes_that_touch_a_cone_are_kept", touching)];
@@ -42,24 +43,20 @@ pub(crate) fn random_cone(random: &mut Random) -> Cone {
 }
 
 /// A direction at this angle from the axis, in radians.
-fn direction(random: &mut Random, axis: [f32; 3], angle: f64) -> DVec3 {
+fn at_angle(random: &mut Random, axis: [f32; 3], angle: f64) -> DVec3 {
     let axis = DVec3::from(axis.map(f64::from)).normalize();
-    let any = DVec3::from(random.direction().map(f64::from));
+    let any = direction(random);
     let across = (any - any.dot(axis) * axis).normalize_or_zero();
     angle.cos() * axis + angle.sin() * across
 }
 
-/// A box with a place at a corner, on a side, or within.
+/// A box with a point at a corner, on a side, or within.
 fn box_around(random: &mut Random, point: [f32; 3], size: f32) -> [[f32; 3]; 2] {
     let mut ends = [point; 2];
     for axis in 0..3 {
-        let which = random.below(3);
-        if which != 1 {
-            ends[0][axis] = point[axis] - random.between(0.0, size);
-        }
-        if which != 2 {
-            ends[1][axis] = point[axis] + random.between(0.0, size);
-        }
+        let sides = [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]][random.below(3)];
+        ends[0][axis] -= sides[0] * random.between(0.0, size);
+        ends[1][axis] += sides[1] * random.between(0.0, size);
     }
     ends
 }
@@ -69,8 +66,7 @@ type Boxed = (LightCone, [[f32; 3]; 2]);
 
 /// Whether the boxes may have a point in their cones, by the WGSL. No term of their ends is larger than the ends.
 fn may_be_in_cone(gpu: &Gpu, boxes: &[Boxed]) -> Result<Vec<bool>, String> {
-    let part = |at: u32| format!("probe_inputs[4u * index + {at}u]");
-    let [apex, axis, low, high] = [0, 1, 2, 3].map(part);
+    let [apex, axis, low, high] = [0, 1, 2, 3].map(|at| format!("probe_inputs[4u * index + {at}u]"));
     let call = format!("may_be_in_cone(LightCone({apex}, {axis}), {low}.xyz, {high}.xyz, 0.0)");
     let probe = Probe::new(gpu, &NEEDS.wgsl(), ("vec4<u32>", &format!("vec4<u32>(u32({call}))")), &[]);
     let mut all = Vec::new();
@@ -98,11 +94,10 @@ fn touching() -> Result<(), String> {
         let far = [0.0, 1.0, 100.0][random.below(3)];
         let apex = [(); 3].map(|()| scale * random.between(-far, far));
         let half_angle = f64::from(cone.cosine).acos();
-        let angle = half_angle
-            * [1.0, f64::from(random.between(0.99, 1.0)), f64::from(random.between(0.0, 1.0))][random.below(3)];
-        let distance = f64::from(scale) * [0.0, 1.0, f64::from(random.between(0.0, 3.0))][random.below(3)];
+        let angle = half_angle * f64::from([1.0, random.between(0.99, 1.0), random.between(0.0, 1.0)][random.below(3)]);
+        let distance = f64::from(scale * [0.0, 1.0, random.between(0.0, 3.0)][random.below(3)]);
         let from = DVec3::from(apex.map(f64::from));
-        let point = (from + distance * direction(&mut random, cone.axis, angle)).as_vec3().to_array();
+        let point = (from + distance * at_angle(&mut random, cone.axis, angle)).as_vec3().to_array();
         // Rounding may have moved it out.
         if inside(cone, from, DVec3::from(point.map(f64::from))) >= 0.0 {
             on_surface += usize::from(angle == half_angle);

@@ -1,16 +1,18 @@
-//! Walking figures, in a scene that deforms those that a frame needs, and in one that deforms all.
+//! Walking figures, and a scene whose caller deforms them all.
 
 use glam::{Affine3A, DVec4, Quat, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, ModelHandle, PoseInputs, Scene,
-    SceneFrame, SceneOptions,
+    Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, PoseInputs, Scene, SceneFrame,
+    SceneOptions,
 };
 use rimline::model::Box3;
-use rimline::{Cone, DepthDirection, Instance, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
+use rimline::{Cone, Instance, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::models::bending_tube;
 use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
+
+use crate::histories::looking;
 
 /// Half the width of the ground.
 const GROUND: f32 = 30.0;
@@ -63,9 +65,10 @@ pub(crate) fn position(random: &mut Random) -> Vec3 {
     Vec3::new(random.between(-GROUND, GROUND), random.between(0.5, 2.0), random.between(-GROUND, GROUND))
 }
 
-/// Makes some figures walk a bit, far, or not at all.
+/// Makes some figures walk a bit, far, or not at all, and some become their mirror images.
 pub(crate) fn walk(walkers: &mut [Walker], random: &mut Random) {
     for walker in walkers {
+        walker.is_mirrored ^= random.below(6) == 0;
         match random.below(4) {
             0 => {}
             1 => walker.at = position(random),
@@ -94,15 +97,11 @@ pub(crate) fn lights(random: &mut Random) -> Vec<Light> {
     (0..6).map(light).collect()
 }
 
-/// In the crowd, looking about level. Near 0.1, without a far plane.
+/// In the crowd, looking about level.
 pub(crate) fn camera(random: &mut Random) -> ShadowCamera {
     let origin = position(random);
     let forward = (Vec3::from(random.direction()) * Vec3::new(1.0, 0.2, 1.0)).normalize();
-    let right = forward.cross(Vec3::Y).normalize();
-    let up = right.cross(forward);
-    let [x, y, z] = [0, 1, 2].map(|axis| [2.0 * right[axis], 2.0 * up[axis], 0.0, forward[axis]]);
-    let view_projection = [x, y, z, [0.0, 0.0, 0.1, 0.0]];
-    ShadowCamera { view_projection, origin: origin.to_array(), depth: DepthDirection::Reversed }
+    looking(origin, forward, forward.cross(Vec3::Y).normalize())
 }
 
 /// Whether the camera sees a homogeneous point.
@@ -112,44 +111,6 @@ pub(crate) fn sees(camera: &ShadowCamera, point: DVec4) -> bool {
     let columns = camera.view_projection.map(|column| DVec4::from(column.map(f64::from)));
     let clip = columns[0] * from.x + columns[1] * from.y + columns[2] * from.z + columns[3] * from.w;
     clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && clip.z <= clip.w
-}
-
-/// A scene that deforms the crowd as far as a frame needs.
-pub(crate) struct Stage {
-    pub(crate) scene: Scene,
-    pub(crate) model: ModelHandle,
-    pub(crate) lights: Vec<LightHandle>,
-}
-
-impl Stage {
-    pub(crate) fn new(
-        gpu: &Gpu,
-        crowd: &Crowd,
-        pose: &Pose,
-        lights: &[Light],
-        options: SceneOptions,
-    ) -> Result<Self, String> {
-        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
-        let lights = lights.iter().map(|light| scene.add_light(*light).map_err(text)).collect::<Result<_, _>>()?;
-        let model = scene.insert_model(&crowd.model, pose, DeformerOptions::default()).map_err(text)?;
-        Ok(Self { scene, model, lights })
-    }
-
-    /// Records a frame in a pose.
-    pub(crate) fn encode(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        pose: &Pose,
-        cameras: &[ShadowCamera],
-    ) -> Result<SceneFrame, String> {
-        self.scene.set_pose(self.model, pose).map_err(text)?;
-        self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
-    }
-
-    /// The positions of all figures.
-    pub(crate) fn positions(&self, gpu: &Gpu) -> Result<Vec<[u32; 3]>, String> {
-        gpu.read(self.scene.positions(self.model).map_err(text)?.buffer, usize::MAX)
-    }
 }
 
 /// A scene of the crowd whose caller deforms all figures.

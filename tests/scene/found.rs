@@ -6,7 +6,7 @@ use rimline::internals::clusters::EdgeOrder;
 use rimline::internals::cpu;
 use rimline::internals::layout::{CHUNK, DrawArguments, SceneCaster};
 use rimline::internals::scene::SceneTable;
-use rimline::{Cone, Light, Matrix3x4, Mesh};
+use rimline::{Cone, Light, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::same;
@@ -42,8 +42,6 @@ pub(crate) struct GroupFound {
     /// For each light of the batch.
     pub(crate) counts: Vec<u32>,
     pub(crate) lists: Vec<Vec<u32>>,
-    pub(crate) capacity: u32,
-    pub(crate) edge_slots: u32,
     pub(crate) draws: Vec<DrawArguments>,
     pub(crate) statistics: ExtractionStatistics,
     /// Faces that facing left to exact facing.
@@ -77,8 +75,6 @@ impl Found {
                 excluded: gpu.read(group.excluded, (CHUNK * group.dispatch.face_chunks) as usize)?,
                 counts,
                 lists,
-                capacity: group.capacity,
-                edge_slots: CHUNK * group.dispatch.edge_chunks,
                 draws: gpu.read(group.draws, 32)?,
                 statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record[..5])),
                 undecided: record[5],
@@ -144,52 +140,40 @@ pub(crate) enum Culled {
     ByCone,
 }
 
+/// By a ball around the box that the caster's matrix moves.
 pub(crate) fn certainly_culled(content: &Content, caster: &TestCaster, light: Light) -> Option<Culled> {
     let Placed::Rigid(rows) = &caster.placed else { return None };
     let (mesh, positions) = content.mesh_and_positions(caster);
     let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
     let corners = mesh.faces().iter().filter(is_finite).flatten();
     let corners = corners.map(|&vertex| DVec3::from(positions[vertex as usize].map(f64::from)));
-    let ends = corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])?;
+    let [low, high] = corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])?;
     let apex = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
-    if light.w.abs() < 1e-6 {
+    // The box around the moved box, and the largest term of its coordinates.
+    let [x, y, z] = rows.map(|row| DVec3::from([0, 1, 2].map(|column| f64::from(row[column]))));
+    let moved = |p: DVec3| DVec3::new(x.dot(p), y.dot(p), z.dot(p));
+    let shift = DVec3::from(rows.map(|row| f64::from(row[3])));
+    let away = moved(0.5 * (low + high)) + shift - apex;
+    let radius = DVec3::from([x, y, z].map(|row| row.abs().dot(0.5 * (high - low)))).length();
+    let terms = [x, y, z].map(|row| row.abs().dot(low.abs().max(high.abs())));
+    let size = (DVec3::from(terms) + shift.abs()).max(apex.abs()).max_element();
+    let beyond = |distance: f64| distance > 1.001 * radius + 1e-3 * size;
+    // Ranges are measured where the matrix is a rotation times a scale, and the mesh is not too far from the light.
+    let (matrix, scale) = (DMat3::from_cols(x, y, z), x.length());
+    let gram = matrix.transpose() * matrix - DMat3::from_diagonal(DVec3::splat(scale * scale));
+    let is_turned = gram.to_cols_array().iter().all(|off| off.abs() < 1e-5 * scale * scale) && size < 1e7 * scale;
+    let angle = |cone: Cone| {
+        let axis = DVec3::from(cone.axis.map(f64::from)).normalize();
+        away.normalize().dot(axis).clamp(-1.0, 1.0).acos() - f64::from(cone.cosine).acos()
+    };
+    let is_beside = |cone| beyond(away.length() * angle(cone).clamp(0.0, std::f64::consts::FRAC_PI_2).sin());
+    if light.w.abs() < 1e-6 || !(1e-6..1e15).contains(&size) {
         None
-    } else if light.range.is_finite() && is_out_of_range(rows, ends, apex, light.range) {
+    } else if is_turned && beyond(away.length() - 1.003 * f64::from(light.range)) {
         Some(Culled::ByRange)
     } else {
-        light.cone.filter(|&cone| is_beside(rows, ends, apex, cone)).map(|_| Culled::ByCone)
+        light.cone.filter(|&cone| is_beside(cone)).map(|_| Culled::ByCone)
     }
-}
-
-/// Whether a box that the matrix moves is clearly out of range. The matrix must be a rotation times a scale.
-fn is_out_of_range(rows: &Matrix3x4, [low, high]: [DVec3; 2], apex: DVec3, range: f32) -> bool {
-    let column = |index: usize| DVec3::from(rows.map(|row| f64::from(row[index])));
-    let matrix = DMat3::from_cols(column(0), column(1), column(2));
-    let scale = column(0).length();
-    let gram = matrix.transpose() * matrix - DMat3::from_diagonal(DVec3::splat(scale * scale));
-    let is_turned = gram.to_cols_array().iter().all(|off| off.abs() < 1e-5 * scale * scale);
-    let position = matrix.inverse() * (apex - column(3));
-    let size = position.abs().max(low.abs()).max(high.abs()).max_element();
-    let distance = scale * (position - position.clamp(low, high)).length();
-    is_turned && size < 1e8 && distance > 1.003 * f64::from(range) + 1e-3 * scale * size
-}
-
-/// Whether a ball around the moved box is clearly beside the cone.
-fn is_beside(rows: &Matrix3x4, [low, high]: [DVec3; 2], apex: DVec3, cone: Cone) -> bool {
-    // The box around the moved box, and the largest term of its coordinates.
-    let (mut middle, mut half, mut size) = (DVec3::ZERO, DVec3::ZERO, apex.abs().max_element());
-    for axis in 0..3 {
-        let [x, y, z, by] = rows[axis].map(f64::from);
-        let row = DVec3::new(x, y, z);
-        middle[axis] = row.dot(0.5 * (low + high)) + by;
-        half[axis] = row.abs().dot(0.5 * (high - low));
-        size = size.max(row.abs().dot(low.abs().max(high.abs())) + by.abs());
-    }
-    let away = middle - apex;
-    let cosine = away.normalize().dot(DVec3::from(cone.axis.map(f64::from)).normalize());
-    let angle = cosine.clamp(-1.0, 1.0).acos() - f64::from(cone.cosine).acos();
-    let beyond = away.length() * angle.clamp(0.0, std::f64::consts::FRAC_PI_2).sin();
-    (1e-6..1e15).contains(&size) && beyond > half.length() + 1e-3 * size
 }
 
 /// Counts of pairs of caster and light, for tests that must not be vacuous.

@@ -1,6 +1,8 @@
 //! Frames do not depend on a scene's past. Scenes changed, and their encoders were dropped or submitted in any order; their
 //! shadow volumes must equal those of a new scene.
 
+use std::collections::HashMap;
+
 use glam::Vec3;
 use rimline::gpu::{
     Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Scene,
@@ -39,16 +41,19 @@ pub(crate) struct Volumes {
     cached_lists: u32,
 }
 
-/// Near 0.1, without a far plane.
 pub(crate) fn camera(random: &mut Random) -> ShadowCamera {
     let far = [1.5, 8.0, 60.0][random.below(3)];
-    let origin = random.direction().map(|c| c * far);
-    let forward = (Vec3::from(random.direction()) - Vec3::from(origin)).normalize();
-    let right = forward.any_orthonormal_vector();
+    let origin = far * Vec3::from(random.direction());
+    let forward = (Vec3::from(random.direction()) - origin).normalize();
+    looking(origin, forward, forward.any_orthonormal_vector())
+}
+
+/// Near 0.1, without a far plane.
+pub(crate) fn looking(origin: Vec3, forward: Vec3, right: Vec3) -> ShadowCamera {
     let up = right.cross(forward);
-    let columns = [0, 1, 2].map(|axis| [2.0 * right[axis], 2.0 * up[axis], 0.0, forward[axis]]);
-    let [x, y, z] = columns;
-    ShadowCamera { view_projection: [x, y, z, [0.0, 0.0, 0.1, 0.0]], origin, depth: DepthDirection::Reversed }
+    let [x, y, z] = [0, 1, 2].map(|axis| [2.0 * right[axis], 2.0 * up[axis], 0.0, forward[axis]]);
+    let view_projection = [x, y, z, [0.0, 0.0, 0.1, 0.0]];
+    ShadowCamera { view_projection, origin: origin.to_array(), depth: DepthDirection::Reversed }
 }
 
 /// The buffers of a frame's volumes. They hold the results after its submission, even if the frame is stale then.
@@ -94,10 +99,6 @@ pub(crate) fn volumes(gpu: &Gpu, frame: &SceneFrame, views: usize) -> Result<Vol
     VolumeBuffers::new(frame, views)?.read(gpu, &bits)
 }
 
-fn bits(content: &Content) -> Vec<u32> {
-    content.lights.iter().map(|(light, _)| light.bit()).collect()
-}
-
 impl Recorded {
     fn new(
         mut encoder: wgpu::CommandEncoder,
@@ -111,51 +112,47 @@ impl Recorded {
         Ok(Self { encoder, volumes, content, cameras, excluded })
     }
 
-    /// Submits it, and compares it with a new scene.
+    /// Submits it, and compares it with a new scene. Returns the numbers of instances and of cached lists.
     fn check(self, gpu: &Gpu, options: SceneOptions) -> Result<[u32; 2], String> {
+        let expected = self.without_past(gpu, options)?;
         gpu.queue.submit([self.encoder.finish()]);
-        let mut found = self.volumes.read(gpu, &bits(&self.content))?;
-        let expected = without_past(gpu, options, &self.content, &self.cameras, &self.excluded)?;
+        let bits: Vec<u32> = self.content.lights.iter().map(|(light, _)| light.bit()).collect();
+        let mut found = self.volumes.read(gpu, &bits)?;
         let cached_lists = std::mem::replace(&mut found.cached_lists, expected.cached_lists);
         same("volumes", &[&found], &[&expected])?;
         Ok([found.instances.iter().flatten().sum(), cached_lists])
     }
-}
 
-/// The volumes of the same content in a scene without a past.
-fn without_past(
-    gpu: &Gpu,
-    options: SceneOptions,
-    content: &Content,
-    cameras: &[ShadowCamera],
-    excluded: &Excluded,
-) -> Result<Volumes, String> {
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
-    let meshes = content.meshes.iter().map(|(case, _)| scene.add_mesh(&case.2, &case.1).map_err(text));
-    let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
-    let lights = content.lights.iter().map(|(old, light)| Ok((*old, scene.add_light(*light).map_err(text)?)));
-    let lights: Vec<(LightHandle, LightHandle)> = lights.collect::<Result<_, String>>()?;
-    for known in &content.casters {
-        let positions = match &known.placed {
-            Placed::Rigid(rows) => CasterPositions::Rigid((*rows).into()),
-            Placed::World(world) => CasterPositions::Buffer { buffer: gpu.storage(world), offset: 0, stride: 12 },
-        };
-        let allowed = lights.iter().filter(|(old, _)| known.lights.contains(*old)).map(|(_, new)| *new);
-        let caster =
-            Caster { mesh: meshes[known.mesh], positions, lights: LightMask::only(allowed), in_depth: known.in_depth };
-        let caster = scene.insert(caster).map_err(text)?;
-        if known.bounds.is_some() {
-            scene.set_bounds(caster, known.bounds).map_err(text)?;
-        }
-        for (_, light, faces) in excluded.iter().filter(|(of, ..)| *of == known.handle) {
-            if let Some((_, light)) = lights.iter().find(|(old, _)| old == light) {
-                scene.set_excluded(caster, *light, faces).map_err(text)?;
+    /// The volumes of the same content in a scene without a past.
+    fn without_past(&self, gpu: &Gpu, options: SceneOptions) -> Result<Volumes, String> {
+        let Self { content, cameras, excluded, .. } = self;
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let meshes = content.meshes.iter().map(|(case, _)| scene.add_mesh(&case.2, &case.1).map_err(text));
+        let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
+        let lights = content.lights.iter().map(|(old, light)| Ok((*old, scene.add_light(*light).map_err(text)?)));
+        let lights = lights.collect::<Result<HashMap<_, _>, String>>()?;
+        for known in &content.casters {
+            let positions = match &known.placed {
+                Placed::Rigid(rows) => CasterPositions::Rigid((*rows).into()),
+                Placed::World(world) => CasterPositions::Buffer { buffer: gpu.storage(world), offset: 0, stride: 12 },
+            };
+            let allowed = lights.iter().filter(|(old, _)| known.lights.contains(**old)).map(|(_, new)| *new);
+            let (mesh, lights_of) = (meshes[known.mesh], LightMask::only(allowed));
+            let caster = Caster { mesh, positions, lights: lights_of, in_depth: known.in_depth };
+            let caster = scene.insert(caster).map_err(text)?;
+            if known.bounds.is_some() {
+                scene.set_bounds(caster, known.bounds).map_err(text)?;
+            }
+            for (_, light, faces) in excluded.iter().filter(|(of, ..)| *of == known.handle) {
+                if let Some(light) = lights.get(light) {
+                    scene.set_excluded(caster, *light, faces).map_err(text)?;
+                }
             }
         }
+        let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))?;
+        let bits: Vec<u32> = content.lights.iter().map(|(old, _)| lights[old].bit()).collect();
+        VolumeBuffers::new(&frame, cameras.len())?.read(gpu, &bits)
     }
-    let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text))?;
-    let bits: Vec<u32> = lights.iter().map(|(_, light)| light.bit()).collect();
-    VolumeBuffers::new(&frame, cameras.len())?.read(gpu, &bits)
 }
 
 /// Excludes faces of a caster for a light.

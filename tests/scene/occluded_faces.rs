@@ -12,10 +12,9 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{must_fail, same};
+use rimline_testkit::{IDENTITY, must_fail, same};
 
 use crate::found::Found;
-use crate::random_scene::IDENTITY;
 use crate::scenes::roomy;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -33,7 +32,21 @@ fn shapes() -> [Shape; 3] {
     [Shape { positions: wall, faces: vec![[0, 1, 2]] }, shapes::sphere(8), torus]
 }
 
-/// A scene of these shapes, the second of which reads its positions from a buffer.
+/// The shapes, and what a search finds among them. The second has a version.
+fn searched() -> Result<(Vec<(Shape, Mesh)>, OccludedFaces), String> {
+    let meshes = shapes().into_iter().map(|shape| shape.mesh().map(|mesh| (shape, mesh)).map_err(text));
+    let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
+    let all: Vec<OcclusionCaster<'_>> = meshes
+        .iter()
+        .zip([None, Some(7), None])
+        .map(|((shape, mesh), version)| OcclusionCaster { mesh, positions: &shape.positions, version })
+        .collect();
+    let go_on = |_, _| ControlFlow::Continue(());
+    let occluded = OccludedFaces::find(LIGHT, &all, OcclusionOptions::default(), go_on).map_err(text)?;
+    Ok((meshes, occluded))
+}
+
+/// A scene of the shapes, the second of which reads its positions from a buffer.
 struct Placed {
     scene: Scene,
     lights: [LightHandle; 2],
@@ -59,36 +72,13 @@ fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)], skips: bool) -> Result<Placed, S
     Ok(Placed { scene, lights, casters })
 }
 
-fn meshes() -> Result<Vec<(Shape, Mesh)>, String> {
-    shapes().into_iter().map(|shape| shape.mesh().map(|mesh| (shape, mesh)).map_err(text)).collect()
-}
-
-fn search(meshes: &[(Shape, Mesh)]) -> Result<OccludedFaces, String> {
-    let all: Vec<OcclusionCaster<'_>> = meshes
-        .iter()
-        .enumerate()
-        .map(|(number, (shape, mesh))| OcclusionCaster {
-            mesh,
-            positions: &shape.positions,
-            version: (number == 1).then_some(7),
-        })
-        .collect();
-    OccludedFaces::find(LIGHT, &all, OcclusionOptions::default(), |_, _| ControlFlow::Continue(())).map_err(text)
-}
-
-/// The masks of excluded faces, the lists and the counts of a new frame.
-struct Results {
-    excluded: Vec<Vec<u32>>,
-    lists: Vec<Vec<Vec<u32>>>,
-    counts: OccludedCounts,
-}
+/// The masks of excluded faces and the lists of a new frame, by groups; and its counts.
+type Results = (Vec<(Vec<u32>, Vec<Vec<u32>>)>, OccludedCounts);
 
 fn results(gpu: &Gpu, scene: &mut Scene) -> Result<Results, String> {
     let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
-    let found = Found::read(gpu, &frame)?;
-    let excluded = found.groups.iter().map(|group| group.excluded.clone()).collect();
-    let lists = found.groups.into_iter().map(|group| group.lists).collect();
-    Ok(Results { excluded, lists, counts: frame.occluded_faces() })
+    let groups = Found::read(gpu, &frame)?.groups;
+    Ok((groups.into_iter().map(|group| (group.excluded, group.lists)).collect(), frame.occluded_faces()))
 }
 
 /// A change of something that the search read, or its reversal.
@@ -96,85 +86,69 @@ type Change = Box<dyn Fn(&mut Scene, bool) -> Result<(), ShadowError>>;
 
 fn holds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let meshes = meshes()?;
-    let occluded = search(&meshes)?;
-    let count: usize = (0..3).map(|number| occluded.faces(number).len()).sum();
-    let [sphere, torus] = [1, 2].map(|number| occluded.faces(number).len());
+    let (meshes, occluded) = searched()?;
+    let [wall, sphere, torus] = [0, 1, 2].map(|number| occluded.faces(number).len());
+    let count = wall + sphere + torus;
     if sphere != meshes[1].0.faces.len() || torus == 0 || torus == meshes[2].0.faces.len() {
         return Err(format!("{sphere} faces of the sphere and {torus} of the torus are occluded"));
     }
     let Placed { mut scene, lights: [light, other], casters } = casters(gpu, &meshes, true)?;
-    let plain = results(gpu, &mut scene)?;
+    let (plain, nothing) = results(gpu, &mut scene)?;
+    same("nothing is set", &[nothing], &[OccludedCounts::default()])?;
     let mut by_caller = self::casters(gpu, &meshes, true)?;
     for (number, &caster) in by_caller.casters.iter().enumerate() {
         by_caller.scene.set_excluded(caster, by_caller.lights[0], occluded.faces(number)).map_err(text)?;
     }
-    let expected = results(gpu, &mut by_caller.scene)?;
-    must_fail("nothing left out", &same("excluded", &plain.excluded, &expected.excluded))?;
+    let (expected, _) = results(gpu, &mut by_caller.scene)?;
+    must_fail("nothing left out", &same("groups", &plain, &expected))?;
 
     scene.set_occluded_faces(light, &casters, Some(&occluded)).map_err(text)?;
     let used = |scene: &mut Scene, what: &str| {
-        let Results { excluded, lists, counts } = results(gpu, scene)?;
-        same(what, &excluded, &expected.excluded)?;
-        same(what, &lists, &expected.lists)?;
+        let (groups, counts) = results(gpu, scene)?;
+        same(what, &groups, &expected)?;
         same(what, &[counts], &[OccludedCounts { faces: count, ignored: 0, ignored_faces: 0 }])
     };
-    let ignored = |scene: &mut Scene, what: &str| {
-        let counts = results(gpu, scene)?.counts;
-        same(what, &[counts], &[OccludedCounts { faces: 0, ignored: 1, ignored_faces: count }])
-    };
+    let all_ignored = OccludedCounts { faces: 0, ignored: 1, ignored_faces: count };
     used(&mut scene, "set")?;
     used(&mut scene, "again")?;
     let moved = [[1.0, 0.0, 0.0, 1.0], IDENTITY[1], IDENTITY[2]];
-    let wall = casters[0];
-    let ball = casters[1];
+    let (wall, ball, without) = (casters[0], casters[1], LightMask::ALL.without(light));
     let changes: [(&str, Change); 5] = [
         ("light", Box::new(move |s, on| s.set_light(light, if on { Light::point([0.0, 0.0, 11.0]) } else { LIGHT }))),
         ("transform", Box::new(move |s, on| s.set_transform(wall, if on { moved } else { IDENTITY }))),
         ("version", Box::new(move |s, on| s.set_position_version(ball, Some(if on { 8 } else { 7 })))),
-        (
-            "lights",
-            Box::new(move |s, on| s.set_lights(wall, if on { LightMask::ALL.without(light) } else { LightMask::ALL })),
-        ),
+        ("lights", Box::new(move |s, on| s.set_lights(wall, if on { without } else { LightMask::ALL }))),
         ("excluded", Box::new(move |s, on| s.set_excluded(wall, light, if on { &[0] } else { &[] }))),
     ];
     for (what, change) in &changes {
         change(&mut scene, true).map_err(text)?;
-        ignored(&mut scene, what)?;
+        same(what, &[results(gpu, &mut scene)?.1], &[all_ignored])?;
         change(&mut scene, false).map_err(text)?;
         used(&mut scene, what)?;
     }
-    // Changes of another light, and of properties that occluded faces do not depend on, have no effect.
+    // Another light, and a range, have no effect.
     scene.set_light(other, Light::point([8.0; 3])).map_err(text)?;
     scene.set_light(other, Light::point([9.0; 3])).map_err(text)?;
     scene.set_light(light, LIGHT.with_range(1e4)).map_err(text)?;
     used(&mut scene, "others")?;
     scene.set_light(light, LIGHT).map_err(text)?;
     scene.set_occluded_faces(light, &[], None).map_err(text)?;
-    let ended = results(gpu, &mut scene)?;
-    same("ended", &ended.excluded, &plain.excluded)?;
-    same("ended", &[ended.counts], &[OccludedCounts::default()])?;
+    same("ended", &[results(gpu, &mut scene)?], &[(plain.clone(), nothing)])?;
     // A caster that is gone, then a light.
     scene.set_occluded_faces(light, &casters, Some(&occluded)).map_err(text)?;
-    used(&mut scene, "set anew")?;
     scene.remove(wall).map_err(text)?;
-    ignored(&mut scene, "removed")?;
+    same("removed", &[results(gpu, &mut scene)?.1], &[all_ignored])?;
     scene.remove_light(light).map_err(text)?;
-    let counts = results(gpu, &mut scene)?.counts;
-    same("without its light", &[counts], &[OccludedCounts::default()])?;
+    same("without its light", &[results(gpu, &mut scene)?.1], &[nothing])?;
     // Switched off.
     let mut off = self::casters(gpu, &meshes, false)?;
     off.scene.set_occluded_faces(off.lights[0], &off.casters, Some(&occluded)).map_err(text)?;
-    let Results { excluded, lists, counts } = results(gpu, &mut off.scene)?;
-    same("off", &excluded, &plain.excluded)?;
-    same("off", &lists, &plain.lists)?;
-    same("off", &[counts], &[OccludedCounts { faces: 0, ignored: 1, ignored_faces: count }])
+    same("off", &[results(gpu, &mut off.scene)?], &[(plain, all_ignored)])
 }
 
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let meshes = meshes()?;
-    let occluded = search(&meshes)?;
+    let (meshes, occluded) = searched()?;
     let Placed { mut scene, lights: [light, _], casters } = casters(gpu, &meshes, true)?;
     let mut set = |casters: &[CasterHandle]| scene.set_occluded_faces(light, casters, Some(&occluded)).err();
     let [wall, ball, ring] = [casters[0], casters[1], casters[2]];

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DMat3, DVec3};
 use rimline::gpu::{
     Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, MeshHandle, Scene, SceneFrame,
     SceneOptions,
@@ -14,6 +14,7 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::{interleaved, text};
 use rimline_testkit::oracle::listed;
 use rimline_testkit::random::Random;
+use rimline_testkit::scenes::direction;
 use rimline_testkit::shapes::{self, Shape};
 
 use crate::cones::random_cone;
@@ -60,34 +61,28 @@ pub(crate) struct Expected {
     pub(crate) excluded: Vec<Vec<u32>>,
 }
 
-pub(crate) const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-
 /// An encoder that a test submits late, or drops.
 pub(crate) fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
 }
 
-fn one_face() -> Shape {
-    Shape { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.25]], faces: vec![[0, 1, 2]] }
-}
-
-fn with_nan(mut shape: Shape) -> Shape {
-    shape.positions[1][2] = f32::NAN;
-    shape.positions[5][0] = f32::INFINITY;
-    shape
-}
-
 fn meshes(random: &mut Random) -> Vec<Case> {
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.25]];
+    let mut torus = shapes::torus(12, 9, 1.0, 0.4);
+    torus.positions[1][2] = f32::NAN;
+    torus.positions[5][0] = f32::INFINITY;
     let mut cases = topologies();
-    cases.push(case("one face", one_face()));
-    cases.push(case("cube", shapes::cube()));
-    cases.push(case("torus with NaN", with_nan(shapes::torus(12, 9, 1.0, 0.4))));
-    cases.push(case("soup", random_soup(random)));
+    cases.extend([
+        case("one face", Shape { positions, faces: vec![[0, 1, 2]] }),
+        case("cube", shapes::cube()),
+        case("torus with NaN", torus),
+        case("soup", random_soup(random)),
+    ]);
     cases
 }
 
 impl RandomScene {
-    pub(crate) fn new(gpu: &Gpu, seed: u64, options: SceneOptions) -> Result<Self, String> {
+    fn new(gpu: &Gpu, seed: u64, options: SceneOptions) -> Result<Self, String> {
         let mut random = Random::new(seed);
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
         let mut meshes = meshes(&mut random);
@@ -102,16 +97,9 @@ impl RandomScene {
     }
 
     /// A scene with these numbers of lights and casters.
-    pub(crate) fn filled(
-        gpu: &Gpu,
-        seed: u64,
-        options: SceneOptions,
-        [lights, casters]: [usize; 2],
-    ) -> Result<Self, String> {
-        println!("seed {seed}");
-        let mut scene = Self::new(gpu, seed, options)?;
-        (0..lights).try_for_each(|_| scene.add_light())?;
-        (0..casters).try_for_each(|_| scene.insert(gpu))?;
+    pub(crate) fn filled(gpu: &Gpu, seed: u64, options: SceneOptions, counts: [usize; 2]) -> Result<Self, String> {
+        let mut scene = Self::filled_rigid(gpu, seed, options, [counts[0], 0])?;
+        (0..counts[1]).try_for_each(|_| scene.insert(gpu))?;
         Ok(scene)
     }
 
@@ -120,18 +108,19 @@ impl RandomScene {
         gpu: &Gpu,
         seed: u64,
         options: SceneOptions,
-        [lights, casters]: [usize; 2],
+        counts: [usize; 2],
     ) -> Result<Self, String> {
-        let mut scene = Self::filled(gpu, seed, options, [lights, 0])?;
-        (0..casters).try_for_each(|_| scene.insert_rigid())?;
+        println!("seed {seed}");
+        let mut scene = Self::new(gpu, seed, options)?;
+        (0..counts[0]).try_for_each(|_| scene.add_light())?;
+        (0..counts[1]).try_for_each(|_| scene.insert_rigid())?;
         Ok(scene)
     }
 
     /// Rotations, mirrored, scales of 1e-3 to 1e3, translations up to 1e6; now and then singular or not finite.
     fn transform(&mut self) -> Matrix3x4 {
         let random = &mut self.random;
-        let axis = DVec3::from(random.direction().map(f64::from));
-        let turn = DMat3::from_axis_angle(axis.normalize(), f64::from(random.between(-3.0, 3.0)));
+        let turn = DMat3::from_axis_angle(direction(random), f64::from(random.between(-3.0, 3.0)));
         let scale = |random: &mut Random| {
             let sign = if random.below(4) == 0 { -1.0 } else { 1.0 };
             sign * 10.0_f64.powf(f64::from(random.between(-3.0, 3.0)))
@@ -143,13 +132,9 @@ impl RandomScene {
         };
         let far = [0.0, 3.0, 50.0, 1e6][random.below(4)];
         let translation = DVec3::from([(); 3].map(|()| f64::from(random.between(-far, far))));
-        let transform = DAffine3 { matrix3: turn * DMat3::from_diagonal(scales), translation };
-        let mut rows: Matrix3x4 = std::array::from_fn(|row| {
-            std::array::from_fn(|column| match column {
-                3 => transform.translation[row] as f32,
-                _ => transform.matrix3.col(column)[row] as f32,
-            })
-        });
+        let matrix = turn * DMat3::from_diagonal(scales);
+        let mut rows: Matrix3x4 =
+            std::array::from_fn(|row| matrix.row(row).extend(translation[row]).as_vec4().to_array());
         match random.below(16) {
             0 => rows[random.below(3)] = [0.0; 4],
             1 => rows[1][random.below(4)] = f32::NAN,
@@ -229,10 +214,7 @@ impl RandomScene {
 
     /// Adds a mesh. Returns its index.
     pub(crate) fn add_mesh(&mut self, name: &str, shape: Shape) -> Result<usize, String> {
-        self.add_case(case(name, shape))
-    }
-
-    pub(crate) fn add_case(&mut self, case: Case) -> Result<usize, String> {
+        let case = case(name, shape);
         let handle = self.scene.add_mesh(&case.2, &case.1).map_err(text)?;
         self.content.meshes.push((Arc::new(case), handle));
         Ok(self.content.meshes.len() - 1)
@@ -254,13 +236,13 @@ impl RandomScene {
 
     pub(crate) fn add_light(&mut self) -> Result<(), String> {
         let light = self.light();
-        self.put_light(light).map(drop)
+        self.put_light(light)
     }
 
-    pub(crate) fn put_light(&mut self, light: Light) -> Result<LightHandle, String> {
+    pub(crate) fn put_light(&mut self, light: Light) -> Result<(), String> {
         let handle = self.scene.add_light(light).map_err(text)?;
         self.content.lights.push((handle, light));
-        Ok(handle)
+        Ok(())
     }
 
     pub(crate) fn remove_caster(&mut self, index: usize) -> Result<(), String> {
@@ -301,14 +283,14 @@ impl RandomScene {
         self.scene.set_light(self.content.lights[index].0, light).map_err(text)
     }
 
-    /// Changes some lights. Returns them.
-    pub(crate) fn move_lights(&mut self) -> Result<Vec<(LightHandle, Light)>, String> {
+    /// Changes some lights. Returns their bits.
+    pub(crate) fn move_lights(&mut self) -> Result<Vec<u32>, String> {
         let mut moved = Vec::new();
         for index in 0..self.content.lights.len() {
             if self.random.below(4) == 0 {
                 let light = self.light();
                 self.set_light(index, light)?;
-                moved.push(self.content.lights[index]);
+                moved.push(self.content.lights[index].0.bit());
             }
         }
         Ok(moved)

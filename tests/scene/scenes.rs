@@ -5,14 +5,13 @@ use rimline::internals::cpu;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
-use rimline_testkit::{must_fail, same, shapes};
+use rimline_testkit::{must_fail, shapes};
 
-use crate::found::{Culled, LitFace, certainly_culled, check_frame, checked, read_frame};
-use crate::random_scene::RandomScene;
+use crate::found::{Culled, Found, LitFace, certainly_culled, check_frame, checked, read_frame};
+use crate::random_scene::{RandomScene, TestCaster};
 
 pub(crate) const TESTS: &[Test] = &[
     ("comparators_notice_one_wrong_bit", controls),
-    ("lists_of_one_entry_overflow_and_are_counted", overflow),
     ("pools_grow_in_mid_run", growth),
     ("small_devices_cut_groups_and_dispatches", small_device),
     ("a_scene_that_grows_keeps_its_buffers_for_some_frames", headroom),
@@ -33,73 +32,39 @@ fn controls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut scene = RandomScene::filled(gpu, 1601, roomy(40), [20, 10])?;
     let (frame, mut found) = read_frame(gpu, &mut scene)?;
-    check_frame(&scene.content, &frame, &found)?;
-    let LitFace { caster, group: at, slot, bit } = found.lit_face(&scene.content, &frame).ok_or("nothing is lit")?;
-    found.groups[at].facing[slot] ^= bit;
-    must_fail("a flipped facing bit", &check_frame(&scene.content, &frame, &found))?;
-    found.groups[at].facing[slot] ^= bit;
-    found.groups[at].excluded[slot] ^= bit;
-    must_fail("a flipped bit of a light in a plane", &check_frame(&scene.content, &frame, &found))?;
-    found.groups[at].excluded[slot] ^= bit;
+    let content = &scene.content;
+    check_frame(content, &frame, &found)?;
+    let LitFace { caster, group: at, slot, bit } = found.lit_face(content, &frame).ok_or("nothing is lit")?;
     let list = found.groups[at].lists.iter().position(|list| !list.is_empty()).ok_or("no silhouette")?;
-    found.groups[at].lists[list][0] ^= cpu::WINDING;
-    must_fail("a flipped winding bit", &check_frame(&scene.content, &frame, &found))?;
-    found.groups[at].lists[list][0] ^= cpu::WINDING;
-    let entry = found.groups[at].lists[list].pop();
-    must_fail("a missing entry", &check_frame(&scene.content, &frame, &found))?;
-    found.groups[at].lists[list].extend(entry);
-    let relevant = std::mem::replace(&mut found.relevant[caster], 0);
-    must_fail("a light that affects the caster and is culled", &check_frame(&scene.content, &frame, &found))?;
-    found.relevant[caster] = relevant | 1 << 31;
-    must_fail("a light that is not there", &check_frame(&scene.content, &frame, &found))?;
-    found.relevant[caster] = relevant;
-    for rule in [Culled::ByRange, Culled::ByCone] {
-        let content = &scene.content;
-        let is_culled = |bit: u32, caster| {
+    let by_rule = |rule| {
+        let is_culled = |&(caster, bit): &(&TestCaster, u32)| {
             let light = content.lights.iter().find(|(handle, _)| handle.bit() == bit).map(|(_, light)| *light);
             content.moved_light(caster, bit).is_some()
                 && light.and_then(|light| certainly_culled(content, caster, light)) == Some(rule)
         };
         let mut pairs = content.casters.iter().flat_map(|caster| (0..20).map(move |bit| (caster, bit)));
-        let (caster, bit) = pairs.find(|&(caster, bit)| is_culled(bit, caster)).ok_or("no such pair")?;
-        let (index, _) = frame.locate(caster.handle).ok_or("no caster")?;
-        found.relevant[index as usize] ^= 1 << bit;
-        must_fail(&format!("a light that is culled {rule:?}"), &check_frame(content, &frame, &found))?;
-        found.relevant[index as usize] ^= 1 << bit;
+        let (caster, bit) = pairs.find(is_culled)?;
+        Some((frame.locate(caster.handle)?.0 as usize, bit))
+    };
+    let (by_range, range_bit) = by_rule(Culled::ByRange).ok_or("no such pair")?;
+    let (by_cone, cone_bit) = by_rule(Culled::ByCone).ok_or("no such pair")?;
+    // Each flips a bit, twice.
+    let flips: [(&str, &dyn Fn(&mut Found)); 7] = [
+        ("a facing bit", &|found| found.groups[at].facing[slot] ^= bit),
+        ("a bit of a light in a plane", &|found| found.groups[at].excluded[slot] ^= bit),
+        ("a winding bit", &|found| found.groups[at].lists[list][0] ^= cpu::WINDING),
+        ("a light that affects the caster and is culled", &|found| found.relevant[caster] ^= bit),
+        ("a light that is not there", &|found| found.relevant[caster] ^= 1 << 31),
+        ("a light that is out of range", &|found| found.relevant[by_range] ^= 1 << range_bit),
+        ("a light that is beside its cone", &|found| found.relevant[by_cone] ^= 1 << cone_bit),
+    ];
+    for (what, flip) in flips {
+        flip(&mut found);
+        must_fail(what, &check_frame(content, &frame, &found))?;
+        flip(&mut found);
     }
-    check_frame(&scene.content, &frame, &found).map(drop)
-}
-
-fn overflow() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    for seed in 1701..1705 {
-        let small = SceneOptions { capacities: Capacities { lists: Some(1), ..Capacities::default() }, ..roomy(8) };
-        let found = [roomy(8), small].map(|options| {
-            let mut scene = RandomScene::filled(gpu, seed, options, [6, 10])?;
-            read_frame(gpu, &mut scene).map(|(_, found)| found)
-        });
-        let [whole, found] = found;
-        let (whole, found) = (whole?, found?);
-        for (found, whole) in found.groups.iter().zip(&whole.groups) {
-            same("counts", &found.counts, &whole.counts)?;
-            same("facing", &found.facing, &whole.facing)?;
-            let overflowed = whole.counts.iter().filter(|&&count| count > 1).count() as u32;
-            same("overflowed lists", &[found.statistics.overflowed_lists], &[overflowed])?;
-            for (bit, (list, whole)) in found.lists.iter().zip(&whole.lists).enumerate() {
-                if found.capacity != 1 || list.len() > 1 || !list.iter().all(|entry| whole.contains(entry)) {
-                    return Err(format!("list {bit} of one entry is {list:?}"));
-                }
-            }
-            for (draw, &count) in found.draws.iter().zip(&whole.counts) {
-                let instances = if count > 1 { found.edge_slots } else { count };
-                same("instances", &[draw.instance_count], &[instances])?;
-            }
-        }
-        if whole.groups.iter().flat_map(|group| &group.counts).all(|&count| count <= 1) {
-            return Err("no list overflowed".to_owned());
-        }
-    }
-    Ok(())
+    found.groups[at].lists[list].pop();
+    must_fail("a missing entry", &check_frame(content, &frame, &found))
 }
 
 /// Meshes that do not fit the first page, while frames are encoded. Regions of removed meshes are used again.
