@@ -6,7 +6,6 @@ use glam::Vec3;
 use rimline::Mesh;
 use rimline::mesh::Weld;
 use rimline_models::figure::{Figure, glb, skeleton::JOINTS, walk};
-use serde_json::Value;
 
 static FIGURE: LazyLock<Figure> = LazyLock::new(Figure::new);
 
@@ -24,17 +23,6 @@ fn one_closed_surface_without_holes_or_handles() {
     let euler = FIGURE.positions.len() as i64 - mesh.edges().len() as i64 + FIGURE.faces.len() as i64;
     assert_eq!(euler, 2);
     assert!((10_000..=40_000).contains(&FIGURE.faces.len()), "{}", FIGURE.faces.len());
-}
-
-#[test]
-fn closedness_notices_a_missing_and_a_turned_face() {
-    let positions: Vec<_> = FIGURE.positions.iter().map(Vec3::to_array).collect();
-    let missing = Mesh::from_faces(positions.len(), FIGURE.faces[1..].to_vec()).expect("a mesh");
-    assert_eq!(missing.edges().counts().boundary, 3);
-    let mut turned = FIGURE.faces.clone();
-    turned[7].swap(0, 1);
-    let turned = Mesh::from_faces(positions.len(), turned).expect("a mesh");
-    assert_eq!(turned.edges().counts().inconsistent, 3);
 }
 
 #[test]
@@ -89,52 +77,29 @@ fn the_walk_loops_and_keeps_its_feet_on_the_ground() {
     }
 }
 
-/// The JSON and the binary chunk of a GLB.
-fn chunks(file: &[u8]) -> (Value, &[u8]) {
-    let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().expect("4 bytes")) as usize;
-    assert_eq!((&file[..4], word(4), word(8)), (&b"glTF"[..], 2, file.len()));
-    let json = 20..20 + word(12);
-    assert_eq!((&file[16..20], word(12) % 4), (&b"JSON"[..], 0));
-    let binary = json.end + 8..json.end + 8 + word(json.end);
-    assert_eq!((&file[json.end + 4..json.end + 8], binary.len() % 4), (&b"BIN\0"[..], 0));
-    assert_eq!(binary.end, file.len());
-    (serde_json::from_slice(&file[json]).expect("JSON"), &file[binary])
-}
-
+/// By a reader of other hands.
 #[test]
-fn the_file_is_a_valid_gltf_binary() {
+fn the_file_holds_all_of_it() {
     let file = glb::encode(&FIGURE);
-    let (document, binary) = chunks(&file);
-    let number = |value: &Value| value.as_u64().expect("a number") as usize;
-    let all = |name: &str| document[name].as_array().expect("an array").clone();
-    assert!(number(&document["buffers"][0]["byteLength"]) <= binary.len());
-    let mut end = 0;
-    for (accessor, view) in all("accessors").iter().zip(all("bufferViews")) {
-        let width = match number(&accessor["componentType"]) {
-            5121 => 1,
-            _ => 4,
-        };
-        let components = match accessor["type"].as_str() {
-            Some("SCALAR") => 1,
-            Some("VEC3") => 3,
-            Some("VEC4") => 4,
-            _ => 16,
-        };
-        assert_eq!(number(&view["byteOffset"]), end, "views follow each other");
-        assert_eq!(number(&accessor["count"]) * width * components, number(&view["byteLength"]));
-        end += number(&view["byteLength"]);
-    }
-    assert_eq!(end, number(&document["buffers"][0]["byteLength"]));
-    assert_eq!(all("skins")[0]["joints"].as_array().map(Vec::len), Some(JOINTS.len()));
-    assert_eq!(all("animations")[0]["channels"].as_array().map(Vec::len), Some(JOINTS.len() + 1));
     assert!(glb::encode(&Figure::new()) == file, "the same every time");
-}
-
-#[test]
-fn the_gltf_crate_accepts_the_file() {
-    let read = gltf::Gltf::from_slice(&glb::encode(&FIGURE)).expect("valid glTF");
-    let skin = read.skins().next().expect("a skin");
-    assert_eq!(skin.joints().count(), JOINTS.len());
-    assert_eq!(read.animations().count(), 1);
-    assert_eq!(read.default_scene().map(|scene| scene.nodes().count()), Some(2));
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&file).expect("valid glTF");
+    let blob = blob.expect("a binary chunk");
+    let primitive = document.meshes().flat_map(|mesh| mesh.primitives()).next().expect("a primitive");
+    let reader = primitive.reader(|_| Some(&*blob));
+    let vectors = |read: &mut dyn Iterator<Item = [f32; 3]>| read.map(Vec3::from).collect::<Vec<_>>();
+    assert!(vectors(&mut reader.read_positions().expect("positions")) == FIGURE.positions);
+    assert!(vectors(&mut reader.read_normals().expect("normals")) == FIGURE.normals);
+    assert!(reader.read_indices().expect("faces").into_u32().eq(FIGURE.faces.iter().flatten().copied()));
+    assert!(reader.read_joints(0).expect("joints").into_u16().eq(FIGURE.joints.iter().map(|of| of.map(u16::from))));
+    assert!(reader.read_weights(0).expect("weights").into_f32().eq(FIGURE.weights.iter().copied()));
+    let skin = document.skins().next().expect("a skin");
+    let binds = skin.reader(|_| Some(&*blob)).read_inverse_bind_matrices().map(Iterator::count);
+    assert_eq!((skin.joints().count(), binds), (JOINTS.len(), Some(JOINTS.len())));
+    let animation = document.animations().next().expect("an animation");
+    assert_eq!(animation.channels().count(), JOINTS.len() + 1);
+    for channel in animation.channels() {
+        let times = channel.reader(|_| Some(&*blob)).read_inputs().expect("times");
+        assert_eq!(times.fold(0.0, f32::max), walk::DURATION);
+    }
+    assert_eq!(document.default_scene().map(|scene| scene.nodes().count()), Some(2));
 }

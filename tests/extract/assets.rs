@@ -27,22 +27,15 @@ pub(crate) fn trials() -> Vec<Trial> {
     on_models("file ", check).into_iter().map(|trial| trial.with_kind("gpu")).collect()
 }
 
-/// Before, at both ends of, and within each animation; the rest pose where there is none.
-fn moments(asset: &Asset) -> Vec<(Option<usize>, f32)> {
-    let animations = asset.animations().iter().enumerate();
-    let mut moments: Vec<_> = animations
-        .flat_map(|(index, animation)| [0.0, 0.37, 1.0].map(|part| (Some(index), part * animation.duration_s)))
-        .collect();
-    moments.push((None, 0.0));
-    moments
-}
-
 fn check(path: &Path) -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let asset = Asset::open(path, Weld::Data).map_err(text)?;
     let model = asset.model();
     let deformer = Deformer::new(&gpu.pipelines, model, DeformerOptions::default()).map_err(text)?;
-    for (moment, (animation, time_s)) in moments(&asset).into_iter().enumerate() {
+    let animations = asset.animations().iter().enumerate();
+    let moments = animations
+        .flat_map(|(index, animation)| [0.0, 0.37, 1.0].map(|part| (Some(index), part * animation.duration_s)));
+    for (moment, (animation, time_s)) in moments.chain([(None, 0.0)]).enumerate() {
         let what = format!("animation {animation:?} at {time_s} s");
         let pose = asset.pose(animation, time_s).map_err(text)?;
         let (mesh, positions) = (model.mesh(&pose).map_err(text)?, deformed(gpu, &deformer, model, &pose)?);

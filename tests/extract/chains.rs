@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use rimline::cpu::{self, Threads};
-use rimline::mesh::{Chain, EdgeKind, Silhouette, SilhouetteEdge};
+use rimline::mesh::{Chain, Silhouette, SilhouetteEdge};
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::cases::{Case, case, random_soup, topologies};
 use rimline_testkit::random::Random;
+use rimline_testkit::shapes;
 
 const LIGHTS: usize = 35;
 
@@ -49,24 +50,6 @@ fn lies_to_the_left(edge: &SilhouetteEdge, (_, positions, mesh): &Case, light: L
     })
 }
 
-#[test]
-fn faces_lie_to_the_left_of_silhouette_edges() {
-    let (mut edges, mut refused) = (0, 0);
-    for (case, lights) in cases(&mut Random::new(91)) {
-        for (silhouette, &light) in silhouettes(&case, &lights).iter().zip(&lights) {
-            for edge in silhouette.edges() {
-                edges += 1;
-                assert!(lies_to_the_left(edge, &case, light), "{}: {edge:?}", case.0);
-                let [from, to] = edge.vertices;
-                let turned = SilhouetteEdge { vertices: [to, from], ..*edge };
-                refused += usize::from(!lies_to_the_left(&turned, &case, light));
-            }
-        }
-    }
-    // Negative control: but for faces in a plane with the light.
-    assert!(edges > 50_000 && refused > edges * 9 / 10, "{refused} of {edges}");
-}
-
 /// The first fault of chains.
 fn fault(silhouette: &Silhouette, chains: &[Chain], mesh: &Mesh) -> Option<String> {
     let by_record: BTreeMap<u32, [u32; 2]> =
@@ -98,43 +81,37 @@ fn fault(silhouette: &Silhouette, chains: &[Chain], mesh: &Mesh) -> Option<Strin
     (mesh.is_closed() && !begins.is_empty()).then(|| "an open chain on a closed mesh".into())
 }
 
+/// Faces lie to the left of silhouette edges; chains hold each edge once, and end only where nothing goes on.
 #[test]
-fn chains_hold_each_edge_once_and_end_only_where_nothing_goes_on() {
-    let (mut closed, mut open) = (0, 0);
+fn silhouettes_are_oriented_and_chained() {
+    let ([mut edges, mut refused], [mut closed, mut open]) = ([0; 2], [0; 2]);
     for (case, lights) in cases(&mut Random::new(92)) {
-        for silhouette in silhouettes(&case, &lights) {
+        for (silhouette, &light) in silhouettes(&case, &lights).iter().zip(&lights) {
+            for edge in silhouette.edges() {
+                edges += 1;
+                assert!(lies_to_the_left(edge, &case, light), "{}: {edge:?}", case.0);
+                let [from, to] = edge.vertices;
+                let turned = SilhouetteEdge { vertices: [to, from], ..*edge };
+                refused += usize::from(!lies_to_the_left(&turned, &case, light));
+            }
             let chains = silhouette.chains();
-            assert_eq!(fault(&silhouette, &chains, &case.2), None, "{}", case.0);
+            assert_eq!(fault(silhouette, &chains, &case.2), None, "{}", case.0);
             closed += chains.iter().filter(|chain| chain.is_closed).count();
             open += chains.iter().filter(|chain| !chain.is_closed).count();
             // Negative controls: a chain less, and one that is cut.
             let Some((last, others)) = chains.split_last() else { continue };
-            assert!(fault(&silhouette, others, &case.2).is_some());
+            assert!(fault(silhouette, others, &case.2).is_some());
             if last.is_closed {
                 let whole = Chain { vertices: [&*last.vertices, &last.vertices[..1]].concat(), ..last.clone() };
                 let cut = [others, &[Chain { is_closed: false, ..whole }]].concat();
-                assert!(fault(&silhouette, &cut, &case.2).is_some());
+                assert!(fault(silhouette, &cut, &case.2).is_some());
             }
         }
     }
+    // Negative control: but for faces in a plane with the light.
+    assert!(edges > 50_000 && refused > edges * 9 / 10, "{refused} of {edges}");
     assert!(closed > 300 && open > 300, "{closed} closed, {open} open");
-}
-
-/// The order of faces and the numbers of vertices change names alone.
-#[test]
-fn a_sphere_has_one_closed_chain_and_a_sheet_has_its_rim() {
-    use rimline_testkit::shapes;
-    let (_, positions, mesh) = case("sphere", shapes::sphere(24));
-    let lights = [Light::point([3.0, 4.0, 5.0]), Light::directional([0.2, -1.0, 0.4])];
-    for silhouette in silhouettes(&("sphere".into(), positions, mesh), &lights) {
-        let chains = silhouette.chains();
-        assert!(matches!(&*chains, [chain] if chain.is_closed && chain.records.len() == silhouette.edges().len()));
-    }
-    let sheet = case("grid", shapes::plane_grid(5, 3));
-    let [above] = silhouettes(&sheet, &[Light::point([0.1, 4.0, 0.2])]).try_into().expect("one light");
-    assert!(above.edges().iter().all(|edge| edge.kind == EdgeKind::Boundary));
-    assert!(matches!(&*above.chains(), [rim] if rim.is_closed && rim.records.len() == 16), "{:?}", above.chains());
-    let none = cpu::Extraction::default();
-    assert_eq!(none.silhouette(&sheet.2, 0), Silhouette::default());
+    let (_, _, mesh) = case("grid", shapes::plane_grid(5, 3));
+    assert_eq!(cpu::Extraction::default().silhouette(&mesh, 0), Silhouette::default());
     assert_eq!(Silhouette::default().chains(), []);
 }

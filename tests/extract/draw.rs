@@ -2,12 +2,12 @@
 
 use rimline::gpu::{EdgeTopology, ListOptions, include_wgsl, results_bind_group_layout};
 
-use crate::include::{LIGHTS, Scene, expected};
+use crate::include::{LIGHTS, Scene};
 use rimline_testkit::cases::topologies;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::read;
-use rimline_testkit::passes;
+use rimline_testkit::on_gpu::text;
+use rimline_testkit::pipelines::{ADDED, texture};
 use rimline_testkit::random::Random;
 use rimline_testkit::textures::texels;
 use rimline_testkit::{lights, must_fail, same};
@@ -39,69 +39,48 @@ fn paint() -> @location(0) vec4<f32> {
 
 const SIDE: u32 = 64;
 
-/// The painter's pipeline for a light, over the results' bind group.
-fn pipeline(
-    device: &wgpu::Device,
-    results: &wgpu::BindGroupLayout,
-    light: usize,
-    topology: wgpu::PrimitiveTopology,
-) -> wgpu::RenderPipeline {
+/// The picture that a light's indirect draw makes, a byte an edge.
+fn draw(gpu: &Gpu, scene: &Scene, light: usize, topology: EdgeTopology) -> Result<Vec<u8>, String> {
+    let device = &gpu.device;
+    let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
+    let format = wgpu::TextureFormat::R8Unorm;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("painter"),
         source: wgpu::ShaderSource::Wgsl(format!("{}{PAINTER}", include_wgsl(0)).into()),
     });
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("painter"),
-        bind_group_layouts: &[Some(results)],
+        bind_group_layouts: &[Some(&results)],
         immediate_size: 0,
     });
-    let added = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
     let constants = [("LIGHT", light as f64)];
     let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    let write_mask = wgpu::ColorWrites::ALL;
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("painter"),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
-            entry_point: Some("edge_vertex"),
+            entry_point: None,
             compilation_options: compilation_options.clone(),
             buffers: &[],
         },
-        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
+        primitive: wgpu::PrimitiveState { topology: topology.primitive_topology(), ..Default::default() },
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("paint"),
+            entry_point: None,
             compilation_options,
-            targets: &[Some(wgpu::ColorTargetState {
-                format: wgpu::TextureFormat::R8Unorm,
-                blend: Some(wgpu::BlendState { color: added, alpha: added }),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
+            targets: &[Some(wgpu::ColorTargetState { format, blend: Some(ADDED), write_mask })],
         }),
         multiview_mask: None,
         cache: None,
-    })
-}
-
-/// The picture that a light's indirect draw makes, a byte an edge.
-fn draw(gpu: &Gpu, scene: &Scene, light: usize, topology: EdgeTopology) -> Result<Vec<u8>, String> {
-    let device = &gpu.device;
-    let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
-    let pipeline = pipeline(device, &results, light, topology.primitive_topology());
-    let plain = passes::texture([SIDE; 2], wgpu::TextureFormat::R8Unorm);
-    let usage = plain.usage | wgpu::TextureUsages::COPY_SRC;
-    let target = device.create_texture(&wgpu::TextureDescriptor { usage, ..plain });
-    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-    let group = scene.group(&results, light / 32)?;
+    });
+    let view = texture(device, [SIDE; 2], format);
+    let group = scene.extraction.bind_group(&results, light / 32).map_err(text)?;
     gpu.submit(|encoder| {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("edges"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &view,
                 depth_slice: None,
@@ -112,10 +91,9 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize, topology: EdgeTopology) -> Resul
         });
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        scene.extraction.draw(&mut pass, light).map_err(|error| error.to_string())?;
-        Ok(())
+        scene.extraction.draw(&mut pass, light).map_err(text)
     })?;
-    texels(gpu, &target, 0)
+    texels(gpu, view.texture(), 0)
 }
 
 fn drawn() -> Result<(), String> {
@@ -131,11 +109,10 @@ fn drawn() -> Result<(), String> {
             let lists = ListOptions { capacity: Some(capacity), ordered: false, topology };
             let lights = lights(&mut random, LIGHTS);
             let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
-            let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;
             for light in [3, 36] {
                 let found = draw(gpu, &scene, light, topology)?;
                 let mut expected_pixels = vec![0_u8; (SIDE * SIDE) as usize];
-                for words in expected(&scene, &facing, light) {
+                for words in scene.expected(light) {
                     expected_pixels[words[1] as usize] = 1;
                 }
                 let what = format!("{}, {topology:?}, capacity {capacity}, light {light}", case.0);

@@ -5,13 +5,11 @@ mod draw;
 mod exact;
 mod facing;
 mod include;
-mod lights;
 mod limits;
 mod positions;
 mod read_edges;
 mod refusals;
 mod stages;
-mod zero;
 
 use rimline_testkit::harness;
 
@@ -20,14 +18,12 @@ fn main() {
         stages::TESTS,
         exact::TESTS,
         facing::TESTS,
-        lights::TESTS,
         positions::TESTS,
         include::TESTS,
         draw::TESTS,
         limits::TESTS,
         read_edges::TESTS,
         refusals::TESTS,
-        zero::TESTS,
     ];
     let mut trials = harness::gpu_trials(tests.concat());
     trials.extend(assets::trials());

@@ -1,34 +1,24 @@
 //! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
 
 use rimline::gpu::{
-    Extraction, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
-    results_bind_group_layout,
+    Extraction, Extractor, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl, results_bind_group_layout,
 };
-use rimline::internals::Method;
 use rimline::internals::cpu::{self, Threads};
-use rimline::internals::layout::EdgeMasks;
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh, Predicate};
 use rimline_testkit::polygons::quad_torus;
-use rimline_testkit::shapes;
 
-use rimline_testkit::cases::{Case, case, topologies};
+use rimline_testkit::cases::{Case, topologies};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::storage_layout;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::read;
 use rimline_testkit::on_gpu::{interleaved, text};
 use rimline_testkit::oracle::listed;
 use rimline_testkit::passes::bind;
 use rimline_testkit::random::Random;
-use rimline_testkit::refusals::{Expected, is, refusal, refused};
 use rimline_testkit::{lights, must_fail, same};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("the_include_reads_what_the_twin_finds", computed),
-    ("the_include_reads_edges_beside_twisted_polygons", polygons),
-    ("the_include_refuses_what_it_cannot_read", refusals),
-];
+pub(crate) const TESTS: &[Test] = &[("the_include_reads_what_the_twin_finds", read)];
 
 pub(crate) const LIGHTS: usize = 40;
 const OFFSET: u64 = 260;
@@ -60,9 +50,10 @@ fn reader(@builtin(global_invocation_id) id: vec3<u32>) {
 
 /// An extraction whose results are read by a shader of the test's.
 pub(crate) struct Scene {
-    pub(crate) mesh: Mesh,
+    mesh: Mesh,
     positions: Vec<[f32; 3]>,
-    pub(crate) extractor: Extractor,
+    twin: cpu::Extraction,
+    extractor: Extractor,
     pub(crate) extraction: Extraction,
 }
 
@@ -78,11 +69,24 @@ impl Scene {
         let buffer = gpu.storage(&interleaved(&positions, OFFSET, STRIDE));
         let bound = PositionBuffer { buffer: &buffer, offset: OFFSET, stride: STRIDE };
         let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, lights).map_err(text))?;
-        Ok(Self { mesh, positions, extractor, extraction })
+        let twin = cpu::extract(&positions, &mesh, lights, Predicate::Exact, Threads::ONE).map_err(text)?;
+        Ok(Self { mesh, positions, twin, extractor, extraction })
     }
 
-    pub(crate) fn group(&self, layout: &wgpu::BindGroupLayout, batch: usize) -> Result<wgpu::BindGroup, String> {
-        self.extraction.bind_group(layout, batch).map_err(text)
+    /// Entries that the reader must find for a light.
+    pub(crate) fn expected(&self, light: usize) -> Vec<[u32; 8]> {
+        let edges = self.mesh.edges();
+        let list = listed(&self.twin.masks[light / 32 * edges.len()..][..edges.len()], light as u32 % 32);
+        let entries = list.iter().map(|entry| {
+            let index = entry & !cpu::WINDING;
+            let edge = edges.get(index as usize).expect("an edge of the mesh");
+            let [a, b] = edge.vertices;
+            let winding = entry >> 31;
+            let [from, to] = if winding == 1 { [a, b] } else { [b, a] };
+            let checksum = self.positions[from as usize][0].to_bits() ^ self.positions[to as usize][1].to_bits();
+            [1, index, a, b, winding, edge.kind as u32, checksum, list.len() as u32]
+        });
+        entries.collect()
     }
 }
 
@@ -117,7 +121,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
     let found = gpu.storage(&vec![u32::MAX; 8 * edges]);
     let draws = scene.extractor.results().draw_arguments;
     let group = bind(gpu, &output_layout, [draws, &found].map(wgpu::Buffer::as_entire_binding));
-    let results = scene.group(&results, batch)?;
+    let results = scene.extraction.bind_group(&results, batch).map_err(text)?;
     gpu.submit(|encoder| {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
@@ -132,43 +136,23 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
     Ok(valid)
 }
 
-/// Entries that the reader must find.
-pub(crate) fn expected(scene: &Scene, facing: &[u32], light: usize) -> Vec<[u32; 8]> {
-    let mesh = &scene.mesh;
-    let masks = cpu::edges(mesh.edges(), facing, mesh.faces().len(), LIGHTS, Threads::ONE);
-    expected_of(scene, &masks, light)
-}
-
-/// The same from the masks of edges.
-fn expected_of(scene: &Scene, masks: &[EdgeMasks], light: usize) -> Vec<[u32; 8]> {
-    let mesh = &scene.mesh;
-    let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
-    let list = listed(plane, light as u32 % 32);
-    let entries = list.iter().map(|entry| {
-        let index = entry & !cpu::WINDING;
-        let edge = mesh.edges().get(index as usize).expect("an edge of the mesh");
-        let [a, b] = edge.vertices;
-        let winding = entry >> 31;
-        let [from, to] = if winding == 1 { [a, b] } else { [b, a] };
-        let checksum = scene.positions[from as usize][0].to_bits() ^ scene.positions[to as usize][1].to_bits();
-        [1, index, a, b, winding, edge.kind as u32, checksum, list.len() as u32]
-    });
-    entries.collect()
-}
-
-fn computed() -> Result<(), String> {
+/// From lists that fit and lists that overflow; the last mesh has quadrilaterals of which many are twisted.
+fn read() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(81);
-    for case in topologies() {
-        for (capacity, ordered) in [(u32::MAX, true), (u32::MAX, false), (20, true), (20, false)] {
+    let set = quad_torus(&mut random, 9, 7, 0.35);
+    let polygons = ("polygons".to_owned(), set.positions.clone(), set.mesh(Weld::Position).map_err(text)?);
+    let mut twisted = 0;
+    for case in topologies().into_iter().chain([polygons]) {
+        for (capacity, ordered) in [(u32::MAX, false), (20, true), (5, false)] {
             let lists = ListOptions { capacity: Some(capacity), ordered, ..ListOptions::default() };
             let lights = lights(&mut random, LIGHTS);
             let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
-            let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;
-            for light in [0, 5, 31, 32, 39] {
+            twisted += scene.twin.twisted.iter().map(|mask| mask.count_ones()).sum::<u32>();
+            for light in [0, 31, 32, 39] {
                 let what = format!("{}, capacity {capacity}, light {light}", case.0);
                 let mut found = read_light(gpu, &scene, light, light / 32)?;
-                let expected = expected(&scene, &facing, light);
+                let expected = scene.expected(light);
                 same(&what, &found, &expected)?;
                 same(&format!("{what}, other batch"), &read_light(gpu, &scene, light, 1 - light / 32)?, &[])?;
                 if let Some(first) = found.first_mut() {
@@ -178,56 +162,5 @@ fn computed() -> Result<(), String> {
             }
         }
     }
-    Ok(())
-}
-
-/// Quadrilaterals of which many are twisted, from lists that fit and lists that overflow.
-fn polygons() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(82);
-    let set = quad_torus(&mut random, 9, 7, 0.35);
-    let mesh = set.mesh(Weld::Position).map_err(text)?;
-    let mut twisted = 0;
-    for capacity in [u32::MAX, 5] {
-        let lists = ListOptions { capacity: Some(capacity), ordered: false, ..ListOptions::default() };
-        let lights = lights(&mut random, LIGHTS);
-        let scene = Scene::new(gpu, ("torus".to_owned(), set.positions.clone(), mesh.clone()), &lights, lists)?;
-        let found = cpu::extract(&set.positions, &mesh, &lights, Predicate::Exact, Threads::ONE).map_err(text)?;
-        twisted += found.twisted.iter().map(|mask| mask.count_ones()).sum::<u32>();
-        for light in [0, 5, 31, 32, 39] {
-            let what = format!("capacity {capacity}, light {light}");
-            let mut read = read_light(gpu, &scene, light, light / 32)?;
-            let expected = expected_of(&scene, &found.masks, light);
-            same(&what, &read, &expected)?;
-            if let Some(first) = read.first_mut() {
-                first[4] ^= 1;
-                must_fail("a flipped winding bit", &same(&what, &read, &expected))?;
-            }
-        }
-    }
-    println!("{twisted} twisted pairs");
     if twisted > 500 { Ok(()) } else { Err(format!("{twisted} twisted pairs")) }
-}
-
-fn refusals() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let (_, positions, mesh) = case("cube", shapes::cube());
-    let buffer = gpu.storage(&positions);
-    let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
-    let plain = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    let group = |options, batch| {
-        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-        let light = [Light::point([3.0, 2.0, 1.0])];
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, plain, &light).map_err(text))?;
-        Ok::<_, String>(extraction.bind_group(&layout, batch))
-    };
-    let good = ExtractorOptions::default();
-    let without_lists = ExtractorOptions { lists: None, ..good };
-    let per_edge = ExtractorOptions { method: Method::PerEdge, ..good };
-    refused([
-        refusal("good", group(good, 0)?, Expected::Taken),
-        refusal("no lists", group(without_lists, 0)?, is(ExtractorError::NoInclude)),
-        refusal("per edge", group(per_edge, 0)?, is(ExtractorError::NoInclude)),
-        refusal("batch", group(good, 1)?, is(ExtractorError::NoSuchBatch { batch: 1, batches: 1 })),
-    ])
 }

@@ -1,20 +1,19 @@
-//! Input that does not fit a device gives a typed error, before anything is allocated.
+//! Refusals by typed errors: lights, positions and polygons, what does not fit a device, what an extraction has not.
 
 use rimline::gpu::{
-    Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
+    Deformer, DeformerOptions, DeviceError, Extraction, Extractor, ExtractorError, ExtractorOptions, ListOptions,
     MAX_BOUNDARY_EDGES, PositionBuffer, results_bind_group_layout,
 };
 use rimline::internals::Method;
 use rimline::mesh::Weld;
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Light, LightError, Mesh, MeshError, Predicate};
 use rimline_testkit::shapes::{self, Shape};
 
+use rimline_testkit::cases::case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::random_model;
-use rimline_testkit::on_gpu::extract;
-use rimline_testkit::on_gpu::interleaved;
-use rimline_testkit::on_gpu::{limited, repeated_torus, text};
+use rimline_testkit::on_gpu::{extract, interleaved, limited, repeated_torus, text};
 use rimline_testkit::polygons::{PolygonSet, quad_box};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
@@ -22,16 +21,18 @@ use rimline_testkit::same;
 
 pub(crate) const TESTS: &[Test] = &[
     ("what_does_not_fit_is_a_typed_error", too_large),
-    ("positions_and_models_that_do_not_fit_are_typed_errors", positions_and_models_too_large),
     ("a_memory_limit_refuses_before_anything_is_allocated", memory_limit),
-    ("the_include_refuses_what_takes_several_bindings", include_refuses),
-    ("draws_without_lists_are_refused", no_lists),
-    ("overwritten_extractions_are_refused", stale),
+    ("readers_are_refused_what_is_not_there", readers),
+    ("wrong_lights_and_meshes_are_typed_errors", lights),
+    ("wrong_position_buffers_are_typed_errors", positions),
     ("polygons_need_exact_masks_and_boundaries_of_some_size", polygons),
 ];
 
-fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
-    shape.mesh().map_err(text)
+const LIGHT: [Light; 1] = [Light::point([3.0, 2.0, 1.0])];
+
+/// Positions one after another.
+fn packed(buffer: &wgpu::Buffer) -> PositionBuffer<'_> {
+    PositionBuffer { buffer, offset: 0, stride: 12 }
 }
 
 fn polygons() -> Result<(), String> {
@@ -70,47 +71,45 @@ fn too_large() -> Result<(), String> {
     }
     let torus = |rings, segments| repeated_torus(rings, segments, 0);
     let row = |what, (binding, buffer, workgroups), shape: Shape, options, parts| -> Result<_, String> {
-        let made = Extractor::new(&limited(binding, buffer, workgroups)?.pipelines, &mesh_of(&shape)?, options);
-        Ok(refusal(what, made, shows(parts)))
+        let mesh = shape.mesh().map_err(text)?;
+        Ok(refusal(
+            what,
+            Extractor::new(&limited(binding, buffer, workgroups)?.pipelines, &mesh, options),
+            shows(parts),
+        ))
     };
     let (small, smaller, smallest) = ((16 << 10, 1 << 20, 64), (4 << 10, 1 << 20, 64), (1 << 10, 1 << 20, 64));
+    let faces = &["BufferTooLarge { label: \"faces\"", "144000", "131072"];
+    let masks = &["GatheredTooLarge", "\"facing masks\"", "19200", "16384"];
     refused([
-        row(
-            "faces",
-            (16 << 10, 128 << 10, 64),
-            torus(100, 60),
-            options,
-            &["BufferTooLarge { label: \"faces\"", "144000", "131072"],
-        )?,
-        row(
-            "facing masks",
-            smaller,
-            torus(60, 40),
-            options,
-            &["GatheredTooLarge", "\"facing masks\"", "19200", "16384"],
-        )?,
+        row("faces", (16 << 10, 128 << 10, 64), torus(100, 60), options, faces)?,
+        row("facing masks", smaller, torus(60, 40), options, masks)?,
         row("lists", smaller, torus(20, 20), listed, &["BindingTooLarge", "\"edge lists\"", "128000", "4096"])?,
         row("less than a workgroup", smallest, shapes::cube(), options, &["BindingTooLarge"])?,
         row("block offsets", small, loose, ordered, &["BindingTooLarge { what: \"block offsets\""])?,
         row("chunks", (16 << 10, 128 << 10, 1), torus(60, 40), many, &["BufferTooLarge { label: \"chunks\""])?,
-    ])
-}
-
-fn positions_and_models_too_large() -> Result<(), String> {
-    let options = ExtractorOptions { lists: None, ..Default::default() };
-    let small = limited(4 << 10, 1 << 20, 64)?;
+    ])?;
+    let gpu = limited(4 << 10, 1 << 20, 64)?;
     let shape = repeated_torus(40, 20, 0);
-    let mesh = mesh_of(&shape)?;
-    let mut extractor = Extractor::new(&small.pipelines, &mesh, options).map_err(text)?;
-    let buffer = small.storage(&interleaved(&shape.positions, 0, 48));
+    let mut extractor = Extractor::new(&gpu.pipelines, &shape.mesh().map_err(text)?, options).map_err(text)?;
+    let buffer = gpu.storage(&interleaved(&shape.positions, 0, 48));
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 48 };
-    let light = [Light::directional([1.0, 0.0, 0.0])];
-    let encoded = small.submit(|encoder| Ok(extractor.encode(encoder, bound, &light)))?;
+    let encoded = gpu.submit(|encoder| Ok(extractor.encode(encoder, bound, &LIGHT)))?;
     let model = random_model(&mut Random::new(73), 500);
     let deformer = Deformer::new(&limited(1 << 10, 1 << 20, 64)?.pipelines, &model, DeformerOptions::default());
+    // The include takes one binding; the extraction itself goes on, in windows.
+    let gpu = limited(16 << 10, 1 << 20, 64)?;
+    let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
+    let shape = repeated_torus(60, 40, 0);
+    let mesh = shape.mesh().map_err(text)?;
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let buffer = gpu.storage(&shape.positions);
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, packed(&buffer), &LIGHT).map_err(text))?;
+    extract(&gpu, &shape.positions, &mesh, &LIGHT, ExtractorOptions { masks: true, ..Default::default() })?;
     refused([
         refusal("positions", encoded, shows(&["Device(GatheredTooLarge { what: \"positions\""])),
         refusal("deform", deformer, shows(&["Device(BindingTooLarge"])),
+        refusal("the include", extraction.bind_group(&layout, 0), shows(&["Device(BindingTooLarge"])),
     ])
 }
 
@@ -122,7 +121,7 @@ fn memory_limit() -> Result<(), String> {
     let before = gpu.live_buffers()?;
     let with = |memory_limit| ExtractorOptions { max_lights: 40, masks: true, memory_limit, ..Default::default() };
     let made = |memory_limit| Extractor::new(&gpu.pipelines, &mesh, with(Some(memory_limit)));
-    let Err(ExtractorError::Device(DeviceError::MemoryLimit { bytes, limit: 1000, largest })) = made(1000) else {
+    let Err(ExtractorError::Device(DeviceError::MemoryLimit { bytes, limit: 0, largest })) = made(0) else {
         return Err("not refused for the total".to_owned());
     };
     println!("{bytes} bytes wanted, most by {largest:?}");
@@ -137,75 +136,138 @@ fn memory_limit() -> Result<(), String> {
     let extractor = made(bytes).map_err(text)?;
     let after = gpu.live_buffers()?;
     drop(extractor);
-    if after <= before {
-        return Err("negative control: buffers that were made are not counted".to_owned());
-    }
-    Ok(())
+    if after > before { Ok(()) } else { Err("negative control: buffers that were made are not counted".to_owned()) }
 }
 
-fn include_refuses() -> Result<(), String> {
-    let gpu = limited(16 << 10, 1 << 20, 64)?;
+/// Readers of an extraction: what it does not have, and results that a later encode overwrote.
+fn readers() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (_, positions, mesh) = case("torus", shapes::torus(24, 16, 1.0, 0.4));
+    let anew = Mesh::from_faces(positions.len(), mesh.faces().to_vec()).map_err(text)?;
+    let buffer = gpu.storage(&positions);
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
-    let shape = repeated_torus(60, 40, 0);
-    let mesh = shape.mesh().map_err(text)?;
-    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
-    let buffer = gpu.storage(&shape.positions);
-    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    let light = [Light::point([3.0, 2.0, 1.0])];
-    let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light).map_err(text))?;
-    let group = extraction.bind_group(&layout, 0);
-    refused([refusal("the include", group, shows(&["Device(BindingTooLarge"]))])?;
-    // The extraction itself goes on, in windows.
-    let options = ExtractorOptions { masks: true, ..Default::default() };
-    extract(&gpu, &shape.positions, &mesh, &[Light::point([3.0, 2.0, 1.0])], options).map(drop)
-}
-
-fn no_lists() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let shape = shapes::cube();
-    let mesh = mesh_of(&shape)?;
-    let buffer = gpu.storage(&shape.positions);
-    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    let light = [Light::point([3.0, 2.0, 1.0])];
-    let arguments = |lists| {
-        let options = ExtractorOptions { lists, ..Default::default() };
-        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-        let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light).map_err(text))?;
-        Ok::<_, String>(extraction.draw_arguments(0).map(drop))
+    let encode = |extractor: &mut Extractor, lights: &[Light]| {
+        gpu.submit(|encoder| extractor.encode(encoder, packed(&buffer), lights).map_err(text))
     };
+    let lists = |capacity| Some(ListOptions { capacity: Some(capacity), ..ListOptions::default() });
+    let made = |method, lists| {
+        let options = ExtractorOptions { method, lists, ..Default::default() };
+        Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)
+    };
+    let (mut listed, mut unlisted) = (made(Method::FaceMask, lists(400))?, made(Method::FaceMask, None)?);
+    let mut per_edge = made(Method::PerEdge, lists(4))?;
+    let first = encode(&mut listed, &LIGHT)?;
+    let (without, by_edge) = (encode(&mut unlisted, &LIGHT)?, encode(&mut per_edge, &LIGHT)?);
+    let group = |extraction: &Extraction, batch| extraction.bind_group(&layout, batch);
+    let edges = |extraction: &Extraction, mesh: &Mesh, light| extraction.read_edges(&gpu.queue, mesh, light);
+    let past = || is(ExtractorError::NoSuchLight { light: 1, lights: 1 });
     refused([
-        refusal("no lists", arguments(None)?, is(ExtractorError::NoLists)),
-        refusal("lists", arguments(Some(ListOptions::default()))?, Expected::Taken),
-    ])
-}
-
-/// Every reader refuses results that a later encode overwrote, and lights that were not extracted.
-fn stale() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let shape = shapes::cube();
-    let mesh = mesh_of(&shape)?;
-    let buffer = gpu.storage(&shape.positions);
-    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    let options = ExtractorOptions { max_lights: 4, ..Default::default() };
-    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-    let mut encode = |lights: &[Light]| gpu.submit(|encoder| extractor.encode(encoder, bound, lights).map_err(text));
-    let lights = [[0.0, 4.0, 1.0], [1.0, 2.0, 0.0], [3.0, 1.0, 0.0]].map(Light::point);
-    let (first, second) = (encode(&lights[..2])?, encode(&lights[2..])?);
-    let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
+        refusal("a bind group", group(&first, 0), Expected::Taken),
+        refusal("a batch", group(&first, 1), is(ExtractorError::NoSuchBatch { batch: 1, batches: 1 })),
+        refusal("draws", first.draw_arguments(0), Expected::Taken),
+        refusal("draws past the lights", first.draw_arguments(1), past()),
+        refusal("edges of a clone", edges(&first, &mesh.clone(), 0), Expected::Taken),
+        refusal("edges past the lights", edges(&first, &mesh, 1), past()),
+        refusal("edges of another mesh", edges(&first, &anew, 0), is(ExtractorError::OtherMesh)),
+        refusal("draws without lists", without.draw_arguments(0), is(ExtractorError::NoLists)),
+        refusal("the include without lists", group(&without, 0), is(ExtractorError::NoInclude)),
+        refusal("the include per edge", group(&by_edge, 0), is(ExtractorError::NoInclude)),
+        refusal(
+            "edges of a list that overflowed",
+            edges(&by_edge, &mesh, 0),
+            is(ExtractorError::NoFacing { light: 0 }),
+        ),
+    ])?;
+    let second = encode(&mut listed, &LIGHT)?;
     let is_stale = || is(ExtractorError::Stale);
-    let past = is(ExtractorError::NoSuchLight { light: 1, lights: 1 });
-    let batch = is(ExtractorError::NoSuchBatch { batch: 1, batches: 1 });
     refused([
-        refusal("its bind group", first.bind_group(&layout, 0), is_stale()),
-        refusal("its draws", first.draw_arguments(0), is_stale()),
-        refusal("its results", first.results(), is_stale()),
-        refusal("draws past the lights", second.draw_arguments(1), past),
-        refusal("a batch past the lights", second.bind_group(&layout, 1), batch),
-        refusal("a good one", second.bind_group(&layout, 0), Expected::Taken),
+        refusal("an old bind group", group(&first, 0), is_stale()),
+        refusal("old draws", first.draw_arguments(0), is_stale()),
+        refusal("old results", first.results(), is_stale()),
+        refusal("old edges", edges(&first, &mesh, 0), is_stale()),
     ])?;
     // A refused extraction does not change the results.
-    if encode(&[Light::homogeneous([0.0; 4])]).is_ok() {
+    if encode(&mut listed, &[Light::homogeneous([0.0; 4])]).is_ok() {
         return Err("no light was extracted".to_owned());
     }
     refused([refusal("the second after a refused one", second.results(), Expected::Taken)])
+}
+
+fn lights() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::cube();
+    let mesh = shape.mesh().map_err(text)?;
+    let made = |max_lights| {
+        Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions { max_lights, ..ExtractorOptions::default() })
+    };
+    let of_light = |error| is(ExtractorError::Light(error));
+    let mut extractor = made(2).map_err(text)?;
+    let buffer = gpu.storage(&shape.positions);
+    let good = LIGHT[0];
+    let not_finite = LightError::NotFinite { index: 0, xyzw: [f32::INFINITY, 0.0, 0.0, 1.0] };
+    let nan = |at: usize| Light::homogeneous([0, 1, 2, 3].map(|axis| if axis == at { f32::NAN } else { 1.0 }));
+    let range = |index, range| of_light(LightError::Range { index, range });
+    gpu.submit(|encoder| {
+        let mut encode = |lights: &[Light]| extractor.encode(encoder, packed(&buffer), lights);
+        let zero = encode(&[good, Light::homogeneous([0.0, -0.0, 0.0, 0.0])]);
+        refused([
+            refusal("three lights", encode(&[good; 3]), of_light(LightError::TooMany { count: 3, limit: 2 })),
+            refusal("zero", zero, of_light(LightError::Zero { index: 1 })),
+            refusal("infinite", encode(&[Light::point([f32::INFINITY, 0.0, 0.0])]), of_light(not_finite)),
+            refusal("range 0", encode(&[good, good.with_range(0.0)]), range(1, 0.0)),
+            refusal("range -1", encode(&[good.with_range(-1.0)]), range(0, -1.0)),
+        ])?;
+        let not_finite = || shows(&["Light(NotFinite { index: 0"]);
+        refused([0, 1, 2, 3].map(|at| refusal(format!("NaN at {at}"), encode(&[nan(at)]), not_finite())))
+    })?;
+    let out_of_range = || is(MeshError::IndexOutOfRange { face: 1, corner: 2, index: 3, vertices: 3 });
+    let faces = [[0, 1, 2], [0, 1, 3]];
+    refused([
+        refusal("no room", made(0), of_light(LightError::NoRoom)),
+        refusal("1025 lights", made(1025), of_light(LightError::TooMany { count: 1025, limit: 1024 })),
+        refusal("no faces", Mesh::new(&shape.positions, &[], Weld::Data), is(MeshError::NoFaces)),
+        refusal("index", Mesh::new(&shape.positions[..3], &faces, Weld::Data), out_of_range()),
+        refusal("index", Mesh::from_faces(3, faces.to_vec()), out_of_range()),
+    ])
+}
+
+fn positions() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::cube();
+    let buffer = gpu.storage(&shape.positions);
+    let vertices = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("vertices"),
+        size: 96,
+        usage: wgpu::BufferUsages::VERTEX,
+        mapped_at_creation: false,
+    });
+    let mesh = shape.mesh().map_err(text)?;
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let refused_as = |error| is(ExtractorError::Device(error));
+    let layout = |offset, stride| refused_as(DeviceError::PositionLayout { offset, stride });
+    let too_short = |offset, stride, needed| {
+        refused_as(DeviceError::PositionsTooShort { vertices: 8, offset, stride, needed, bytes: 96 })
+    };
+    let most = u64::MAX - 3;
+    gpu.submit(|encoder| {
+        let mut row = |buffer: &wgpu::Buffer, offset, stride, expected| {
+            let bound = PositionBuffer { buffer, offset, stride };
+            let encoded = extractor.encode(encoder, bound, &LIGHT);
+            refusal(format!("offset {offset}, stride {stride}"), encoded, expected)
+        };
+        refused([
+            row(&buffer, 0, 12, Expected::Taken),
+            row(&buffer, 1, 12, layout(1, 12)),
+            row(&buffer, 2, 12, layout(2, 12)),
+            row(&buffer, 0, 13, layout(0, 13)),
+            row(&buffer, 0, 8, layout(0, 8)),
+            row(&buffer, 0, 0, layout(0, 0)),
+            row(&buffer, 4, 12, too_short(4, 12, 100)),
+            row(&buffer, 0, 16, too_short(0, 16, 124)),
+            row(&buffer, 1 << 40, 12, too_short(1 << 40, 12, 96 + (1 << 40))),
+            row(&buffer, 0, most, too_short(0, most, u64::MAX)),
+            row(&buffer, most, 12, too_short(most, 12, u64::MAX)),
+            row(&vertices, 0, 12, refused_as(DeviceError::NotStorage)),
+        ])
+    })
 }

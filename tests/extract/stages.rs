@@ -1,107 +1,108 @@
-//! Edges against their CPU reference, and all that comes after them against whole numbers.
+//! All that extractions leave, against the CPU: facing, masks, lists, counts, draws.
 //!
 //! It tests the stages `compact` and `arguments`.
 
 use bytemuck::Zeroable;
-use rimline::gpu::{EdgeTopology, ExtractorOptions, ListOptions};
+use rimline::Predicate;
+use rimline::gpu::{EdgeTopology, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::internals::Method;
-use rimline::internals::cpu::{self, Threads};
-use rimline::internals::layout::DrawArguments;
+use rimline::internals::cpu::{self, Extraction, Threads};
+use rimline::internals::layout::{DrawArguments, EdgeMasks};
 
-use rimline_testkit::band::check_facing;
 use rimline_testkit::cases::{case, hard_positions, random_soup, topologies};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::extract;
+use rimline_testkit::on_gpu::{Found, extract, read, text};
 use rimline_testkit::oracle::{check_masks, listed};
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, lights, must_fail, same};
+use rimline_testkit::{is_long, lights, must_fail, same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("masks_and_lists_follow_from_facing_bits", masks_and_lists),
+    ("results_are_those_of_the_cpu", results),
     ("masks_close_and_agree_with_faces_alone", closes),
     ("per_edge_keeps_to_its_lights", per_edge),
-    ("overflowing_lists_are_counted_and_drawn_whole", overflow),
+    ("any_number_of_a_thousand_lights_has_its_lists", thousand),
+    ("encodes_in_one_encoder_see_their_own_lights", several_encodes),
 ];
 
-const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
-
-fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
-    ListOptions { capacity, ordered, topology: EdgeTopology::TriangleList }
+/// Fails unless an extraction left what `twin` has, for this number of lights, and no edge for the lights after them.
+pub(crate) fn check(
+    what: &str,
+    found: &Found,
+    twin: &Extraction,
+    lights: usize,
+    options: &ExtractorOptions,
+) -> Result<(), String> {
+    same(&format!("{what}, facing"), &found.facing[..twin.facing.len()], &twin.facing)?;
+    if options.masks {
+        same(&format!("{what}, masks"), &found.masks[..twin.masks.len()], &twin.masks)?;
+    }
+    options.lists.map_or(Ok(()), |lists| check_lists(what, found, &twin.masks, lights, lists))
 }
 
-/// Masks and lists against those that follow from the facing bits of the GPU, for all counts of lights. Facing is checked
-/// against its error band; all later stages are integers. Lists are made with masks and without, in order and in any order.
-fn masks_and_lists() -> Result<(), String> {
+fn check_lists(
+    what: &str,
+    found: &Found,
+    masks: &[EdgeMasks],
+    lights: usize,
+    lists: ListOptions,
+) -> Result<(), String> {
+    let edges = masks.len() / lights.div_ceil(32);
+    let room = lists.capacity.map_or(edges, |room| (room as usize).clamp(1, edges));
+    let mut overflowed = 0;
+    for (light, (list, draw)) in found.lists.iter().zip(&found.draws).enumerate() {
+        let what = format!("{what}, light {light}");
+        let plane = masks.chunks(edges).nth(light / 32).filter(|_| light < lights).unwrap_or_default();
+        let (mut list, mut expected) = (list.clone(), listed(plane, light as u32 % 32));
+        let (count, overflows) = (expected.len() as u32, expected.len() > room);
+        overflowed += u32::from(overflows);
+        // A list that overflowed is drawn from all edges.
+        let instance_count = if overflows { edges as u32 } else { count };
+        let vertex_count = lists.topology.vertices();
+        let expected_draw = DrawArguments { vertex_count, instance_count, ..Zeroable::zeroed() };
+        same(&what, &[found.counts[light]], &[count])?;
+        same(&what, &[*draw], &[expected_draw])?;
+        if lists.ordered {
+            expected.truncate(room);
+        } else {
+            // Which entries it keeps then is chance.
+            expected.retain(|entry| !overflows || list.contains(entry));
+            list.sort_by_key(|entry| entry & !cpu::WINDING);
+        }
+        same(&what, &list, &expected)?;
+    }
+    same(&format!("{what}, overflowed"), &[found.statistics.overflowed_lists], &[overflowed])
+}
+
+/// Masks are kept or not; lists have an order or not, and room for all, a few or none.
+fn results() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(1);
-    let [ordered, unordered] = [(None, true), (Some(u32::MAX), false)].map(|of| Some(list_options(of.0, of.1)));
     for (name, positions, mesh) in topologies() {
-        for count in LIGHT_COUNTS {
-            let lights = lights(&mut random, count);
-            for (masks, lists) in [(true, None), (false, ordered), (true, ordered), (false, unordered)] {
-                let options = ExtractorOptions { max_lights: count, masks, lists, ..Default::default() };
-                let mut found = extract(gpu, &positions, &mesh, &lights, options)?;
-                let what = format!("{name}, {count} lights, masks {masks}, {lists:?}");
-                let expected = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
-                if lists.is_none() {
-                    check_facing(&what, &found.facing, &positions, mesh.faces(), &lights)?;
-                }
-                if masks {
-                    same(&format!("{what}, masks"), &found.masks, &expected)?;
-                    found.masks[random.below(expected.len())].winding ^= 1;
-                    must_fail("a flipped winding bit", &same(&what, &found.masks, &expected))?;
-                }
-                for (light, list) in found.lists.iter_mut().enumerate() {
-                    let plane = &expected[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
-                    let expected = listed(plane, light as u32 % 32);
-                    if lists.is_some_and(|lists| !lists.ordered) {
-                        list.sort_by_key(|entry| entry & !cpu::WINDING);
-                    }
-                    same(&format!("{what}, list {light}"), list, &expected)?;
-                    let draws = [found.counts[light], found.draws[light].instance_count];
-                    same(&format!("{what}, draw {light}"), &draws, &[expected.len() as u32; 2])?;
-                }
-                let live = |word: usize| 1_u64.checked_shl((count - 32 * word) as u32).map_or(u64::MAX, |bit| bit - 1);
-                for (at, masks) in expected.iter().enumerate() {
-                    if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
-                        return Err(format!("{what}: record {at} has bits past the lights"));
-                    }
-                }
-            }
-        }
-    }
-    Ok(())
-}
-
-fn overflow() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut random = Random::new(4);
-    let lights = lights(&mut random, 40);
-    for (name, positions, mesh) in topologies() {
-        let whole =
-            ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(u32::MAX), true)), ..Default::default() };
-        let whole = extract(gpu, &positions, &mesh, &lights, whole)?;
-        for ordered in [false, true] {
+        for (count, masks, lists, undecided_capacity) in [
+            (1, true, Some((None, true)), None),
+            (12, false, Some((None, true)), Some(0)),
+            (31, false, Some((Some(u32::MAX), false)), None),
+            (32, true, None, None),
+            (33, true, Some((Some(20), true)), None),
+            (100, true, Some((Some(20), false)), None),
+            (33, false, Some((Some(0), false)), None),
+        ] {
+            let topology = [EdgeTopology::TriangleStrip, EdgeTopology::TriangleList, EdgeTopology::LineList][count % 3];
+            let lists = lists.map(|(capacity, ordered)| ListOptions { capacity, ordered, topology });
             let options =
-                ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(20), ordered)), ..Default::default() };
-            let found = extract(gpu, &positions, &mesh, &lights, options)?;
-            same(&format!("{name}, counts"), &found.counts, &whole.counts)?;
-            // A list that overflowed is drawn from all edges.
-            let instances = |&count: &u32| if count > 20 { mesh.edges().len() as u32 } else { count };
-            let draw =
-                |count| DrawArguments { vertex_count: 6, instance_count: instances(count), ..Zeroable::zeroed() };
-            let draws: Vec<_> = whole.counts.iter().map(draw).collect();
-            same(&format!("{name}, draws"), &found.draws, &draws)?;
-            let overflowed = whole.counts.iter().filter(|&&count| count > 20).count() as u32;
-            same(&format!("{name}, overflowed"), &[found.statistics.overflowed_lists], &[overflowed])?;
-            for (list, whole) in found.lists.iter().zip(&whole.lists) {
-                if ordered {
-                    same(&format!("{name}, list"), list, &whole[..whole.len().min(20)])?;
-                } else if !list.iter().all(|entry| whole.contains(entry)) {
-                    return Err(format!("{name}: a list holds what is no silhouette"));
-                }
+                ExtractorOptions { max_lights: count, masks, lists, undecided_capacity, ..Default::default() };
+            let lights = lights(&mut random, count);
+            let twin = cpu::extract(&positions, &mesh, &lights, Predicate::Exact, Threads::all()).map_err(text)?;
+            let mut found = extract(gpu, &positions, &mesh, &lights, options)?;
+            let what = format!("{name}, {count} lights, masks {masks}, {lists:?}");
+            check(&what, &found, &twin, count, &options)?;
+            if let Some(of_last) = found.masks.last_mut() {
+                of_last.winding ^= 1;
+            } else if let Some(list) = found.lists.iter_mut().find(|list| !list.is_empty()) {
+                list[0] ^= cpu::WINDING;
             }
+            must_fail("a flipped winding bit", &check(&what, &found, &twin, count, &options))?;
         }
     }
     Ok(())
@@ -111,32 +112,20 @@ fn overflow() -> Result<(), String> {
 fn per_edge() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(6);
+    let lists = ListOptions { capacity: Some(u32::MAX), ..ListOptions::default() };
     for (name, positions, mesh) in topologies() {
-        for (count, max_lights) in [(1, 1), (5, 5), (33, 33), (5, 100)] {
+        for (count, max_lights) in [(1, 1), (33, 33), (5, 100)] {
             let lights = lights(&mut random, count);
-            let options = ExtractorOptions {
-                max_lights,
-                method: Method::PerEdge,
-                masks: true,
-                lists: Some(list_options(Some(u32::MAX), false)),
-                ..Default::default()
-            };
+            let method = Method::PerEdge;
+            let options =
+                ExtractorOptions { max_lights, method, masks: true, lists: Some(lists), ..Default::default() };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             let what = format!("{name}, {count} lights of {max_lights}");
-            for light in 0..max_lights {
-                let plane = &found.masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
-                let expected = if light < count { listed(plane, light as u32 % 32) } else { Vec::new() };
-                let mut list = found.lists[light].clone();
-                list.sort_by_key(|entry| entry & !cpu::WINDING);
-                same(&format!("{what}, list {light}"), &list, &expected)?;
-                same(&format!("{what}, draw {light}"), &[found.draws[light].instance_count], &[expected.len() as u32])?;
-            }
-            for (word, plane) in found.masks.chunks(mesh.edges().len()).take(count.div_ceil(32)).enumerate() {
-                let lights = (count - 32 * word).min(32) as u32;
-                let past = u32::MAX.checked_shl(lights).unwrap_or(0);
-                if plane.iter().any(|masks| (masks.silhouette | masks.winding) & past != 0) {
-                    return Err(format!("{what}: bits past the lights"));
-                }
+            let masks = &found.masks[..count.div_ceil(32) * mesh.edges().len()];
+            check_lists(&what, &found, masks, count, lists)?;
+            let past = u32::MAX << (count % 32);
+            if masks.iter().rev().take(mesh.edges().len()).any(|of| (of.silhouette | of.winding) & past != 0) {
+                return Err(format!("{what}: bits past the lights"));
             }
         }
     }
@@ -155,6 +144,65 @@ fn closes() -> Result<(), String> {
         let options = ExtractorOptions { max_lights: lights.len(), masks: true, lists: None, ..Default::default() };
         let found = extract(gpu, &positions, &mesh, &lights, options)?;
         check_masks(&name, &mesh, &found.facing, &found.masks, lights.len())?;
+    }
+    Ok(())
+}
+
+fn thousand() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(41);
+    let (_, positions, mesh) = case("blob", shapes::blob(2, 0.4, 3));
+    let buffer = gpu.storage(&positions);
+    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    for ordered in [false, true] {
+        let lists = Some(ListOptions { capacity: Some(u32::MAX), ordered, ..ListOptions::default() });
+        let options = ExtractorOptions { max_lights: 1024, masks: true, lists, ..Default::default() };
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        // First all of them, so that something could be left over.
+        for count in [1024, 1, 31, 32, 33, 99] {
+            let lights = lights(&mut random, count);
+            gpu.submit(|encoder| extractor.encode(encoder, bound, &lights).map_err(text))?;
+            let found = read(gpu, &extractor, &mesh, 1024)?;
+            let twin = cpu::extract(&positions, &mesh, &lights, Predicate::Exact, Threads::all()).map_err(text)?;
+            check(&format!("{count} of 1024 lights, ordered {ordered}"), &found, &twin, count, &options)?;
+        }
+    }
+    Ok(())
+}
+
+/// Results are copied out between encodes; a later encode must not reach back.
+fn several_encodes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(42);
+    let (_, positions, mesh) = case("torus", shapes::torus(24, 16, 1.0, 0.4));
+    let moved = positions.iter().map(|[x, y, z]| [x * 0.5, y + 0.3, *z]).collect();
+    for ordered in [false, true] {
+        let lists = Some(ListOptions { ordered, ..ListOptions::default() });
+        let options = ExtractorOptions { max_lights: 40, masks: true, lists, ..Default::default() };
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let runs = [(&positions, 40), (&moved, 7), (&positions, 33)];
+        let runs = runs.map(|(positions, count)| (positions, gpu.storage(positions), lights(&mut random, count)));
+        let zeros = vec![0_u8; mesh.edges().len() * size_of::<EdgeMasks>()];
+        let copies = runs.each_ref().map(|_| [gpu.storage(&zeros), gpu.storage(&[0_u32; 40])]);
+        gpu.submit(|encoder| {
+            for ((_, buffer, lights), [masks, counts]) in runs.iter().zip(&copies) {
+                let positions = PositionBuffer { buffer, offset: 0, stride: 12 };
+                extractor.encode(encoder, positions, lights).map_err(text)?;
+                let results = extractor.results();
+                encoder.copy_buffer_to_buffer(&results.masks[0], 0, masks, 0, masks.size());
+                encoder.copy_buffer_to_buffer(results.counts, 0, counts, 0, counts.size());
+            }
+            Ok(())
+        })?;
+        for (number, ((positions, _, lights), [masks, counts])) in runs.iter().zip(&copies).enumerate() {
+            let twin = cpu::extract(positions, &mesh, lights, Predicate::Exact, Threads::all()).map_err(text)?;
+            let masks: Vec<EdgeMasks> = gpu.read(masks, mesh.edges().len())?;
+            same(&format!("encode {number}, masks"), &masks, &twin.masks[..masks.len()])?;
+            let planes = twin.masks.chunks(mesh.edges().len());
+            let of_lights = |at: usize| listed(planes.clone().nth(at / 32).unwrap_or_default(), at as u32 % 32).len();
+            let expected: Vec<u32> = (0..lights.len()).map(|light| of_lights(light) as u32).collect();
+            same(&format!("encode {number}, counts"), &gpu.read::<u32>(counts, lights.len())?, &expected)?;
+        }
     }
     Ok(())
 }

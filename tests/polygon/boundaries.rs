@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rimline::Light;
-use rimline::internals::cpu::{Boundary, Orientation, edge_pair, fits_half_space, polygon_turns};
+use rimline::internals::cpu::{Boundary, Orientation, polygon_turns};
 use rimline::mesh::Weld;
 use rimline_testkit::polygons::{PolygonSet, random_polygon};
 use rimline_testkit::random::Random;
@@ -76,14 +76,8 @@ fn boundaries_are_seen_as_their_winding_numbers_say() -> Outcome {
         }
     }
     println!("{seen:#?}\n{by_light:#?}\nclose pairs decide {decided}");
-    if decided < 2 * count as usize {
-        return Err(format!("close pairs decide {decided} only"));
-    }
-    if seen.len() < 6 || seen.values().any(|&count| count < 12) {
-        Err(format!("too few of a kind: {seen:?}"))
-    } else {
-        Ok(())
-    }
+    let are_enough = decided >= 2 * count as usize && seen.len() >= 6 && seen.values().all(|&count| count >= 12);
+    if are_enough { Ok(()) } else { Err(format!("too few of a kind: {seen:?}, {decided}")) }
 }
 
 fn loops(loops: &[&[[f32; 3]]]) -> Boundary {
@@ -99,119 +93,42 @@ fn seen(boundary: &Boundary, light: Light) -> Orientation {
     boundary.orientation(light.to_array()).0
 }
 
-fn square(size: f32, height: f32) -> [[f32; 3]; 4] {
-    [[-size, -size, height], [size, -size, height], [size, size, height], [-size, size, height]]
-}
-
-fn reversed<const N: usize>(mut points: [[f32; 3]; N]) -> [[f32; 3]; N] {
-    points.reverse();
-    points
-}
-
-/// The side that lights above and below see, then what others see.
+/// The side that lights above and below see.
 #[test]
 fn cases_worked_by_hand() {
     use Orientation::{BackFacing as Back, FrontFacing as Front, InPlane, Twisted};
-    let [small, large, raised] = [square(1.0, 0.0), square(2.0, 0.0), square(1.0, 1.0)];
-    let [a, b, c, d] = small;
-    let at = |angle: f32| [angle.to_radians().cos(), angle.to_radians().sin(), 0.0];
-    let flat = |points: &[[f32; 2]]| loops(&[&points.iter().map(|&[x, y]| [x, y, 0.0]).collect::<Vec<_>>()]);
-    let lobes = |corners: &[u32]| {
-        let positions = vec![[0.0; 3], [2.0, -1.0, 0.0], [2.0, 1.0, 0.0], [-2.0, 1.0, 0.0], [-2.0, -1.0, 0.0]];
-        let mut set = PolygonSet { positions, ..Default::default() };
-        set.push(&[corners.to_vec()]);
-        placed(&set).expect("a polygon").0
+    let square = |size: f32, height: f32| {
+        [[-size, -size, height], [size, -size, height], [size, size, height], [-size, size, height]]
     };
-    let plain = loops(&[&small]);
-    // From some sides it is twisted (Bergeron's figure 7).
-    let bent = loops(&[&[[-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, -1.0]]]);
-    let comb =
-        [[0.0, 0.0], [3.0, 0.0], [6.0, 0.0], [6.0, 2.0], [4.0, 2.0], [4.0, 1.0], [2.0, 1.0], [2.0, 2.0], [0.0, 2.0]];
+    let [[a, b, c, d], large, mut raised] = [square(1.0, 0.0), square(2.0, 0.0), square(1.0, 1.0)];
+    raised.reverse();
+    let at = |angle: f32| [angle.to_radians().cos(), angle.to_radians().sin(), 0.0];
+    let plain = loops(&[&[a, b, c, d]]);
     for (name, boundary, expected) in [
         ("a square", &plain, [Front, Back]),
         ("a bow tie", &loops(&[&[a, b, d, c]]), [Twisted; 2]),
-        ("not planar", &bent, [Front, Back]),
-        ("a hole", &loops(&[&large, &reversed(small)]), [Front, Back]),
-        ("winding number 2", &loops(&[&large, &small]), [Twisted; 2]),
-        ("a hole around it", &loops(&[&small, &reversed(large)]), [Back, Front]),
+        ("a hole", &loops(&[&large, &[d, c, b, a]]), [Front, Back]),
+        ("winding number 2", &loops(&[&large, &[a, b, c, d]]), [Twisted; 2]),
         // All ends of edges have winding numbers 0 and 1 beside them.
         ("two triangles", &loops(&[&[90.0, 210.0, 330.0].map(at), &[270.0, 30.0, 150.0].map(at)]), [Twisted; 2]),
         ("a star", &loops(&[&[0.0, 144.0, 288.0, 72.0, 216.0].map(at)]), [Twisted; 2]),
-        // A vertex that is an ordinary corner, twice.
-        ("two lobes", &lobes(&[0, 1, 2, 0, 3, 4]), [Front, Back]),
-        ("two lobes against each other", &lobes(&[0, 1, 2, 0, 4, 3]), [Twisted; 2]),
-        ("corners in line", &flat(&comb), [Front, Back]),
-        // Touching in space counts as twisted.
-        ("out and back", &flat(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), [Twisted; 2]),
-        ("a corner on an edge", &flat(&[[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 0.0], [0.0, 2.0]]), [Twisted; 2]),
         ("two corners at one place", &loops(&[&[a, a, b, c, d]]), [Front, Back]),
     ] {
         assert_eq!([seen(boundary, ABOVE), seen(boundary, BELOW)], expected, "{name}");
     }
-    // A hole in another plane leaves the outer loop as the light goes aside.
-    let lifted = loops(&[&large, &reversed(raised)]);
-    for (name, boundary, light, expected) in [
-        ("in the plane", &plain, Light::point([9.0, 2.0, 0.0]), InPlane),
-        ("on an edge", &plain, Light::point([1.0, 0.0, 0.0]), InPlane),
-        ("along the plane", &plain, Light::directional([1.0, 2.0, 0.0]), InPlane),
-        ("beside what is bent", &bent, Light::point([9.0, 0.5, 0.0]), Twisted),
-        ("within its hull", &bent, Light::point([0.0; 3]), Twisted),
-        ("a lifted hole", &lifted, ABOVE, Front),
-        ("a lifted hole, across", &lifted, Light::directional([1.5, 0.0, 1.0]), Twisted),
-        ("a lifted hole, beside", &lifted, Light::directional([4.0, 0.0, 1.0]), Twisted),
+    let lifted = loops(&[&large, &raised]);
+    // Around the light, opposite directions are not the same.
+    let mut fence = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0].map(at);
+    fence.iter_mut().zip([0.1, -0.1].into_iter().cycle()).for_each(|(corner, height)| corner[2] = height);
+    for (boundary, light, expected) in [
+        (&plain, Light::point([9.0, 2.0, 0.0]), InPlane),
+        (&plain, Light::directional([1.0, 2.0, 0.0]), InPlane),
+        (&lifted, ABOVE, Front),
+        (&lifted, Light::directional([4.0, 0.0, 1.0]), Twisted),
+        (&loops(&[&fence]), Light::point([0.0; 3]), Twisted),
+        (&loops(&[&fence]), Light::point([0.0, 0.0, 1.0]), Front),
     ] {
-        assert_eq!(seen(boundary, light), expected, "{name}");
-    }
-}
-
-/// Opposite directions are not the same: a fence around the light that fits no half-space, and its halves.
-#[test]
-fn a_boundary_around_the_light_is_twisted() {
-    let light = Light::point([0.0; 3]);
-    let fence: Vec<[f32; 3]> = (0..8)
-        .map(|corner| {
-            let angle = corner as f32 * std::f32::consts::FRAC_PI_4;
-            [angle.cos(), angle.sin(), if corner % 2 == 0 { 0.1 } else { -0.1 }]
-        })
-        .collect();
-    assert!(!fits_half_space(&fence, light.to_array()));
-    assert_eq!(seen(&loops(&[&fence]), light), Orientation::Twisted);
-    assert_eq!(seen(&loops(&[&fence]), Light::point([0.0, 0.0, 1.0])), Orientation::FrontFacing);
-    assert!(fits_half_space(&fence[..4], light.to_array()));
-}
-
-/// Edges on opposite sides of the light have lines of sight in common, but no direction.
-#[test]
-fn opposite_directions_do_not_cross() {
-    let light = [0.0, 0.0, 0.0, 1.0];
-    let across = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
-    let along = [[0.0, -2.0, 2.0], [0.0, 2.0, 2.0]];
-    let opposite = along.map(|point| point.map(|c: f32| -c));
-    assert!(edge_pair(across, along, light).meets && edge_pair(along, across, light).meets);
-    assert!(!edge_pair(across, opposite, light).meets && !edge_pair(opposite, across, light).meets);
-    let beside = along.map(|[x, y, z]| [x + 2.5, y, z]);
-    assert!(!edge_pair(across, beside, light).meets);
-}
-
-#[test]
-fn edges_in_line_meet_where_they_overlap() {
-    let on_line = |from: f32, to: f32| [[from, 2.0 * from, 0.0], [to, 2.0 * to, 0.0]];
-    for (other, meets) in [
-        (on_line(1.0, 2.0), true),
-        (on_line(2.0, 1.0), true),
-        (on_line(-1.0, 4.0), true),
-        (on_line(2.0, 5.0), true),
-        (on_line(4.0, 5.0), false),
-        (on_line(-1.0, -2.0), false),
-        // With an end in common.
-        (on_line(3.0, 4.0), false),
-        (on_line(3.0, 1.0), true),
-        (on_line(0.0, 5.0), true),
-        (on_line(3.0, 0.0), true),
-    ] {
-        let edge = on_line(0.0, 3.0);
-        assert_eq!(edge_pair(edge, other, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
-        assert_eq!(edge_pair(other, edge, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
+        assert_eq!(seen(boundary, light), expected, "{light:?}");
     }
 }
 
@@ -261,19 +178,14 @@ fn boundaries_of_many_corners_take_no_time() {
     let out = (0..CORNERS / 2).map(|at| arm(at, 0.0));
     let spiral: Vec<[f32; 3]> = out.chain((0..CORNERS / 2).rev().map(|at| arm(at, -0.4))).collect();
     for (name, corners) in [("circle", circle), ("comb", comb), ("spiral", spiral)] {
-        let facing = |corners: &[[f32; 3]]| {
-            let area: f64 = corners
-                .iter()
-                .zip(corners.iter().cycle().skip(1))
-                .map(|(p, q)| f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0]))
-                .sum();
-            if area > 0.0 {
-                [Orientation::FrontFacing, Orientation::BackFacing]
-            } else {
-                [Orientation::BackFacing, Orientation::FrontFacing]
-            }
-        };
-        let (boundary, expected) = (loops(&[&corners]), facing(&corners));
+        let next = corners.iter().cycle().skip(1);
+        let area =
+            |(p, q): (&[f32; 3], &[f32; 3])| f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0]);
+        let mut expected = [Orientation::FrontFacing, Orientation::BackFacing];
+        if corners.iter().zip(next).map(area).sum::<f64>() < 0.0 {
+            expected.reverse();
+        }
+        let boundary = loops(&[&corners]);
         assert_eq!([seen(&boundary, ABOVE), seen(&boundary, BELOW)], expected, "{name}");
         assert_eq!(seen(&boundary, Light::directional([0.1, 0.2, 1.0])), expected[0], "{name}");
         assert_eq!(seen(&boundary, Light::directional([0.1, 0.2, 0.0])), Orientation::InPlane, "{name}");

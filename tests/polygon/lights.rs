@@ -3,7 +3,7 @@
 use rimline::Light;
 use rimline_testkit::random::Random;
 
-/// A light with its name: anywhere, in the hull, in planes and on lines through corners, at corners, at infinity.
+/// A light with its name, now and then without an extent: anywhere, in the hull, in planes and on lines through corners, at corners, at infinity.
 pub(crate) fn light_for(random: &mut Random, corners: &[[f32; 3]]) -> (&'static str, Light) {
     let any = |random: &mut Random| corners[random.below(corners.len())];
     let weighted = |random: &mut Random, count: usize, low: f32| {
@@ -17,10 +17,10 @@ pub(crate) fn light_for(random: &mut Random, corners: &[[f32; 3]]) -> (&'static 
         point
     };
     let direction = random.direction();
-    let from = |p: [f32; 3], q: [f32; 3]| [q[0] - p[0], q[1] - p[1], q[2] - p[2]];
-    let far = direction.map(|c| c * random.between(0.5, 9.0));
+    let [x, y, z] = direction.map(|c| c * random.between(0.5, 9.0));
+    let far = |w: f32| Light::homogeneous([x, y, z, w]);
     match random.below(12) {
-        0 => ("near or far", Light::point(far)),
+        0 => ("near or far", far(1.0)),
         1 => ("at infinity", Light::directional(direction)),
         2 => ("in the hull", Light::point(weighted(random, 5, 0.1))),
         3 => {
@@ -40,28 +40,20 @@ pub(crate) fn light_for(random: &mut Random, corners: &[[f32; 3]]) -> (&'static 
         }
         7 => {
             let (p, q) = (any(random), any(random));
-            let towards = from(p, q);
-            let towards = if towards == [0.0; 3] { [0.0, 0.0, 1.0] } else { towards };
-            ("along an edge", Light::directional(towards))
+            ("along an edge", Light::directional([0, 1, 2].map(|axis| q[axis] - p[axis])))
         }
-        8 => {
-            let point = [0, 1, 2].map(|_| random.below(9) as f32 - 4.0);
-            ("at whole numbers", Light::point(point))
-        }
+        8 => ("at whole numbers", Light::point([0; 3].map(|_| random.below(9) as f32 - 4.0))),
         9 => {
-            let mut point = [0, 1, 2].map(|_| random.below(5) as f32 - 2.0);
-            if point == [0.0; 3] {
-                point[2] = 1.0;
-            }
-            ("at infinity, of whole numbers", Light::directional(point))
+            let towards = [0; 3].map(|_| random.below(5) as f32 - 2.0);
+            ("at infinity, of whole numbers", Light::directional(towards))
         }
-        10 => {
-            let [x, y, z] = far;
-            ("with a weight", Light::homogeneous([x, y, z, random.between(0.2, 3.0)]))
-        }
-        _ => {
-            let [x, y, z] = far;
-            ("with a negative weight", Light::homogeneous([x, y, z, random.between(-3.0, -0.2)]))
-        }
+        10 => ("with a weight", far(random.between(0.2, 3.0))),
+        _ => ("with a negative weight", far(random.between(-3.0, -0.2))),
     }
+}
+
+/// So many of these lights.
+pub(crate) fn lights_for(random: &mut Random, corners: &[[f32; 3]], count: usize) -> Vec<Light> {
+    let any = std::iter::repeat_with(|| light_for(random, corners).1);
+    any.filter(|light| light.to_array() != [0.0; 4]).take(count).collect()
 }

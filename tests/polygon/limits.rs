@@ -21,7 +21,7 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// The most triangles of a polygon, as `ExtractorError::PolygonTooLarge` says it.
-const MOST_TRIANGLES: usize = 2048;
+pub(crate) const MOST_TRIANGLES: usize = 2048;
 /// Edges of the largest boundary that is tried for being strictly convex.
 const MOST_CONVEX: usize = 256;
 
@@ -57,19 +57,12 @@ fn star(corners: usize) -> Vec<[f32; 3]> {
     points
 }
 
-/// Corners of whole numbers, so that many turns are 0.
-fn tangled(random: &mut Random, corners: usize) -> Vec<[f32; 3]> {
-    (0..corners).map(|_| [0; 3].map(|_| random.below(9) as f32 - 4.0)).collect()
-}
-
-fn mesh_of(set: &PolygonSet, edges: &[usize], triangles: &[usize]) -> Result<Mesh, String> {
+/// A mesh whose polygons have these many edges and triangles.
+fn mesh_of(set: &PolygonSet, sizes: &[[usize; 2]]) -> Result<Mesh, String> {
     let mesh = set.mesh(Weld::Position).map_err(text)?;
     let polygons = mesh.polygons().ok_or("no polygons")?;
-    let found = |count: fn(&rimline::mesh::Polygons, usize) -> usize| {
-        (0..polygons.len()).map(|at| count(polygons, at)).collect::<Vec<_>>()
-    };
-    same("edges", &found(|polygons, at| polygons.boundary(at).len()), edges)?;
-    same("triangles", &found(|polygons, at| polygons.triangles(at).len()), triangles)?;
+    let found = (0..polygons.len()).map(|at| [polygons.boundary(at).len(), polygons.triangles(at).len()]);
+    same("edges and triangles", &found.collect::<Vec<_>>(), sizes)?;
     Ok(mesh)
 }
 
@@ -83,7 +76,9 @@ fn largest() -> Result<(), String> {
     if is_long() {
         lights.extend((0..30).map(|_| Light::directional(random.direction())));
     }
-    let shapes = [("a star", star(most - 3), lights), ("tangled", tangled(&mut random, most - 3), vec![above])];
+    // Corners of whole numbers, so that many turns are 0.
+    let tangled = (3..most).map(|_| [0; 3].map(|_| random.below(9) as f32 - 4.0)).collect();
+    let shapes = [("a star", star(most - 3), lights), ("tangled", tangled, vec![above])];
     let (mut facing, mut twisted) = (0, 0);
     for (name, corners, lights) in shapes {
         let mut set = PolygonSet::default();
@@ -91,7 +86,7 @@ fn largest() -> Result<(), String> {
         set.push_points(&[circle(MOST_CONVEX)]);
         let mesh = match name {
             "tangled" => set.mesh(Weld::Position).map_err(text)?,
-            _ => mesh_of(&set, &[most, MOST_CONVEX], &[MOST_TRIANGLES, MOST_CONVEX - 2])?,
+            _ => mesh_of(&set, &[[most, MOST_TRIANGLES], [MOST_CONVEX, MOST_CONVEX - 2]])?,
         };
         let polygons = mesh.polygons().ok_or("no polygons")?;
         let (mut masks, _) = cpu::polygon_facing(&set.positions, polygons, &lights, Threads::all());
@@ -112,7 +107,7 @@ fn too_many_triangles() -> Result<(), String> {
     let mut set = PolygonSet::default();
     let triangles = MOST_TRIANGLES + 2;
     set.push_points(&[bridged(&circle(MAX_BOUNDARY_EDGES - 3), triangles)]);
-    let mesh = mesh_of(&set, &[MAX_BOUNDARY_EDGES], &[triangles])?;
+    let mesh = mesh_of(&set, &[[MAX_BOUNDARY_EDGES, triangles]])?;
     match Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()) {
         Err(ExtractorError::PolygonTooLarge { polygon: 0, triangles: found }) if found == triangles => Ok(()),
         other => Err(format!("{:?}", other.err())),

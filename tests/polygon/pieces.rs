@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
 use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
 use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::mesh::Weld;
@@ -15,42 +16,21 @@ use rimline_testkit::polygons::{PolygonSet, boundary_in_planes, edge_on_polygon,
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, polygon_oracle, same, shadow_oracle};
 
-use crate::stages::random_lights;
+use crate::lights::lights_for;
 
-pub(crate) const TESTS: &[Test] = &[
-    ("pieces_wind_once_around_what_is_dark", wind),
-    ("pieces_of_boundaries_seen_edge_on_but_for_rounding", edge_on),
-    ("pieces_of_boundaries_in_planes_with_the_light", in_planes),
-];
-
-type Vector = [f64; 3];
-
-fn cross(u: Vector, v: Vector) -> Vector {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
-
-fn dot(u: Vector, v: Vector) -> f64 {
-    u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-}
-
-fn unit(v: Vector) -> Vector {
-    let length = dot(v, v).sqrt();
-    v.map(|c| c / length)
-}
-
-fn difference(p: Vector, q: Vector) -> Vector {
-    [0, 1, 2].map(|axis| p[axis] - q[axis])
-}
+pub(crate) const TESTS: &[Test] =
+    &[("pieces_wind_once_around_what_is_dark", wind), ("pieces_of_boundaries_in_planes_with_the_light", in_planes)];
 
 /// Whether a point is in a triangle, or next to it.
-fn is_on(point: Vector, [a, b, c]: [Vector; 3]) -> bool {
-    let normal = cross(difference(b, a), difference(c, a));
-    let area = dot(normal, normal).sqrt();
-    let height = dot(normal, difference(point, a)).abs();
-    let is_within = [(a, b), (b, c), (c, a)]
-        .iter()
-        .all(|&(p, q)| dot(cross(difference(q, p), difference(point, p)), normal) > -1e-3 * area);
-    area < 1e-6 || height < 1e-3 * area && is_within
+fn is_on(point: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
+    let normal = (b - a).cross(c - a);
+    let area = normal.length();
+    let is_within = [(a, b), (b, c), (c, a)].iter().all(|&(p, q)| (q - p).cross(point - p).dot(normal) > -1e-3 * area);
+    area < 1e-6 || normal.dot(point - a).abs() < 1e-3 * area && is_within
+}
+
+fn double(point: [f32; 3]) -> DVec3 {
+    DVec3::from(point.map(f64::from))
 }
 
 /// A piece as the GPU lists it: where it begins and ends, and the middle of its polygon.
@@ -173,22 +153,20 @@ impl Twisted {
     }
 
     /// Directions from a point light, or points of a plane across a light at infinity, one unit before it.
-    fn project(&self, point: [f32; 3]) -> Vector {
-        let [x, y, z, w] = self.light.to_array().map(f64::from);
-        let point = point.map(f64::from);
+    fn project(&self, point: [f32; 3]) -> DVec3 {
+        let (point, light, w) = (double(point), double(self.light.xyz), f64::from(self.light.w));
         if w != 0.0 {
-            return unit([point[0] - x / w, point[1] - y / w, point[2] - z / w]);
+            return (point - light / w).normalize();
         }
-        let l = unit([x, y, z]);
-        let height = dot(point, l);
-        unit([0, 1, 2].map(|axis| point[axis] - (height + 1.0) * l[axis]))
+        let l = light.normalize();
+        (point - (point.dot(l) + 1.0) * l).normalize()
     }
 
     /// Whether the light is on the polygon or next to it, where rounding tells what it sees.
     fn is_lit_from_within(&self) -> bool {
-        let [x, y, z, w] = self.light.to_array().map(f64::from);
-        let corners = |corners: &[[f32; 3]]| [0, 1, 2].map(|corner| corners[corner].map(f64::from));
-        w != 0.0 && self.triangles.chunks(3).any(|triangle| is_on([x / w, y / w, z / w], corners(triangle)))
+        let (light, w) = (double(self.light.xyz), f64::from(self.light.w));
+        let is_on = |corners: &[[f32; 3]]| is_on(light / w, [0, 1, 2].map(|corner| double(corners[corner])));
+        w != 0.0 && self.triangles.chunks(3).any(is_on)
     }
 
     /// A point far beyond all corners, as seen from the light.
@@ -208,7 +186,7 @@ impl Twisted {
     /// The winding number of the pieces at `p` less that at `q`. `None` where rounding may decide.
     fn winding_from(&self, q: [f32; 3], p: [f32; 3]) -> Option<i32> {
         let [q, p] = [q, p].map(|point| self.project(point));
-        if dot(p, q) < -0.9 || dot(p, q) > 0.999_999 {
+        if p.dot(q) < -0.9 || p.dot(q) > 0.999_999 {
             return None;
         }
         let mut sum = 0;
@@ -216,12 +194,12 @@ impl Twisted {
             let [a, b] = [from, to].map(|end| self.project(end));
             // 0 where rounding may decide.
             let side = |value: f64| i32::from(value > 1e-6) - i32::from(value < -1e-6);
-            let [of_a, of_b] = [a, b].map(|end| side(dot(cross(q, p), end)));
-            let [of_q, of_p] = [q, p].map(|end| side(dot(cross(a, b), end)));
+            let [of_a, of_b] = [a, b].map(|end| side(q.cross(p).dot(end)));
+            let [of_q, of_p] = [q, p].map(|end| side(a.cross(b).dot(end)));
             if of_a * of_b > 0 || of_q * of_p > 0 {
                 continue;
             }
-            if of_a * of_b * of_q * of_p == 0 && dot(a, p) > -0.5 {
+            if of_a * of_b * of_q * of_p == 0 && a.dot(p) > -0.5 {
                 return None;
             }
             // Directions turn the other way round than points seen from the light. Not where they cross the opposite step.
@@ -247,12 +225,8 @@ impl Twisted {
             let Some(found) = self.winding_from(points[at - 1], points[at]) else { continue };
             let expected = depths[at] % 2 - depths[at - 1] % 2;
             if found != expected {
-                return Err(format!(
-                    "{}: {found} from {:?} to {:?}, expected {expected}",
-                    self.name,
-                    points[at - 1],
-                    points[at]
-                ));
+                let (name, from, to) = (&self.name, points[at - 1], points[at]);
+                return Err(format!("{name}: {found} from {from:?} to {to:?}, expected {expected}"));
             }
             counts[0] += 1;
             counts[1] += usize::from(expected != 0);
@@ -264,10 +238,7 @@ impl Twisted {
     fn must_notice(&mut self, random: &Random) -> Result<(), String> {
         self.pieces.iter_mut().for_each(|piece| piece.swap(0, 1));
         must_fail("turned pieces", &self.check_dark(&mut random.clone(), 12))?;
-        let length = |piece: &Listed| {
-            let [from, to, _] = piece.map(|point| point.map(f64::from));
-            dot(difference(to, from), difference(to, from))
-        };
+        let length = |[from, to, _]: &Listed| double(*from).distance(double(*to));
         let longest = self.pieces.iter_mut().max_by(|p, q| length(p).total_cmp(&length(q))).ok_or("no piece")?;
         longest.swap(0, 1);
         must_fail("a turned piece", &check_closed(&self.pieces))
@@ -291,7 +262,7 @@ fn wind() -> Result<(), String> {
         }
         let mesh = set.mesh(Weld::Position).map_err(text)?;
         let light_count = [2, 17, 25][random.below(3)];
-        lights.extend(random_lights(&mut random, &set, light_count));
+        lights.extend(lights_for(&mut random, &set.positions, light_count));
         for mut polygon in twisted(gpu, &set, &mesh, &lights)? {
             let what = |error| format!("seed {seed}, {}: {error}", polygon.name);
             check_closed(&polygon.pieces).map_err(what)?;
@@ -311,40 +282,10 @@ fn wind() -> Result<(), String> {
             }
         }
     }
-    println!(
-        "{pairs} twisted: {quads} quadrilaterals, {large} large, {touching} touch themselves, {around} around the light"
-    );
+    println!("{pairs} twisted: {quads} quads, {large} large, {touching} touch themselves, {around} around the light");
     println!("{steps} steps between points, {dark} of them from light to dark or back");
-    if pairs > 1000 && quads.min(large).min(touching).min(around) > 20 && dark > 1000 {
-        Ok(())
-    } else {
-        Err("too few of a kind".to_owned())
-    }
-}
-
-/// Planar polygons that were turned, so that they are planar but for rounding, and lights in their planes but for rounding.
-fn edge_on() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let first = 207_000;
-    println!("seeds from {first}");
-    let (mut pairs, mut cut) = (0, 0);
-    for seed in first..first + if is_long() { 1_000 } else { 40 } {
-        let mut random = Random::new(seed);
-        let (mut set, mut lights) = (PolygonSet::default(), Vec::new());
-        for _ in 0..16 {
-            let (points, light) = edge_on_polygon(&mut random);
-            set.push_points(&[points]);
-            lights.push(Light::point(light));
-        }
-        let mesh = set.mesh(Weld::Position).map_err(text)?;
-        for polygon in twisted(gpu, &set, &mesh, &lights)? {
-            check_closed(&polygon.pieces).map_err(|error| format!("seed {seed}, {}: {error}", polygon.name))?;
-            pairs += 1;
-            cut += polygon.pieces.len() - polygon.edges.len();
-        }
-    }
-    println!("{pairs} twisted, {cut} cuts");
-    if pairs > 400 && cut > 4000 { Ok(()) } else { Err("too few".to_owned()) }
+    let are_enough = pairs > 1000 && quads.min(large).min(touching).min(around) > 20 && dark > 1000;
+    if are_enough { Ok(()) } else { Err("too few of a kind".to_owned()) }
 }
 
 /// Corners in planes with the light but for some, so that it sees edges in line. Turns are those of the moved light,

@@ -30,11 +30,7 @@ fn large_set(random: &mut Random, corners: usize) -> PolygonSet {
     for height in [0.0, 2.0] {
         let ring = ring(random, height);
         set.push_points(&[ring]);
-        let (_, small) = random_polygon(random, 8);
-        for loops in small.polygons() {
-            let placed = |corners: &Vec<u32>| corners.iter().map(|&v| small.positions[v as usize]).collect();
-            set.push_points(&loops.iter().map(placed).collect::<Vec<_>>());
-        }
+        set.append(&random_polygon(random, 8).1);
     }
     set
 }
@@ -42,16 +38,11 @@ fn large_set(random: &mut Random, corners: usize) -> PolygonSet {
 pub(crate) const TESTS: &[Test] = &[
     ("depths_equal_their_twin", depths),
     ("depths_of_large_polygons", large),
-    ("depths_of_points_on_polygons", on_polygons),
     ("depths_of_tangled_polygons", tangled),
 ];
 
-fn found(gpu: &Gpu, case: &DepthCase, work_per_dispatch: u64) -> Result<Vec<i32>, String> {
-    found_on(gpu, case, &vec![NO_FACE; case.points.len()], work_per_dispatch)
-}
-
 /// The depths of points that are on faces.
-fn found_on(gpu: &Gpu, case: &DepthCase, on_face: &[u32], work_per_dispatch: u64) -> Result<Vec<i32>, String> {
+fn found(gpu: &Gpu, case: &DepthCase, on_face: &[u32], work_per_dispatch: u64) -> Result<Vec<i32>, String> {
     let DepthCase { set, mesh, points, lights } = case;
     let options = ShadowQueryOptions {
         max_points: points.len() as u32,
@@ -69,13 +60,13 @@ fn found_on(gpu: &Gpu, case: &DepthCase, on_face: &[u32], work_per_dispatch: u64
     gpu.read(query.occluder_counts(), points.len() * lights.len())
 }
 
-fn expected_on(case: &DepthCase, on_face: &[u32]) -> Result<Vec<i32>, String> {
+fn expected(case: &DepthCase, on_face: &[u32]) -> Result<Vec<i32>, String> {
     let DepthCase { set, mesh, points, lights } = case;
     cpu::shadow_depth_on_faces(&set.positions, mesh, points, Some(on_face), lights, Threads::all()).map_err(text)
 }
 
-fn expected(case: &DepthCase) -> Result<Vec<i32>, String> {
-    cpu::shadow_depth(&case.set.positions, &case.mesh, &case.points, &case.lights, Threads::all()).map_err(text)
+fn no_faces(case: &DepthCase) -> Vec<u32> {
+    vec![NO_FACE; case.points.len()]
 }
 
 /// Quadrilaterals of whole numbers beside each other, with points below their corners and edges. Many are folded as
@@ -93,24 +84,32 @@ fn folded(random: &mut Random) -> DepthCase {
     DepthCase { set, mesh, points, lights: vec![Light::directional([0.0, 0.0, 1.0])] }
 }
 
+/// Points on no faces, then on some.
 fn depths() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let case = folded(&mut Random::new(231));
-    same("folded", &found(gpu, &case, 1 << 28)?, &expected(&case)?)?;
     let first = 232_000;
     println!("seeds from {first}");
-    let mut sum = 0;
-    for seed in first..first + if is_long() { 300 } else { 12 } {
-        let case = DepthCase::random(&mut Random::new(seed));
-        let (mut depths, right) = (found(gpu, &case, 1 << 28)?, expected(&case)?);
-        same(&format!("seed {seed}"), &depths, &right)?;
+    let random =
+        (first..first + if is_long() { 300 } else { 12 }).map(|seed| DepthCase::random(&mut Random::new(seed)));
+    let (mut sum, mut changed) = (0, 0);
+    for (number, mut case) in std::iter::once(folded(&mut Random::new(231))).chain(random).enumerate() {
+        let on_face = no_faces(&case);
+        let (mut depths, right) = (found(gpu, &case, &on_face, 1 << 28)?, expected(&case, &on_face)?);
+        same(&format!("case {number}"), &depths, &right)?;
         sum += right.iter().sum::<i32>();
         let last = depths.len() - 1;
         depths[last] += 1;
         must_fail("one more", &same("one more", &depths, &right))?;
+        if !case.mesh.faces().is_empty() {
+            let faces = case.mesh.faces();
+            let on_face = put_on_faces(&mut Random::new(236), &case.set.positions, faces, &mut case.points);
+            let right = expected(&case, &on_face)?;
+            same(&format!("case {number}, on faces"), &found(gpu, &case, &on_face, 1 << 28)?, &right)?;
+            changed += usize::from(expected(&case, &no_faces(&case))? != right);
+        }
     }
-    println!("{sum} polygons between");
-    if sum > 500 { Ok(()) } else { Err(format!("{sum} polygons between")) }
+    println!("{sum} polygons between, {changed} cases where faces matter");
+    if sum > 500 && changed > 2 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
 /// Polygons of random corners. Their triangles lie across each other, so a pair may have hundreds of one polygon
@@ -140,30 +139,37 @@ fn tangled() -> Result<(), String> {
         let lights =
             vec![Light::directional([0.0, 1.0, 0.0]), Light::point([0.5, 9.0, 0.5]), Light::point([0.25, 0.5, 0.125])];
         let case = DepthCase { set, mesh, points, lights };
-        let right = expected(&case)?;
+        let on_face = no_faces(&case);
+        let right = expected(&case, &on_face)?;
         most = most.max(right.iter().copied().max().unwrap_or(0));
         for work in [1 << 28, 1] {
             let what = format!("{corners} corners, grid of {grid}, {small} triangles, {work} a dispatch");
-            same(&what, &found(gpu, &case, work)?, &right)?;
+            same(&what, &found(gpu, &case, &on_face, work)?, &right)?;
         }
     }
     if most > 1000 { Ok(()) } else { Err(format!("at most {most} between")) }
 }
 
 /// Polygons of more triangles than a group, over dispatches and bindings that end within them, and one that no binding
-/// holds.
+/// holds. Points on no faces, then on some.
 fn large() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(233);
     let set = large_set(&mut random, 1600);
-    let case = DepthCase::new(&mut random, set, 64, 4);
-    let right = expected(&case)?;
-    let gpu = &*Gpu::shared()?;
-    for work in [1 << 28, 1] {
-        same(&format!("{work} a dispatch"), &found(gpu, &case, work)?, &right)?;
-    }
-    // Bindings hold two and three groups of 1,024 faces: the second large polygon does not fit beside the first.
-    for binding in [32 << 10, 48 << 10] {
-        same(&format!("{binding} bytes"), &found(&limited(binding, 2 << 20, 64)?, &case, 1 << 28)?, &right)?;
+    let mut case = DepthCase::new(&mut random, set, 64, 4);
+    let none = no_faces(&case);
+    let some = put_on_faces(&mut random, &case.set.positions, case.mesh.faces(), &mut case.points);
+    must_fail("no face named", &same("large", &expected(&case, &none)?, &expected(&case, &some)?))?;
+    for on_face in [none, some] {
+        let right = expected(&case, &on_face)?;
+        for work in [1 << 28, 1] {
+            same(&format!("{work} a dispatch"), &found(gpu, &case, &on_face, work)?, &right)?;
+        }
+        // Bindings hold two and three groups of 1,024 faces: the second large polygon does not fit beside the first.
+        for binding in [32 << 10, 48 << 10] {
+            let found = found(&limited(binding, 2 << 20, 64)?, &case, &on_face, 1 << 28)?;
+            same(&format!("{binding} bytes"), &found, &right)?;
+        }
     }
     let small = limited(16 << 10, 2 << 20, 64)?;
     let options = ShadowQueryOptions { max_points: 64, ..ShadowQueryOptions::default() };
@@ -171,36 +177,4 @@ fn large() -> Result<(), String> {
         Err(QueryError::Device(DeviceError::BindingTooLarge { what: "the triangles of a polygon", .. })) => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }
-}
-
-/// Points on triangles of polygons, small and large, and of polygons with empty entries of clusters before them.
-fn on_polygons() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let first = 236_000;
-    println!("seeds from {first}");
-    let mut changed = 0;
-    for seed in first..first + if is_long() { 100 } else { 5 } {
-        let mut random = Random::new(seed);
-        let mut case = DepthCase::random(&mut random);
-        if case.mesh.faces().is_empty() {
-            continue;
-        }
-        let on_face = put_on_faces(&mut random, &case.set.positions, case.mesh.faces(), &mut case.points);
-        let right = expected_on(&case, &on_face)?;
-        same(&format!("seed {seed}"), &found_on(gpu, &case, &on_face, 1 << 28)?, &right)?;
-        changed += usize::from(expected(&case)? != right);
-    }
-    let mut random = Random::new(237);
-    let set = large_set(&mut random, 1600);
-    let mut case = DepthCase::new(&mut random, set, 128, 4);
-    let on_face = put_on_faces(&mut random, &case.set.positions, case.mesh.faces(), &mut case.points);
-    let right = expected_on(&case, &on_face)?;
-    must_fail("no face named", &same("large", &expected(&case)?, &right))?;
-    same("large", &found_on(gpu, &case, &on_face, 1)?, &right)?;
-    for binding in [32 << 10, 48 << 10] {
-        let found = found_on(&limited(binding, 2 << 20, 64)?, &case, &on_face, 1 << 28)?;
-        same(&format!("{binding} bytes"), &found, &right)?;
-    }
-    println!("{changed} sets where faces matter");
-    if changed > 2 { Ok(()) } else { Err(format!("{changed} sets where faces matter")) }
 }

@@ -104,8 +104,6 @@ pub fn is_outside(corners: [[f32; 3]; 3], light: Light, bound: Bound) -> bool {
 pub struct Checked {
     pub outside: usize,
     pub inside: usize,
-    /// Inside the band and not the exact sign.
-    pub wrong_inside: usize,
 }
 
 /// Fails on the first facing bit that is wrong outside the band of the local form, or set past the lights.
@@ -140,7 +138,6 @@ pub fn check_facing_by(
             let right = exact.as_ref().is_some_and(|exact| exact.sign(light) > 0);
             if exact.is_some() && !is_outside(corners, light, bound) {
                 checked.inside += 1;
-                checked.wrong_inside += usize::from(bit != right);
             } else if bit == right {
                 checked.outside += 1;
             } else {

@@ -1,5 +1,6 @@
 //! Meshes and lights that clusters may get wrong.
 
+use crate::any_finite;
 use crate::clusters::whole;
 use crate::random::Random;
 use crate::shapes::{self, Shape};
@@ -183,18 +184,8 @@ fn light(random: &mut Random, shape: &Shape, index: usize) -> Light {
         4 => Light::directional(std::array::from_fn(|i| along[i] + size * off[i])),
         5 => homogeneous(random.direction().map(|c| c * random.between(-3.0, 8.0).exp2())),
         _ => {
-            let [x, y, z] = [(); 3].map(|()| any(random));
-            Light::homogeneous([x, y, z, [0.0, 1.0, any(random)][random.below(3)]])
-        }
-    }
-}
-
-/// Any finite number.
-fn any(random: &mut Random) -> f32 {
-    loop {
-        let value = f32::from_bits(random.next_u64() as u32);
-        if value.is_finite() {
-            return value;
+            let [x, y, z] = [(); 3].map(|()| any_finite(random));
+            Light::homogeneous([x, y, z, [0.0, 1.0, any_finite(random)][random.below(3)]])
         }
     }
 }

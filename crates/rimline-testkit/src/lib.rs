@@ -1,18 +1,4 @@
-//! Code that Rimline's tests share. Nothing here is part of the library, and it is not published.
-//!
-//! * [`polygons`], [`cases`], [`models`]: meshes and models made by code;
-//! * of `rimline_bench`: [`shapes`], [`stress`], [`error_metrics`], [`rays`], [`random`], [`slivers`], [`pipelines`];
-//! * [`oracle`], [`shadow_oracle`], [`polygon_oracle`], [`band`]: brute force in big integers, and the error bounds of
-//!   docs/numerics in `f64`;
-//! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
-//! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
-//! * [`choices`]: what the GPU chose for the lights of a caster;
-//! * [`pairs`], [`cluster_cases`], [`cluster_meshes`]: faces, clusters and meshes whose signs hang on rounding;
-//! * [`clusters`]: what the bound of a cluster decides, in `f64`;
-//! * [`passes`], [`textures`]: textures of depth, passes that draw into them, and what is in them; [`dispatch`]: a short way to pipelines; [`probe`]:
-//!   functions of shaders, called; [`turns`]: how many turns the loops of a shader have;
-//! * [`refusals`]: tables of calls that must be refused; [`mutate`]: files with something changed at random;
-//! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
+//! Cases, oracles and devices that Rimline's tests share. Nothing here is part of the library, and it is not published.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
 #![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
 
@@ -98,6 +84,16 @@ pub fn lights(random: &mut random::Random, count: usize) -> Vec<Light> {
             }
         })
         .collect()
+}
+
+/// Any finite number, by its bits.
+pub(crate) fn any_finite(random: &mut random::Random) -> f32 {
+    loop {
+        let value = f32::from_bits(random.next_u64() as u32);
+        if value.is_finite() {
+            return value;
+        }
+    }
 }
 
 /// A negative control: a comparator must not pass what was perturbed.

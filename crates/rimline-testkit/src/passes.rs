@@ -4,7 +4,7 @@ use rimline::gpu::ShadowFormat;
 use rimline::{DepthDirection, ShadowCamera};
 
 use crate::device::Gpu;
-use crate::pipelines::{Drawing, SURFACE, depth};
+use crate::pipelines::{Drawing, SURFACE, depth, group};
 
 /// A texture of one level, layer and sample, which passes draw into and shaders read.
 pub fn texture([width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureDescriptor<'static> {
@@ -53,9 +53,7 @@ pub fn bind<const N: usize>(
     layout: &wgpu::BindGroupLayout,
     resources: [wgpu::BindingResource<'_>; N],
 ) -> wgpu::BindGroup {
-    let entries = (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-    let entries = &*entries.collect::<Vec<_>>();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
+    group(&gpu.device, layout, resources)
 }
 
 /// Draws the depth of triangles, three corners each, as a camera sees them. Nothing is left of what was there.
@@ -77,11 +75,12 @@ pub fn draw_surfaces(
     let [x, y, z] = camera.origin;
     let words = [camera.view_projection.concat(), vec![x, y, z, 0.0]].concat();
     let buffers = [gpu.storage(&words), gpu.storage(corners)];
-    let group = bind(gpu, &pipeline.get_bind_group_layout(0), buffers.each_ref().map(wgpu::Buffer::as_entire_binding));
+    let buffers_group =
+        bind(gpu, &pipeline.get_bind_group_layout(0), buffers.each_ref().map(wgpu::Buffer::as_entire_binding));
     let stencils = format.has_stencil_aspect().then_some(wgpu::LoadOp::Clear(0));
     let mut pass = encoder.begin_render_pass(&depth_pass(view, (Some(wgpu::LoadOp::Clear(far)), stencils)));
     pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
+    pass.set_bind_group(0, &buffers_group, &[]);
     pass.draw(0..corners.len() as u32, 0..1);
     Ok(())
 }

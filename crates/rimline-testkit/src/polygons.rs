@@ -49,6 +49,15 @@ impl PolygonSet {
         self.push(&loops);
     }
 
+    /// Adds all of another set.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(&other.positions);
+        self.polygon_loops.extend(&other.polygon_loops);
+        self.loop_sizes.extend(&other.loop_sizes);
+        self.loop_corners.extend(other.loop_corners.iter().map(|corner| first + corner));
+    }
+
     /// The loops of each polygon, as vertices.
     pub fn polygons(&self) -> Vec<Vec<Vec<u32>>> {
         let (mut sizes, mut corners) = (self.loop_sizes.iter(), self.loop_corners.iter());
@@ -62,57 +71,36 @@ impl PolygonSet {
 pub fn random_polygon(random: &mut Random, most: usize) -> (&'static str, PolygonSet) {
     let corners = 3 + random.below(most.max(4) - 2);
     let mut set = PolygonSet::default();
-    let name = match random.below(11) {
-        0 => {
-            let outer = ring(random, corners, 1.0, 1.0, 0.0);
-            set.push_points(&[placed(random, &outer, 0.0)]);
-            "convex"
-        }
-        1 => {
-            let outer = ring(random, corners, 0.3, 1.0, 0.0);
-            set.push_points(&[placed(random, &outer, 0.0)]);
-            "concave"
-        }
+    let (name, loops) = match random.below(11) {
+        0 => ("convex", vec![placed_ring(random, corners, 1.0, 1.0, 0.0)]),
+        1 => ("concave", vec![placed_ring(random, corners, 0.3, 1.0, 0.0)]),
         2 | 3 => {
             let bump = [0.0, 1e-6, 1e-2, 0.3][random.below(4)];
-            let loops = with_holes(random, corners, bump);
-            set.push_points(&loops);
-            "with holes"
+            ("with holes", with_holes(random, corners, bump))
         }
         4 => {
             let bump = [1e-7, 1e-3, 0.1, 0.5, 2.0][random.below(5)];
-            let outer = ring(random, corners, 0.5, 1.0, bump);
-            set.push_points(&[placed(random, &outer, 0.0)]);
-            "nonplanar"
+            ("nonplanar", vec![placed_ring(random, corners, 0.5, 1.0, bump)])
         }
         5 => {
             let bump = [0.0, 0.1][random.below(2)];
             let mut outer = ring(random, corners, 1.0, 1.0, bump);
             let (p, q) = (random.below(corners), random.below(corners));
             outer.swap(p, q);
-            set.push_points(&[placed(random, &outer, 0.0)]);
-            "bow tie"
+            ("bow tie", vec![placed(random, &outer)])
         }
-        6 => {
-            set.push_points(&[(0..corners).map(|_| random.direction()).collect()]);
-            "any points"
-        }
+        6 => ("any points", vec![(0..corners).map(|_| random.direction()).collect()]),
         7 => {
             let least = 3 + random.below(2);
             let reach = 1 + random.below(4);
             let count = corners.min(least + random.below(8));
-            set.push_points(&[(0..count).map(|_| lattice(random, reach)).collect()]);
-            "whole numbers"
+            ("whole numbers", vec![(0..count).map(|_| lattice(random, reach)).collect()])
         }
-        8 => {
-            // On a staircase, whole numbers in one plane: straight corners, edges in line, and light in many planes.
-            let outer = staircase(random, corners);
-            set.push_points(&[outer]);
-            "staircase"
-        }
+        // On a staircase, whole numbers in one plane: straight corners, edges in line, and light in many planes.
+        8 => ("staircase", vec![staircase(random, corners)]),
         9 => {
             bridged(random, corners, &mut set);
-            "with a bridge"
+            return ("with a bridge", set);
         }
         _ => {
             let vertices = 3 + random.below(6);
@@ -121,10 +109,16 @@ pub fn random_polygon(random: &mut Random, most: usize) -> (&'static str, Polygo
             let loops: Vec<Vec<u32>> =
                 (0..loops).map(|_| (0..3 + random.below(7)).map(|_| random.below(vertices) as u32).collect()).collect();
             set.push(&loops);
-            "repeated vertices"
+            return ("repeated vertices", set);
         }
     };
+    set.push_points(&loops);
     (name, set)
+}
+
+fn placed_ring(random: &mut Random, corners: usize, least: f32, most: f32, bump: f32) -> Vec<[f32; 3]> {
+    let ring = ring(random, corners, least, most, bump);
+    placed(random, &ring)
 }
 
 /// A loop around the z axis, counter-clockwise, with radii from `least` to `most` and heights up to `bump`.
@@ -156,15 +150,15 @@ fn with_holes(random: &mut Random, corners: usize, bump: f32) -> Vec<Vec<[f32; 3
         loops.push(points);
     }
     let turn = random.next_u64();
-    loops.iter().map(|points| placed(&mut Random::new(turn), points, 0.0)).collect()
+    loops.iter().map(|points| placed(&mut Random::new(turn), points)).collect()
 }
 
 /// Points in a random plane.
-fn placed(random: &mut Random, points: &[[f32; 3]], offset: f32) -> Vec<[f32; 3]> {
+fn placed(random: &mut Random, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let x = random.direction();
     let y = random.direction();
     let z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
-    let at = |p: &[f32; 3]| std::array::from_fn(|axis| p[0] * x[axis] + p[1] * y[axis] + p[2] * z[axis] + offset);
+    let at = |p: &[f32; 3]| std::array::from_fn(|axis| p[0] * x[axis] + p[1] * y[axis] + p[2] * z[axis]);
     points.iter().map(at).collect()
 }
 
@@ -200,7 +194,7 @@ fn bridged(random: &mut Random, corners: usize, set: &mut PolygonSet) {
     let within = (0..=hole.len()).map(|at| count + (at % hole.len()) as u32);
     let walk: Vec<u32> = around.chain(within).collect();
     let turn = random.next_u64();
-    set.positions = placed(&mut Random::new(turn), &[outer, hole].concat(), 0.0);
+    set.positions = placed(&mut Random::new(turn), &[outer, hole].concat());
     set.push(&[walk]);
 }
 
@@ -345,13 +339,7 @@ pub fn random_set(random: &mut Random, most: usize) -> PolygonSet {
         _ => PolygonSet::default(),
     };
     for _ in 0..5 + random.below(30) {
-        let (_, one) = random_polygon(random, most);
-        let first = set.positions.len() as u32;
-        set.positions.extend(&one.positions);
-        for loops in one.polygons() {
-            let moved = |corners: Vec<u32>| corners.into_iter().map(|corner| first + corner).collect();
-            set.push(&loops.into_iter().map(moved).collect::<Vec<_>>());
-        }
+        set.append(&random_polygon(random, most).1);
     }
     set
 }

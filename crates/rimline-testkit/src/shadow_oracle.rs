@@ -7,10 +7,10 @@ use rimline::Light;
 
 use super::oracle::decode;
 
-pub(crate) type Vector = [BigInt; 3];
+pub type Vector = [BigInt; 3];
 
 /// The value times a power of two that makes an integer of it.
-pub(crate) fn scaled(value: f32, exponent: i32) -> BigInt {
+pub fn scaled(value: f32, exponent: i32) -> BigInt {
     let (mantissa, exponent_of_value) = decode(value);
     if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (exponent_of_value + exponent) as usize }
 }
@@ -21,11 +21,11 @@ pub(crate) fn least(values: impl IntoIterator<Item = f32>) -> i32 {
     exponents.min().unwrap_or(0)
 }
 
-pub(crate) fn minus(p: &Vector, q: &Vector) -> Vector {
+pub fn minus(p: &Vector, q: &Vector) -> Vector {
     std::array::from_fn(|axis| &p[axis] - &q[axis])
 }
 
-pub(crate) fn sign(value: &BigInt) -> i32 {
+pub fn sign(value: &BigInt) -> i32 {
     match value.sign() {
         Sign::Plus => 1,
         Sign::NoSign => 0,
@@ -33,7 +33,7 @@ pub(crate) fn sign(value: &BigInt) -> i32 {
     }
 }
 
-pub(crate) fn cross(u: &Vector, v: &Vector) -> Vector {
+pub fn cross(u: &Vector, v: &Vector) -> Vector {
     std::array::from_fn(|axis| {
         let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
         &u[y] * &v[z] - &u[z] * &v[y]
@@ -42,9 +42,9 @@ pub(crate) fn cross(u: &Vector, v: &Vector) -> Vector {
 
 /// A light `(l, w)`, or a point, in the scale of a mesh.
 #[derive(Clone)]
-pub(crate) struct Homogeneous {
-    pub(crate) xyz: Vector,
-    pub(crate) w: BigInt,
+pub struct Homogeneous {
+    pub xyz: Vector,
+    pub w: BigInt,
 }
 
 impl Homogeneous {
@@ -71,25 +71,25 @@ impl Homogeneous {
 }
 
 /// A triangle that is not a line, with its normal.
-struct Triangle {
-    corners: [Vector; 3],
+pub struct Triangle {
+    pub corners: [Vector; 3],
     normal: Vector,
 }
 
 impl Triangle {
-    fn new(corners: [Vector; 3]) -> Option<Self> {
+    pub fn new(corners: [Vector; 3]) -> Option<Self> {
         let normal = cross(&minus(&corners[1], &corners[0]), &minus(&corners[2], &corners[0]));
         normal.iter().any(|n| sign(n) != 0).then_some(Self { corners, normal })
     }
 
     /// How far the homogeneous point lies before the plane.
-    fn height(&self, point: &Homogeneous) -> BigInt {
+    pub fn height(&self, point: &Homogeneous) -> BigInt {
         let a = &self.corners[0];
         (0..3).map(|axis| &self.normal[axis] * (&point.xyz[axis] - &point.w * &a[axis])).sum()
     }
 
     /// Whether a point of the plane, with positive w, lies in the triangle, its edges included.
-    fn holds(&self, point: &Homogeneous) -> bool {
+    pub fn holds(&self, point: &Homogeneous) -> bool {
         let axis = (0..3).find(|&axis| sign(&self.normal[axis]) != 0).expect("it has a normal");
         let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
         let turn = sign(&self.normal[axis]);

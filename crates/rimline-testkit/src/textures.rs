@@ -152,13 +152,8 @@ impl Stencils {
         let (size, samples) = ([texture.width(), texture.height()], texture.sample_count());
         let aspect = wgpu::TextureAspect::StencilOnly;
         if samples == 1 {
-            let row = size[0].next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-            let copy = gpu.storage(&vec![0_u8; (row * size[1]) as usize]);
-            let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(row), ..Default::default() };
             let from = wgpu::TexelCopyTextureInfo { aspect, ..texture.as_image_copy() };
-            let to = wgpu::TexelCopyBufferInfo { buffer: &copy, layout };
-            encoder.copy_texture_to_buffer(from, to, texture.size());
-            return Ok(Self { copy, size, samples });
+            return Ok(Self { copy: copied(gpu, encoder, from, size[0]), size, samples });
         }
         let words = size[0] * size[1] * samples;
         let kernel = gpu.kept("stencils", || Ok(TexelKernel::new(&gpu.device, "stencils", STENCILS)))?;
@@ -180,20 +175,28 @@ impl Stencils {
     }
 }
 
+/// A buffer with rows of so many bytes of a texture's layer, each of them padded.
+fn copied(
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    from: wgpu::TexelCopyTextureInfo<'_>,
+    width: u32,
+) -> wgpu::Buffer {
+    let row = width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = gpu.storage(&vec![0_u8; (row * from.texture.height()) as usize]);
+    let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(row), ..Default::default() };
+    let size = wgpu::Extent3d { depth_or_array_layers: 1, ..from.texture.size() };
+    encoder.copy_texture_to_buffer(from, wgpu::TexelCopyBufferInfo { buffer: &buffer, layout }, size);
+    buffer
+}
+
 /// The bytes of the texels of a layer, row by row. They can be copied.
 pub fn texels(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<Vec<u8>, String> {
     let bytes = texture.format().block_copy_size(None).ok_or("a format of several aspects")?;
-    let (width, height) = (texture.width() * bytes, texture.height());
-    let row = width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let copy = gpu.storage(&vec![0_u8; (row * height) as usize]);
-    gpu.submit(|encoder| {
-        let origin = wgpu::Origin3d { z: layer, ..wgpu::Origin3d::ZERO };
-        let from = wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() };
-        let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(row), ..Default::default() };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &copy, layout };
-        encoder.copy_texture_to_buffer(from, to, wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() });
-        Ok(())
-    })?;
+    let (width, height) = (texture.width() * bytes, texture.height() as usize);
+    let origin = wgpu::Origin3d { z: layer, ..wgpu::Origin3d::ZERO };
+    let from = wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() };
+    let copy = gpu.submit(|encoder| Ok(copied(gpu, encoder, from, width)))?;
     let all: Vec<u8> = gpu.read(&copy, usize::MAX)?;
-    Ok(all.chunks(row as usize).take(height as usize).flat_map(|row| &row[..width as usize]).copied().collect())
+    Ok(all.chunks(all.len() / height).take(height).flat_map(|row| &row[..width as usize]).copied().collect())
 }

@@ -7,7 +7,7 @@ use rimline::internals::stages::SHADOW_DEPTH;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
 
-use super::rounding_models::RoundingModels;
+use super::rounding_models::{RoundingModels, neighbours};
 use super::wgsl_constant;
 
 /// The shader's constants.
@@ -23,16 +23,6 @@ struct Case {
     light: Light,
     low: [f32; 3],
     high: [f32; 3],
-}
-
-/// The two floats around a number, the same twice where it is one.
-fn neighbours(exact: f64) -> [f32; 2] {
-    let near = exact as f32;
-    match f64::from(near).partial_cmp(&exact) {
-        Some(std::cmp::Ordering::Less) => [near, near.next_up()],
-        Some(std::cmp::Ordering::Greater) => [near.next_down(), near],
-        _ => [near, near],
-    }
 }
 
 /// A segment and a box around one of its points: as small as can be along some axes, of any size along the others.

@@ -80,7 +80,7 @@ fn try_filter(seed: u64, rounds: usize, units: f32, bound_of: FilterBound) -> Tr
         }
         rounding_models.change();
         let determinant = rounding_models.determinant(corners, light);
-        let bound = bound_of(&mut rounding_models, corners, light, units * f32::EPSILON);
+        let bound = rounding_models.as_bound(|with| bound_of(with, corners, light, units * f32::EPSILON));
         // In f64 it is exact to 2⁻⁴⁹ P, and the bound is more than 2⁻²⁴ P.
         let exact = facing_bound(corners, light).0;
         trials.largest_error = trials.largest_error.max((f64::from(determinant) - exact).abs() / f64::from(bound));

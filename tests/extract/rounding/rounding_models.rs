@@ -6,6 +6,16 @@ use rimline::internals::cpu::UNDERFLOW;
 use rimline::internals::layout::LightBatch;
 use rimline_testkit::random::Random;
 
+/// The two floats around a number, the same twice where it is one.
+pub(crate) fn neighbours(exact: f64) -> [f32; 2] {
+    let near = exact as f32;
+    match f64::from(near).partial_cmp(&exact) {
+        Some(std::cmp::Ordering::Less) => [near, near.next_up()],
+        Some(std::cmp::Ordering::Greater) => [near.next_down(), near],
+        _ => [near, near],
+    }
+}
+
 /// Which neighbour of an exact value is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rounding {
@@ -65,17 +75,12 @@ impl RoundingModels {
 
     /// One of the two neighbours of an exact value, on whose growth the result depends with the sign of `effect`.
     fn round(&mut self, exact: f64, effect: f64) -> f32 {
-        let near = exact as f32;
-        let [below, above] = match f64::from(near).partial_cmp(&exact) {
-            Some(std::cmp::Ordering::Less) => [near, near.next_up()],
-            Some(std::cmp::Ordering::Greater) => [near.next_down(), near],
-            _ => [near, near],
-        };
+        let [below, above] = neighbours(exact);
         let is_up = match self.rounding {
             Rounding::Up => true,
             Rounding::Down => false,
             Rounding::TowardsZero => exact < 0.0,
-            Rounding::Nearest => near == above,
+            Rounding::Nearest => exact as f32 == above,
             Rounding::ByChance => self.takes(Taken::ByChance),
             Rounding::Larger => effect > 0.0,
             Rounding::Smaller => effect < 0.0,
@@ -162,11 +167,7 @@ impl RoundingModels {
     }
 
     /// One bound for all lights, here of this one: `wgsl/common/determinant.wgsl`, `face_bound`. `relative` is 10u there.
-    pub(crate) fn face_bound(&mut self, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
-        self.as_bound(|with| with.face_bound_so_rounded(corners, light, relative))
-    }
-
-    fn face_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+    pub(crate) fn face_bound(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
         let [to_light, w] = LightBatch::new(&[light], 0, 3).magnitudes;
         let sizes = [b, c].map(|corner| {
             let side: [f32; 3] = std::array::from_fn(|i| self.add(corner[i], -a[i]).abs());
@@ -186,11 +187,7 @@ impl RoundingModels {
     }
 
     /// A light's own bound: `wgsl/extract/exact_facing.wgsl`, `filter_lights`, whose own underflow term is no smaller.
-    pub(crate) fn light_bound(&mut self, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
-        self.as_bound(|with| with.light_bound_so_rounded(corners, light, relative))
-    }
-
-    fn light_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+    pub(crate) fn light_bound(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
         let batch = LightBatch::new(&[light], 0, 3);
         let ([x, y, z, w], inexact) = (batch.lights[0], batch.inexact_w[0][0]);
         let l = [x, y, z];

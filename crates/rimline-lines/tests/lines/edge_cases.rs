@@ -7,9 +7,10 @@ use rimline::cpu::Threads;
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh, Predicate};
 use rimline_lines::{Classes, Drawing, Fault, LineClass, LineOptions, LinesError, Object, PageBox, View, draw};
+use rimline_testkit::random::Random;
+use rimline_testkit::shapes::globe;
 
-use crate::support::Random;
-use crate::support::shapes::{Shape, ball, cuboid, moved, shape, soup, torus};
+use crate::support::shapes::{Shape, cuboid, moved, of_shape, shape, soup, torus};
 
 fn go_on(_: usize, _: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -88,11 +89,13 @@ fn faulty_objects_are_named() {
     objects[0].name = "bad".to_owned();
     objects[1].marked = vec![[0, 7]];
     let drawing = draw(&objects, &aside(), &LineOptions::default(), go_on).expect("drawn");
-    let faults: Vec<_> =
-        drawing.left_out.iter().map(|left_out| (left_out.object, &*left_out.name, left_out.fault)).collect();
-    assert_eq!(faults[0], (0, "bad", Fault::NotFinite { vertex: 5 }));
-    assert_eq!(faults[1], (1, "", Fault::NoSuchEdge { vertices: [0, 7] }));
-    assert_eq!(faults[2], (2, "", Fault::TooFewPositions { given: 1, needed: 8 }));
+    let faults = drawing.left_out.iter().map(|left_out| (left_out.object, &*left_out.name, left_out.fault));
+    let expected = [
+        (0, "bad", Fault::NotFinite { vertex: 5 }),
+        (1, "", Fault::NoSuchEdge { vertices: [0, 7] }),
+        (2, "", Fault::TooFewPositions { given: 1, needed: 8 }),
+    ];
+    assert_eq!(faults.collect::<Vec<_>>(), expected);
     assert!(drawing.spans.iter().all(|span| span.object == 1) && drawing.spans.len() == 12);
 }
 
@@ -100,17 +103,18 @@ fn faulty_objects_are_named() {
 #[test]
 fn refusals() {
     let shapes = [torus(24, 14)];
-    let refused = |options: &LineOptions| draw(&objects(&shapes), &aside(), options, go_on).expect_err("refused");
     let all = LineOptions::default();
-    assert!(matches!(refused(&LineOptions { crease_degrees: f64::NAN, ..all }), LinesError::Crease { .. }));
-    assert!(matches!(refused(&LineOptions { crease_degrees: 181.0, ..all }), LinesError::Crease { .. }));
-    assert!(matches!(refused(&LineOptions { near: Some(0.0), ..all }), LinesError::Near { .. }));
     let window = Some(PageBox { low: [0.0; 2], high: [1.0, 0.0] });
-    assert!(matches!(refused(&LineOptions { window, ..all }), LinesError::Window { .. }));
-    assert!(matches!(
-        refused(&LineOptions { memory_limit: Some(1000), ..all }),
-        LinesError::Memory { limit: 1000, .. }
-    ));
+    for (options, error) in [
+        (LineOptions { crease_degrees: f64::NAN, ..all }, "Crease {"),
+        (LineOptions { crease_degrees: 181.0, ..all }, "Crease {"),
+        (LineOptions { near: Some(0.0), ..all }, "Near {"),
+        (LineOptions { window, ..all }, "Window {"),
+        (LineOptions { memory_limit: Some(1000), ..all }, "Memory {"),
+    ] {
+        let refused = draw(&objects(&shapes), &aside(), &options, go_on).expect_err("refused");
+        assert!(format!("{refused:?}").starts_with(error), "{refused:?}");
+    }
     let cancelled = draw(&objects(&shapes), &aside(), &all, |_, _| ControlFlow::Break(()));
     assert_eq!(cancelled, Err(LinesError::Cancelled));
     assert_eq!(View::orthographic([0.0; 3], [0.0, 0.0, 1.0]), Err(LinesError::View));
@@ -190,7 +194,7 @@ fn silhouettes_close() {
         }
     }
     // All of a ball's outline is visible: one closed chain.
-    let drawing = drawn(&[ball(40, 20)], &aside());
+    let drawing = drawn(&[of_shape(globe(40, 20))], &aside());
     assert!(matches!(&*drawing.chains, [only] if only.is_closed && !only.is_hidden), "{:?}", drawing.chains);
     // The ball is on its left.
     let points = drawing.page_points(&drawing.chains[0]);
@@ -222,12 +226,8 @@ fn surfaces_meet() {
     assert!(meetings(&[torus(24, 14)]).spans.is_empty());
     let rings = [torus(60, 40), moved(&torus(60, 40), |[x, y, z]| [x + 0.5, z, y])];
     let drawing = meetings(&rings);
-    assert!(
-        drawing.chains.len() < 20 && drawing.spans.len() > 100,
-        "{} chains, {} spans",
-        drawing.chains.len(),
-        drawing.spans.len()
-    );
+    let counts = [drawing.chains.len(), drawing.spans.len()];
+    assert!(counts[0] < 20 && counts[1] > 100, "{counts:?} chains and spans");
 }
 
 /// A mesh whose faces are there twice is drawn as if they were there once, both ways around, in one object and in two.
@@ -275,12 +275,9 @@ fn windows_cut_lines() {
         let options = LineOptions { window: Some(window), crease_degrees: 1.0, ..LineOptions::default() };
         let drawing = draw(&objects(&shapes), &view, &options, go_on).expect("drawn");
         let bounds = drawing.bounds(u32::MAX).expect("lines");
-        for axis in 0..2 {
-            assert!(
-                bounds.low[axis] > window.low[axis] - 1e-9 && bounds.high[axis] < window.high[axis] + 1e-9,
-                "{bounds:?}"
-            );
-        }
+        let is_within =
+            |axis: usize| bounds.low[axis] > window.low[axis] - 1e-9 && bounds.high[axis] < window.high[axis] + 1e-9;
+        assert!(is_within(0) && is_within(1), "{bounds:?}");
     }
 }
 

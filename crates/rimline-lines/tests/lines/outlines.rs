@@ -6,8 +6,8 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::overlay::FloatOverlay;
 use rimline_lines::{Fault, LineOptions, Object, Outlines, View, outlines};
+use rimline_testkit::random::Random;
 
-use crate::support::Random;
 use crate::support::shapes::{Shape, bumpy_torus, cuboid, moved, shape, soup, torus};
 
 fn outlined(shapes: &[Shape], view: &View) -> Outlines {

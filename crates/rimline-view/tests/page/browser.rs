@@ -9,6 +9,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
+pub(crate) use rimline_testkit::on_gpu::text as say;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -49,11 +50,6 @@ pub(crate) struct Browser {
     /// Errors that the page wrote to its console.
     errors: Vec<String>,
     folder: TempDir,
-}
-
-#[expect(clippy::needless_pass_by_value, reason = "it is for `map_err`")]
-pub(crate) fn say(error: impl ToString) -> String {
-    error.to_string()
 }
 
 /// Starts a display without a screen, without which the browser has no Vulkan.

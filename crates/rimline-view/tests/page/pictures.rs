@@ -11,17 +11,13 @@ const CHANNEL: u8 = 24;
 /// The part of the pixels that may differ between devices.
 pub(crate) const TOLERANCE: f64 = 0.001;
 
-/// The part of the pixels that differ between a picture of the page and one of this process.
-pub(crate) fn from_desktop(name: &str, page: &Picture, viewer: &Viewer) -> Result<f64, String> {
-    let desktop = draw(viewer)?;
-    // Somebody who sets this wants to look.
-    if let Some(folder) = std::env::var_os("RIMLINE_PICTURES") {
-        for (whose, picture) in [("page", page), ("own", &desktop)] {
-            let path = std::path::Path::new(&folder).join(format!("{name}_{whose}.png"));
-            std::fs::write(path, picture.png().map_err(say)?).map_err(say)?;
-        }
-    }
-    different(page, &desktop)
+/// The part of the pixels that differ between a screenshot of the page and one of this process, by this machine's driver.
+pub(crate) fn from_desktop(page: &Picture, viewer: &Viewer) -> Result<f64, String> {
+    let shared = Device::shared()?;
+    let gpu = Gpu::of(shared.device.clone(), shared.queue.clone(), shared.name.clone(), true);
+    let picture = Renderer::new(gpu).map_err(say)?.screenshot(viewer, 1).map_err(say)?;
+    shared.device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+    different(page, &pollster::block_on(picture).map_err(say)?)
 }
 
 /// The part of the pixels that differ.
@@ -41,15 +37,4 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Picture, String> {
     let info = reader.next_frame(&mut pixels).map_err(say)?;
     let pixels = pixels.chunks_exact(info.color_type.samples()).map(|pixel| [pixel[0], pixel[1], pixel[2], 255]);
     Ok(Picture { size: [info.width, info.height], pixels: pixels.collect() })
-}
-
-/// The same as a page's screenshot, by this machine's own driver.
-fn draw(viewer: &Viewer) -> Result<Picture, String> {
-    let shared = Device::shared()?;
-    let gpu = Gpu::of(shared.device.clone(), shared.queue.clone(), shared.name.clone(), true);
-    let picture = Renderer::new(gpu).map_err(say)?.screenshot(viewer, 1).map_err(say)?;
-    shared.device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
-    let mut picture = pollster::block_on(picture).map_err(say)?;
-    picture.pixels.iter_mut().for_each(|pixel| pixel[3] = 255);
-    Ok(picture)
 }

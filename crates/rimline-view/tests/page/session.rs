@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use glam::Vec3;
 use rimline_files::{ReadOptions, read_bytes};
 use rimline_view::{Action, Event, LampKind, Picture, Viewer, scenes};
@@ -85,7 +86,7 @@ fn session() -> Result<(), String> {
     screenshot(&mut browser, 1)?;
     browser.press("r")?;
     let (mut viewer, before) = (twin()?, screenshot(&mut browser, 2)?);
-    let parts = from_desktop("before", &before, &viewer)?;
+    let parts = from_desktop(&before, &viewer)?;
     println!("before: {:.3} % of the pixels differ from those without a page", 100.0 * parts);
     expect(parts <= TOLERANCE, format!("{parts} of the pixels differ before the drag"))?;
 
@@ -98,7 +99,7 @@ fn session() -> Result<(), String> {
     follow(&mut viewer, &mut browser)?;
     let there = handle(&viewer).ok_or("no handle")?;
     expect(there.distance(to) < 3.0, format!("the pointer is at {to}, and the light at {there}"))?;
-    let (moved, parts) = (different(&before, &after)?, from_desktop("after", &after, &viewer)?);
+    let (moved, parts) = (different(&before, &after)?, from_desktop(&after, &viewer)?);
     println!(
         "after: {:.3} % differ from those before, {:.3} % from those without a page",
         100.0 * moved,
@@ -109,7 +110,7 @@ fn session() -> Result<(), String> {
 
     // The canvas shows that picture, with handles of lights over it.
     let shown = browser.call("Page.captureScreenshot", &json!({ "format": "png" }))?;
-    let shown = decode(&base64(shown["data"].as_str().unwrap_or_default()))?;
+    let shown = decode(&BASE64_STANDARD.decode(shown["data"].as_str().unwrap_or_default()).map_err(say)?)?;
     let parts = different(&shown, &after)?;
     expect(parts < 0.03, format!("{parts} of the pixels on the canvas are others"))?;
 
@@ -131,22 +132,4 @@ fn session() -> Result<(), String> {
     let without = screenshot(&mut browser, 4)?;
     expect(different(&after, &without)? > 0.02, "after a bad file, switching the ground off changes nothing")?;
     browser.expect_no_errors()
-}
-
-/// The bytes of base64.
-fn base64(text: &str) -> Vec<u8> {
-    let digit = |c: u8| match c {
-        b'A'..=b'Z' => Some(c - b'A'),
-        b'a'..=b'z' => Some(c - b'a' + 26),
-        b'0'..=b'9' => Some(c - b'0' + 52),
-        b'+' => Some(62),
-        b'/' => Some(63),
-        _ => None,
-    };
-    let digits: Vec<u32> = text.bytes().filter_map(digit).map(u32::from).collect();
-    let bytes = |chunk: &[u32]| {
-        let word = (0..4).fold(0, |word, index| word << 6 | chunk.get(index).copied().unwrap_or(0));
-        word.to_be_bytes().into_iter().skip(1).take(chunk.len() - 1).collect::<Vec<u8>>()
-    };
-    digits.chunks(4).flat_map(bytes).collect()
 }

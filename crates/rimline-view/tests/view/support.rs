@@ -2,14 +2,10 @@
 
 use glam::{Vec2, Vec3};
 use rimline_testkit::device::Gpu as Device;
+pub(crate) use rimline_testkit::on_gpu::text as say;
 use rimline_view::{Button, Event, Gpu, Modifiers, Picture, Renderer, Viewer, scenes};
 
 pub(crate) type Outcome = Result<(), String>;
-
-#[expect(clippy::needless_pass_by_value, reason = "it is for `map_err`")]
-pub(crate) fn say(error: impl ToString) -> String {
-    error.to_string()
-}
 
 /// A condition that must be true.
 pub(crate) fn hold(is_true: bool, what: impl Into<String>) -> Outcome {
@@ -42,14 +38,7 @@ pub(crate) fn finish(
     picture: impl Future<Output = Result<Picture, rimline_view::RenderError>>,
 ) -> Result<Picture, String> {
     renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
-    let picture = pollster::block_on(picture).map_err(say)?;
-    // Somebody who sets this wants to look.
-    if let Some(folder) = std::env::var_os("RIMLINE_PICTURES") {
-        let name = std::thread::current().name().unwrap_or("picture").replace([':', ' '], "_");
-        let path = std::path::Path::new(&folder).join(format!("{name}_{}.png", renderer.pictures()));
-        std::fs::write(path, picture.png().map_err(say)?).map_err(say)?;
-    }
-    Ok(picture)
+    pollster::block_on(picture).map_err(say)
 }
 
 /// The pixel of a light's handle.

@@ -5,6 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use rimline_testkit::on_gpu::text as say;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt as _, InputFocus, Window};
 use x11rb::protocol::xtest::ConnectionExt as _;
@@ -34,11 +35,6 @@ impl Drop for Display {
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
-}
-
-#[expect(clippy::needless_pass_by_value, reason = "it is for `map_err`")]
-fn say(error: impl ToString) -> String {
-    error.to_string()
 }
 
 impl Display {

@@ -6,6 +6,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use rimline_testkit::on_gpu::text as say;
+
 use crate::display::Display;
 
 type Test = (&'static str, fn() -> Result<(), String>);
@@ -23,11 +25,6 @@ const BLOCK: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1
 /// A software driver on a busy machine compiles for long.
 const PATIENCE: Duration = Duration::from_secs(75);
 
-#[expect(clippy::needless_pass_by_value, reason = "it is for `map_err`")]
-fn say(error: impl ToString) -> String {
-    error.to_string()
-}
-
 fn viewer(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rimline-view"));
     command.current_dir(folder).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
@@ -36,26 +33,33 @@ fn viewer(folder: &Path) -> Command {
     command
 }
 
+fn expect(is_true: bool, what: impl Into<String>) -> Result<(), String> {
+    if is_true { Ok(()) } else { Err(what.into()) }
+}
+
+fn wait(what: &str, mut is_done: impl FnMut() -> Result<bool, String>) -> Result<(), String> {
+    let until = Instant::now() + PATIENCE;
+    while !is_done()? {
+        expect(Instant::now() < until, what)?;
+        sleep(Duration::from_millis(50));
+    }
+    Ok(())
+}
+
 /// Waits for the picture with a number, and returns its pixels.
 fn picture(folder: &Path, number: usize, child: &mut Child) -> Result<Vec<u8>, String> {
     let path = folder.join(format!("rimline-{number}.png"));
-    let until = Instant::now() + PATIENCE;
-    while Instant::now() < until {
-        if let Some(status) = child.try_wait().map_err(say)? {
-            return Err(format!("the viewer ended: {status}"));
-        }
+    let mut pixels = Vec::new();
+    wait(&format!("no {} was written", path.display()), || {
+        let ended = child.try_wait().map_err(say)?;
+        ended.map_or(Ok(()), |status| Err(format!("the viewer ended: {status}")))?;
         // A file that is still being written does not decode.
-        if let Ok(file) = fs::File::open(&path)
-            && let Ok(mut reader) = png::Decoder::new(std::io::BufReader::new(file)).read_info()
-        {
-            let mut pixels = vec![0; reader.output_buffer_size().unwrap_or(0)];
-            if reader.next_frame(&mut pixels).is_ok() {
-                return Ok(pixels);
-            }
-        }
-        sleep(Duration::from_millis(50));
-    }
-    Err(format!("no {} was written", path.display()))
+        let Ok(file) = fs::File::open(&path) else { return Ok(false) };
+        let Ok(mut reader) = png::Decoder::new(std::io::BufReader::new(file)).read_info() else { return Ok(false) };
+        pixels = vec![0; reader.output_buffer_size().unwrap_or(0)];
+        Ok(reader.next_frame(&mut pixels).is_ok())
+    })?;
+    Ok(pixels)
 }
 
 fn a_session() -> Result<(), String> {
@@ -73,13 +77,9 @@ fn a_session() -> Result<(), String> {
     let output = child.wait_with_output().map_err(say)?;
     let said = String::from_utf8_lossy(&output.stderr);
     outcome.map_err(|error| format!("{error}\n{said}"))?;
-    if !said.contains("rimline: bad.glb: ") {
-        return Err(format!("nothing is said of the bad file: {said}"));
-    }
-    if !output.status.success() || said.to_lowercase().contains("validation") || said.contains("panicked") {
-        return Err(format!("{}: {said}", output.status));
-    }
-    Ok(())
+    expect(said.contains("rimline: bad.glb: "), format!("nothing is said of the bad file: {said}"))?;
+    let is_clean = !said.to_lowercase().contains("validation") && !said.contains("panicked");
+    expect(output.status.success() && is_clean, format!("{}: {said}", output.status))
 }
 
 fn steps(display: &Display, folder: &Path, child: &mut Child) -> Result<(), String> {
@@ -93,57 +93,32 @@ fn steps(display: &Display, folder: &Path, child: &mut Child) -> Result<(), Stri
     };
     take(child)?;
     let title = display.title(window)?;
-    if title != "block.obj – Rimline" {
-        return Err(format!("the title is `{title}`"));
-    }
+    expect(title == "block.obj – Rimline", format!("the title is `{title}`"))?;
     // The text is there as long as the window has it.
     display.press(window, u32::from('c'))?;
-    let until = Instant::now() + PATIENCE;
-    while !display.has_clipboard()? {
-        if Instant::now() > until {
-            return Err("nothing is on the clipboard".into());
-        }
-        sleep(Duration::from_millis(50));
-    }
+    wait("nothing is on the clipboard", || display.has_clipboard())?;
     sleep(Duration::from_millis(300));
-    if !display.has_clipboard()? {
-        return Err("the clipboard was emptied".into());
-    }
+    expect(display.has_clipboard()?, "the clipboard was emptied")?;
     display.press(window, u32::from(' '))?;
     let still = take(child)?;
-    if take(child)? != still {
-        return Err("a still viewer shows another picture".into());
-    }
+    expect(take(child)? == still, "a still viewer shows another picture")?;
     // Elsewhere than on a handle, dragging turns the camera.
     display.drag([60, 600], [160, 560])?;
     let turned = take(child)?;
-    if turned == still {
-        return Err("dragging changed nothing".into());
-    }
+    expect(turned != still, "dragging changed nothing")?;
     display.press(window, u32::from('3'))?;
     let volumes = take(child)?;
-    if volumes == turned {
-        return Err("switching volumes on changed nothing".into());
-    }
+    expect(volumes != turned, "switching volumes on changed nothing")?;
     // The next scene, then another size.
     display.press(window, u32::from('n'))?;
     let scene = take(child)?;
     display.resize(window, [700, 500])?;
     sleep(Duration::from_millis(500));
     let small = take(child)?;
-    if scene == volumes || small.len() >= scene.len() {
-        return Err("another scene or size changed nothing".into());
-    }
+    expect(scene != volumes && small.len() < scene.len(), "another scene or size changed nothing")?;
     // Escape.
     display.press(window, 0xff1b)?;
-    let until = Instant::now() + PATIENCE;
-    while child.try_wait().map_err(say)?.is_none() {
-        if Instant::now() > until {
-            return Err("Escape did not close the window".into());
-        }
-        sleep(Duration::from_millis(50));
-    }
-    Ok(())
+    wait("Escape did not close the window", || Ok(child.try_wait().map_err(say)?.is_some()))
 }
 
 fn without_a_display() -> Result<(), String> {
@@ -151,10 +126,7 @@ fn without_a_display() -> Result<(), String> {
     let output = viewer(folder.path()).output().map_err(say)?;
     let said = String::from_utf8_lossy(&output.stderr);
     let is_clear = said.contains("`rimline shadow`") && said.contains("no display") && !said.contains(".rs:");
-    if output.status.success() || !is_clear {
-        return Err(format!("{}: {said}", output.status));
-    }
-    Ok(())
+    expect(!output.status.success() && is_clear, format!("{}: {said}", output.status))
 }
 
 fn without_a_gpu() -> Result<(), String> {
@@ -162,10 +134,8 @@ fn without_a_gpu() -> Result<(), String> {
     let hidden =
         viewer(folder.path()).env("DISPLAY", &display.name).env("WGPU_BACKEND", "noop").output().map_err(say)?;
     let said = String::from_utf8_lossy(&hidden.stderr);
-    if hidden.status.success() || !said.contains("no GPU was found") {
-        return Err(format!("{}: {said}", hidden.status));
-    }
-    Ok(())
+    let is_clear = said.contains("no GPU was found");
+    expect(!hidden.status.success() && is_clear, format!("{}: {said}", hidden.status))
 }
 
 fn without_a_file() -> Result<(), String> {
@@ -175,8 +145,6 @@ fn without_a_file() -> Result<(), String> {
     let said = String::from_utf8_lossy(&output.stderr);
     let are_named = ["rimline: nope.obj: ", "rimline: empty.obj: ", "no file can be shown"];
     // There is no display, either: files come first.
-    if output.status.success() || said.contains("no display") || !are_named.iter().all(|part| said.contains(part)) {
-        return Err(format!("{}: {said}", output.status));
-    }
-    Ok(())
+    let is_clear = !said.contains("no display") && are_named.iter().all(|part| said.contains(part));
+    expect(!output.status.success() && is_clear, format!("{}: {said}", output.status))
 }
