@@ -176,8 +176,7 @@ pub mod scene {
     }
 }
 
-/// CPU references of stages. File and function have the name of the stage. Tests compare the two bit for bit. Other stages have none:
-/// `tests/common/wgsl.rs` lists them.
+/// CPU references of stages. File and function have the name of the stage. Tests compare the two bit for bit.
 pub mod cpu {
     /// The bit of an entry of a list that is set if the edge's winding bit is set.
     pub const WINDING: u32 = 1 << 31;

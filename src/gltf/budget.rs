@@ -213,22 +213,3 @@ pub(super) fn grown<T>(list: &Vec<T>, more: usize) -> u64 {
     }
     (length.max(2 * list.capacity()) as u64).saturating_mul(size_of::<T>() as u64)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_lasts_is_not_given_back() {
-        let (budget, what) = (Budget::new(1000), || "a test".to_owned());
-        let outer = budget.mark();
-        budget.charge(100, 1, &what).expect("there is room");
-        let inner = budget.mark();
-        budget.charge_lasting(20, &what).expect("there is room");
-        budget.charge(300, 1, &what).expect("there is room");
-        budget.settle(inner, 7);
-        assert_eq!(budget.needed(0, 0), 127);
-        budget.settle(outer, 0);
-        assert_eq!(budget.needed(0, 0), 20);
-    }
-}

@@ -157,29 +157,15 @@ mod tests {
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
 
     #[test]
-    fn a_tetrahedron_is_one_closed_part() {
-        let found = diagnose(4, &TETRAHEDRON);
-        assert!(found.is_closed());
-        assert_eq!((found.components, found.edges.consistent), (1, 6));
-        assert_eq!((found.non_manifold_edges, found.duplicate_faces), (0, 0));
-        assert_eq!(found.listed_edges, []);
-    }
-
-    #[test]
-    fn two_apart_and_one_touching_vertex() {
-        let shifted = |by: u32| TETRAHEDRON.map(|face| face.map(|v| v + by));
-        let apart = [TETRAHEDRON, shifted(4)].concat();
-        assert_eq!(diagnose(9, &apart).components, 2);
-        let touching = [TETRAHEDRON, shifted(3)].concat();
-        assert_eq!(diagnose(7, &touching).components, 1);
-    }
-
-    #[test]
-    fn parts_met_in_any_order_join() {
-        // The triangles are separate at first, and the last ones join them: roots change after they were read.
-        let faces = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
-        assert_eq!(diagnose(11, &faces).components, 1);
-        assert_eq!(diagnose(11, &faces[..4]).components, 2);
+    fn components_are_counted_by_common_edges_and_vertices() {
+        let with = |by: u32| [TETRAHEDRON, TETRAHEDRON.map(|face| face.map(|v| v + by))].concat();
+        // The last triangles join the others: roots change after they were read.
+        let late = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
+        for (faces, components) in
+            [(&TETRAHEDRON[..], 1), (&with(4), 2), (&with(3), 1), (&late, 1), (&late[..4], 2), (&[[0, 0, 1]], 0)]
+        {
+            assert_eq!(diagnose(11, faces).components, components, "{faces:?}");
+        }
     }
 
     const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -201,33 +187,29 @@ mod tests {
         }
         // Each part by itself; open, flat and infinite ones are not wound inwards.
         let both = [outwards, TETRAHEDRON.map(|face| face.map(|vertex| vertex + 4))].concat();
-        let twice = [CORNERS, CORNERS].concat();
-        assert_eq!(inward(&both, &twice), Some(1));
-        assert_eq!(inward(&TETRAHEDRON[1..], &CORNERS), Some(0));
-        assert_eq!(inward(&[[0, 1, 2], [0, 2, 1]], &CORNERS), Some(0));
-        assert_eq!(inward(&TETRAHEDRON, &CORNERS.map(|[x, y, _]| [x, y, 0.1 * x + 0.3 * y])), Some(0));
-        assert_eq!(inward(&TETRAHEDRON, &CORNERS.map(|[x, y, z]| [x, y, z / 0.0])), Some(0));
+        assert_eq!(inward(&both, &[CORNERS, CORNERS].concat()), Some(1));
+        for (faces, positions) in [
+            (&TETRAHEDRON[1..], CORNERS),
+            (&[[0, 1, 2], [0, 2, 1]], CORNERS),
+            (&TETRAHEDRON, CORNERS.map(|[x, y, _]| [x, y, 0.1 * x + 0.3 * y])),
+            (&TETRAHEDRON, CORNERS.map(|[x, y, z]| [x, y, z / 0.0])),
+        ] {
+            assert_eq!(inward(faces, &positions), Some(0), "{faces:?}, {positions:?}");
+        }
     }
 
     #[test]
-    fn an_open_mesh_names_its_first_open_edges() {
+    fn edges_and_copies_are_counted() {
+        let found = diagnose(4, &TETRAHEDRON);
+        assert!(found.is_closed() && found.listed_edges.is_empty(), "{found:?}");
+        assert_eq!((found.edges.consistent, found.non_manifold_edges, found.duplicate_faces), (6, 0, 0));
         let found = diagnose(4, &TETRAHEDRON[1..]);
         assert!(!found.is_closed());
-        assert_eq!(found.edges.boundary, 3);
-        assert_eq!(found.listed_edges.len(), 2);
-        assert_eq!(found.listed_edges[0].vertices, [1, 0]);
-    }
-
-    #[test]
-    fn three_faces_at_an_edge_and_repeated_ones_are_counted() {
+        assert_eq!((found.edges.boundary, found.listed_edges.len(), found.listed_edges[0].vertices), (3, 2, [1, 0]));
+        // Three faces at an edge, a copy that is turned, a degenerate one.
         let found = diagnose(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 1, 0], [3, 3, 4]]);
-        assert_eq!(found.non_manifold_edges, 1);
-        assert_eq!((found.duplicate_faces, found.degenerate_faces), (1, 1));
-        assert_eq!(found.flipped_faces, 1);
-    }
-
-    #[test]
-    fn flipped_copies_are_counted_by_direction() {
+        assert_eq!((found.non_manifold_edges, found.degenerate_faces), (1, 1));
+        assert_eq!((found.duplicate_faces, found.flipped_faces), (1, 1));
         // Two copies as the face is, one turned, another turned twice.
         let faces = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [3, 2, 1], [1, 3, 2], [2, 3, 1]];
         let found = diagnose(4, &faces);

@@ -216,26 +216,3 @@ fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
     }
     Ok(())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn meshes_are_equal_by_what_they_hold() {
-        let mesh = |vertices, faces: &[[u32; 3]]| Mesh::from_faces(vertices, faces.to_vec()).expect("good indices");
-        let one = mesh(4, &[[0, 1, 2], [2, 1, 3]]);
-        assert_eq!(one, mesh(4, &[[0, 1, 2], [2, 1, 3]]), "made anew");
-        assert_eq!(one, one.clone());
-        for other in [mesh(5, &[[0, 1, 2], [2, 1, 3]]), mesh(4, &[[0, 1, 2], [1, 2, 3]]), mesh(4, &[[0, 1, 2]])] {
-            assert_ne!(one, other);
-        }
-    }
-
-    /// A list entry has 31 bits for an edge record, of which a face has three at most.
-    #[test]
-    fn as_many_faces_as_edge_indices_can_count() {
-        let records = 3 * MAX_FACES as u64;
-        assert!(records <= 1 << 31 && records + 3 > 1 << 31);
-    }
-}

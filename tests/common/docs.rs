@@ -5,115 +5,77 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders that a path in backticks begins with, from the root of the repository.
+/// Folders that a path begins with, from the root of the repository.
 const FOLDERS: [&str; 9] = ["src/", "wgsl/", "tests/", "crates/", "docs/", "examples/", "benches/", "xtask/", ".ci/"];
-
-/// Folders of code that refers to the numerics.
-const SOURCES: [&str; 7] = ["src", "wgsl", "tests", "crates", "examples", "benches", "xtask"];
 
 #[test]
 fn links_and_paths_lead_somewhere() {
-    let (root, documents) = (root(), documents());
-    assert!(documents.len() >= 5, "only {} documents found: {documents:?}", documents.len());
-    let mut wrong = Vec::new();
-    let mut checked = 0;
-    for document in &documents {
-        let text = read(document);
-        let folder = document.parent().expect("a file lies in a folder");
-        let (links, paths) = (links(&text), paths(&text));
-        checked += links.len() + paths.len();
-        wrong.extend(links.iter().filter_map(|link| broken_link(link, document, folder).err()));
-        wrong.extend(
-            paths
-                .iter()
-                .filter(|path| !root.join(path).exists())
-                .map(|path| format!("{}: `{path}` is not in the repository", shown(document))),
-        );
-    }
-    assert!(checked > 100, "only {checked} links and paths found");
-    assert!(wrong.is_empty(), "{} of {checked}:\n{}", wrong.len(), wrong.join("\n"));
+    no_faults(&documents(), |document, text| {
+        let links = links(text).into_iter().map(|link| broken_link(&link, document));
+        let missing =
+            |path: String| (!root().join(&path).exists()).then(|| format!("`{path}` is not in the repository"));
+        links.chain(paths(text).into_iter().map(missing)).collect()
+    });
 }
 
 /// Negative controls: what is broken is noticed, and what is no link is none.
 #[test]
 fn broken_links_are_noticed() {
     let readme = root().join("README.md");
-    let check = |link: &str| broken_link(link, &readme, root());
     for good in ["ARCHITECTURE.md", "docs/", "#rimline", "docs/numerics/facing.md#tie-rule"] {
-        assert_eq!(check(good), Ok(()), "{good}");
+        assert_eq!(broken_link(good, &readme), None, "{good}");
     }
     for bad in ["ARCHITECTURE.txt", "#rimlines", "docs/numerics/facing.md#tie-rules", "docs/nothing.png"] {
-        assert!(check(bad).is_err(), "{bad}");
+        assert!(broken_link(bad, &readme).is_some(), "{bad}");
     }
     let text = "[a](x.md) `src/lib.rs` ![b](docs/b.png)\n```text\n[c](y.md) `src/c.rs`\n```\n\
                 [d](https://d.example) `wgsl/SUBJECT/NAME.wgsl` `src/lib.rs::item` <img src=\"docs/e.png\">";
     assert_eq!(links(text), ["x.md", "docs/b.png", "docs/e.png"]);
-    assert_eq!(paths(text).into_iter().collect::<Vec<_>>(), ["src/lib.rs"]);
+    assert_eq!(paths(text), ["src/lib.rs"]);
 }
 
 /// Paths in comments of the code, from the root or from the folder of the crate, exist.
 #[test]
 fn paths_in_comments_lead_somewhere() {
-    let mut files = Vec::new();
-    for folder in SOURCES {
-        add_sources(&root().join(folder), &mut files);
-    }
-    let mut wrong = Vec::new();
-    let mut checked = 0;
-    for file in &files {
-        let mut crate_folder = root().to_owned();
-        if let Ok(rest) = file.strip_prefix(root().join("crates")) {
-            crate_folder.extend(Path::new("crates").join(rest).iter().take(2));
-        }
-        let paths = commented_paths(&read(file));
-        checked += paths.len();
-        let is_missing = |path: &&String| !root().join(path).exists() && !crate_folder.join(path).exists();
-        wrong.extend(paths.iter().filter(is_missing).map(|path| format!("{}: {path}", shown(file))));
-    }
-    assert!(checked > 100, "only {checked} paths found");
-    assert!(wrong.is_empty(), "{} of {checked}:\n{}", wrong.len(), wrong.join("\n"));
+    no_faults(&sources(), |file, text| {
+        let in_crates = file.strip_prefix(root().join("crates")).ok().and_then(|rest| rest.iter().next());
+        let of_crate = in_crates.map_or(root().to_owned(), |name| root().join("crates").join(name));
+        let exists = |path: &str| root().join(path).exists() || of_crate.join(path).exists();
+        let paths = commented_paths(text).into_iter();
+        paths.map(|path| (!exists(&path)).then(|| format!("{path} is not there"))).collect()
+    });
     let (first, second) = ("src/b.rs", "wgsl/c.wgsl");
     let comments =
         format!("let a = \"src/a.rs\"; // Of {first}.\n//! `{second}`, wgsl/SUBJECT/NAME.wgsl, notes/src/d.rs");
-    assert_eq!(commented_paths(&comments).into_iter().collect::<Vec<_>>(), [first, second]);
+    assert_eq!(commented_paths(&comments), [first, second]);
 }
 
-/// References in comments, such as `docs/numerics/facing.md, "Filter"`, lead to files and headings.
+/// References, such as `docs/numerics/facing.md, "Filter"`, lead to files and headings, also where a comment goes on in the next
+/// line.
 #[test]
 fn references_to_numerics_lead_somewhere() {
-    let mut files = documents();
-    for folder in SOURCES {
-        add_sources(&root().join(folder), &mut files);
-    }
-    let mut wrong = Vec::new();
-    let mut checked = 0;
-    for file in &files {
-        for (name, titles) in references(&unwrapped(&read(file))) {
-            checked += 1;
-            wrong.extend(broken_reference(&name, &titles).map(|what| format!("{}: {what}", shown(file))));
-        }
-    }
-    assert!(checked > 100, "only {checked} references found");
-    assert!(wrong.is_empty(), "{} of {checked}:\n{}", wrong.len(), wrong.join("\n"));
-}
-
-/// Negative controls: files and titles that are not there are noticed, also where a comment goes on in the next line.
-#[test]
-fn broken_references_are_noticed() {
+    no_faults(&[documents(), sources()].concat(), |_, text| broken_references(text));
     let folder = "docs/numerics";
     let text = format!("// See {folder}/facing.md, \"Error\n/// band\" and \"Filters\"; {folder}/none.md, \"None\".");
-    let found = references(&unwrapped(&text));
-    let wrong: Vec<String> = found.iter().filter_map(|(name, titles)| broken_reference(name, titles)).collect();
+    let wrong: Vec<String> = broken_references(&text).into_iter().flatten().collect();
     assert!(wrong.len() == 2 && wrong[0].contains("Filters") && wrong[1].contains("none"), "{wrong:?}");
+}
+
+/// Fails with all faults of the files. `check` gives one entry for each thing that it looks at.
+fn no_faults(files: &[PathBuf], check: impl Fn(&Path, &str) -> Vec<Option<String>>) {
+    let (mut checked, mut wrong) = (0, Vec::new());
+    for file in files {
+        let found = check(file, &read(file));
+        checked += found.len();
+        let shown = file.strip_prefix(root()).unwrap_or(file).display();
+        wrong.extend(found.into_iter().flatten().map(|fault| format!("{shown}: {fault}")));
+    }
+    assert!(checked > 100 && files.len() >= 5, "only {checked} found in {} files", files.len());
+    assert!(wrong.is_empty(), "{} of {checked}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// A document by its path in the repository.
-fn shown(document: &Path) -> std::path::Display<'_> {
-    document.strip_prefix(root()).unwrap_or(document).display()
 }
 
 fn read(file: &Path) -> String {
@@ -135,62 +97,50 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     entries
 }
 
-/// Adds the Rust and WGSL files of a folder and of all folders in it.
-fn add_sources(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in entries(folder) {
-        if entry.is_dir() {
-            add_sources(&entry, files);
-        } else if entry.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl") {
-            files.push(entry);
+/// The Rust and WGSL files of the repository.
+fn sources() -> Vec<PathBuf> {
+    let mut left: Vec<_> = FOLDERS.iter().map(|folder| root().join(folder)).collect();
+    let mut files = Vec::new();
+    while let Some(path) = left.pop() {
+        left.extend(entries(&path));
+        if path.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl") {
+            files.push(path);
         }
     }
+    files
 }
 
-/// The text in one line, without the marks of comments.
-fn unwrapped(text: &str) -> String {
+/// An entry for each file of the numerics that a text names, and for each title that follows.
+fn broken_references(text: &str) -> Vec<Option<String>> {
     let lines = text.lines().map(|line| line.trim().trim_start_matches(['/', '!']).trim());
-    lines.collect::<Vec<_>>().join(" ")
-}
-
-/// The files of the numerics that a text names, each with the titles that follow it.
-fn references(text: &str) -> Vec<(String, Vec<String>)> {
-    let found = text.split("docs/numerics/").skip(1).filter_map(|rest| {
-        let (name, mut rest) = rest.split_once(".md")?;
+    let text = lines.collect::<Vec<_>>().join(" ");
+    let mut found = Vec::new();
+    for rest in text.split("docs/numerics/").skip(1) {
+        let Some((name, mut rest)) = rest.split_once(".md") else { continue };
         if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
-            return None;
+            continue;
         }
-        let mut titles = Vec::new();
+        let file = root().join("docs").join("numerics").join(format!("{name}.md"));
+        if !file.exists() {
+            found.push(Some(format!("{name}.md is not there")));
+            continue;
+        }
+        found.push(None);
+        let headings = headings(&read(&file));
         let marks = [", \"", " and \"", ", and \""];
         while let Some(quoted) = marks.into_iter().find_map(|mark| rest.strip_prefix(mark)) {
-            let (title, after) = quoted.split_once('"')?;
-            titles.push(title.to_owned());
+            let Some((title, after)) = quoted.split_once('"') else { break };
+            let is_there = headings.contains(&anchor(title));
+            found.push((!is_there).then(|| format!("{name}.md has no heading \"{title}\"")));
             rest = after;
         }
-        Some((name.to_owned(), titles))
-    });
-    found.collect()
-}
-
-/// The fault of a reference, if it has one.
-fn broken_reference(name: &str, titles: &[String]) -> Option<String> {
-    let file = root().join("docs").join("numerics").join(format!("{name}.md"));
-    if !file.exists() {
-        return Some(format!("{name}.md is not there"));
     }
-    let headings = headings(&read(&file));
-    let missing = titles.iter().find(|title| !headings.contains(&anchor(title)))?;
-    Some(format!("{name}.md has no heading \"{missing}\""))
+    found
 }
 
 /// The text without its fenced blocks.
 fn prose(text: &str) -> String {
-    let mut is_code = false;
-    let lines = text.lines().filter(|line| {
-        let is_fence = line.starts_with("```");
-        is_code ^= is_fence;
-        !is_code && !is_fence
-    });
-    lines.collect::<Vec<_>>().join("\n")
+    text.split("```").step_by(2).collect()
 }
 
 /// Targets of links and pictures, but for those in the web.
@@ -202,44 +152,41 @@ fn links(text: &str) -> Vec<String> {
     marked.chain(tagged).filter(is_local).map(str::to_owned).collect()
 }
 
-/// Paths in backticks; those with a placeholder in capitals are none.
-fn paths(text: &str) -> BTreeSet<String> {
+/// Whether it begins with a folder; those with a placeholder in capitals are none.
+fn is_path(text: &str) -> bool {
+    let is_placeholder = |part: &str| part.len() > 1 && part.chars().all(|c| c.is_ascii_uppercase());
+    FOLDERS.iter().any(|folder| text.starts_with(folder)) && !text.split(['/', '.']).any(is_placeholder)
+}
+
+fn is_plain(c: char) -> bool {
+    c.is_ascii_alphanumeric() || "_./-".contains(c)
+}
+
+/// Paths in backticks.
+fn paths(text: &str) -> Vec<String> {
     let prose = prose(text);
-    let is_path = |code: &&str| {
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
-        FOLDERS.iter().any(|folder| code.starts_with(folder)) && code.chars().all(is_plain) && !has_placeholder(code)
-    };
-    prose.split('`').skip(1).step_by(2).filter(is_path).map(str::to_owned).collect()
+    let quoted = prose.split('`').skip(1).step_by(2);
+    quoted.filter(|code| code.chars().all(is_plain) && is_path(code)).map(str::to_owned).collect()
 }
 
-/// Paths of files in the comments of a source; those with a placeholder in capitals are none.
-fn commented_paths(text: &str) -> BTreeSet<String> {
+/// Paths of files in the comments of a source.
+fn commented_paths(text: &str) -> Vec<String> {
     let comments = text.lines().filter_map(|line| Some(line.split_once("//")?.1));
-    let words = comments.flat_map(|comment| comment.split(|c: char| !c.is_ascii_alphanumeric() && !"_./-".contains(c)));
+    let words = comments.flat_map(|comment| comment.split(|c: char| !is_plain(c)));
     let words = words.map(|word| word.trim_end_matches('.'));
-    let is_file = |word: &&str| {
-        let ends = [".rs", ".wgsl", ".md", ".txt", ".toml"];
-        ends.iter().any(|end| word.ends_with(end)) && FOLDERS.iter().any(|folder| word.starts_with(folder))
-    };
-    words.filter(is_file).filter(|word| !has_placeholder(word)).map(str::to_owned).collect()
+    let is_file = |word: &&str| [".rs", ".wgsl", ".md", ".txt", ".toml"].iter().any(|end| word.ends_with(end));
+    words.filter(|word| is_file(word) && is_path(word)).map(str::to_owned).collect()
 }
 
-fn has_placeholder(path: &str) -> bool {
-    path.split(['/', '.']).any(|part| part.len() > 1 && part.chars().all(|c| c.is_ascii_uppercase()))
-}
-
-fn broken_link(link: &str, document: &Path, folder: &Path) -> Result<(), String> {
+/// The fault of a link in a document, if it has one.
+fn broken_link(link: &str, document: &Path) -> Option<String> {
     let (file, heading) = link.split_once('#').map_or((link, None), |(file, heading)| (file, Some(heading)));
-    let target = if file.is_empty() { document.to_owned() } else { folder.join(file) };
+    let target = if file.is_empty() { document.to_owned() } else { document.with_file_name(file) };
     if !target.exists() {
-        return Err(format!("{}: the link `{link}` leads to no file", shown(document)));
+        return Some(format!("the link `{link}` leads to no file"));
     }
-    match heading {
-        Some(heading) if !headings(&read(&target)).contains(heading) => {
-            Err(format!("{}: the link `{link}` leads to no heading", shown(document)))
-        }
-        _ => Ok(()),
-    }
+    let is_missing = heading.is_some_and(|heading| !headings(&read(&target)).contains(heading));
+    is_missing.then(|| format!("the link `{link}` leads to no heading"))
 }
 
 /// The names that GitHub and others give to headings.

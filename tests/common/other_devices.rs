@@ -1,17 +1,18 @@
 //! Samples that no device has, things of two devices, lost devices: typed errors, and no error of the device.
 
+use rimline::Counting;
 use rimline::gpu::{
     Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery,
     ShadowQueryOptions, StageTimer, read_back_vec, results_bind_group_layout,
 };
-use rimline::{Counting, Mesh};
+use rimline_testkit::OneCasterOptions;
+use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{one_caster, text};
 use rimline_testkit::passes::{CLEARED, depth_pass};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
-use rimline_testkit::{OneCaster, OneCasterOptions};
 
 use crate::watched::{LIGHT, Watched, camera, caster, depth_stencil, extractor, packed};
 
@@ -27,37 +28,30 @@ fn formats() -> Result<(), String> {
     let make = |watched: &Watched, format: ShadowFormat| {
         ShadowPipelines::new(&watched.gpu.pipelines, &format, Counting::Auto).map(drop)
     };
-    let format = ShadowFormat::default().depth_stencil;
+    let of = |samples| ShadowFormat { samples, ..Default::default() };
     for samples in [0, 2, 3, 8, 64, u32::MAX] {
-        let found = make(&watched, ShadowFormat { samples, ..Default::default() });
-        let expected = ShadowError::Samples { samples, format, supported: vec![1, 4] };
-        refused([refusal(format!("{samples} samples"), found, is(expected))])?;
-        watched.quiet(&format!("{samples} samples"))?;
-    }
-    for samples in [1, 4] {
-        make(&watched, ShadowFormat { samples, ..Default::default() }).map_err(text)?;
+        let expected = ShadowError::Samples { samples, format: of(1).depth_stencil, supported: vec![1, 4] };
+        refused([refusal(format!("{samples} samples"), make(&watched, of(samples)), is(expected))])?;
     }
     let colors = |color, count| make(&watched, ShadowFormat { colors: vec![Some(color); count], ..Default::default() });
-    let (undrawable, rgba) = (wgpu::TextureFormat::Rgb9e5Ufloat, wgpu::TextureFormat::Rgba8Unorm);
     refused([
-        refusal("a format that cannot be drawn into", colors(undrawable, 1), shows(&["Refused {"])),
-        refusal("too many colours", colors(rgba, 9), shows(&["Refused {"])),
+        refusal("1 sample", make(&watched, of(1)), Expected::Taken),
+        refusal("4 samples", make(&watched, of(4)), Expected::Taken),
+        refusal("no target", colors(wgpu::TextureFormat::Rgb9e5Ufloat, 1), shows(&["Refused {"])),
+        refusal("too many colours", colors(wgpu::TextureFormat::Rgba8Unorm, 9), shows(&["Refused {"])),
     ])?;
-    watched.quiet("colours")?;
+    watched.quiet("samples and colours")?;
     // Where the adapter's own counts are allowed, the device has the last word.
     let feature = wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
     let watched = Watched::new(feature, wgpu::Limits::default())?;
     for samples in [2, 8, 16] {
-        match make(&watched, ShadowFormat { samples, ..Default::default() }) {
-            Ok(()) => println!("{samples} samples are there"),
-            Err(ShadowError::Refused { message }) => println!("{samples} samples: {message}"),
+        match make(&watched, of(samples)) {
+            Ok(()) | Err(ShadowError::Refused { .. }) => {}
             Err(error) => return Err(format!("{samples} samples: {error:?}")),
         }
-        watched.quiet(&format!("{samples} samples of the adapter"))?;
     }
-    let three = make(&watched, ShadowFormat { samples: 3, ..Default::default() });
-    refused([refusal("3 samples of the adapter", three, shows(&["Samples { samples: 3,"]))])?;
-    watched.quiet("3 samples of the adapter")
+    refused([refusal("3 samples of the adapter", make(&watched, of(3)), shows(&["Samples { samples: 3,"]))])?;
+    watched.quiet("samples of the adapter")
 }
 
 /// Parts of the errors of other devices, of their buffers, and of lost devices.
@@ -140,78 +134,58 @@ fn made_on_lost() -> Result<(), String> {
     watched.quiet("constructors")
 }
 
-/// Objects that encode, made while the device was alive.
-struct Made {
-    extractor: Extractor,
-    drawing: ShadowPipelines,
-    volumes: OneCaster,
-    query: ShadowQuery,
-    timer: StageTimer,
-}
-
-fn everything(watched: &Watched, mesh: &Mesh) -> Result<Made, String> {
-    let extractor = extractor(watched, mesh, 1)?;
-    let pipelines = &watched.gpu.pipelines;
-    let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
-    let volumes = one_caster(&watched.gpu, &drawing, mesh, OneCasterOptions::default()).map_err(text)?;
-    let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
-    let query = ShadowQuery::new(pipelines, mesh, options).map_err(text)?;
-    let timer = StageTimer::new(&watched.gpu.device, &watched.gpu.queue).ok_or("no timer")?;
-    Ok(Made { extractor, drawing, volumes, query, timer })
-}
-
+/// Objects that encode, made while the device was alive, which is lost before their first encode, and after one.
 fn encoded_on_lost() -> Result<(), String> {
-    let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
-    let (shape, mesh) = caster()?;
-    let buffer = watched.gpu.storage(&shape.positions);
-    let positions = packed(&buffer);
-    let mut random = Random::new(94);
-    let model = random_model(&mut random, 50);
-    let pose = random_pose(&mut random, &model);
-    let deformer = Deformer::new(&watched.gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
-    let layout = results_bind_group_layout(&watched.gpu.device, wgpu::ShaderStages::COMPUTE);
-    // Lost before the first encode, and after one.
-    let mut unused = everything(&watched, &mesh)?;
-    let mut used = everything(&watched, &mesh)?;
-    let extract = |made: &mut Made, encoder: &mut wgpu::CommandEncoder| {
-        made.extractor.encode(encoder, positions, &[LIGHT]).map_err(text)
-    };
-    // Recorded, and for one of them used by volumes too, before the device is lost.
-    let mut extractions = watched
-        .gpu
-        .submit(|encoder| {
-            let extractions = [extract(&mut unused, encoder)?, extract(&mut used, encoder)?];
-            used.volumes.encode(encoder, positions, &[LIGHT], Some(&camera()), None).map_err(text)?;
-            Ok(extractions)
-        })?
-        .into_iter();
-    let mut before = watched.encoder();
-    watched.gpu.device.destroy();
-    let mut after = watched.encoder();
-    for (what, made, encoder) in [("unused", &mut unused, &mut before), ("used", &mut used, &mut after)] {
-        let Made { extractor, volumes, query, timer, .. } = made;
-        let extraction = extractions.next().ok_or("no extraction")?;
+    for is_used in [false, true] {
+        let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
+        let Gpu { device, queue, pipelines, .. } = &watched.gpu;
+        let (shape, mesh) = caster()?;
+        let buffer = watched.gpu.storage(&shape.positions);
+        let positions = packed(&buffer);
+        let mut random = Random::new(94);
+        let model = random_model(&mut random, 50);
+        let pose = random_pose(&mut random, &model);
+        let deformer = Deformer::new(pipelines, &model, DeformerOptions::default()).map_err(text)?;
+        let layout = results_bind_group_layout(device, wgpu::ShaderStages::COMPUTE);
+        let mut extractor = extractor(&watched, &mesh, 1)?;
+        let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+        let mut volumes = one_caster(&watched.gpu, &drawing, &mesh, OneCasterOptions::default()).map_err(text)?;
+        let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
+        let mut query = ShadowQuery::new(pipelines, &mesh, options).map_err(text)?;
+        let mut timer = StageTimer::new(device, queue).ok_or("no timer")?;
+        let extraction = watched.gpu.submit(|encoder| {
+            if is_used {
+                volumes.encode(encoder, positions, &[LIGHT], Some(&camera()), None).map_err(text)?;
+            }
+            extractor.encode(encoder, positions, &[LIGHT]).map_err(text)
+        })?;
+        let before = watched.encoder();
+        device.destroy();
+        let mut encoder = if is_used { watched.encoder() } else { before };
+        let timer = &mut timer;
         refused([
-            refusal(what, extractor.encode_timed(encoder, positions, &[LIGHT], Some(timer)), shows(LOST)),
-            refusal(what, query.encode_timed(encoder, positions, positions, 9, &[LIGHT], Some(timer)), shows(LOST)),
-            refusal(what, deformer.encode_timed(encoder, &pose, Some(timer)), shows(LOST)),
-            refusal(what, extraction.bind_group(&layout, 0), shows(LOST)),
+            refusal("extractor", extractor.encode_timed(&mut encoder, positions, &[LIGHT], Some(timer)), shows(LOST)),
+            refusal(
+                "query",
+                query.encode_timed(&mut encoder, positions, positions, 9, &[LIGHT], Some(timer)),
+                shows(LOST),
+            ),
+            refusal("deformer", deformer.encode_timed(&mut encoder, &pose, Some(timer)), shows(LOST)),
+            refusal("bind group", extraction.bind_group(&layout, 0), shows(LOST)),
         ])?;
-        if what == "used" {
-            let encoded = volumes.encode(encoder, positions, &[LIGHT], Some(&camera()), Some(timer));
+        if is_used {
+            let encoded = volumes.encode(&mut encoder, positions, &[LIGHT], Some(&camera()), Some(timer));
             refused([refusal("used volumes", encoded, shows(LOST))])?;
         }
-        timer.resolve(encoder);
-        let (device, queue, counts) = (&watched.gpu.device, &watched.gpu.queue, extractor.results().counts);
+        timer.resolve(&mut encoder);
+        let counts = read_back_vec::<u32>(device, queue, extractor.results().counts);
         refused([
-            refusal(what, timer.read(device, queue), shows(&["ReadBack {"])),
-            refusal(what, read_back_vec::<u32>(device, queue, counts), shows(&["ReadBack {"])),
+            refusal("timer", timer.read(device, queue), shows(&["ReadBack {"])),
+            refusal("reading back", counts, shows(&["ReadBack {"])),
         ])?;
-        watched.quiet(what)?;
+        // wgpu itself takes encoders of a lost device.
+        queue.submit([encoder.finish()]);
+        watched.quiet(if is_used { "used" } else { "unused" })?;
     }
-    // wgpu itself takes encoders of a lost device.
-    watched.gpu.queue.submit([before.finish(), after.finish()]);
-    watched.quiet("submitting")?;
-    drop((unused.drawing, used.drawing));
     Ok(())
 }

@@ -17,11 +17,7 @@ use rimline_testkit::{must_fail, same};
 
 use crate::watched::{Watched, camera, caster, depth_stencil, packed};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("small_presets_are_one_typed_error", presets),
-    ("each_limit_one_too_low_is_a_typed_error", one_too_low),
-    ("the_limits_that_errors_name_are_enough", enough),
-];
+pub(crate) const TESTS: &[Test] = &[("limits_one_too_low_are_typed_errors_and_those_that_they_name_are_enough", named)];
 
 /// Objects that a caller creates on its own device, each without the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,30 +62,6 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
     Ok(error.filter(|error| !(is_of_mesh && error.is_memory())))
 }
 
-fn presets() -> Result<(), String> {
-    use wgpu::Limits;
-    for (limits, expected) in [
-        (Limits::downlevel_defaults(), "max_storage_buffers_per_shader_stage"),
-        (Limits::downlevel_webgl2_defaults(), "max_compute_workgroups_per_dimension"),
-    ] {
-        let watched = Watched::new(wgpu::Features::empty(), limits.clone())?;
-        for subject in SUBJECTS {
-            match refusal(&watched, subject)? {
-                // Depth maps need four storage buffers, as many as these limits have.
-                None if subject == Subject::DepthMap && limits.max_storage_buffers_per_shader_stage == 4 => {}
-                Some(DeviceError::Limit { limit, .. }) => same(&format!("{subject:?}"), &[limit], &[expected])?,
-                other => return Err(format!("{subject:?}: {other:?}")),
-            }
-            watched.quiet(&format!("{subject:?}"))?;
-        }
-    }
-    let watched = Watched::plain()?;
-    for subject in SUBJECTS {
-        same(&format!("{subject:?} by default"), &[refusal(&watched, subject)?], &[None])?;
-    }
-    watched.quiet("by default")
-}
-
 /// A limit's name, and how it is set.
 type Limit = (&'static str, fn(&mut wgpu::Limits, u64));
 
@@ -116,17 +88,15 @@ const LIMITS: [Limit; 16] = limits![
     max_buffer_size: u64
 ];
 
-fn with(name: &str, value: u64) -> Result<Watched, String> {
+fn with(set: fn(&mut wgpu::Limits, u64), value: u64) -> Result<Watched, String> {
     let mut limits = wgpu::Limits::default();
-    let (_, set) =
-        LIMITS.iter().find(|(limit, _)| *limit == name).ok_or_else(|| format!("{name} is not in the list"))?;
     set(&mut limits, value);
     Watched::new(wgpu::Features::empty(), limits)
 }
 
 /// The limit that each subject needs, from the error for a device that has none of it. 0 if the subject does not need it.
-fn needed(name: &'static str) -> Result<[u64; 5], String> {
-    let none = with(name, 0)?;
+fn needed((name, set): Limit) -> Result<[u64; 5], String> {
+    let none = with(set, 0)?;
     let mut found = [0; 5];
     for (needed_here, subject) in found.iter_mut().zip(SUBJECTS) {
         match refusal(&none, subject)? {
@@ -139,49 +109,39 @@ fn needed(name: &'static str) -> Result<[u64; 5], String> {
     Ok(found)
 }
 
-fn one_too_low() -> Result<(), String> {
-    for (name, _) in LIMITS {
-        let all = needed(name)?;
+/// Everything that a subject can do, on a device with the very limits that errors name; sizes of bindings and buffers apart, which
+/// meshes need more of. With one less of any limit there is an error, and none for subjects that need no more.
+fn named() -> Result<(), String> {
+    let mut least = SUBJECTS.map(|_| wgpu::Limits::default());
+    for limit @ (name, set) in LIMITS {
+        let all = needed(limit)?;
         println!("{name}: {all:?}");
-        let mut tried: Vec<u64> = all.iter().filter(|needed| **needed > 1).map(|needed| needed - 1).collect();
-        tried.sort_unstable();
-        tried.dedup();
-        for there in tried {
-            let watched = with(name, there)?;
+        let most = all.into_iter().max().unwrap_or_default();
+        if most > 1 {
+            let watched = with(set, most - 1)?;
             for (needed, subject) in all.into_iter().zip(SUBJECTS) {
                 let found = refusal(&watched, subject)?.map(|error| match error {
                     DeviceError::Limit { limit, needed, there, .. } => Ok((limit, needed, there)),
                     error => Err(error),
                 });
-                let expected = (needed > there).then_some(Ok((name, needed, there)));
-                same(&format!("{subject:?} with {name} of {there}"), &[found], &[expected])?;
-                watched.quiet(name)?;
+                let expected = (needed == most).then_some(Ok((name, needed, most - 1)));
+                same(&format!("{subject:?}, {name}"), &[found], &[expected])?;
             }
+            watched.quiet(name)?;
         }
-    }
-    Ok(())
-}
-
-/// Everything that a subject can do, on a device with the very limits that errors name; sizes of bindings and buffers
-/// apart, which meshes need more of.
-fn enough() -> Result<(), String> {
-    let mut least = SUBJECTS.map(|_| wgpu::Limits::default());
-    for (name, set) in LIMITS {
         if !matches!(name, "max_storage_buffer_binding_size" | "max_buffer_size") {
-            let [extract, shadow, query, deform, maps] = needed(name)?;
+            let [extract, shadow, query, deform, maps] = all;
             // Volumes are of an extraction.
             for (limits, value) in least.iter_mut().zip([extract, shadow.max(extract), query, deform, maps]) {
                 set(limits, value);
             }
         }
     }
-    let [extract, shadow, query, deform, maps] = least;
     let on = |limits| Watched::new(wgpu::Features::empty(), limits);
-    extractions(&on(extract)?)?;
-    shadows(&on(shadow)?)?;
-    queries(&on(query)?)?;
-    deformations(&on(deform)?)?;
-    depth_maps(&on(maps)?)?;
+    let uses: [fn(&Watched) -> Result<(), String>; 5] = [extractions, shadows, queries, deformations, depth_maps];
+    for (used, limits) in uses.into_iter().zip(least) {
+        used(&on(limits)?)?;
+    }
     // Negative control: volumes on a device that is enough for extraction alone.
     must_fail("volumes with one bind group", &shadows(&on(wgpu::Limits { max_bind_groups: 1, ..Default::default() })?))
 }

@@ -6,7 +6,8 @@ use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, ModelError, Pose,
 };
 use rimline_testkit::is_long;
-use rimline_testkit::models::{bending_tube, random_geometry, random_matrix, random_model, random_pose};
+use rimline_testkit::models::{bending_tube, random_matrix, random_model, random_pose};
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::poser::{self, within_boxes};
 use rimline_testkit::random::Random;
 
@@ -14,14 +15,10 @@ const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0
 
 /// Checks the boxes of a pose against the poser, which shares no code, and against the stage's CPU reference.
 fn check_pose(model: &Model, pose: &Pose) -> Result<Vec<Option<Box3>>, String> {
-    let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(|error| error.to_string())?;
+    let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(text)?;
     let exact: Vec<[f64; 3]> = poser::of_model(model, pose).iter().map(|posed| posed.position).collect();
     within_boxes(model, &boxes, &exact)?;
-    within_boxes(
-        model,
-        &boxes,
-        &cpu::deform(model, pose, 0.0, None, Threads::ONE).map_err(|error| error.to_string())?,
-    )?;
+    within_boxes(model, &boxes, &cpu::deform(model, pose, 0.0, None, Threads::ONE).map_err(text)?)?;
     Ok(boxes)
 }
 
@@ -38,7 +35,7 @@ fn skinned(positions: &[[f32; 3]], influences: &[&[(u32, f32)]], morph_targets: 
     Model::new(vec![geometry], vec![Instance::new(0, None)]).expect("one geometry")
 }
 
-fn pose(palette: Vec<Matrix3x4>, weights: Vec<f32>) -> Pose {
+fn pose_of(palette: Vec<Matrix3x4>, weights: Vec<f32>) -> Pose {
     Pose::new(vec![InstancePose::new(palette, weights).expect("all is finite")])
 }
 
@@ -81,7 +78,7 @@ fn boxes_hold_what_is_lost_to_cancellation() {
         }
         let influences: Vec<(u32, f32)> = (0..count as u32).map(|joint| (joint, random.between(-0.5, 1.5))).collect();
         let model = skinned(&[position], &[&influences], vec![vec![random.direction()]; 2]);
-        let pose = pose(palette, vec![random.between(-2.0, 2.0), 0.0]);
+        let pose = pose_of(palette, vec![random.between(-2.0, 2.0), 0.0]);
         check_pose(&model, &pose).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let exact = poser::of_model(&model, &pose)[0].position;
         let found = cpu::deform(&model, &pose, 0.0, None, Threads::ONE).expect("it fits")[0];
@@ -98,7 +95,8 @@ fn boxes_hold_what_is_lost_to_cancellation() {
 #[test]
 fn the_box_at_rest_does_not_hold_a_pose() {
     let (model, pose) = bending_tube();
-    let rest = pose_at_rest(&model);
+    let joints = model.geometries()[0].joints_needed();
+    let rest = pose_of(vec![IDENTITY; joints], Vec::new());
     let [at_rest] = check_pose(&model, &rest).expect("held")[..] else { panic!("one instance") };
     let (mut left, mut sizes) = (0, Vec::new());
     for step in 0..40 {
@@ -118,14 +116,6 @@ fn the_box_at_rest_does_not_hold_a_pose() {
     assert!(largest < 2.0, "a box is {largest} times as long as the tube");
 }
 
-fn pose_at_rest(model: &Model) -> Pose {
-    let instances = model.placed_geometries().map(|geometry| {
-        let weights = vec![0.0; geometry.morph_targets().len()];
-        InstancePose::new(vec![IDENTITY; geometry.joints_needed()], weights).expect("all is finite")
-    });
-    Pose::new(instances.collect())
-}
-
 /// Weights that do not sum to one scale about the origin of the world, and negative ones reach beyond all joints.
 #[test]
 fn weights_of_any_sum_are_heeded() {
@@ -133,7 +123,7 @@ fn weights_of_any_sum_are_heeded() {
     let points = [[0.0; 3]; 2];
     let of = |weights: &[&[(u32, f32)]], palette: &[f32]| {
         let model = skinned(&points, weights, Vec::new());
-        let pose = pose(palette.iter().map(|&x| far(x)).collect(), Vec::new());
+        let pose = pose_of(palette.iter().map(|&x| far(x)).collect(), Vec::new());
         check_pose(&model, &pose).expect("held")[0].expect("a box")
     };
     let near = |found: Box3, low: f32, high: f32| {
@@ -156,7 +146,7 @@ fn morph_targets_and_displacements_widen() {
     let morph_targets = vec![vec![[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[f32::NAN; 3]; 2]];
     let model = skinned(&[[0.0; 3]; 2], &[&[(0, 1.0)], &[(0, 1.0)]], morph_targets);
     let bounds = ModelBounds::new(&model);
-    let of = |weights: Vec<f32>, by: f32| bounds.boxes(&pose(vec![IDENTITY], weights), by).expect("it fits")[0];
+    let of = |weights: Vec<f32>, by: f32| bounds.boxes(&pose_of(vec![IDENTITY], weights), by).expect("it fits")[0];
     let [low, high] = of(vec![-3.0, 0.0], 0.0).expect("a box");
     assert!(
         low[0] <= -3.0 && low[0] > -3.001 && low[1] <= -6.0 && low[1] > -6.001 && high[0] < 1e-3,
@@ -176,7 +166,7 @@ fn what_may_overflow_or_is_not_finite_has_no_box() {
     let scale = |x: f32| [[x, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let of = |x: f32, factor: f32, weight: f32| {
         let model = skinned(&[[x, 0.0, 0.0]], &[&[(0, weight), (1, 0.0)]], Vec::new());
-        ModelBounds::new(&model).boxes(&pose(vec![scale(factor), IDENTITY], Vec::new()), 0.0).expect("it fits")[0]
+        ModelBounds::new(&model).boxes(&pose_of(vec![scale(factor), IDENTITY], Vec::new()), 0.0).expect("it fits")[0]
     };
     assert!(of(1e9, 1e9, 1.0).is_some());
     for (x, factor, weight) in [(1e20, 1e20, 1.0), (1e9, 1e9, 1e22), (f32::NAN, 1.0, 1.0), (f32::INFINITY, 1.0, 0.0)] {
@@ -184,23 +174,20 @@ fn what_may_overflow_or_is_not_finite_has_no_box() {
     }
     // Joints that move nothing may overflow, too, and zero times infinity is no number.
     let model = skinned(&[[1e20, 0.0, 0.0]], &[&[(0, 1.0), (1, 0.0)]], Vec::new());
-    let boxes = ModelBounds::new(&model).boxes(&pose(vec![IDENTITY, scale(1e20)], Vec::new()), 0.0);
+    let boxes = ModelBounds::new(&model).boxes(&pose_of(vec![IDENTITY, scale(1e20)], Vec::new()), 0.0);
     assert_eq!(boxes, Ok(vec![None]));
     let none = Model::new(vec![Geometry::default()], vec![Instance::new(0, None)]).expect("one geometry");
-    assert_eq!(ModelBounds::new(&none).boxes(&pose(vec![IDENTITY], Vec::new()), 0.0), Ok(vec![None]));
+    assert_eq!(ModelBounds::new(&none).boxes(&pose_of(vec![IDENTITY], Vec::new()), 0.0), Ok(vec![None]));
 }
 
 #[test]
 fn poses_that_do_not_fit_are_refused() {
-    let mut random = Random::new(8701);
-    let geometry = random_geometry(&mut random, 9, Some(3), 2);
-    let (joints, model) = (geometry.joints_needed(), Model::new(vec![geometry], vec![Instance::new(0, None)]));
-    let bounds = ModelBounds::new(&model.expect("one geometry"));
-    let of = |pose: &Pose| bounds.boxes(pose, 0.0).err();
-    assert_eq!(of(&Pose::new(Vec::new())), Some(ModelError::PoseInstances { given: 0, needed: 1 }));
-    let few = ModelError::PosePalette { instance: 0, given: joints - 1, needed: joints };
-    assert_eq!(of(&pose(vec![IDENTITY; joints - 1], vec![0.0; 2])), Some(few));
+    let model = skinned(&[[0.0; 3]], &[&[(2, 1.0)]], vec![vec![[0.0; 3]]; 2]);
+    let of = |pose: &Pose| ModelBounds::new(&model).boxes(pose, 0.0).err();
+    let few = ModelError::PosePalette { instance: 0, given: 2, needed: 3 };
     let other = ModelError::PoseMorphWeights { instance: 0, given: 3, needed: 2 };
-    assert_eq!(of(&pose(vec![IDENTITY; joints], vec![0.0; 3])), Some(other));
-    assert_eq!(of(&pose(vec![IDENTITY; joints], vec![0.0; 2])), None);
+    assert_eq!(of(&Pose::new(Vec::new())), Some(ModelError::PoseInstances { given: 0, needed: 1 }));
+    assert_eq!(of(&pose_of(vec![IDENTITY; 2], vec![0.0; 2])), Some(few));
+    assert_eq!(of(&pose_of(vec![IDENTITY; 3], vec![0.0; 3])), Some(other));
+    assert_eq!(of(&pose_of(vec![IDENTITY; 3], vec![0.0; 2])), None);
 }

@@ -2,5 +2,4 @@
 
 mod bounds;
 mod displace;
-mod displace_bounds;
 mod model;

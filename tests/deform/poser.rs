@@ -4,17 +4,17 @@
 use std::path::Path;
 
 use libtest_mimic::Trial;
+use rimline::ModelBounds;
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions};
 use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::{Model, ModelBounds};
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::{Test, on_models};
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{check_deform, deformed, limited, text};
-use rimline_testkit::poser::{self, Posed, gltf::File};
+use rimline_testkit::poser::{self, Posed, corners, gltf::File};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
 
@@ -80,16 +80,6 @@ fn moments(asset: &Asset) -> Vec<(Option<usize>, f32)> {
     let animations = asset.animations().iter().enumerate();
     let times = animations.flat_map(|(index, of)| parts.map(|part| (Some(index), part * of.duration_s)));
     std::iter::once((None, 0.0)).chain(times).collect()
-}
-
-/// Positions of the corners of all faces.
-fn corners(model: &Model, positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let (mut corners, mut first) = (Vec::new(), 0);
-    for geometry in model.placed_geometries() {
-        corners.extend(geometry.faces().as_flattened().iter().map(|&vertex| positions[first + vertex as usize]));
-        first += geometry.positions().len();
-    }
-    corners
 }
 
 fn check(path: &Path) -> Result<(), String> {

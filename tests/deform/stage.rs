@@ -11,7 +11,7 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{deformed, text};
 use rimline_testkit::random::Random;
-use rimline_testkit::same;
+use rimline_testkit::{IDENTITY, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("displace_sees_position_vertex_and_time", displaced),
@@ -113,17 +113,7 @@ fn resources() -> Result<(), String> {
     same("positions", &found, &expected)
 }
 
-/// A change of a pose, and the error that it gives.
-type Perturbation = (fn(&mut Vec<InstancePose>), ModelError);
-
-/// An instance's pose with another number of matrices or weights.
-fn resized(pose: &InstancePose, matrices: usize, weights: usize) -> InstancePose {
-    let (mut palette, mut morph_weights) = (pose.palette().to_vec(), pose.morph_weights().to_vec());
-    palette.truncate(matrices);
-    morph_weights.resize(weights, 0.0);
-    InstancePose::new(palette, morph_weights).expect("all is finite")
-}
-
+/// A pose of another model is refused, on the GPU, on the CPU and for meshes, and nothing changes.
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(64);
@@ -131,17 +121,23 @@ fn refused() -> Result<(), String> {
     let pose = random_pose(&mut random, &model);
     let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
     let before = deformed(gpu, &deformer, &model, &pose)?;
-    let perturbations: [Perturbation; 5] = [
-        (|pose| pose.truncate(6), ModelError::PoseInstances { given: 6, needed: 7 }),
-        (|pose| pose.push(pose[0].clone()), ModelError::PoseInstances { given: 8, needed: 7 }),
-        (|pose| pose[1] = resized(&pose[1], 0, 0), ModelError::PosePalette { instance: 1, given: 0, needed: 1 }),
-        (|pose| pose[3] = resized(&pose[3], 1, 4), ModelError::PoseMorphWeights { instance: 3, given: 4, needed: 5 }),
-        (|pose| pose[2] = resized(&pose[2], 12, 1), ModelError::PoseMorphWeights { instance: 2, given: 1, needed: 0 }),
-    ];
-    for (perturb, expected) in perturbations {
-        let mut wrong = pose.instances().to_vec();
-        perturb(&mut wrong);
-        let wrong = Pose::new(wrong);
+    let sizes = pose.instances().iter().map(|of| [of.palette().len(), of.morph_weights().len()]).collect::<Vec<_>>();
+    let with = |instance: usize, size: [usize; 2]| {
+        let mut sizes = sizes.clone();
+        sizes.resize(sizes.len().max(instance + 1), size);
+        sizes[instance] = size;
+        sizes
+    };
+    for (wrong, expected) in [
+        (sizes[..6].to_vec(), ModelError::PoseInstances { given: 6, needed: 7 }),
+        (with(7, [1, 0]), ModelError::PoseInstances { given: 8, needed: 7 }),
+        (with(1, [0, 0]), ModelError::PosePalette { instance: 1, given: 0, needed: 1 }),
+        (with(3, [1, 4]), ModelError::PoseMorphWeights { instance: 3, given: 4, needed: 5 }),
+        (with(2, [12, 1]), ModelError::PoseMorphWeights { instance: 2, given: 1, needed: 0 }),
+    ] {
+        let instance =
+            |&[matrices, weights]: &[usize; 2]| InstancePose::new(vec![IDENTITY; matrices], vec![0.0; weights]);
+        let wrong = Pose::new(wrong.iter().map(instance).collect::<Result<_, _>>().map_err(text)?);
         gpu.submit(|encoder| {
             let error = deformer.encode(encoder, &wrong).err();
             same("pose", &[error], &[Some(DeformError::Model(expected))])

@@ -2,80 +2,32 @@
 
 use libtest_mimic::Trial;
 use rimline::Transform;
+use rimline::cpu::{self, Threads};
 use rimline::gltf::{Asset, Colors, GltfError, GltfWarning};
 use rimline::internals::model::influence_range;
-use rimline::model::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, ModelError, Pose};
+use rimline::model::{Geometry, GeometryOptions, Influences, Instance, Model, ModelError};
+use rimline_testkit::poser::{self, gltf::File};
 
+use crate::maker::Maker;
 use crate::{Outcome, ensure, test};
 
 pub(crate) fn tests() -> Vec<Trial> {
-    vec![
-        test("check::model_control", model_control),
-        test("check::pose_control", pose_control),
-        test("check::close_control", close_control),
-    ]
+    vec![test("check::control", control)]
 }
 
-/// Indices in range, lists of equal length, positions finite.
-pub(crate) fn model(model: &Model) -> Outcome {
-    sound(model, true)
-}
-
-/// The same. Positions and offsets are finite if they must be.
+/// Constructors of models leave these open: all is finite if it must be, weights sum to 1, instances have faces.
 fn sound(model: &Model, must_be_finite: bool) -> Outcome {
     for (g, geometry) in model.geometries().iter().enumerate() {
-        let vertices = geometry.positions().len();
-        let finite = |list: &[[f32; 3]]| !must_be_finite || list.as_flattened().iter().all(|c| c.is_finite());
-        ensure(finite(geometry.positions()), || format!("geometry {g}: position"))?;
-        let in_range = geometry.faces().as_flattened().iter().all(|&v| (v as usize) < vertices);
-        ensure(in_range, || format!("geometry {g}: face index"))?;
-        ensure(geometry.source_vertices().len() == vertices, || format!("geometry {g}: source vertices"))?;
-        for target in geometry.morph_targets() {
-            let good = target.len() == vertices && finite(target);
-            ensure(good, || format!("geometry {g}: morph target"))?;
-        }
-        if let Some(influences) = geometry.influences() {
-            let offsets = influences.offsets();
-            let entries = influences.joints().len();
-            let good = offsets.len() == vertices + 1
-                && offsets.first() == Some(&0)
-                && offsets.last() == Some(&(entries as u32))
-                && offsets.is_sorted()
-                && influences.weights().len() == entries;
-            ensure(good, || format!("geometry {g}: influence offsets"))?;
-            for v in 0..vertices {
-                let total: f64 =
-                    influences.weights()[influence_range(influences, v)].iter().map(|&w| f64::from(w)).sum();
-                ensure((total - 1.0).abs() < 1e-5, || format!("geometry {g}: vertex {v} weighs {total}"))?;
-            }
+        let mut vectors = geometry.morph_targets().iter().flatten().chain(geometry.positions()).flatten();
+        ensure(!must_be_finite || vectors.all(|c| c.is_finite()), || format!("geometry {g}: position or offset"))?;
+        let Some(influences) = geometry.influences() else { continue };
+        for v in 0..geometry.positions().len() {
+            let weights = &influences.weights()[influence_range(influences, v)];
+            let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+            ensure((total - 1.0).abs() < 1e-5, || format!("geometry {g}: vertex {v} weighs {total}"))?;
         }
     }
-    for (i, instance) in model.instances().iter().enumerate() {
-        let drawn = model.geometries().get(instance.geometry()).is_some_and(|g| !g.faces().is_empty());
-        ensure(drawn, || format!("instance {i}: geometry"))?;
-    }
-    Ok(())
-}
-
-/// One pose an instance, palettes as long as the joints need, all finite.
-pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
-    ensure(pose.instances().len() == model.instances().len(), || "instances".to_owned())?;
-    for (i, (geometry, pose)) in model.placed_geometries().zip(pose.instances()).enumerate() {
-        let enough = match geometry.influences() {
-            None => pose.palette().len() == 1,
-            Some(influences) => influences.joints().iter().all(|&j| (j as usize) < pose.palette().len()),
-        };
-        ensure(enough, || format!("instance {i}: palette of {}", pose.palette().len()))?;
-        ensure(pose.morph_weights().len() == geometry.morph_targets().len(), || format!("instance {i}: weights"))?;
-        let mut values = pose
-            .palette()
-            .iter()
-            .flat_map(|matrix| matrix.rows())
-            .flatten()
-            .chain(pose.morph_weights().iter().copied());
-        ensure(values.all(f32::is_finite), || format!("instance {i}: not finite"))?;
-    }
-    Ok(())
+    ensure(model.placed_geometries().all(|geometry| !geometry.faces().is_empty()), || "nothing is placed".to_owned())
 }
 
 /// An asset's model, and poses and lights at several times of its first animations. Poses may be refused only as not
@@ -86,9 +38,8 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
     for (g, geometry) in asset.model().geometries().iter().enumerate() {
         let Some(Colors { faces, vertices }) = asset.colors(g) else { continue };
         let counts = [faces.as_ref().map_or(0, Vec::len), vertices.as_ref().map_or(0, Vec::len)];
-        let is_right = |(found, all): (usize, usize)| found == 0 || found == all;
         let of = [geometry.faces().len(), geometry.positions().len()];
-        let are_right = counts.into_iter().zip(of).all(is_right);
+        let are_right = counts.into_iter().zip(of).all(|(found, all)| found == 0 || found == all);
         ensure(are_right && counts != [0, 0], || format!("geometry {g}: {counts:?} colours of {of:?}"))?;
         let mut all = faces.iter().chain(vertices).flatten().flatten();
         ensure(all.all(|c| (0.0..=1.0).contains(c)), || format!("geometry {g}: a colour"))?;
@@ -97,7 +48,7 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
     let check = |animation, time| match asset.pose(animation, time) {
         Err(GltfError::DamagedAnimation { .. }) if is_damaged(animation) => Ok(()),
         Ok(found) => {
-            pose(asset.model(), &found)?;
+            asset.model().check(&found)?;
             for camera in asset.each_camera(animation, time).iter().flatten().flatten() {
                 let numbers = [camera.eye, camera.forward, camera.up].concat();
                 ensure(numbers.iter().all(|c| c.is_finite()), || format!("{camera:?}"))?;
@@ -111,10 +62,31 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
     };
     check(None, 0.0)?;
     for (index, info) in asset.animations().iter().enumerate().take(animations) {
-        for part in [-1.0, 0.0, 0.123, 0.5, 0.99, 1.0, 2.0] {
-            check(Some(index), info.duration_s * part)?;
+        for part in [-1.0, 0.0, 0.123, 0.5, 0.99, 1.0, 2.0, f32::INFINITY] {
+            check(Some(index), if part.is_finite() { info.duration_s * part } else { part })?;
         }
-        check(Some(index), f32::INFINITY)?;
+    }
+    Ok(())
+}
+
+/// The triangles are those of the poser, which reads the file by itself: at rest, and at these times of the first animation.
+pub(crate) fn like_poser(maker: &Maker, times: &[f32]) -> Outcome {
+    let mut maker = maker.clone();
+    if maker.json["scenes"].is_null() {
+        let nodes: Vec<usize> = (0..maker.json["nodes"].as_array().map_or(0, Vec::len)).collect();
+        maker.scene(&nodes);
+    }
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("made.glb");
+    std::fs::write(&path, maker.glb())?;
+    let (asset, file) = (maker.load()?, File::open(&path)?);
+    let moments = [(None, 0.0)].into_iter().chain(times.iter().map(|&time| (Some(0), time)));
+    for (animation, time) in moments {
+        let pose = asset.pose(animation, time)?;
+        let positions = cpu::deform(asset.model(), &pose, 0.0, None, Threads::ONE)?;
+        let (found, expected) = (poser::corners(asset.model(), &positions), file.corners(animation, time));
+        poser::compare(&format!("{animation:?} at {time}"), &found, &expected)?;
+        ensure(!found.is_empty(), || "no triangles".to_owned())?;
     }
     Ok(())
 }
@@ -151,120 +123,23 @@ pub(crate) fn map(matrix: &Transform, point: [f32; 3]) -> [f64; 3] {
     })
 }
 
-/// All vertices of an instance in world space, in `f64`.
-pub(crate) fn posed(geometry: &Geometry, pose: &InstancePose) -> Vec<[f64; 3]> {
-    (0..geometry.positions().len())
-        .map(|v| {
-            let mut point = geometry.positions()[v];
-            for (target, weight) in geometry.morph_targets().iter().zip(pose.morph_weights()) {
-                point = std::array::from_fn(|c| point[c] + weight * target[v][c]);
-            }
-            let Some(influences) = geometry.influences() else {
-                return map(&pose.palette()[0], point);
-            };
-            let mut sum = [0.0; 3];
-            for entry in influence_range(influences, v) {
-                let moved = map(&pose.palette()[influences.joints()[entry] as usize], point);
-                let weight = f64::from(influences.weights()[entry]);
-                sum = std::array::from_fn(|c| sum[c] + weight * moved[c]);
-            }
-            sum
-        })
-        .collect()
-}
-
-/// The first geometry of a model and its first instance's index, to be spoilt.
-struct Parts {
-    positions: Vec<[f32; 3]>,
-    faces: Vec<[u32; 3]>,
-    targets: Vec<Vec<[f32; 3]>>,
-    influences: [Vec<u32>; 2],
-    weights: Vec<f32>,
-    geometry: usize,
-}
-
-impl Parts {
-    fn of(model: &Model) -> Result<Self, String> {
-        let geometry = &model.geometries()[0];
-        let influences = geometry.influences().ok_or("rigid")?;
-        Ok(Self {
-            positions: geometry.positions().to_vec(),
-            faces: geometry.faces().to_vec(),
-            targets: geometry.morph_targets().to_vec(),
-            influences: [influences.offsets().to_vec(), influences.joints().to_vec()],
-            weights: influences.weights().to_vec(),
-            geometry: 0,
-        })
+fn control() -> Outcome {
+    let model = |x: f32, weight: f32, faces: &[[u32; 3]]| {
+        let influences = Some(Influences::new(vec![0, 1, 2, 3], vec![0; 3], vec![1.0, 1.0, weight])?);
+        let options = GeometryOptions { influences, ..GeometryOptions::default() };
+        let geometry = Geometry::new(vec![[0.0, x, 0.0]; 3], faces.to_vec(), options)?;
+        Model::new(vec![geometry], vec![Instance::new(0, None)])
+    };
+    let face = [[0, 1, 2]];
+    sound(&model(0.0, 1.0, &face)?, true)?;
+    sound(&model(f32::NAN, 1.0, &face)?, false)?;
+    let spoilt = [model(f32::NAN, 1.0, &face), model(0.0, 1.1, &face), model(0.0, 1.0, &[])];
+    for (s, bad) in spoilt.into_iter().collect::<Result<Vec<_>, ModelError>>()?.iter().enumerate() {
+        ensure(sound(bad, true).is_err(), || format!("spoiler {s} went unnoticed"))?;
     }
-
-    fn build(self) -> Result<Model, ModelError> {
-        let [offsets, joints] = self.influences;
-        let influences = Some(Influences::new(offsets, joints, self.weights)?);
-        let options = GeometryOptions { morph_targets: self.targets, influences, ..GeometryOptions::default() };
-        let geometry = Geometry::new(self.positions, self.faces, options)?;
-        Model::new(vec![geometry, Geometry::default()], vec![Instance::new(self.geometry, None)])
-    }
-}
-
-/// A change that spoils the parts, and whether a constructor refuses them then.
-type Spoiler = (fn(&mut Parts), bool);
-
-/// Spoilt parts are refused by a constructor or by the check, whichever comes first.
-fn model_control() -> Outcome {
-    let good = crate::maker::everything().load()?;
-    model(good.model())?;
-    model(&Parts::of(good.model())?.build()?)?;
-    let spoilers: [Spoiler; 7] = [
-        (|p| p.positions[0][1] = f32::NAN, false),
-        (|p| p.faces[0][2] = 1000, true),
-        (|p| p.targets[0].truncate(1), true),
-        (|p| p.weights[0] += 0.1, false),
-        (|p| p.influences[0][1] += 1000, true),
-        (|p| p.geometry = 99, true),
-        (|p| p.geometry = 1, false),
-    ];
-    for (s, (spoil, at_once)) in spoilers.iter().enumerate() {
-        let mut parts = Parts::of(good.model())?;
-        spoil(&mut parts);
-        let built = parts.build();
-        let noticed = built.as_ref().map_or(*at_once, |bad| !at_once && model(bad).is_err());
-        ensure(noticed, || format!("spoiler {s} went unnoticed"))?;
+    close(&[1.0, 2.0], &[1.0, 2.0 + 1e-9], 1e-8, "near")?;
+    for far in [&[1.0, 2.0 + 1e-7][..], &[1.0, f64::NAN], &[1.0]] {
+        ensure(close(far, &[1.0, 2.0], 1e-8, "").is_err(), || format!("{far:?} went unnoticed"))?;
     }
     Ok(())
-}
-
-fn pose_control() -> Outcome {
-    let asset = crate::maker::everything().load()?;
-    let good = asset.pose(None, 0.0)?;
-    pose(asset.model(), &good)?;
-    let first = &good.instances()[0];
-    let (palette, weights) = (first.palette().to_vec(), first.morph_weights().to_vec());
-    let with_first = |palette: Vec<Transform>, weights| {
-        let mut instances = good.instances().to_vec();
-        instances[0] = InstancePose::new(palette, weights)?;
-        Ok::<_, ModelError>(Pose::new(instances))
-    };
-    pose(asset.model(), &with_first(palette.clone(), weights.clone())?)?;
-    for (s, bad) in [
-        with_first(palette[..1].to_vec(), weights.clone())?,
-        with_first(palette.clone(), [&weights[..], &[0.0]].concat())?,
-        Pose::new(good.instances()[..1].to_vec()),
-    ]
-    .iter()
-    .enumerate()
-    {
-        ensure(pose(asset.model(), bad).is_err(), || format!("spoiler {s} went unnoticed"))?;
-    }
-    let mut infinite = palette;
-    let mut rows = infinite[1].rows();
-    rows[2][3] = f32::INFINITY;
-    infinite[1] = rows.into();
-    ensure(with_first(infinite, weights).is_err(), || "an infinite matrix was accepted".to_owned())
-}
-
-fn close_control() -> Outcome {
-    close(&[1.0, 2.0], &[1.0, 2.0 + 1e-9], 1e-8, "near")?;
-    ensure(close(&[1.0, 2.0], &[1.0, 2.0 + 1e-7], 1e-8, "").is_err(), || "1e-7 went unnoticed".to_owned())?;
-    ensure(close(&[f64::NAN], &[1.0], 1.0, "").is_err(), || "NaN went unnoticed".to_owned())?;
-    ensure(close(&[1.0], &[1.0, 1.0], 1.0, "").is_err(), || "a short list went unnoticed".to_owned())
 }

@@ -8,8 +8,7 @@ use serde_json::json;
 use crate::check::warned_once;
 use crate::maker::{F32, Maker, SQUARE, U8, U16};
 use crate::rows::primitive;
-use crate::shape::same;
-use crate::{Outcome, ensure, test};
+use crate::{Outcome, ensure, same, test};
 
 pub(crate) fn tests() -> Vec<Trial> {
     vec![

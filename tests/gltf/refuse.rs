@@ -3,11 +3,10 @@
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, GltfError, GltfWarning, LoadOptions};
 use rimline::mesh::Weld;
-use rimline_testkit::refusals::{self, refusal, says};
 use serde_json::json;
 
 use crate::maker::{Maker, everything};
-use crate::rows::{ANIMATED, Change, LIGHTS, Row, SKINNED, SQUARE, primitive, set, uri};
+use crate::rows::{ANIMATED, Change, LIGHTS, Row, SKINNED, SQUARE, primitive, says, set, uri};
 use crate::{Outcome, ensure, test};
 
 pub(crate) fn tests() -> Vec<Trial> {
@@ -21,22 +20,26 @@ pub(crate) fn tests() -> Vec<Trial> {
     let mut add = |base: &str, rows: &'static [Row], run: fn(&Row) -> Outcome| {
         tests.extend(rows.iter().map(|row| test(format!("refuse::{base}::{}", row.0), move || run(row))));
     };
-    add("square", SQUARE, |row| refused(&Maker::square(), row));
-    add("skinned", SKINNED, |row| refused(&Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0]), row));
+    add("square", SQUARE, |row| refused(Maker::square(), row));
+    add("skinned", SKINNED, |row| refused(Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0]), row));
     add("animated", ANIMATED, not_played);
     add("lights", LIGHTS, not_lit);
     tests
 }
 
-fn refused(good: &Maker, &(name, change, parts): &Row) -> Outcome {
-    good.load()?;
-    let mut maker = good.clone();
+fn ends_with<T: std::fmt::Debug>(found: Result<T, &GltfError>, parts: &str) -> Outcome {
+    let is_right = found.as_ref().is_err_and(|error| says(&error.to_string(), parts));
+    ensure(is_right, || format!("{found:?}, expected {parts:?}"))
+}
+
+fn refused(mut maker: Maker, &(_, change, parts): &Row) -> Outcome {
+    maker.load()?;
     change.apply(&mut maker);
-    Ok(refusals::refused([refusal(name, maker.load(), says(parts))])?)
+    ends_with(maker.load().as_ref(), parts)
 }
 
 /// The file loads with a warning and has its pose at rest. The animation is refused once it is asked for.
-fn not_played(&(name, change, parts): &Row) -> Outcome {
+fn not_played(&(_, change, parts): &Row) -> Outcome {
     let mut maker = everything();
     let rest = maker.load()?.pose(None, 0.0)?;
     change.apply(&mut maker);
@@ -48,7 +51,7 @@ fn not_played(&(name, change, parts): &Row) -> Outcome {
     let Err(GltfError::DamagedAnimation { index: 0, source }) = error else {
         return Err(format!("asked for: {error:?}").into());
     };
-    refusals::refused([refusal(name, Err::<(), _>(GltfError::clone(&source)), says(parts))])?;
+    ends_with(Err::<(), _>(&*source), parts)?;
     let info = &asset.animations()[0];
     ensure(info.fault.as_ref() == Some(&*source) && info.channels == 0, || format!("{info:?}"))?;
     ensure(asset.lights(Some(0), 0.0).is_err(), || "lights of a damaged animation".to_owned())?;
@@ -57,7 +60,7 @@ fn not_played(&(name, change, parts): &Row) -> Outcome {
 }
 
 /// The file loads with a warning. The light of node 0 is refused once it is asked for, and the one of node 1 is not.
-fn not_lit(&(name, change, parts): &Row) -> Outcome {
+fn not_lit(&(_, change, parts): &Row) -> Outcome {
     let mut maker = Maker::square();
     set(&mut maker, "extensions.KHR_lights_punctual.lights", "[{'type': 'point'}, {'type': 'point'}]");
     set(&mut maker, "nodes[0].extensions.KHR_lights_punctual.light", "0");
@@ -69,15 +72,15 @@ fn not_lit(&(name, change, parts): &Row) -> Outcome {
     let each = asset.each_light(None, 0.0)?;
     ensure(matches!(each[..], [Err(GltfError::DamagedLight { node: 0, .. }), Ok(_)]), || format!("{each:?}"))?;
     ensure(asset.light_names() == [None, Some("good")], || format!("{:?}", asset.light_names()))?;
-    Ok(refusals::refused([refusal(name, asset.lights(None, 0.0), says(parts))])?)
+    ends_with(asset.lights(None, 0.0).as_ref(), parts)
 }
 
 fn control() -> Outcome {
-    let nothing = ("nothing", Change::All(&[]), &[][..]);
-    ensure(refused(&Maker::square(), &nothing).is_err(), || "a good file passed as bad".to_owned())?;
+    let nothing = ("nothing", Change::Set(&[]), "");
+    ensure(refused(Maker::square(), &nothing).is_err(), || "a good file passed as bad".to_owned())?;
     ensure(not_lit(&nothing).is_err(), || "good lights passed as bad".to_owned())?;
     let (name, change, _) = SQUARE[0];
-    ensure(refused(&Maker::square(), &(name, change, &["nodes[3]"])).is_err(), || "a wrong path passed".to_owned())
+    ensure(refused(Maker::square(), &(name, change, "nodes[3]")).is_err(), || "a wrong path passed".to_owned())
 }
 
 /// 66,000 instances of 66,000 vertices are more than `u32` indices can name, however small the file. Memory is no limit
@@ -90,8 +93,7 @@ fn too_many_vertices() -> Outcome {
     let instancing = json!({ "attributes": { "TRANSLATION": line } });
     maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": instancing });
     let options = LoadOptions { memory_limit: u64::MAX, ..Weld::Keep.into() };
-    let expected = says(&["nodes", "4356000000 vertices", "split"]);
-    Ok(refusals::refused([refusal("the line", Asset::from_slice(&maker.glb(), None, options), expected)])?)
+    ends_with(Asset::from_slice(&maker.glb(), None, options).as_ref(), "nodes|4356000000 vertices|split")
 }
 
 /// A name that leads to something without an end, or to no file at all.
@@ -107,24 +109,20 @@ fn devices() -> Outcome {
         std::os::unix::fs::symlink("/dev/zero", folder.path().join("endless"))?;
         let mut maker = Maker::square();
         uri(&mut maker, "endless");
-        let load = |allow_outside| {
-            let options = LoadOptions { allow_outside, ..Weld::Keep.into() };
-            Asset::from_slice(&maker.glb(), Some(folder.path()), options)
-        };
-        let (result, allowed) = (load(false), load(true));
-        ensure(matches!(result, Err(GltfError::Outside { .. })), || format!("{result:?}"))?;
-        ensure(matches!(allowed, Err(GltfError::Read { .. })), || format!("allowed: {allowed:?}"))?;
+        let options = LoadOptions { allow_outside: true, ..Weld::Keep.into() };
+        let result = Asset::from_slice(&maker.glb(), Some(folder.path()), options);
+        ensure(matches!(result, Err(GltfError::Read { .. })), || format!("allowed: {result:?}"))?;
     }
     Ok(())
 }
 
+/// Values in each other are refused. A chain of nodes may be as deep as it likes.
 fn deep() -> Outcome {
     for (open, close) in [("[", "]"), ("{\"a\":", "}")] {
         let text = format!("{}1{}", open.repeat(100_000), close.repeat(100_000));
         let result = Asset::from_slice(text.as_bytes(), None, Weld::Keep);
         ensure(matches!(result, Err(GltfError::Json(_))), || "deep JSON".to_owned())?;
     }
-    // A chain of nodes may be as deep as it likes.
     let mut maker = Maker::square();
     maker.json["nodes"] = (1..50_000).map(|child| json!({ "children": [child] })).collect();
     maker.push("nodes", json!({ "mesh": 0, "translation": [1, 0, 0] }));

@@ -110,82 +110,11 @@ fn bounds_without_a_part_are_noticed() -> Outcome {
     Ok(())
 }
 
-/// Faces and edge records, each once, in whole chunks, and the same in every run and on any number of threads.
-fn check_orders(mesh: &Mesh, found: &Clusters) -> Outcome {
-    let is_permutation = |order: &[u32], count: usize| {
-        let mut sorted = order.to_vec();
-        sorted.sort_unstable();
-        sorted.into_iter().eq(0..count as u32)
-    };
-    let edges = found.edges();
-    if !is_permutation(found.faces(), mesh.faces().len()) {
-        return Err("faces: not each once".to_owned());
-    }
-    if !is_permutation(edges.records(), mesh.edges().len()) {
-        return Err("edge records: not each once".to_owned());
-    }
-    let count = found.bounds().len();
-    if count != mesh.faces().len().div_ceil(CLUSTER_FACES) || !CLUSTER_FACES.is_multiple_of(CHUNK as usize) {
-        return Err(format!("{count} clusters of {CLUSTER_FACES} for {} faces", mesh.faces().len()));
-    }
-    let mut cluster_of = vec![0; mesh.faces().len()];
-    for (slot, &face) in found.faces().iter().enumerate() {
-        cluster_of[face as usize] = slot / CLUSTER_FACES;
-    }
-    // In the words of `EdgeOrder`: 0 inner, 1 outer, 2 other, and the cluster.
-    let group = |record: u32| {
-        let edge = mesh.edges().get(record as usize)?;
-        let [first, second] = [Some(edge.face_0), edge.face_1].map(|face| face.map(|face| cluster_of[face as usize]));
-        Some(match (first, second, edge.kind) {
-            (Some(first), Some(second), EdgeKind::Consistent) if first == second => (0, first),
-            (Some(first), Some(second), EdgeKind::Consistent) => (1, first.min(second)),
-            _ => (2, 0),
-        })
-    };
-    let expected = (0..count)
-        .flat_map(|cluster| edges.inner(cluster).iter().map(move |&record| (record, (0, cluster))))
-        .chain((0..count).flat_map(|cluster| edges.outer(cluster).iter().map(move |&record| (record, (1, cluster)))))
-        .chain(edges.others().iter().map(|&record| (record, (2, 0))));
-    let expected: Vec<_> = expected.collect();
-    let records: Vec<u32> = expected.iter().map(|&(record, _)| record).collect();
-    same("the groups of edges, one after the other", edges.records(), &records)?;
-    if let Some(&(record, expected_group)) =
-        expected.iter().find(|&&(record, expected_group)| group(record) != Some(expected_group))
-    {
-        return Err(format!("record {record} is at {expected_group:?}, and belongs to {:?}", group(record)));
-    }
-    let ordered = |pair: &[(u32, (i32, usize))]| pair[0].1 != pair[1].1 || pair[0].0 < pair[1].0;
-    if !expected.windows(2).all(ordered) {
-        return Err("a group does not keep the order of the mesh".to_owned());
-    }
-    if !edges.inner(count).is_empty() || !edges.outer(count).is_empty() {
-        return Err("edges of a cluster past the last".to_owned());
-    }
-    Ok(())
-}
-
-#[test]
-fn orders_hold_every_face_and_edge_once() -> Outcome {
-    let mut random = Random::new(1403);
-    for index in 0..100 {
-        let Case { name, shape, .. } = case(&mut random, index);
-        let mesh = shape.mesh().map_err(|error| error.to_string())?;
-        let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
-        check_orders(&mesh, &found).map_err(|error| format!("{name}, case {index}: {error}"))?;
-    }
-    // The check notices another order.
-    let mesh = shapes::torus(20, 20, 1.0, 0.4);
-    let found = Clusters::new(&mesh.mesh().map_err(|error| error.to_string())?, &mesh.positions, Threads::ONE);
-    let other = mesh.shuffled(1).mesh().map_err(|error| error.to_string())?;
-    must_fail("the orders of another mesh", &check_orders(&other, &found))
-}
-
 #[test]
 fn orders_do_not_depend_on_threads() -> Outcome {
     for shape in [shapes::blob(90, 0.4, 1), shapes::torus(300, 90, 1.0, 0.4).shuffled(3)] {
         let mesh = shape.mesh().map_err(|error| error.to_string())?;
         let one = Clusters::new(&mesh, &shape.positions, Threads::ONE);
-        check_orders(&mesh, &one)?;
         for threads in [1, 2, 3, 7] {
             let found = Clusters::new(&mesh, &shape.positions, Threads::new(threads));
             same("faces", found.faces(), one.faces())?;
@@ -230,24 +159,22 @@ fn arranged_meshes_are_the_mesh_and_spare_no_silhouette() -> Outcome {
         let mesh = shape.mesh().map_err(|error| error.to_string())?;
         let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
         let arranged = Arranged::new(&mesh, &found, Threads::new(1 + index % 3));
+        for (order, count) in [(found.faces(), mesh.faces().len()), (found.edges().records(), mesh.edges().len())] {
+            let mut sorted = order.to_vec();
+            sorted.sort_unstable();
+            same(&format!("{what}: each once"), &sorted, &(0..count as u32).collect::<Vec<_>>())?;
+        }
         let faces: Vec<_> = found.faces().iter().map(|&face| mesh.faces()[face as usize]).collect();
         same(&format!("{what}: faces"), &arranged.faces, &faces)?;
         for (slot, &record) in found.edges().records().iter().enumerate() {
             let edge = mesh.edges().get(record as usize).ok_or("no such record")?;
             let [first, second] = arranged.edge_faces[slot];
             let of = |slot: u32| (slot != NO_FACE).then(|| found.faces()[(slot & !INCONSISTENT_BIT) as usize]);
-            same(
-                &format!("{what}: faces of record {record}"),
-                &[of(first), of(second)],
-                &[Some(edge.face_0), edge.face_1],
-            )?;
-            let is_inconsistent = edge.kind == EdgeKind::Inconsistent;
-            same(&format!("{what}: record {record}"), &[first & INCONSISTENT_BIT != 0], &[is_inconsistent])?;
-            same(
-                &format!("{what}: record {record}"),
-                &[arranged.edge_vertices[slot]],
-                &[mesh.edges().vertices()[record as usize]],
-            )?;
+            let (faces, vertices) = ([of(first), of(second)], arranged.edge_vertices[slot]);
+            let is_inconsistent = (first & INCONSISTENT_BIT != 0, edge.kind == EdgeKind::Inconsistent);
+            same(&format!("{what}: record {record}"), &[faces], &[[Some(edge.face_0), edge.face_1]])?;
+            same(&format!("{what}: record {record}"), &[is_inconsistent.0], &[is_inconsistent.1])?;
+            same(&format!("{what}: record {record}"), &[vertices], &[mesh.edges().vertices()[record as usize]])?;
         }
         let clusters = found.bounds().len();
         same(&format!("{what}: bounds"), &arranged.words[..12 * clusters], bytemuck::cast_slice(found.bounds()))?;

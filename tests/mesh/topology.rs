@@ -82,10 +82,6 @@ fn soup(seed: u64) -> Shape {
     }
 }
 
-fn mesh(shape: &Shape) -> Mesh {
-    shape.mesh().expect("a mesh")
-}
-
 /// The first difference between a mesh's records and the oracle's.
 fn difference(records: &[Edge], faces: &[[u32; 3]]) -> Option<String> {
     let expected = oracle::edge_records(faces);
@@ -97,7 +93,7 @@ fn difference(records: &[Edge], faces: &[[u32; 3]]) -> Option<String> {
 }
 
 fn assert_like_oracle(name: &str, shape: &Shape) {
-    let mesh = mesh(shape);
+    let mesh = shape.mesh().expect("a mesh");
     let records: Vec<Edge> = mesh.edges().iter().collect();
     assert_eq!(difference(&records, &shape.faces), None, "{name}");
     let count = |kind| records.iter().filter(|edge| edge.kind == kind).count();
@@ -106,9 +102,8 @@ fn assert_like_oracle(name: &str, shape: &Shape) {
         inconsistent: count(EdgeKind::Inconsistent),
         boundary: count(EdgeKind::Boundary),
     };
-    assert_eq!(mesh.edges().counts(), counts, "{name}");
-    assert_eq!(mesh.edges().get(0), records.first().copied(), "{name}");
-    assert_eq!(mesh.edges().get(records.len()), None, "{name}");
+    let ends = [mesh.edges().get(0), mesh.edges().get(records.len())];
+    assert_eq!((mesh.edges().counts(), ends), (counts, [records.first().copied(), None]), "{name}");
 }
 
 fn all_shapes() -> Vec<(&'static str, Shape)> {
@@ -127,28 +122,21 @@ fn all_shapes() -> Vec<(&'static str, Shape)> {
 }
 
 #[test]
-fn random_soups_give_the_oracle_s_records() {
+fn meshes_have_the_oracle_s_records() {
     for seed in 0..600 {
         assert_like_oracle(&format!("seed {seed}"), &soup(seed));
     }
-}
-
-#[test]
-fn shapes_give_the_oracle_s_records() {
-    for (name, shape) in all_shapes() {
-        assert_like_oracle(name, &shape);
-        assert_like_oracle(&format!("{name}, shuffled"), &shape.shuffled(1));
-    }
-}
-
-#[test]
-fn a_hub_in_a_soup_gives_the_oracle_s_records() {
-    for seed in 0..40 {
+    let shapes = all_shapes().into_iter().map(|(name, shape)| (name.to_owned(), shape));
+    // A hub in a soup.
+    let hubs = (0..40).map(|seed| {
         let (mut fan, soup) = (shapes::fan(60 + seed), soup(u64::from(seed)));
         let count = fan.positions.len() as u32;
         fan.faces.extend(soup.faces.iter().map(|face| face.map(|v| v % count)));
-        assert_like_oracle(&format!("seed {seed}"), &fan);
-        assert_like_oracle(&format!("seed {seed}, shuffled"), &fan.shuffled(u64::from(seed)));
+        (format!("hub {seed}"), fan)
+    });
+    for (name, shape) in shapes.chain(hubs) {
+        assert_like_oracle(&name, &shape);
+        assert_like_oracle(&format!("{name}, shuffled"), &shape.shuffled(1));
     }
 }
 
@@ -156,7 +144,7 @@ fn a_hub_in_a_soup_gives_the_oracle_s_records() {
 fn the_comparison_notices_one_changed_record() {
     // Closed, so every change is one.
     let shape = shapes::torus(5, 4, 1.0, 0.25);
-    let records: Vec<Edge> = mesh(&shape).edges().iter().collect();
+    let records: Vec<Edge> = shape.mesh().expect("a mesh").edges().iter().collect();
     let changes: [fn(&mut Vec<Edge>); 6] = [
         |records| records[20].vertices.swap(0, 1),
         |records| records[20].face_0 += 1,
@@ -176,7 +164,7 @@ fn the_comparison_notices_one_changed_record() {
 #[test]
 fn closed_meshes_take_at_most_28_bytes_a_face() {
     for (name, shape) in all_shapes() {
-        let mesh = mesh(&shape);
+        let mesh = shape.mesh().expect("a mesh");
         let limit = if mesh.is_closed() { 28 } else { 48 };
         let (bytes, faces) = (mesh.edge_record_bytes(), shape.faces.len());
         assert!(bytes <= limit * faces, "{name}: {bytes} bytes for {faces} faces");
@@ -189,8 +177,12 @@ fn edges_that_both_faces_traverse_alike_are_not_closed() {
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [0, 1, 2]]).expect("a mesh");
     assert_eq!(mesh.edges().counts(), EdgeCounts { inconsistent: 3, ..EdgeCounts::default() });
     assert!(!mesh.is_closed() && !MeshDiagnostics::of(&mesh, 0).is_closed());
-    let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [2, 1, 0]]).expect("a mesh");
-    assert!(mesh.is_closed() && MeshDiagnostics::of(&mesh, 0).is_closed());
+    let other = Mesh::from_faces(3, vec![[0, 1, 2], [2, 1, 0]]).expect("a mesh");
+    assert!(other.is_closed() && MeshDiagnostics::of(&other, 0).is_closed());
+    // Meshes are equal by what they hold.
+    let more_vertices = Mesh::from_faces(4, mesh.faces().to_vec());
+    assert_eq!(Mesh::from_faces(3, mesh.faces().to_vec()).as_ref(), Ok(&mesh));
+    assert!(mesh != other && more_vertices.as_ref() != Ok(&mesh), "{more_vertices:?}");
 }
 
 #[test]

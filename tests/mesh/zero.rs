@@ -8,14 +8,15 @@ use rimline::mesh::{MeshDiagnostics, MeshError, PolygonLoops, Weld, WeldDistance
 use rimline::model::ModelBounds;
 use rimline::{
     AreaLight, AreaShape, Cone, Displacement, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light,
-    LightError, Mesh, Model, Origin, Pose, Predicate, falloff,
+    Mesh, Model, Pose, Predicate, falloff,
 };
 
 const CORNERS: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 #[test]
 fn no_vertices_and_no_faces() {
-    for weld in [Weld::Data, Weld::Position, Weld::Keep] {
+    for weld in [Weld::Data, Weld::Position, Weld::Keep, Weld::Distance(WeldDistance::new(0.0).expect("as equal ones"))]
+    {
         let none = PolygonLoops::default();
         assert_eq!(Mesh::new(&[], &[], weld), Err(MeshError::NoFaces));
         assert_eq!(Mesh::from_polygons(&CORNERS, none, weld), Err(MeshError::NoFaces));
@@ -25,12 +26,6 @@ fn no_vertices_and_no_faces() {
         let one = PolygonLoops { polygon_loops: &[1], loop_sizes: &[3], loop_corners: &[0; 3] };
         let refused = Mesh::from_polygons(&[], one, weld);
         assert!(matches!(refused, Err(MeshError::CornerOutOfRange { vertices: 0, .. })), "{refused:?}");
-        let loops = PolygonLoops { polygon_loops: &[0], ..none };
-        let refused = Mesh::from_polygons_by_loop(&CORNERS, loops, weld);
-        assert_eq!(refused, Err(MeshError::PolygonWithoutLoops { polygon: 0 }));
-        let corners = PolygonLoops { polygon_loops: &[1], loop_sizes: &[0], loop_corners: &[] };
-        let refused = Mesh::from_polygons(&CORNERS, corners, weld);
-        assert!(matches!(refused, Err(MeshError::LoopTooSmall { corners: 0, .. })), "{refused:?}");
     }
     assert_eq!(Mesh::from_faces(0, Vec::new()), Err(MeshError::NoFaces));
 }
@@ -112,26 +107,10 @@ fn lights_of_nothing() {
     assert!(cpu::shadow_depth(&CORNERS, &mesh, &[[0.0; 3]], &dark, Threads::ONE).is_err());
     let shape = AreaShape::Sphere { radius: 0.0 };
     let lamp = AreaLight { light: Light::point([0.0, 1.0, 0.0]), shape, normal: [0.0; 3] };
-    assert!(lamp.samples(0).is_empty());
-    assert!(lamp.pattern_samples(0, 0, 0).is_empty());
-}
-
-#[test]
-fn lights_without_range_axis_and_angle() {
-    let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("a face");
-    let extract = |light| cpu::extract(&CORNERS, &mesh, &[light], Predicate::Exact, Threads::new(0));
-    let light = Light::point([0.0, 0.0, 2.0]);
-    let refused = |light: Light| match extract(light) {
-        Err(cpu::CpuError::Light(error)) => error,
-        other => panic!("{other:?}"),
-    };
-    assert_eq!(refused(light.with_range(0.0)), LightError::Range { index: 0, range: 0.0 });
-    let no_axis = Cone::new([0.0; 3], 0.5);
-    let error = LightError::Cone { index: 0, axis: [0.0; 3], cosine: no_axis.cosine };
-    assert_eq!(refused(light.with_cone(no_axis)), error);
+    assert!(lamp.samples(0).is_empty() && lamp.pattern_samples(0, 0, 0).is_empty());
     // A cone without an angle is its axis.
-    assert!(extract(light.with_cone(Cone::new([0.0, 0.0, -1.0], 0.0))).is_ok());
-    assert_eq!(refused(Light::directional([0.0; 3])), LightError::Zero { index: 0 });
+    let ray = Light::point([0.0, 0.0, 2.0]).with_cone(Cone::new([0.0, 0.0, -1.0], 0.0));
+    assert!(cpu::extract(&CORNERS, &mesh, &[ray], Predicate::Exact, Threads::new(0)).is_ok());
     for (distance, begin, end, exponent, share) in [
         (0.0, 0.0, 0.0, 0.0, 0.0),
         (0.0, 0.0, 1.0, 0.0, 1.0),
@@ -141,22 +120,6 @@ fn lights_without_range_axis_and_angle() {
     ] {
         assert_eq!(falloff(distance, begin, end, exponent), share, "{distance}, {begin}, {end}, {exponent}");
     }
-}
-
-#[test]
-fn no_distance_and_no_extent() {
-    let weld = Weld::Distance(WeldDistance::new(0.0).expect("as far as equal positions are apart"));
-    assert_eq!(Mesh::new(&[], &[], weld), Err(MeshError::NoFaces));
-    let twice = [CORNERS, CORNERS].concat();
-    let [near, equal] = [weld, Weld::Position].map(|weld| Mesh::new(&twice, &[[0, 1, 2], [5, 4, 3]], weld));
-    assert_eq!(near.as_ref().expect("faces").faces(), equal.as_ref().expect("faces").faces());
-    assert_eq!(Origin::of(&[], &[]), Origin::ZERO);
-    assert_eq!(Origin::of(&[[1e6; 3]], &[]), Origin::ZERO, "no face names it");
-    assert_eq!(Origin::of(&[], &[[0; 3]]), Origin::ZERO);
-    // A face without extent has no edge that could be lost.
-    let point = [392_143.5, -5_820_467.75, 34.0];
-    assert_eq!(Origin::of(&[point], &[[0; 3]]), Origin::near([point; 2], || f64::INFINITY));
-    assert_eq!(Origin::near([[0.0; 3]; 2], || 0.0), Origin::ZERO);
 }
 
 #[test]

@@ -4,14 +4,6 @@ use std::cell::Cell;
 
 use super::*;
 
-/// Rimline's hash until it was keyed: multiply and rotate.
-fn unkeyed(words: [u32; 3]) -> u64 {
-    let mixed = words
-        .into_iter()
-        .fold(0_u64, |hash, word| (hash.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95));
-    mixed ^ (mixed >> 32)
-}
-
 /// How often [`groups`] compares two of these elements.
 fn comparisons(elements: &[[u32; 3]], hash: impl Fn([u32; 3]) -> u64) -> usize {
     let count = Cell::new(0);
@@ -33,48 +25,33 @@ fn fixed_keys() -> Vec<Keys> {
     (0..16).map(|_| Keys((0..4).map(|_| key()).collect())).collect()
 }
 
-/// Elements that differ and whose unkeyed hashes have equal low bits.
-fn colliding(count: u32, low_bits: u32) -> Vec<[u32; 3]> {
-    let mask = (1 << low_bits) - 1;
-    (0..)
-        .map(|n: u32| [n, n ^ 0x5bd1, n.rotate_left(7)])
-        .filter(|&w| unkeyed(w) & mask == 0)
-        .take(count as usize)
-        .collect()
-}
-
+/// A hash that is not keyed collides with itself for elements that were chosen to; single keys may do badly, and several are
+/// tried. The table has twice as many lists as elements: a quarter of a comparison an element is expected.
 #[test]
 fn chosen_collisions_cost_no_more_than_others() {
-    let elements = colliding(1000, 12);
+    // Rimline's hash until it was keyed: multiply and rotate.
+    let unkeyed = |words: [u32; 3]| {
+        let mix = |hash: u64, word| (hash.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95);
+        let mixed = words.into_iter().fold(0_u64, mix);
+        mixed ^ (mixed >> 32)
+    };
+    let total = |elements: &[[u32; 3]], keys: &[Keys]| -> usize {
+        keys.iter().map(|keys| comparisons(elements, |words| keys.hash(words))).sum()
+    };
+    let (keys, all) = (fixed_keys(), 1000 * 999 / 2);
+    let chosen = (0..).map(|n: u32| [n, n ^ 0x5bd1, n.rotate_left(7)]).filter(|&words| unkeyed(words) & 0xfff == 0);
+    let chosen: Vec<_> = chosen.take(1000).collect();
+    assert!(total(&chosen, &keys) < 16 * 1000);
     // The control: a table that takes the bits that collide compares each with each.
-    let quadratic = comparisons(&elements, |words| unkeyed(words) << (64 - 12));
-    assert_eq!(quadratic, 1000 * 999 / 2);
-    let keyed = fixed_keys().iter().map(|keys| comparisons(&elements, |words| keys.hash(words))).sum::<usize>();
-    // The table has twice as many lists as elements: a quarter of a comparison an element is expected.
-    assert!(keyed < 16 * 1000, "{keyed} comparisons");
-}
-
-/// For keys that are always the same here. Hashes of counting words are as even as the key is irregular, so single keys may
-/// do badly, and several are tried: a quarter of a comparison an element is expected.
-#[test]
-fn every_word_counts() {
-    let keys = fixed_keys();
-    let total = |word: usize, keys: &[Keys]| -> usize {
+    assert_eq!(comparisons(&chosen, |words| unkeyed(words) << (64 - 12)), all);
+    for word in 0..3 {
         let elements: Vec<[u32; 3]> =
             (0..1000).map(|n| std::array::from_fn(|w| if w == word { n } else { 7 })).collect();
-        keys.iter().map(|keys| comparisons(&elements, |words| keys.hash(words))).sum()
-    };
-    for word in 0..3 {
-        let found = total(word, &keys);
-        assert!(found < 16 * 1000, "word {word}: {found} comparisons");
+        assert!(total(&elements, &keys) < 16 * 1000, "word {word}");
         // The control: a key of zero leaves the word out, and every element is compared with all before it.
         let without = Keys((0..4).map(|at| if at == word + 1 { 0 } else { keys[0].0[at] }).collect());
-        assert_eq!(total(word, &[without]), 1000 * 999 / 2);
+        assert_eq!(total(&elements, &[without]), all);
     }
-}
-
-#[test]
-fn keys_differ_from_run_to_run() {
     let hashes: Vec<u64> = (0..8).map(|_| Keys::new(3).hash([1, 2, 3])).collect();
-    assert!(hashes.windows(2).any(|pair| pair[0] != pair[1]), "{hashes:?}");
+    assert!(hashes.windows(2).any(|pair| pair[0] != pair[1]), "keys do not differ from run to run: {hashes:?}");
 }

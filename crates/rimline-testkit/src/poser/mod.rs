@@ -83,6 +83,16 @@ pub fn of_model(model: &Model, pose: &Pose) -> Vec<Posed> {
     all
 }
 
+/// Positions of the corners of all faces.
+pub fn corners(model: &Model, positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let (mut corners, mut first) = (Vec::new(), 0);
+    for geometry in model.placed_geometries() {
+        corners.extend(geometry.faces().as_flattened().iter().map(|&vertex| positions[first + vertex as usize]));
+        first += geometry.positions().len();
+    }
+    corners
+}
+
 /// Fails at the first vertex that is further from its expected position than its tolerance. Returns the largest distance by
 /// tolerances, which is at most 1.
 pub fn compare(what: &str, found: &[[f32; 3]], expected: &[Posed]) -> Result<f64, String> {

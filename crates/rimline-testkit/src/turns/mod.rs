@@ -13,9 +13,9 @@ mod expression;
 
 use std::collections::BTreeMap;
 
-use naga::{Block, Function, Handle, Module, Span, Statement};
+use naga::{Block, Module, Span, Statement};
 
-pub use bounds::{MOST_TURNS, TURNS, limits};
+pub use bounds::{MOST_TURNS, limits};
 use expression::{head_turns, value};
 
 /// The names that comments may use in addition to the constants of the module.
@@ -30,7 +30,7 @@ pub fn turns(source: &str, limits: &Limits<'_>) -> Result<Vec<(String, u64)>, St
     let walk = Walk { source, module: &module, names: names(source, limits) };
     let entries = module.entry_points.iter();
     entries
-        .map(|entry| Ok((entry.name.clone(), walk.function(&entry.function, Arrivals { active: 1, idle: 0 })?)))
+        .map(|entry| Ok((entry.name.clone(), walk.block(&entry.function.body, Arrivals { active: 1, idle: 0 })?)))
         .collect()
 }
 
@@ -63,10 +63,6 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn function(&self, function: &Function, at: Arrivals) -> Result<u64, String> {
-        self.block(&function.body, at)
-    }
-
     fn block(&self, block: &Block, at: Arrivals) -> Result<u64, String> {
         block
             .span_iter()
@@ -86,7 +82,7 @@ impl Walk<'_> {
             Statement::Switch { cases, .. } => {
                 cases.iter().try_fold(0_u64, |sum, case| Ok(sum.saturating_add(self.block(&case.body, at)?)))
             }
-            Statement::Call { function, .. } => self.call(*function, at),
+            Statement::Call { function, .. } => self.block(&self.module.functions[*function].body, at),
             Statement::Loop { body, continuing, .. } => {
                 let turns = if at.active == 0 { 0 } else { self.loop_turns(span, at)? };
                 // Each time the body is walked through once more, by no lane, and finds that the loop ends.
@@ -97,10 +93,6 @@ impl Walk<'_> {
             }
             _ => Ok(0),
         }
-    }
-
-    fn call(&self, function: Handle<Function>, at: Arrivals) -> Result<u64, String> {
-        self.function(&self.module.functions[function], at)
     }
 
     /// The number of turns in the comment above a statement, as text.
