@@ -110,8 +110,8 @@ fn grazing() -> Result<(), String> {
         // Along the plane, and away from the light.
         let along = (forward - forward.dot(normal) * normal).normalize();
         let foot = f64::from(random.between(-6.0, 6.0)) * along;
-        // The bias is a texel's diagonal at most, which along the light is as much times the tangent, and four steps.
-        let behind = 2.5 * texel * angle.tan() + 0.01;
+        // The bias is half of a texel's diagonal at most, which along the light is as much times the tangent, and four steps.
+        let behind = 0.75 * texel * angle.tan() + 0.01;
         for (is_below, method) in [(false, EVERY_CELL), (false, AUTOMATIC), (true, EVERY_CELL), (true, AUTOMATIC)] {
             let half_width = Some(half_width * f64::from(random.between(0.3, 1.5)));
             // The eye looks at the plane, or from below at what lies behind it.

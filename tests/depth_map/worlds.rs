@@ -1,4 +1,4 @@
-//! Casters in the tests of shadows: distance fields with analytic forms, and meshes; each on a ground.
+//! Casters in the tests of shadows: analytic ones and meshes, each on a ground.
 
 use glam::DVec3;
 use rimline_testkit::rays;
@@ -12,12 +12,6 @@ pub(crate) enum World {
         centre: DVec3,
         radius: f64,
     },
-    /// Around the y axis.
-    Torus {
-        centre: DVec3,
-        major: f64,
-        minor: f64,
-    },
     Cuboid {
         centre: DVec3,
         half: DVec3,
@@ -25,34 +19,12 @@ pub(crate) enum World {
     Mesh(rays::Tracer<()>),
     /// Triangles alone, without a ground.
     Bare(rays::Tracer<()>),
-    /// Plates of an irregular pattern at height 1.
-    Plates,
-}
-
-/// Whether a plate is over a position.
-fn has_plate(x: f64, z: f64) -> bool {
-    (x * 1.3).sin() + (z * 1.7 + 0.4 * x).cos() + 0.6 * (2.9 * x - 1.1 * z).sin() > 0.7
 }
 
 impl World {
     pub(crate) fn mesh(shape: &Shape, scale: f64, centre: DVec3) -> Self {
         let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from)) * scale + centre;
         Self::Mesh(rays::Tracer::build(shape.faces.iter().map(|face| (face.map(corner), ()))))
-    }
-
-    fn distance(&self, p: DVec3) -> f64 {
-        match *self {
-            Self::Sphere { centre, radius } => (p - centre).length() - radius,
-            Self::Torus { centre, major, minor } => {
-                let q = p - centre;
-                glam::DVec2::new(glam::DVec2::new(q.x, q.z).length() - major, q.y).length() - minor
-            }
-            Self::Cuboid { centre, half } => {
-                let q = (p - centre).abs() - half;
-                q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
-            }
-            Self::Mesh(_) | Self::Bare(_) | Self::Plates => f64::INFINITY,
-        }
     }
 
     fn has_ground(&self) -> bool {
@@ -62,53 +34,28 @@ impl World {
     /// Whether a point is in the body, or below the ground.
     pub(crate) fn is_inside(&self, point: DVec3) -> bool {
         let is_in_body = match self {
+            Self::Sphere { centre, radius } => point.distance(*centre) <= *radius,
+            Self::Cuboid { centre, half } => (point - centre).abs().cmple(*half).all(),
             // Meshes are closed. The direction is no axis of theirs.
             Self::Mesh(tracer) | Self::Bare(tracer) => {
                 let direction = DVec3::new(0.48, 0.6, 0.64);
                 tracer.meetings((point, direction)).filter(|(t, _)| *t > 0.0).count() % 2 == 1
             }
-            _ => self.distance(point) <= 0.0,
         };
         (point.y <= 0.0 && self.has_ground()) || is_in_body
     }
 
     /// Where a ray meets the shape first, and the normal there.
     fn shape(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
-        if let Self::Mesh(tracer) | Self::Bare(tracer) = self {
-            let (t, triangle) = tracer.nearest((from, direction))?;
-            let [a, b, c] = triangle.corners;
-            return Some((t, (b - a).cross(c - a).normalize()));
-        }
-        match *self {
-            Self::Sphere { centre, radius } => sphere(from - centre, direction, radius),
-            Self::Cuboid { centre, half } => cuboid(from - centre, direction, half),
-            Self::Plates => {
-                let t = (1.0 - from.y) / direction.y;
-                let at = from + t * direction;
-                (t > 0.0 && has_plate(at.x, at.z)).then_some((t, DVec3::Y))
+        match self {
+            Self::Sphere { centre, radius } => sphere(from - centre, direction, *radius),
+            Self::Cuboid { centre, half } => cuboid(from - centre, direction, *half),
+            Self::Mesh(tracer) | Self::Bare(tracer) => {
+                let (t, triangle) = tracer.nearest((from, direction))?;
+                let [a, b, c] = triangle.corners;
+                Some((t, (b - a).cross(c - a).normalize()))
             }
-            _ => self.march(from, direction),
         }
-    }
-
-    /// The same for a torus, by steps of its distance between where the ray enters and leaves a sphere around it.
-    fn march(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
-        let Self::Torus { centre, major, minor } = *self else { return None };
-        let [enter, leave] = through(from - centre, direction, major + minor + 1e-6)?;
-        let mut t = enter.max(0.0);
-        for _ in 0..2000 {
-            if t > leave {
-                break;
-            }
-            let distance = self.distance(from + t * direction);
-            if distance < 1e-9 {
-                let at = from + t * direction;
-                let slope = |axis: DVec3| self.distance(at + 1e-5 * axis) - self.distance(at - 1e-5 * axis);
-                return Some((t, DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize()));
-            }
-            t += distance;
-        }
-        None
     }
 
     /// Where a ray meets anything first, and the normal there, against the ray. The direction has length 1.
@@ -123,20 +70,14 @@ impl World {
     }
 }
 
-/// Where a line enters and leaves a sphere around the origin. The direction has length 1.
-fn through(from: DVec3, direction: DVec3, radius: f64) -> Option<[f64; 2]> {
-    let middle = -from.dot(direction);
-    let aside = from + middle * direction;
-    let half = radius * radius - aside.length_squared();
-    (half >= 0.0).then(|| [middle - half.sqrt(), middle + half.sqrt()])
-}
-
 /// Where a ray meets a sphere around the origin, and the normal there. A ray from within meets it where it begins.
 fn sphere(from: DVec3, direction: DVec3, radius: f64) -> Option<(f64, DVec3)> {
     if from.length() <= radius + 1e-9 {
         return Some((0.0, from.normalize()));
     }
-    let [enter, _] = through(from, direction, radius)?;
+    let middle = -from.dot(direction);
+    let aside = from + middle * direction;
+    let enter = middle - (radius * radius - aside.length_squared()).sqrt();
     (enter >= 0.0).then(|| (enter, (from + enter * direction) / radius))
 }
 
