@@ -107,7 +107,8 @@ fn compare(
         // What is no distance has the depth of the far end or of the near end, to the bit.
         let is_far = distance.is_nan() || distance > 1e37;
         if is_far || distance < f32::MIN_POSITIVE {
-            same(&format!("{metric:?} {distance}"), &[found], &[if is_far { far } else { near as f32 }])?;
+            let end = if is_far { far } else { near as f32 };
+            same(&format!("{metric:?} {distance}"), &bits(&[found]), &bits(&[end]))?;
             continue;
         }
         let position = measured.position(metric, middle(size, texel), f64::from(distance));

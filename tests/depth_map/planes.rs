@@ -66,22 +66,19 @@ impl Plane {
 
 /// Pixels on planes and behind them, and wrong ones.
 #[derive(Debug, Default)]
-struct Tally {
-    seen: [usize; 2],
-    wrong: [usize; 2],
-}
+struct Tally([[usize; 2]; 2]);
 
 impl Tally {
     fn add(&mut self, is_behind: bool, [dark, all]: [usize; 2]) {
-        let kind = usize::from(is_behind);
-        self.seen[kind] += all;
-        self.wrong[kind] += if is_behind { all - dark } else { dark };
+        let [seen, wrong] = &mut self.0[usize::from(is_behind)];
+        *seen += all;
+        *wrong += if is_behind { all - dark } else { dark };
     }
 
     fn check(&self, least: usize) -> Result<(), String> {
         println!("{self:?}");
-        let is_tried = self.seen.iter().all(|&seen| seen > least);
-        if is_tried && self.wrong == [0; 2] { Ok(()) } else { Err(format!("{self:?}")) }
+        let is_right = self.0.iter().all(|&[seen, wrong]| seen > least && wrong == 0);
+        if is_right { Ok(()) } else { Err(format!("{self:?}")) }
     }
 }
 

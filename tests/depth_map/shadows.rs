@@ -185,11 +185,11 @@ fn of_sheets() -> Result<(), String> {
         let triangles = sheet(&mut random);
         let tracer = || Tracer::build(triangles.iter().map(|&corners| (corners, ())));
         let (casting, drawn) = (World::Bare(tracer()), World::Mesh(tracer()));
+        let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
+        let towards = DVec3::new(between(-0.8, 0.8), 1.0, between(-0.8, 0.8)).normalize();
+        let (depth, light) = ([REVERSED, STANDARD][round % 2], look(towards * 9.0, -towards, 1.0));
+        let light = Eye { depth, far: Some(20.0), half_width: Some(4.0), ..light }.camera();
         for _ in 0..6 {
-            let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
-            let towards = DVec3::new(between(-0.8, 0.8), 1.0, between(-0.8, 0.8)).normalize();
-            let (depth, light) = ([REVERSED, STANDARD][round % 2], look(towards * 9.0, -towards, 1.0));
-            let light = Eye { depth, far: Some(20.0), half_width: Some(4.0), ..light }.camera();
             let angle = between(0.0, 6.3);
             let position = DVec3::new(3.5 * angle.cos(), between(0.3, 4.0), 3.5 * angle.sin());
             let forward = DVec3::new(between(-0.7, 0.7), between(0.6, 2.2), between(-0.7, 0.7)) - position;

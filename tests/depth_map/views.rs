@@ -121,6 +121,7 @@ pub(crate) fn worlds(random: &mut Random) -> Vec<World> {
     vec![
         World::Sphere { centre: centre(1.5), radius: 1.0 },
         World::Sphere { centre: centre(0.8), radius: 1.0 },
+        World::Torus { centre: centre(1.0), major: 1.5, minor: 0.4 },
         World::Cuboid { centre: centre(1.0), half: DVec3::new(0.7, 1.0, 1.2) },
         World::Cuboid { centre: centre(2.0), half: DVec3::new(1.5, 0.02, 1.5) },
         World::mesh(&shapes::torus(24, 16, 1.5, 0.5), 1.0, centre(1.6)),

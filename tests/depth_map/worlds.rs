@@ -1,6 +1,6 @@
 //! Casters in the tests of shadows: analytic ones and meshes, each on a ground.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rimline_testkit::rays;
 use rimline_testkit::shapes::Shape;
 
@@ -11,6 +11,12 @@ pub(crate) enum World {
     Sphere {
         centre: DVec3,
         radius: f64,
+    },
+    /// Around the y axis.
+    Torus {
+        centre: DVec3,
+        major: f64,
+        minor: f64,
     },
     Cuboid {
         centre: DVec3,
@@ -35,6 +41,7 @@ impl World {
     pub(crate) fn is_inside(&self, point: DVec3) -> bool {
         let is_in_body = match self {
             Self::Sphere { centre, radius } => point.distance(*centre) <= *radius,
+            Self::Torus { centre, major, minor } => of_torus(point - centre, [*major, *minor]) <= 0.0,
             Self::Cuboid { centre, half } => (point - centre).abs().cmple(*half).all(),
             // Meshes are closed. The direction is no axis of theirs.
             Self::Mesh(tracer) | Self::Bare(tracer) => {
@@ -49,6 +56,7 @@ impl World {
     fn shape(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
         match self {
             Self::Sphere { centre, radius } => sphere(from - centre, direction, *radius),
+            Self::Torus { centre, major, minor } => torus(from - centre, direction, [*major, *minor]),
             Self::Cuboid { centre, half } => cuboid(from - centre, direction, *half),
             Self::Mesh(tracer) | Self::Bare(tracer) => {
                 let (t, triangle) = tracer.nearest((from, direction))?;
@@ -70,14 +78,45 @@ impl World {
     }
 }
 
+/// The distance from a torus around the origin.
+fn of_torus(at: DVec3, [major, minor]: [f64; 2]) -> f64 {
+    DVec2::new(DVec2::new(at.x, at.z).length() - major, at.y).length() - minor
+}
+
+/// Where a ray meets a torus around the origin, and the normal there: by steps of its distance between where the ray
+/// enters and leaves a sphere around it.
+fn torus(from: DVec3, direction: DVec3, radii: [f64; 2]) -> Option<(f64, DVec3)> {
+    let [enter, leave] = through(from, direction, radii[0] + radii[1] + 1e-6)?;
+    let mut t = enter.max(0.0);
+    for _ in 0..2000 {
+        let at = from + t * direction;
+        let distance = of_torus(at, radii);
+        if t > leave {
+            break;
+        }
+        if distance < 1e-9 {
+            let slope = |axis: DVec3| of_torus(at + 1e-5 * axis, radii) - of_torus(at - 1e-5 * axis, radii);
+            return Some((t, DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize()));
+        }
+        t += distance;
+    }
+    None
+}
+
+/// Where a line enters and leaves a sphere around the origin. The direction has length 1.
+fn through(from: DVec3, direction: DVec3, radius: f64) -> Option<[f64; 2]> {
+    let middle = -from.dot(direction);
+    let aside = from + middle * direction;
+    let half = radius * radius - aside.length_squared();
+    (half >= 0.0).then(|| [middle - half.sqrt(), middle + half.sqrt()])
+}
+
 /// Where a ray meets a sphere around the origin, and the normal there. A ray from within meets it where it begins.
 fn sphere(from: DVec3, direction: DVec3, radius: f64) -> Option<(f64, DVec3)> {
     if from.length() <= radius + 1e-9 {
         return Some((0.0, from.normalize()));
     }
-    let middle = -from.dot(direction);
-    let aside = from + middle * direction;
-    let enter = middle - (radius * radius - aside.length_squared()).sqrt();
+    let [enter, _] = through(from, direction, radius)?;
     (enter >= 0.0).then(|| (enter, (from + enter * direction) / radius))
 }
 
