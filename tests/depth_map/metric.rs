@@ -104,11 +104,9 @@ fn compare(
     let (near, far) = if is_reversed { (1.0, 0.0) } else { (0.0, 1.0) };
     let mut most = 0.0_f64;
     for (texel, (&distance, &found)) in given.iter().zip(found).enumerate() {
-        // What is no distance has the depth of the far end or of the near end, to the bit.
-        let is_far = distance.is_nan() || distance > 1e37;
-        if is_far || distance < f32::MIN_POSITIVE {
-            let end = if is_far { far } else { near as f32 };
-            same(&format!("{metric:?} {distance}"), &bits(&[found]), &bits(&[end]))?;
+        // What is no distance is far, to the bit, or at the near end.
+        if distance.is_nan() || distance > 1e37 {
+            same(&format!("{metric:?} {distance}"), &bits(&[found]), &bits(&[far]))?;
             continue;
         }
         let position = measured.position(metric, middle(size, texel), f64::from(distance));

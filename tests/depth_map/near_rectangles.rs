@@ -4,6 +4,7 @@
 
 use glam::{DVec3, DVec4};
 use rimline::gpu::depth_map::DepthMapOptions;
+use rimline::internals::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -14,8 +15,8 @@ use wgpu::TextureFormat;
 use crate::boundary::{Boundary, sample};
 use crate::cube::cube_of;
 use crate::maps::Map;
-use crate::parity::{self, SIDE, clip, light, map, seen, seen_depths, truth, unprojected};
-use crate::picture::{AUTOMATIC, Encoded, Maps, REVERSED, STANDARD, Target, by, look, pipelines};
+use crate::parity::{self, SIDE, any_eye, clip, light, map, seen, seen_depths, truth, unprojected};
+use crate::picture::{AUTOMATIC, Encoded, Maps, REVERSED, STANDARD, Target, by, contours, look, pipelines};
 use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -23,6 +24,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_edge_on_to_the_light_are_those_of_rays", edge_on),
     ("near_rectangles_across_two_maps_are_those_of_rays", across),
     ("near_caps_beyond_the_far_plane_are_drawn", beyond),
+    ("skipped_near_caps_change_no_picture", of_maps),
+    ("skipped_near_caps_of_cubes_change_no_picture", of_cubes),
 ];
 
 /// A rounding of WGSL: one unit in the last place, of a number anywhere in its binade.
@@ -117,7 +120,7 @@ impl Scene {
         let depths = seen_depths(&eye, SIDE, &seen);
         let target = Target { format: TextureFormat::Depth32FloatStencil8, ..Target::new(eye, &depths) };
         let options = DepthMapOptions { slope_bias: 0.0, ..Default::default() };
-        let stencil = both(&gpu, &target, &self.maps, options)?;
+        let (stencil, _) = both(&gpu, &target, &self.maps, options)?;
         let (pixels, wrong) = (5.0 * ROUNDING * SCENE / width * f64::from(SIDE), tally.pixels.wrong);
         let mut behind = [0; 2];
         for pixel in (0..SIDE * SIDE).filter(|pixel| pixel % 3 == pixel / SIDE % 3) {
@@ -139,14 +142,17 @@ impl Scene {
 }
 
 /// The stencil of a picture, which is the same with near caps that are always drawn.
-pub(crate) fn both(gpu: &Gpu, target: &Target<'_>, maps: &Maps, options: DepthMapOptions) -> Result<Vec<u8>, String> {
-    let [skipped, all] = [true, false].map(|skip_near_caps| {
-        let (stencil, encoded) = target.draw(gpu, maps, DepthMapOptions { skip_near_caps, ..options })?;
-        if skip_near_caps || encoded.has_cap() { Ok(stencil) } else { Err("a near cap is skipped".to_owned()) }
-    });
-    let skipped = skipped?;
-    same("with near caps that are always drawn", &skipped, &all?)?;
-    Ok(skipped)
+pub(crate) fn both(
+    gpu: &Gpu,
+    target: &Target<'_>,
+    maps: &Maps,
+    options: DepthMapOptions,
+) -> Result<(Vec<u8>, Encoded), String> {
+    let (all, encoded) = target.draw(gpu, maps, DepthMapOptions { skip_near_caps: false, ..options })?;
+    same("without the switch", &[encoded.frame.near_cap()], &[&DepthMapNearCap::Drawn])?;
+    let (skipped, encoded) = target.draw(gpu, maps, options)?;
+    same("with near caps that are always drawn", &skipped, &all)?;
+    Ok((skipped, encoded))
 }
 
 /// From the light (homogeneous) and a position, the width of a texel there and the map's size, and a number: where the
@@ -155,7 +161,7 @@ type At<'a> = dyn Fn(&mut Random, (DVec4, DVec3), (f64, [u32; 2]), usize) -> (DV
 
 /// Pictures at positions of a boundary.
 fn trials(random: &mut Random, what: &str, at: &At<'_>) -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = Gpu::shared_with_depth_features()?;
     let (mut tally, mut rounds) = (Tally::default(), 0);
     while rounds < if is_long() { 60 } else { 6 } {
         let (camera, light) = light(random);
@@ -203,7 +209,7 @@ fn edge_on() -> Result<(), String> {
 /// Near rectangles whose middle is on a ray that two maps of a cube share, or three, mostly where that ray ends. Were its
 /// vertices different in the maps, the smallest near rectangles would show a gap.
 fn across() -> Result<(), String> {
-    let (gpu, mut random) = Gpu::seeded(16_303)?;
+    let (gpu, mut random) = (Gpu::shared_with_depth_features()?, Random::new(16_303));
     let (mut tally, mut other) = (Tally::default(), Tally::default());
     for round in 0..if is_long() { 120 } else { 18 } {
         let cube = cube_of(&mut random, 6);
@@ -250,4 +256,63 @@ fn beyond() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Pictures by their near caps, skipped, skipped by the GPU, and drawn, and dark pixels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Caps([usize; 3], usize);
+
+impl Caps {
+    /// An eye near the scene. Its near plane is near or far away from it.
+    fn add(
+        &mut self,
+        (gpu, random): (&Gpu, &mut Random),
+        distance: f64,
+        (maps, options, bits): (&Maps, DepthMapOptions, u32),
+    ) -> Result<(), String> {
+        let position = distance * f64::from(random.between(0.1, 1.0)) * vector(random);
+        let near = [[0.01, 0.3], [0.3, 3.0]][random.below(2)];
+        let eye = any_eye(random, position, near);
+        let rays = Rays::new(&eye, SIDE);
+        let depths = seen_depths(&eye, SIDE, &seen(random, &rays));
+        let (stencil, encoded) = both(gpu, &Target { bits: 0..bits, ..Target::new(eye, &depths) }, maps, options)?;
+        self.0[encoded.cap_kind()] += 1;
+        self.1 += stencil.iter().filter(|&&value| value != 0).count();
+        Ok(())
+    }
+
+    fn check(self, what: &str, least: [usize; 3]) -> Result<(), String> {
+        println!("{what}: {self:?}");
+        let is_tried = self.1 > 1000 && self.0.iter().zip(least).all(|(&known, least)| known >= least);
+        if is_tried { Ok(()) } else { Err(format!("{what}: {self:?}")) }
+    }
+}
+
+/// Maps with five texels each way for each of others, into one bit and into two, and with walls.
+fn of_maps() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(1695)?;
+    let mut all = [Caps::default(); 3];
+    for round in 0..if is_long() { 3000 } else { 300 } {
+        let (camera, _) = light(&mut random);
+        let small = map(&mut random, &camera);
+        let [across, down] = small.size.map(|texels| 5 * texels);
+        let texel = |at: u32| small.depths[(at / across / 5 * small.size[0] + at % across / 5) as usize];
+        let map = Map::new([across, down], small.is_reversed, texel);
+        let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, camera)?;
+        let (method, bits) = [(AUTOMATIC, 1), (AUTOMATIC, 2), (contours([0.005, 0.25, 0.02]), 1)][round % 3];
+        all[round % 3].add((&gpu, &mut random), [8.0, 24.0][round % 2], (&maps, by(method), bits))?;
+    }
+    all.into_iter().zip(["maps", "bits", "walls"]).try_for_each(|(caps, what)| caps.check(what, [10, 4, 10]))
+}
+
+fn of_cubes() -> Result<(), String> {
+    const SIDE: u32 = 24;
+    let (gpu, mut random) = Gpu::seeded(1696)?;
+    let mut caps = Caps::default();
+    for _ in 0..if is_long() { 1000 } else { 60 } {
+        let cube = cube_of(&mut random, SIDE);
+        let maps = Maps::all(&gpu, (&cube.maps, SIDE), TextureFormat::R32Float, &cube.cameras)?;
+        caps.add((&gpu, &mut random), 5.0 + cube.light.length(), (&maps, by(AUTOMATIC), 1))?;
+    }
+    caps.check("cubes", [0, 5, 10])
 }
