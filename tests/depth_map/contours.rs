@@ -481,7 +481,7 @@ fn on_rims() -> Result<(), String> {
     let fit = Fit { threshold: 1.0 / 2048.0, sideways: 0.0, depth: 0.0, slope_bias: 1.0 };
     // The middle of an edge is a fourth of a texel off in the mean.
     for (body, most) in [(Body::Ellipsoid, 0.03), (Body::Disc, 0.13), (Body::HalfPlane, 0.095)] {
-        // What is off, that of the middles of edges, and that of the other side of edges.
+        // Sums of errors, those of the middles of edges, and those of the other side of edges.
         let (mut edges, mut off) = (0, [0.0; 3]);
         for round in 0..if is_long() { 400 } else { 30 } {
             let placed = Placed::random(body, &mut random);
@@ -489,7 +489,7 @@ fn on_rims() -> Result<(), String> {
             let map = rounded(&placed.map(round % 2 == 1), formats[round % 3]);
             let options = DepthMapOptions { rounded_to: Some(formats[round % 3]), ..fit.options() };
             let vertices = walls_of(&gpu, &map, None, options)?.concat();
-            // Those on edges, but for the outermost, which lead out of the map.
+            // Vertices on edges, but for the outermost, which lead out of the map.
             for [x, y] in vertices.iter().map(|vertex| [vertex[0], vertex[1]]).collect::<HashSet<_>>() {
                 let at = [x, y].map(|along| along as u32 / 256);
                 let axis = usize::from(x % 256 == 0);

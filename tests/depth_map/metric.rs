@@ -104,7 +104,7 @@ fn compare(
     let (near, far) = if is_reversed { (1.0, 0.0) } else { (0.0, 1.0) };
     let mut most = 0.0_f64;
     for (texel, (&distance, &found)) in given.iter().zip(found).enumerate() {
-        // What is no distance is far, to the bit, or at the near end.
+        // NaN and numbers that are too large are far, to the bit.
         if distance.is_nan() || distance > 1e37 {
             same(&format!("{metric:?} {distance}"), &bits(&[found]), &bits(&[far]))?;
             continue;

@@ -89,7 +89,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// What a position of the near rectangle may be off by along the light's ray, because depths are floats: the move of
+    /// Most that a position of the near rectangle may be off by along the light's ray, because depths are floats: the move of
     /// the map's depths, and twenty roundings of them. docs/numerics/depth-maps.md, "Rounding of positions".
     fn slip(&self, near: DVec3) -> DVec3 {
         let ahead = |camera: &ShadowCamera| clip(camera, near).w;
