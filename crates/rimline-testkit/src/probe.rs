@@ -1,7 +1,5 @@
 //! Functions of a stage's WGSL, called by a compute shader that writes down what they return.
 
-use rimline::internals::stages::Stage;
-
 use crate::device::Gpu;
 use crate::dispatch::storage_layout;
 use crate::passes::bind;
@@ -18,30 +16,20 @@ pub struct Probe {
 pub enum Bound<'a> {
     Uniform(&'a wgpu::Buffer),
     Storage(&'a wgpu::Buffer),
-    Floats(&'a wgpu::TextureView),
-    Integers(&'a wgpu::TextureView),
 }
 
 impl<'a> Bound<'a> {
     fn ty(self) -> wgpu::BindingType {
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let texture = |sample_type| wgpu::BindingType::Texture {
-            sample_type,
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
         match self {
             Self::Uniform(_) => buffer(wgpu::BufferBindingType::Uniform),
             Self::Storage(_) => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
-            Self::Floats(_) => texture(wgpu::TextureSampleType::Float { filterable: false }),
-            Self::Integers(_) => texture(wgpu::TextureSampleType::Uint),
         }
     }
 
     fn resource(self) -> wgpu::BindingResource<'a> {
         match self {
             Self::Uniform(buffer) | Self::Storage(buffer) => buffer.as_entire_binding(),
-            Self::Floats(view) | Self::Integers(view) => wgpu::BindingResource::TextureView(view),
         }
     }
 }
@@ -105,20 +93,6 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
             cache: None,
         });
         Self { pipeline, layouts }
-    }
-
-    /// The vertices that a call of a stage's function gives for the inputs 0, 1, and so on. A probe is made once for a
-    /// device.
-    pub fn vertices(
-        gpu: &Gpu,
-        stage: &Stage,
-        call: &str,
-        bound: &[(u32, Bound<'_>)],
-        count: usize,
-    ) -> Result<Vec<[f32; 4]>, String> {
-        let probe = gpu.kept(call, || Ok(Self::new(gpu, &stage.wgsl(), ("vec4<f32>", call), bound)))?;
-        let inputs: Vec<_> = (0..count).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
-        Ok(probe.run(gpu, bound, &inputs)?.into_iter().map(|vertex| vertex.map(f32::from_bits)).collect())
     }
 
     /// Four words for each input. There are at most 65,535 times 64 of them.
