@@ -69,10 +69,10 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
 ///   both, and twice as many views.
 /// * `counting_methods`: by shares of 128 pairs, 1/4 of the limit. No pair goes beyond the most workgroups along an
 ///   axis: these would take 537 million, and a table in one binding has no more than 84 million.
-/// * `caps`: by shares of 128 faces, or of 128 runs of 8, with 32 lights. A test has a workgroup of such shares.
-/// * `list_sides`, `stencil_crossings`: by shares of 4,096 edges or sides. Tests have a workgroup of such shares. No list of
-///   sides has more entries than there are edges.
-/// * `stencil_pencil`: by a binding: 838,860 casters with their choices, 3,277 an invocation. A test has them.
+/// * `caps`: by shares of 128 faces, or of 128 runs of 8, with 32 lights.
+/// * `list_sides`, `stencil_crossings`: by shares of 4,096 edges or sides. No list of sides has more entries than there are
+///   edges.
+/// * `stencil_pencil`: by a binding: 838,860 casters with their choices, 3,277 an invocation.
 /// * `stencil_bound`: by a binding: 32,640 rows, of all lights and views. Scenes have 32 lights or more, so 16 batches an
 ///   invocation and 1,100 turns, 1/59 of the limit. A test has one light.
 /// * `depth_metric`, `depth_merge`, `depth_cube`, `depth_edges_continue`, `depth_surface`, `contour_marks`: one texel, word
