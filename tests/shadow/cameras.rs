@@ -1,72 +1,60 @@
 //! Other cameras than a perspective one with reversed depth and without a far plane.
 
 use glam::DVec3;
-use rimline::{Counting, DepthDirection};
+use rimline::{Counting, DepthDirection, Light};
+use rimline_testkit::device::Gpu;
+use rimline_testkit::random::Random;
+use rimline_testkit::{OneCasterOptions, is_long, shapes};
 
-use crate::classes::{CLASSES, Class};
+use crate::classes::CLASSES;
+use crate::compare::Compared;
 use crate::rays::{Tracer, Truth};
 use crate::render::{Counted, Renderer};
-use crate::scene::{Eye, Rays};
-use crate::trials::{Tally, Test, Traced, every, seed};
-use rimline_testkit::device::Gpu;
-use rimline_testkit::is_long;
-use rimline_testkit::random::Random;
+use crate::scene::{Body, Eye, Frame, Rays};
+use crate::trials::{Test, Traced, every, seed};
 
 pub(crate) const TESTS: &[Test] = &[
-    ("standard_depth", standard_depth),
-    ("z_fail_with_standard_depth_and_far_planes", z_fail),
-    ("orthographic_cameras", orthographic),
+    ("cameras_with_standard_depth_far_planes_and_without_perspective", others),
+    ("dark_caps_of_orthographic_cameras", dark_caps),
 ];
 
-/// A frame of a class, seen by another camera.
-fn seen(class: &Class, number: u64, change: impl FnOnce(&mut Eye, &mut Random)) -> Traced {
-    let seed = seed(class, number);
-    let mut random = Random::new(seed);
-    let mut frame = (class.frame)(&mut random);
-    change(&mut frame.eye, &mut random);
-    Traced::of(frame, seed)
-}
+/// Depth directions and far planes of perspective cameras, then those of orthographic ones.
+const CAMERAS: [(DepthDirection, Option<f64>, bool); 5] = [
+    (DepthDirection::Standard, None, false),
+    (DepthDirection::Standard, Some(60.0), false),
+    (DepthDirection::Reversed, Some(60.0), false),
+    (DepthDirection::Standard, Some(40.0), true),
+    (DepthDirection::Reversed, Some(40.0), true),
+];
 
-/// Depth from 0 to 1, with a far plane and without.
-fn standard_depth() -> Result<(), String> {
+/// Frames of the classes, each seen by some of these cameras, by each method that is right.
+fn others() -> Result<(), String> {
+    // z-fail needs depth to be unclipped where there is a far plane.
     let gpu = Gpu::shared_with_depth_features()?;
-    let format = wgpu::TextureFormat::Depth32FloatStencil8;
-    for far in [None, Some(100.0)] {
-        let renderer = Renderer { format, ..Renderer::new(&gpu) };
-        for class in CLASSES.iter().filter(|class| class.name.contains("near")) {
-            let traced = seen(class, 3, |eye, _| {
-                // Nearer planes leave too little of standard depth's precision.
-                *eye = Eye { depth: DepthDirection::Standard, far, near: eye.near.max(0.1), ..*eye };
-            });
-            traced.check(&renderer, Counting::Auto, false).map_err(|error| format!("{}: {error}", class.name))?;
-        }
-    }
-    Ok(())
-}
-
-/// z-fail from perspective cameras: with standard depth, with a far plane, and with both.
-fn z_fail() -> Result<(), String> {
-    let gpu = Gpu::shared_with_depth_features()?;
-    let renderer = Renderer { format: wgpu::TextureFormat::Depth32FloatStencil8, ..Renderer::new(&gpu) };
-    let all = [
-        (DepthDirection::Standard, None),
-        (DepthDirection::Standard, Some(60.0)),
-        (DepthDirection::Reversed, Some(60.0)),
-    ];
-    for (first, (depth, far)) in all.into_iter().enumerate() {
+    for (first, (depth, far, is_orthographic)) in CAMERAS.into_iter().enumerate() {
         let (mut shadowed, mut cut, mut noticed, mut imprecise) = (0, 0, 0, 0);
-        let (first, step) = if is_long() { (0, 1) } else { (first, all.len()) };
-        for class in CLASSES.iter().skip(first).step_by(step) {
+        let float = wgpu::TextureFormat::Depth32FloatStencil8;
+        let plain = Renderer::new(&gpu);
+        let renderer = Renderer { format: if is_orthographic { plain.format } else { float }, ..plain };
+        let (first, step) = if is_long() { (0, 1) } else { (first % 3, 3) };
+        for (index, class) in CLASSES.iter().enumerate().skip(first).step_by(step) {
             for number in 90..if is_long() { 100 } else { 91 } {
-                let traced = seen(class, number, |eye, _| {
-                    *eye = Eye { depth, far, near: eye.near.max(0.1), ..*eye };
-                });
+                let seed = seed(class, number);
+                let mut random = Random::new(seed);
+                let mut frame = (class.frame)(&mut random);
+                let half_width = is_orthographic.then(|| f64::from(random.between(0.3, 3.0)));
+                // Nearer planes leave too little of standard depth's precision.
+                let near = if is_orthographic { frame.eye.near } else { frame.eye.near.max(0.1) };
+                frame.eye = Eye { depth, far, near, half_width, ..frame.eye };
+                let traced = Traced::of(frame, seed);
                 let what =
-                    |error| format!("{depth:?}, far plane {far:?}, {}, seed {}: {error}", class.name, traced.seed);
+                    |error| format!("{depth:?}, far plane {far:?}, {half_width:?}, {}, {seed}: {error}", class.name);
+                let counting = [Counting::Auto, Counting::ZpPlus][index / step % 2];
+                traced.check(&renderer, counting, is_orthographic && !class.touches).map_err(what)?;
                 let mut counted = renderer.count(&traced.frame, Counting::ZFail).map_err(what)?;
                 let (wrong, specks) = wrong_pixels(&traced, &counted, !class.touches);
                 if let Some(&pixel) = wrong.first() {
-                    let is_alone = wrong.len() == 1 && depth == DepthDirection::Standard;
+                    let is_alone = wrong.len() == 1 && depth == DepthDirection::Standard && !is_orthographic;
                     if !is_alone || !is_right_reversed(&renderer, &traced, pixel)? {
                         return Err(what(format!("{wrong:?} are wrong")));
                     }
@@ -79,12 +67,12 @@ fn z_fail() -> Result<(), String> {
                 let in_shadow = traced.shadowed();
                 shadowed += in_shadow;
                 counted.stencils[0].fill(0);
-                noticed += usize::from(in_shadow > 100 && unequal(&traced, &counted, false).is_err());
+                noticed += usize::from(in_shadow > 100 && !wrong_pixels(&traced, &counted, false).0.is_empty());
             }
         }
         println!(
-            "{depth:?}, far plane {far:?}: {shadowed} pixels in shadow, {cut} pixels of cut faces wrong, {imprecise} by depth's \
-             precision"
+            "{depth:?}, far plane {far:?}, orthographic {is_orthographic}: {shadowed} pixels in shadow, {cut} pixels of \
+             cut faces wrong, {imprecise} by depth's precision"
         );
         if shadowed == 0 || noticed == 0 {
             return Err("negative control: light for shadow went unnoticed".to_owned());
@@ -93,38 +81,42 @@ fn z_fail() -> Result<(), String> {
     Ok(())
 }
 
-/// Orthographic cameras of both depth directions.
-fn orthographic() -> Result<(), String> {
-    // z-fail needs depth to be unclipped here, for there is a far plane.
-    let gpu = Gpu::shared_with_depth_features()?;
-    let renderer = Renderer::new(&gpu);
-    let (mut tally, mut cut) = (Tally::default(), 0);
-    let directions = [DepthDirection::Reversed, DepthDirection::Standard];
-    let classes = CLASSES.iter().zip(directions.iter().cycle()).skip(1);
-    for (class, direction) in classes.step_by(if is_long() { 1 } else { 3 }) {
-        for number in 60..if is_long() { 65 } else { 61 } {
-            let traced = seen(class, number, |eye, random| {
-                let half_width = Some(f64::from(random.between(0.3, 3.0)));
-                *eye = Eye { depth: *direction, far: Some(40.0), half_width, ..*eye };
-            });
-            tally.add(&traced, &renderer, &[Counting::Auto, Counting::ZpPlus], !class.touches);
-            let what = |error| format!("{}, seed {}: {error}", class.name, traced.seed);
-            let counted = renderer.count(&traced.frame, Counting::ZFail)?;
-            cut += unequal(&traced, &counted, !class.touches).map_err(what)?;
+/// The camera's direction leads from most lights to a caster: to a vertex of a grid or the middle of an edge, without
+/// rounding, so that products are zero and the order of the indices decides which one of the faces there has the
+/// direction; or to anywhere on a grid or a ball. A dark cap too many or too few is wrong all over the picture.
+fn dark_caps() -> Result<(), String> {
+    let (gpu, mut random) = (Gpu::shared_with_depth_features()?, Random::new(106));
+    let mut grid = shapes::plane_grid(8, 8);
+    grid.positions.iter_mut().for_each(|position| *position = [position[0], position[2], -2.0]);
+    let ball = shapes::blob(6, 0.3, 5).placed(|[x, y, z]| [x, y, z - 3.5]);
+    let mut shadowed = 0;
+    for depth in [DepthDirection::Reversed, DepthDirection::Standard] {
+        for (caster, is_tie) in [(&grid, true), (&grid, false), (&ball, false)] {
+            let mut coordinate =
+                || if is_tie { random.below(15) as f32 / 8.0 - 0.875 } else { random.between(-1.2, 1.2) };
+            let light = |_| Light::point([coordinate(), coordinate(), -1.0]);
+            let lights: Vec<Light> = (0..32).map(light).collect();
+            let eye = Eye::new(DVec3::ZERO, DVec3::NEG_Z, 0.125);
+            let eye = Eye { depth, far: Some(40.0), half_width: Some(4.0), ..eye };
+            let bodies = vec![Body::caster(caster.clone()), Body::room([0.0; 3], 8.0)];
+            let traced = Traced::of(Frame { bodies, eye, lights, size: 32 }, 106);
+            for range in [f32::INFINITY, 20.0] {
+                let options = OneCasterOptions { end_at_range: range < 40.0, ..OneCasterOptions::default() };
+                let counted =
+                    Renderer { options, range, ..Renderer::new(&gpu) }.count(&traced.frame, Counting::ZFail)?;
+                for (light, stencil) in counted.stencils.iter().enumerate() {
+                    let wrong = Compared { light, ..traced.compared() }.counts(stencil, &every(&counted, light));
+                    if !wrong.pixels.is_empty() || wrong.compared < 100 {
+                        let (count, at) = (wrong.pixels.len(), traced.frame.lights[light]);
+                        return Err(format!("{depth:?}, tie {is_tie}, range {range}, {at:?}: {count} wrong pixels"));
+                    }
+                    shadowed += traced.truths.iter().filter(|truths| truths[light].is_shadowed()).count();
+                }
+            }
         }
     }
-    println!("{cut} pixels of cut faces wrong by z-fail");
-    tally.result("orthographic cameras")
-}
-
-/// With a far plane z-fail draws light caps unclipped, so where every face casts, those that the near plane cuts need
-/// not have the bits of a depth pass that is clipped. Fails where another pixel is wrong; returns how many of these
-/// are.
-fn unequal(traced: &Traced, counted: &Counted, counts: bool) -> Result<usize, String> {
-    match wrong_pixels(traced, counted, counts) {
-        (wrong, cut) if wrong.is_empty() => Ok(cut),
-        (wrong, _) => Err(format!("z-fail: {:?} is wrong", wrong[0])),
-    }
+    println!("{shadowed} pixels in shadow");
+    if shadowed > 100_000 { Ok(()) } else { Err("too few pixels in shadow".to_owned()) }
 }
 
 /// Whether a pixel has its count if nothing but depth is reversed, and so more precise: docs/numerics/rasterisers.md,
@@ -139,7 +131,8 @@ fn is_right_reversed(renderer: &Renderer<'_>, traced: &Traced, (x, y): (u32, u32
         if between.count(&every) % 256 == u16::from(counted.stencils[0][at])))
 }
 
-/// Pixels that are wrong, and how many of cut faces are, likewise.
+/// Pixels that are wrong, and how many of cut faces are. With a far plane z-fail draws light caps unclipped, so where every
+/// face casts, those that the near plane cuts need not have the bits of a depth pass that is clipped.
 fn wrong_pixels(traced: &Traced, counted: &Counted, counts: bool) -> (Vec<(u32, u32)>, usize) {
     let every = every(counted, 0);
     let mut wrong = traced.compared().lit(&counted.stencils[0], &every);

@@ -39,10 +39,17 @@ pub(crate) const CLASSES: &[Class] = &[
     class("coordinates near 100,000, from the eye", |random| far(random, 1e5, true)),
     class("ten overlapping casters", overlapping),
     class("open sheet", sheet),
-    class("moebius strip", moebius),
-    class("three sheets on an edge", sheets),
-    class("faces that are not finite", not_finite),
-    class("sheet with faces that are not finite", torn_sheet),
+    class("moebius strip", |random| with_caster(random, shapes::moebius(48, 4))),
+    class("three sheets on an edge", |random| with_caster(random, shapes::three_sheets(8))),
+    class("faces that are not finite", |random| {
+        let kinds: [fn(&mut Random) -> Frame; 3] = [self::random, within, light_within];
+        let frame = kinds[random.below(3)](random);
+        spoiled(random, frame)
+    }),
+    class("sheet with faces that are not finite", |random| {
+        let frame = sheet(random);
+        spoiled(random, frame)
+    }),
     Class { touches: true, ..class("two touching boxes", boxes) },
     class("mirrored instance", mirrored),
 ];
@@ -62,11 +69,7 @@ fn near(random: &mut Random) -> f64 {
 /// Two tori through each other's holes, in a room.
 fn tori() -> Vec<Body> {
     let torus = shapes::torus(48, 24, 1.0, 0.35);
-    let mut other = torus.clone();
-    for position in &mut other.positions {
-        let [x, y, z] = *position;
-        *position = [x + 1.0, z, -y];
-    }
+    let other = torus.clone().placed(|[x, y, z]| [x + 1.0, z, -y]);
     vec![Body::caster(torus), Body::caster(other), Body::room([0.0; 3], 8.0)]
 }
 
@@ -183,35 +186,25 @@ fn both_within(random: &mut Random) -> Frame {
 }
 
 fn far(random: &mut Random, distance: f64, is_relative: bool) -> Frame {
-    let mut frame = match random.below(3) {
+    let frame = match random.below(3) {
         0 => self::random(random),
         1 => inside(random, true, true),
         _ => inside(random, false, false),
     };
     let by = DVec3::new(1.0, -0.5, 0.7) * distance;
-    for body in &mut frame.bodies {
-        *body = body.clone().moved(by.as_vec3().to_array());
-    }
-    frame.eye.position += by;
-    frame.eye.is_relative = is_relative;
-    frame.lights = frame
-        .lights
-        .iter()
-        .map(|light| Light::point((DVec3::from(light.xyz.map(f64::from)) + by).as_vec3().to_array()))
-        .collect();
-    frame
+    let bodies = frame.bodies.into_iter().map(|body| body.moved(by.as_vec3().to_array())).collect();
+    let eye = Eye { position: frame.eye.position + by, is_relative, ..frame.eye };
+    let lights = frame.lights.iter().map(|light| point(DVec3::from(light.xyz.map(f64::from)) + by)).collect();
+    Frame { bodies, eye, lights, ..frame }
 }
 
 fn overlapping(random: &mut Random) -> Frame {
-    let mut bodies: Vec<Body> = (0..10)
-        .map(|seed| {
-            let at = room_point(random, 0.0, 1.5).as_vec3().to_array();
-            Body::caster(shapes::blob(8, 0.4, seed)).scaled(random.between(0.3, 0.9)).moved(at)
-        })
-        .collect();
-    bodies.push(Body::room([0.0; 3], 8.0));
-    let frame = self::random(random);
-    Frame { bodies, ..frame }
+    let blob = |seed| {
+        let at = room_point(random, 0.0, 1.5).as_vec3().to_array();
+        Body::caster(shapes::blob(8, 0.4, seed)).scaled(random.between(0.3, 0.9)).moved(at)
+    };
+    let bodies = (0..10).map(blob).chain([Body::room([0.0; 3], 8.0)]).collect();
+    Frame { bodies, ..self::random(random) }
 }
 
 /// The second caster is an instance whose transform has a negative determinant.
@@ -228,7 +221,7 @@ fn mirrored(random: &mut Random) -> Frame {
     frame
 }
 
-pub(crate) fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {
+fn with_caster(random: &mut Random, shape: Shape) -> Frame {
     let bodies = vec![Body::caster(shape.clone()), Body::caster(shape), Body::room([0.0; 3], 8.0)];
     let mut frame = match random.below(3) {
         0 => self::random(random),
@@ -249,55 +242,23 @@ pub(crate) fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {
 
 fn sheet(random: &mut Random) -> Frame {
     let seed = random.below(1000) as u32;
-    let mut shape = shapes::plane_grid(12, 12);
-    let (low, high) = (-1.0, 1.0);
-    for position in &mut shape.positions {
-        let wave = (position[0] * 5.0 + seed as f32).sin() * 0.3;
-        position[1] += wave.clamp(low, high);
+    let wave = |[x, y, z]: [f32; 3]| [x, y + (x * 5.0 + seed as f32).sin() * 0.3, z];
+    with_caster(random, shapes::plane_grid(12, 12).placed(wave))
+}
+
+/// A few vertices of casters are infinite or NaN, so that closed casters have holes.
+fn spoiled(random: &mut Random, mut frame: Frame) -> Frame {
+    for body in frame.bodies.iter_mut().filter(|body| body.casts) {
+        for _ in 0..=random.below(6) {
+            let vertex = random.below(body.shape.positions.len());
+            let coordinate = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][random.below(3)];
+            body.shape.positions[vertex][random.below(3)] = coordinate;
+        }
     }
-    with_caster(random, shape)
-}
-
-fn moebius(random: &mut Random) -> Frame {
-    with_caster(random, shapes::moebius(48, 4))
-}
-
-/// A few vertices are infinite or NaN, so that closed casters have holes.
-fn spoil(random: &mut Random, shape: &mut Shape) {
-    for _ in 0..=random.below(6) {
-        let vertex = random.below(shape.positions.len());
-        shape.positions[vertex][random.below(3)] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][random.below(3)];
-    }
-}
-
-fn not_finite(random: &mut Random) -> Frame {
-    let kinds: [fn(&mut Random) -> Frame; 3] = [self::random, within, light_within];
-    let mut frame = kinds[random.below(3)](random);
-    frame.bodies.iter_mut().filter(|body| body.casts).for_each(|body| spoil(random, &mut body.shape));
     frame
-}
-
-fn torn_sheet(random: &mut Random) -> Frame {
-    let mut frame = sheet(random);
-    frame.bodies.iter_mut().filter(|body| body.casts).for_each(|body| spoil(random, &mut body.shape));
-    frame
-}
-
-fn sheets(random: &mut Random) -> Frame {
-    with_caster(random, shapes::three_sheets(8))
 }
 
 fn boxes(random: &mut Random) -> Frame {
-    let mut frame = random_boxes(random);
-    frame.bodies.push(Body::room([0.0; 3], 8.0));
-    frame
-}
-
-fn random_boxes(random: &mut Random) -> Frame {
-    let bodies = vec![
-        Body::caster(shapes::cube()).scaled(0.5).moved([-0.5, 0.0, 0.0]),
-        Body::caster(shapes::cube()).scaled(0.5).moved([0.5, 0.0, 0.0]),
-    ];
-    let frame = self::random(random);
-    Frame { bodies, ..frame }
+    let half = |x: f32| Body::caster(shapes::cube()).scaled(0.5).moved([x, 0.0, 0.0]);
+    Frame { bodies: vec![half(-0.5), half(0.5), Body::room([0.0; 3], 8.0)], ..self::random(random) }
 }

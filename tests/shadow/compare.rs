@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use crate::hairlines::Hairlines;
-use crate::rays::Truth;
+use crate::rays::{Between, Truth};
 use crate::scene::Frame;
 use rimline_testkit::same;
 
@@ -46,7 +46,7 @@ impl Compared<'_> {
     }
 
     /// The pixel and those around it.
-    pub(crate) fn around(&self, (x, y): (i64, i64)) -> impl Iterator<Item = Truth> {
+    fn around(&self, (x, y): (i64, i64)) -> impl Iterator<Item = Truth> {
         let size = i64::from(self.frame.size);
         let pixels = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
         pixels.filter(move |(x, y)| (0..size).contains(x) && (0..size).contains(y)).map(|pixel| self.truth(pixel))
@@ -56,56 +56,54 @@ impl Compared<'_> {
         stencil[(y * i64::from(self.frame.size) + x) as usize]
     }
 
-    /// Lit surfaces that the GPU shows shadowed, and the other way round, but for those within a pixel of where it
-    /// would be right. `every` says of which casters every face casts.
-    pub(crate) fn lit(&self, stencil: &[u8], every: &[bool]) -> Wrong {
-        let mut wrong = Wrong::default();
-        for pixel in self.pixels() {
-            let truth = self.truth(pixel);
-            if !matches!(truth, Truth::Surface(_)) {
-                continue;
-            }
-            wrong.compared += 1;
-            let lit = self.value(pixel, stencil) == 0;
-            if lit != truth.is_lit() && !self.around(pixel).any(|near| near.is_lit() == lit) {
-                wrong.pixels.push((pixel.0 as u32, pixel.1 as u32));
-            }
-        }
-        self.explained(wrong, stencil, every)
-    }
-
-    /// Counts that differ from the number of casting faces between, where that is the same for all pixels around.
-    pub(crate) fn counts(&self, stencil: &[u8], every: &[bool]) -> Wrong {
+    /// Pixels of surfaces that are compared and wrong.
+    fn wrong(
+        &self,
+        stencil: &[u8],
+        is_compared: impl Fn((i64, i64), Truth) -> bool,
+        is_right: impl Fn((i64, i64), Between, u8) -> bool,
+    ) -> Wrong {
         let mut wrong = Wrong::default();
         for pixel in self.pixels() {
             let truth = self.truth(pixel);
             let Truth::Surface(between) = truth else { continue };
-            if self.around(pixel).any(|near| near != truth) {
-                continue;
-            }
-            wrong.compared += 1;
-            if u16::from(self.value(pixel, stencil)) != between.count(every) % 256 {
-                wrong.pixels.push((pixel.0 as u32, pixel.1 as u32));
+            if is_compared(pixel, truth) {
+                wrong.compared += 1;
+                if !is_right(pixel, between, self.value(pixel, stencil)) {
+                    wrong.pixels.push((pixel.0 as u32, pixel.1 as u32));
+                }
             }
         }
-        self.explained(wrong, stencil, every)
+        wrong
+    }
+
+    /// Lit surfaces that the GPU shows shadowed, and the other way round, but for those within a pixel of where it
+    /// would be right. `every` says of which casters every face casts.
+    pub(crate) fn lit(&self, stencil: &[u8], every: &[bool]) -> Wrong {
+        let is_near = |pixel, lit: bool| self.around(pixel).any(|near| near.is_lit() == lit);
+        let is_right =
+            |pixel, between, value: u8| (value == 0) == Truth::Surface(between).is_lit() || is_near(pixel, value == 0);
+        self.explained(self.wrong(stencil, |_, _| true, is_right), stencil, every)
+    }
+
+    /// Counts that differ from the number of casting faces between, where that is the same for all pixels around.
+    pub(crate) fn counts(&self, stencil: &[u8], every: &[bool]) -> Wrong {
+        let is_plain = |pixel, truth| self.around(pixel).all(|near| near == truth);
+        let is_right = |_, between: Between, value: u8| u16::from(value) == between.count(every) % 256;
+        self.explained(self.wrong(stencil, is_plain, is_right), stencil, every)
     }
 
     /// Counts that differ from those of their pixel's ray: all of them, or only those that swap light and shadow. A
     /// back-facing surface may have any count.
     pub(crate) fn each(&self, stencil: &[u8], every: &[bool], counts: bool) -> Wrong {
-        let mut wrong = Wrong::default();
-        let is_same = |count: u8, value: u8| if counts { count == value } else { (count == 0) == (value == 0) };
-        for pixel in self.pixels() {
-            let Truth::Surface(between) = self.truth(pixel) else { continue };
-            wrong.compared += 1;
-            if !is_same(between.count(every) as u8, self.value(pixel, stencil)) {
-                wrong.pixels.push((pixel.0 as u32, pixel.1 as u32));
-            }
-        }
+        let is_same = |between: Between, value: u8| {
+            let count = between.count(every) as u8;
+            if counts { count == value } else { (count == 0) == (value == 0) }
+        };
+        let wrong = self.wrong(stencil, |_, _| true, |_, between, value| is_same(between, value));
         self.explained_by(wrong, stencil, every, |hairlines, pixel, value| {
             hairlines.is_near(pixel, hairlines.moved(pixel), |truth| match truth {
-                Truth::Surface(between) => is_same(between.count(every) as u8, value),
+                Truth::Surface(between) => is_same(between, value),
                 truth => truth == Truth::BackFacing,
             })
         })

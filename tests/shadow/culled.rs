@@ -1,29 +1,21 @@
 //! Volumes that no receiver can be in: without them every receiver has the same count.
 
 use glam::DVec3;
-use rimline::gpu::{FrameInputs, Receivers, ShadowError, View};
 use rimline::internals::shadow::CAST_NOTHING;
-use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline::{Counting, DepthDirection, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::on_gpu::text;
-use rimline_testkit::passes;
 use rimline_testkit::random::Random;
-use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::compare::Compared;
 use crate::rays::Truth;
-use crate::receivers::cube_below_light;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, CENTRE, Eye, Frame, SAMPLES, vector};
 use crate::trials::{RIGHT, Test, Traced, every};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("walls_hide_casters_and_their_shadows", walls),
-    ("depth_that_comes_nearer_afterwards_is_right", nearer),
-    ("receivers_that_cannot_be_read_are_refused", unreadable),
-];
+pub(crate) const TESTS: &[Test] =
+    &[("walls_hide_casters_and_their_shadows", walls), ("depth_that_comes_nearer_afterwards_is_right", nearer)];
 
 /// Fails where a pixel with a surface, or any pixel if the sky receives, has another count than without knowing receivers.
 /// Returns the pairs of caster and light that were culled.
@@ -41,10 +33,15 @@ fn check(traced: &Traced, renderer: &Renderer<'_>, counting: Counting, sky: bool
     let within_pixel = if renderer.samples > 1 { SAMPLES[0] } else { CENTRE };
     let compared = Compared { within_pixel, ..traced.compared() };
     compared.alike(&what, &found_seen, &expected_seen, &every(&expected, 0))?;
-    let mut other = found_seen;
-    let at = other.len() / 2;
-    other[at] ^= 64;
-    must_fail("one count", &compared.alike(&what, &other, &expected_seen, &every(&expected, 0)))?;
+    // One count that is off by one is noticed, but where a border or a hairline is near.
+    let is_noticed = |at: &u32| {
+        let mut other = expected_seen.clone();
+        other[(at / 5 * 12 + 7) as usize * traced.frame.size as usize + (at % 5 * 12 + 7) as usize] ^= 1;
+        compared.alike("one count", &other, &expected_seen, &every(&expected, 0)).is_err()
+    };
+    if traced.seed == 5001 && (0..25).filter(is_noticed).count() < 20 {
+        return Err(format!("{what}: counts that are off by one are not noticed"));
+    }
     same("culled without receivers", &[expected.statistics[0].culled_by_receivers], &[0])?;
     // Each pair of caster and light is as without receivers, or casts nothing, and then it is counted.
     let casting = |counted: &Counted| counted.chosen.concat().iter().map(|light| light.casting).collect::<Vec<_>>();
@@ -89,20 +86,6 @@ pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     Frame { bodies, eye, lights: vec![light], size: 64 }
 }
 
-/// A count that is off by one is noticed, but where a border or a hairline is near.
-fn notices_one(traced: &Traced, renderer: &Renderer<'_>, counting: Counting) -> Result<(), String> {
-    let counted = renderer.count(&traced.frame, counting)?;
-    let expected = &counted.stencils[0];
-    let is_noticed = |at: &u32| {
-        let mut other = expected.clone();
-        other[(at / 5 * 12 + 7) as usize * traced.frame.size as usize + (at % 5 * 12 + 7) as usize] ^= 1;
-        traced.compared().alike("one count", &other, expected, &every(&counted, 0)).is_err()
-    };
-    let noticed = (0..25).filter(is_noticed).count();
-    println!("{noticed} of 25 counts that are off by one are noticed");
-    if noticed >= 20 { Ok(()) } else { Err(format!("{noticed} of 25 counts that are off by one are noticed")) }
-}
-
 /// A culled volume changes no receiver's count, and counts are what rays tell.
 fn walls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -119,7 +102,6 @@ fn walls() -> Result<(), String> {
         let renderer = Renderer { receivers: Some(false), ..renderer };
         traced.check(&renderer, counting, true)?;
         if seed == 5001 {
-            notices_one(&traced, &renderer, counting)?;
             let other = Traced::of(behind_walls(&mut Random::new(seed + 1)), seed);
             let other = Traced { truths: other.truths, ..traced };
             must_fail("the rays of another frame", &other.check(&renderer, counting, true))?;
@@ -149,34 +131,4 @@ fn nearer() -> Result<(), String> {
     }
     println!("{culled} pairs culled");
     if culled < 20 { Err("too few".to_owned()) } else { Ok(()) }
-}
-
-/// A texture that cannot be read gives a typed error. The next encode is as if nothing had been asked.
-fn unreadable() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut scene = cube_below_light(gpu)?;
-    let camera: ShadowCamera = behind_walls(&mut Random::new(1)).eye.camera();
-    let (depth, color) = (wgpu::TextureFormat::Depth24PlusStencil8, wgpu::TextureFormat::Rgba8Unorm);
-    let plain = |format| passes::texture([20, 30], format);
-    let size = wgpu::Extent3d { depth_or_array_layers: 2, ..plain(depth).size };
-    let of_depth = wgpu::TextureViewDescriptor { aspect: wgpu::TextureAspect::DepthOnly, ..Default::default() };
-    let both = wgpu::TextureViewDescriptor::default();
-    let unbound = wgpu::TextureDescriptor { usage: wgpu::TextureUsages::RENDER_ATTACHMENT, ..plain(depth) };
-    let layers = wgpu::TextureDescriptor { size, ..plain(depth) };
-    for (what, texture, view, expected) in [
-        ("format", plain(color), &both, is(ShadowError::ReceiversFormat { view: 0, format: color })),
-        ("usage", unbound, &of_depth, is(ShadowError::ReceiversUsage { view: 0 })),
-        ("both aspects", plain(depth), &both, shows(&["ReceiversRefused { view: 0,"])),
-        ("several layers", layers, &of_depth, shows(&["ReceiversRefused { view: 0,"])),
-        ("none", plain(depth), &of_depth, Expected::Taken),
-    ] {
-        let view = gpu.device.create_texture(&texture).create_view(view);
-        let depth = Some(Receivers { depth: &view, sky_receives: false, version: None });
-        gpu.submit(|encoder| {
-            let encoded = scene.encode(encoder, FrameInputs::new(&[View { depth, ..View::new(camera) }]));
-            refused([refusal(what, encoded, expected)])?;
-            scene.encode(encoder, FrameInputs::new(&[camera.into()])).map(drop).map_err(text)
-        })?;
-    }
-    Ok(())
 }

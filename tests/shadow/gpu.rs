@@ -2,12 +2,9 @@
 //! fail; they are never passed over.
 
 mod cameras;
-mod choice;
 mod classes;
-mod clipped;
 mod compare;
 mod culled;
-mod dark_caps;
 mod hairlines;
 mod in_scene;
 mod levels;
@@ -26,10 +23,7 @@ mod refusals;
 mod render;
 mod samples;
 mod scene;
-mod scene_refusals;
 mod shells;
-mod sides;
-mod stages;
 mod thousands;
 mod trials;
 mod twisted;
@@ -53,7 +47,6 @@ fn main() {
         hairlines::TESTS,
         in_scene::TESTS,
         thousands::TESTS,
-        scene_refusals::TESTS,
         passes::TESTS,
         proxies::TESTS,
         polygons::TESTS,
@@ -63,12 +56,9 @@ fn main() {
         levels::TESTS,
         mixed::TESTS,
         cameras::TESTS,
-        stages::TESTS,
         most_turns::TESTS,
-        choice::TESTS,
         vertices::TESTS,
         &margins::tests(),
-        dark_caps::TESTS,
         refusals::TESTS,
     ];
     all.extend(harness::gpu_trials(tests.concat()));

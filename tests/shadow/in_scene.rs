@@ -1,29 +1,28 @@
-//! Many casters in one scene: in batches, with faces excluded, and with matrices and far away.
+//! Many casters in one scene: with faces excluded, and with matrices and far away.
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
-    Capacities, Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Receivers,
-    Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StencilCounts, View,
+    Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, Receivers, Scene,
+    SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, View,
 };
-use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::{ShadowLight, ShadowStatistics};
 use rimline::internals::shadow::CAST_BACK_FACING;
 use rimline::mesh::Weld;
-use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
+use rimline::{Counting, Light, Matrix3x4, Mesh, ShadowCamera};
 use rimline_testkit::OneCasterOptions;
 
 use crate::classes::CLASSES;
+use crate::compare::Compared;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, Eye, Frame, vector};
-use crate::trials::{RIGHT, Test, Traced, rotated, seed};
+use crate::trials::{RIGHT, Tally, Test, Traced, every, rotated, seed};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
-use rimline_testkit::shapes;
-use rimline_testkit::{is_long, must_fail, same};
+use rimline_testkit::shapes::Shape;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("casters_counted_in_batches_do_not_wrap", batches),
     ("excluded_faces_count_as_if_they_were_not_there", excluded),
     ("rigid_casters_far_away_and_at_any_scale", far_away),
 ];
@@ -83,13 +82,6 @@ fn rows(scale: [f32; 3]) -> Matrix3x4 {
     [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]]
 }
 
-/// Another camera of the same kind.
-fn other_view(frame: &Frame, random: &mut Random) -> Eye {
-    let away = vector(random);
-    let position = frame.eye.position + away;
-    Eye { position, forward: -away, ..frame.eye }
-}
-
 /// Casters and lights that will be gone.
 struct Past {
     casters: Vec<CasterHandle>,
@@ -146,24 +138,17 @@ fn hiding(body: &Body, mesh: &Mesh, mesh_positions: &[[f32; 3]], positions: &Cas
 
 /// Options of a scene that match those of separate volumes.
 fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting) -> SceneOptions {
-    let OneCasterOptions { end_at_range, cap_capacity, .. } = renderer.options;
-    let mut options = SceneOptions {
-        max_lights,
-        capacities: Capacities { lists: renderer.list_capacity, caps: cap_capacity, ..Capacities::default() },
-        counting,
-        end_at_range,
-        stencil: StencilCounts {
-            count_bits: renderer.count_bits,
-            count_batches: renderer.count_batches,
-            bound_counts: renderer.options.bound_counts,
-        },
-        ..SceneOptions::default()
-    };
-    options.measuring.set(Measuring::EVERY_FACE, renderer.options.every_face);
-    options.measuring.set(Measuring::CULLED_BY_VIEW, !renderer.options.cull_by_view);
+    let clusters_from = SceneOptions::default().clusters_from;
+    let mut options = SceneOptions { max_lights, counting, clusters_from, ..renderer.options.of_scene() };
+    options.stencil.count_batches = renderer.count_batches;
+    options.measuring.set(Measuring::CACHED_LISTS, false);
     // Counts of all casters, unless a test asks for dark and lit alone.
     options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, true);
-    (renderer.levels)(&mut options);
+    if let Some((levels, has_clusters)) = renderer.levels {
+        options.measuring.set(Measuring::CULL_NOTHING, true);
+        levels.iter().for_each(|&level| options.measuring.set(level, false));
+        options.clusters_from = has_clusters.then_some(1);
+    }
     options
 }
 
@@ -195,37 +180,29 @@ impl InScene {
         }
         let mut casters = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.casts) {
-            let mesh = |faces: &[[u32; 3]]| match &body.polygons {
-                Some(polygons) => polygons.mesh(Weld::Position).map_err(text),
-                None => Mesh::from_faces(body.shape.positions.len(), faces.to_vec()).map_err(text),
-            };
-            let mirrored = || body.shape.faces.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>();
-            let (mesh, mesh_positions, positions) = match (renderer.placing, body.mirror) {
+            let Shape { mut faces, mut positions } = body.shape.clone();
+            let placed = match (renderer.placing, body.mirror) {
                 (Placing::Moved(_), _) => {
                     let (mesh_positions, matrix) = turned(&mut random, body);
-                    (mesh(&body.shape.faces)?, mesh_positions, CasterPositions::Rigid(matrix.into()))
+                    positions = mesh_positions;
+                    CasterPositions::Rigid(matrix.into())
                 }
                 (_, Some(mirror)) => {
                     // Mirroring twice is nothing.
-                    let mesh_positions =
-                        body.shape.positions.iter().map(|&p| (glam::Vec3::from(p) * mirror).to_array());
-                    (
-                        mesh(&mirrored())?,
-                        mesh_positions.collect(),
-                        CasterPositions::Rigid(rows(mirror.to_array()).into()),
-                    )
+                    positions.iter_mut().for_each(|p| *p = (glam::Vec3::from(*p) * mirror).to_array());
+                    faces.iter_mut().for_each(|face| face.swap(1, 2));
+                    CasterPositions::Rigid(rows(mirror.to_array()).into())
                 }
-                (_, None) => {
-                    let buffer = gpu.storage(&body.shape.positions);
-                    let positions = CasterPositions::Buffer { buffer, offset: 0, stride: 12 };
-                    let faces = body.instead.as_ref().unwrap_or(&body.shape.faces);
-                    (mesh(faces)?, body.shape.positions.clone(), positions)
-                }
+                (_, None) => CasterPositions::Buffer { buffer: gpu.storage(&positions), offset: 0, stride: 12 },
             };
-            let triangles = hiding(body, &mesh, &mesh_positions, &positions);
-            let mesh = scene.add_mesh(&mesh, &mesh_positions).map_err(text)?;
+            let mesh = match &body.polygons {
+                Some(polygons) => polygons.mesh(Weld::Position).map_err(text)?,
+                None => Mesh::from_faces(positions.len(), faces).map_err(text)?,
+            };
+            let triangles = hiding(body, &mesh, &positions, &placed);
+            let mesh = scene.add_mesh(&mesh, &positions).map_err(text)?;
             let mask = body.lacks.map_or(LightMask::ALL, |light| LightMask::ALL.without(lights[light]));
-            let caster = Caster { mesh, positions, lights: mask, in_depth: body.in_depth };
+            let caster = Caster { mesh, positions: placed, lights: mask, in_depth: body.in_depth };
             // Some are elsewhere at first.
             let caster = if is_busy && random.below(2) == 0 {
                 let positions = CasterPositions::Rigid(rows([2.0, 1.0, 1.0]).into());
@@ -258,8 +235,11 @@ impl InScene {
             past.go(&mut scene)?;
             view = random.below(3);
             while cameras.len() <= 2 {
+                // Another camera of the same kind.
+                let away = vector(&mut random);
+                let other = Eye { position: frame.eye.position + away, forward: -away, ..frame.eye };
                 let index = if cameras.len() <= view { 0 } else { cameras.len() };
-                cameras.insert(index, other_view(frame, &mut random).camera());
+                cameras.insert(index, other.camera());
             }
             // A later encode into the same encoder overwrites this one.
             scene.encode(encoder, FrameInputs::new(&views(&cameras[..=random.below(3)]))).map_err(text)?;
@@ -269,10 +249,8 @@ impl InScene {
         if !matches!(renderer.placing, Placing::Moved(_)) {
             // All bits and lists of silhouettes are then those of an encode before.
             for &caster in &casters {
-                match scene.set_position_version(caster, Some(1)) {
-                    Ok(()) | Err(ShadowError::NoBuffer) => {}
-                    Err(error) => return Err(text(error)),
-                }
+                let set = scene.set_position_version(caster, Some(1));
+                set.or_else(|error| if error == ShadowError::NoBuffer { Ok(()) } else { Err(text(error)) })?;
             }
             scene.encode(encoder, FrameInputs::new(&of_views)).map_err(text)?;
         }
@@ -287,8 +265,7 @@ impl InScene {
     /// Reads only which faces cast, and whether near caps may be needed.
     pub(crate) fn read(&self, gpu: &Gpu, counted: &mut Counted) -> Result<(), String> {
         let results = self.frame.results().map_err(text)?;
-        let choices = results.choices.ok_or("no view")?;
-        let words: Vec<u32> = gpu.read(choices, usize::MAX)?;
+        let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;
         let first = 8 * self.view * self.frame.batches() * self.casters.len();
         for &caster in &self.casters {
             let (index, _) = self.frame.locate(caster).ok_or("the caster is not in the frame")?;
@@ -301,9 +278,6 @@ impl InScene {
             };
             counted.chosen.push(self.lights.iter().map(chosen).collect());
         }
-        let (receivers, words) = results.receivers.ok_or("no view")?;
-        let all: Vec<u32> = gpu.read(receivers, usize::MAX)?;
-        counted.receivers = all[1 + self.view * words as usize..][..words as usize].to_vec();
         let statistics = self.frame.shadow_statistics().ok_or("no view")?;
         counted.statistics.extend(gpu.read::<ShadowStatistics>(statistics, 1)?);
         counted.scene = gpu.read(self.frame.statistics(), 1)?.first().copied();
@@ -311,158 +285,57 @@ impl InScene {
     }
 }
 
-/// Cubes around each other between light and eye: 256 and 300 of them, counted at once and in batches. In frames of all
-/// classes the same pixels are dark both ways.
-fn batches() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let dark =
-        |counted: &Counted, light: usize| counted.stencils[light].iter().map(|&count| count != 0).collect::<Vec<_>>();
-    let options = OneCasterOptions { bound_counts: true, ..OneCasterOptions::default() };
-    let renderer = |count_batches| Renderer { placing: Placing::Scene, count_batches, options, ..Renderer::new(gpu) };
-    for count in [256, 300] {
-        let mut frame = (CLASSES[0].frame)(&mut Random::new(7));
-        frame.bodies =
-            (0..count).map(|shell| Body::caster(shapes::cube()).scaled(1.0 + 0.001 * shell as f32)).collect();
-        frame.bodies.push(Body::room([0.0; 3], 20.0));
-        frame.lights = vec![Light::point([0.1, 9.0, 0.2])];
-        // Below the cubes, looking at the floor, which is in their shadow.
-        let position = DVec3::new(0.0, -17.0, 0.0);
-        frame.eye = Eye { position, forward: DVec3::new(0.01, -1.0, 0.02), near: 0.1, ..frame.eye };
-        frame.size = 32;
-        for counting in [Counting::Auto, Counting::ZFail] {
-            let at_once = renderer(1).count(&frame, counting)?;
-            let all_dark = |counted: &Counted| dark(counted, 0).iter().all(|&dark| dark);
-            if all_dark(&at_once) == (count == 256) {
-                return Err(format!("{count} shells, {counting:?}, at once: {:?}", &at_once.stencils[0][..8]));
-            }
-            let in_batches = renderer(3).count(&frame, counting)?;
-            let [whole, batch] = [&at_once, &in_batches].map(|counted| counted.statistics[0]);
-            println!("{count} shells, {counting:?}: bounds {} and {}", whole.count_bound, batch.count_bound);
-            if whole.count_bound < count || whole.may_wrap != 1 || batch.count_bound < count / 3 || batch.may_wrap != 0
-            {
-                return Err(format!("{count} shells, {counting:?}: {whole:?}, in batches {batch:?}"));
-            }
-            if !all_dark(&in_batches) {
-                return Err(format!("{count} shells, {counting:?}, in batches: {:?}", &in_batches.stencils[0][..8]));
-            }
-        }
-    }
-    let (mut resolved, mut bounded) = (0, 0);
-    for (index, class) in CLASSES.iter().enumerate() {
-        let seed = seed(class, 240);
-        let mut frame = (class.frame)(&mut Random::new(seed));
-        frame.bodies.iter_mut().for_each(|body| body.mirror = None);
-        frame.size = 48;
-        // z-pass is wrong in shadows: wrong counts of two casters may cancel.
-        for counting in rotated(&RIGHT, index) {
-            let at_once = renderer(1).count(&frame, counting)?;
-            let mut in_batches = renderer(2).count(&frame, counting)?;
-            let what = format!("{}, seed {seed}, {counting:?}", class.name);
-            same(&what, &dark(&in_batches, 0), &dark(&at_once, 0))?;
-            let deepest = at_once.stencils.iter().flatten().max().copied().unwrap_or(0);
-            let within = |bound: u32| {
-                if u32::from(deepest) <= bound { Ok(()) } else { Err(format!("{what}: {deepest}, bound {bound}")) }
-            };
-            within(at_once.statistics[0].count_bound)?;
-            if deepest > 0 {
-                must_fail("a bound of less", &within(u32::from(deepest) - 1))?;
-                bounded += 1;
-            }
-            resolved += in_batches.stencils[0].iter().filter(|&&count| count >= 0x80).count();
-            in_batches.stencils[0][5] = u8::from(in_batches.stencils[0][5] == 0);
-            must_fail("a light in the dark", &same(&what, &dark(&in_batches, 0), &dark(&at_once, 0)))?;
-        }
-    }
-    println!("{resolved} pixels that the first of two batches darkens, {bounded} pictures with a bound");
-    if resolved < 1000 || bounded < 20 { Err("too few".to_owned()) } else { Ok(()) }
-}
-
-/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where
-/// back-facing faces cast, as the back-facing faces without these, each of which casts.
+/// Faces at random are excluded for one light of two: they count as if they were not there, where every face casts and where
+/// back-facing ones do.
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut changed, mut back_facing_casters) = (0, 0);
-    for (index, class) in CLASSES.iter().enumerate() {
+    let (mut changed, mut back_facing) = (0, 0);
+    for (index, class) in CLASSES.iter().enumerate().filter(|(_, class)| !class.touches) {
         let seed = seed(class, 230);
         let mut random = Random::new(seed);
         let mut frame = (class.frame)(&mut random);
-        frame.size = 48;
+        frame.size = 64;
         let [x, y, z] = frame.lights[0].xyz;
         frame.lights.push(Light::homogeneous([x + 1.0, y - 0.5, z + 0.25, frame.lights[0].w]));
         frame.bodies.iter_mut().for_each(|body| body.mirror = None);
-        let whole = frame.clone();
+        let whole = Traced::of(frame.clone(), seed);
         for body in frame.bodies.iter_mut().filter(|body| body.casts) {
             let all = 0..body.shape.faces.len() as u32;
             body.left_out = all.filter(|_| random.below(3) == 0).collect();
         }
-        for counting in rotated(&RIGHT, index) {
-            let count = |frame: &Frame, every_face: bool| {
-                let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
-                Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)
+        let traced = Traced::of(frame, seed);
+        for (counting, every_face) in rotated(&RIGHT, index).into_iter().flat_map(|way| [(way, true), (way, false)]) {
+            let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
+            let renderer = Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) };
+            let counted = renderer.count(&traced.frame, counting)?;
+            let wrong = |traced: &Traced, light: usize| {
+                let compared = Compared { light, ..traced.compared() };
+                compared.counts(&counted.stencils[light], &every(&counted, light)).pixels
             };
-            let what = format!("{}, seed {seed}, {counting:?}", class.name);
-            for every_face in [true, false] {
-                let found = count(&frame, every_face)?;
-                let without = count(&whole, every_face)?;
-                same(&format!("{what}, the other light"), &found.stencils[1], &without.stencils[1])?;
-                let mut reduced = frame.clone();
-                let casters = reduced.bodies.iter_mut().filter(|body| body.casts);
-                for (body, chosen) in casters.zip(&found.chosen) {
-                    let back_facing_only = chosen[0].casting == CAST_BACK_FACING;
-                    back_facing_casters += usize::from(back_facing_only);
-                    let facing = cpu::facing(
-                        &body.shape.positions,
-                        &body.shape.faces,
-                        &frame.lights[..1],
-                        Predicate::Exact,
-                        Threads::ONE,
-                    );
-                    let left_out = std::mem::take(&mut body.left_out);
-                    let is_left = |face: &(u32, u32)| left_out.binary_search(&face.0).is_err();
-                    let casts = |face: &(u32, u32)| is_left(face) && !(back_facing_only && face.1 & 1 != 0);
-                    let left = (0..).zip(facing).filter(casts).map(|(face, _)| body.shape.faces[face as usize]);
-                    body.instead = Some(left.collect());
-                }
-                let expected = count(&reduced, true)?;
-                let compare =
-                    |found: &Counted| same(&format!("{what}, {every_face}"), &found.stencils[0], &expected.stencils[0]);
-                compare(&found)?;
-                if found.stencils[0] != without.stencils[0] {
-                    changed += 1;
-                    must_fail("no exclusion", &compare(&without))?;
+            for light in [0, 1] {
+                if let Some(at) = wrong(&traced, light).first() {
+                    return Err(format!("{}, {seed}, {counting:?}, {every_face}, light {light}: {at:?}", class.name));
                 }
             }
+            changed += usize::from(!wrong(&whole, 0).is_empty());
+            back_facing += counted.chosen.iter().filter(|lights| lights[0].casting == CAST_BACK_FACING).count();
         }
     }
-    println!(
-        "{changed} pictures that excluded faces change, {back_facing_casters} casters of which back-facing faces cast"
-    );
-    if changed.min(back_facing_casters) < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+    println!("{changed} pictures that excluded faces change, {back_facing} casters of which back-facing faces cast");
+    if changed.min(back_facing) < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
 /// Rigid casters with matrices of scales from a thousandth to a thousand, mirrored ones among them, a million away.
 fn far_away() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let (mut shadowed, mut failures, mut hairlines) = (0, Vec::new(), 0);
+    let mut tally = Tally::default();
     for class in CLASSES {
         for number in 220..if is_long() { 260 } else { 222 } {
             let seed = seed(class, number);
-            let frame = movable((class.frame)(&mut Random::new(seed)));
-            let traced = Traced::of(frame, seed);
-            shadowed += traced.shadowed();
-            for counting in [Counting::Auto, Counting::ZpPlus] {
-                let renderer = Renderer { placing: Placing::Moved(seed), ..Renderer::new(gpu) };
-                match traced.check(&renderer, counting, false) {
-                    Ok((wrong, _)) => hairlines += wrong.hairlines.len(),
-                    Err(error) => failures.push(format!("{}: {error}", class.name)),
-                }
-            }
+            let traced = Traced::of(movable((class.frame)(&mut Random::new(seed))), seed);
+            let renderer = Renderer { placing: Placing::Moved(seed), ..Renderer::new(gpu) };
+            tally.add(&traced, &renderer, &[Counting::Auto, Counting::ZpPlus], false);
         }
     }
-    println!("{shadowed} pixels in shadow, {hairlines} on hairlines");
-    match failures.first() {
-        Some(first) => Err(format!("{} frames, first {first}", failures.len())),
-        None if shadowed < 10_000 => Err("too few pixels in shadow".to_owned()),
-        None => Ok(()),
-    }
+    tally.result("rigid casters far away")
 }

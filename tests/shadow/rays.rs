@@ -1,5 +1,7 @@
 //! The truth: rays in f64 through a bounding volume hierarchy, from each pixel's centre and on to the lights.
 
+use std::collections::HashSet;
+
 use glam::{DVec2, DVec3};
 use rimline::Light;
 
@@ -13,7 +15,7 @@ pub(crate) struct Tracer(rimline_testkit::rays::Tracer<Face>);
 
 /// Properties of a triangle.
 pub(crate) struct Face {
-    /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane.
+    /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane, or if the face is left out.
     pub(crate) sides: Vec<i32>,
     /// The body's number among the casters.
     pub(crate) caster: Option<usize>,
@@ -64,11 +66,15 @@ impl Tracer {
         for body in &frame.bodies {
             let caster = body.casts.then_some(casters);
             casters += usize::from(body.casts);
+            let left_out: HashSet<[u32; 3]> = body.left_out.iter().map(|&at| body.shape.faces[at as usize]).collect();
             for face in body.finite_faces() {
                 let corners = face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));
                 let exact = oracle::ExactFace::new(&body.shape.positions, face);
                 let side = |light: &Light| exact.as_ref().map_or(0, |face| face.sign(*light));
-                let sides = frame.lights.iter().map(side).collect();
+                let mut sides: Vec<i32> = frame.lights.iter().map(side).collect();
+                if left_out.contains(&face) {
+                    sides[0] = 0;
+                }
                 triangles.push((corners, Face { sides, caster, is_drawn: body.is_drawn }));
             }
         }

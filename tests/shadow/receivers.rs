@@ -3,14 +3,12 @@
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::gpu::{Caster, FrameInputs, Receivers, Scene, SceneOptions, View};
-use rimline::internals::layout::ReceiverView;
 use rimline::internals::scene::CHOICE_WORDS;
-use rimline::internals::shadow;
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
-use rimline_testkit::{IDENTITY, must_fail, same, shapes};
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::scene::{Eye, vector};
 use crate::trials::Test;
@@ -34,16 +32,6 @@ fn written(
     Ok((depths, texture))
 }
 
-/// A scene of a cube below a light.
-pub(crate) fn cube_below_light(gpu: &Gpu) -> Result<Scene, String> {
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
-    let shape = shapes::cube();
-    let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
-    scene.insert(Caster::rigid(mesh, IDENTITY)).map_err(text)?;
-    scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
-    Ok(scene)
-}
-
 fn eye(random: &mut Random, number: usize) -> Eye {
     let (forward, position) = (vector(random), 5.0 * vector(random));
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
@@ -62,55 +50,58 @@ fn farthest(cells: &[u32], [width, height]: [u32; 2], by: u32) -> (Vec<u32>, [u3
     (keys, size)
 }
 
-/// The farthest receiver of each tile of 8 × 8 pixels, then of each four, up to one, and the sizes of the levels. Keys grow with
-/// the distance, and are 0 for none.
-fn levels(view: &ReceiverView, depths: &[f32], samples: u32) -> (Vec<u32>, [u32; 2]) {
-    let key = |depth: &f32| match depth.to_bits() {
-        _ if *depth == 1.0 - view.near_z && view.sky_receives == 0 => 0,
-        bits if view.near_z == 0.0 => bits + 1,
-        bits => 0x4000_0000 - bits,
-    };
-    let of_pixels = depths.chunks(samples as usize).map(|depths| depths.iter().map(key).max().unwrap_or(0));
-    let (mut keys, mut size) = farthest(&of_pixels.collect::<Vec<_>>(), view.pixels, 8);
-    let (mut all, tiles) = (keys.clone(), size);
-    while keys.len() > 1 {
-        (keys, size) = farthest(&keys, size, 2);
-        all.extend(&keys);
-    }
-    (all, tiles)
+/// Depths of samples that a camera sees.
+struct Seen {
+    camera: ShadowCamera,
+    near_z: f32,
+    sky_receives: bool,
+    pixels: [u32; 2],
+    samples: usize,
+    depths: Vec<f32>,
 }
 
-/// Each point that is no sky must be in the box.
-fn check_points(
-    camera: &ShadowCamera,
-    view: &ReceiverView,
-    words: &[u32],
-    depths: &[f32],
-    samples: u32,
-) -> Result<(), String> {
-    let inverse = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from))).inverse();
-    let corner = |at: usize| DVec3::from([0, 1, 2].map(|axis| f64::from(f32::from_bits(words[at + axis]))));
-    let [width, _] = view.pixels;
-    for (number, depths) in (0..).zip(depths.chunks(samples as usize)) {
-        let [x, y] = [number % width, number / width];
-        for &depth in depths {
-            if words[5] == 0 || (depth == 1.0 - view.near_z && view.sky_receives == 0) {
-                continue;
-            }
-            let ndc = |at: u32, size: u32| (f64::from(at) + 0.5) / f64::from(size) * 2.0 - 1.0;
-            let seen = DVec4::new(ndc(x, view.pixels[0]), -ndc(y, view.pixels[1]), f64::from(depth), 1.0);
-            let point = inverse * seen;
+impl Seen {
+    fn receives(&self, depth: f32) -> bool {
+        depth != 1.0 - self.near_z || self.sky_receives
+    }
+
+    /// The farthest receiver of each tile of 8 × 8 pixels, then of each four, up to one, and the number of tiles. Keys grow
+    /// with the distance, and are 0 for none.
+    fn levels(&self) -> (Vec<u32>, [u32; 2]) {
+        let key = |depth: &f32| match depth.to_bits() {
+            _ if !self.receives(*depth) => 0,
+            bits if self.near_z == 0.0 => bits + 1,
+            bits => 0x4000_0000 - bits,
+        };
+        let of_pixels = self.depths.chunks(self.samples).map(|depths| depths.iter().map(key).max().unwrap_or(0));
+        let (mut keys, mut size) = farthest(&of_pixels.collect::<Vec<_>>(), self.pixels, 8);
+        let (mut all, tiles) = (keys.clone(), size);
+        while keys.len() > 1 {
+            (keys, size) = farthest(&keys, size, 2);
+            all.extend(&keys);
+        }
+        (all, tiles)
+    }
+
+    /// Each receiver must be in the box, if that has an end.
+    fn check_points(&self, words: &[u32]) -> Result<(), String> {
+        let columns = self.camera.view_projection.map(|column| column.map(f64::from));
+        let inverse = DMat4::from_cols_array_2d(&columns).inverse();
+        let [low, high] = [6, 9].map(|at| [0, 1, 2].map(|axis| f64::from(f32::from_bits(words[at + axis]))));
+        let ndc = |at: usize, size: u32| (at as f64 + 0.5) / f64::from(size) * 2.0 - 1.0;
+        let [width, height] = self.pixels;
+        for (number, &depth) in self.depths.iter().enumerate().filter(|(_, depth)| self.receives(**depth)) {
+            let pixel = number / self.samples;
+            let [x, y] = [pixel % width as usize, pixel / width as usize];
+            let point = inverse * DVec4::new(ndc(x, width), -ndc(y, height), f64::from(depth), 1.0);
             let point = point.truncate() / point.w;
-            if !(point.cmpge(corner(6)).all() && point.cmple(corner(9)).all()) {
-                return Err(format!(
-                    "pixel {x} {y} at depth {depth} is at {point}, the box is {} {}",
-                    corner(6),
-                    corner(9)
-                ));
+            let is_within = point.cmpge(DVec3::from(low)).all() && point.cmple(DVec3::from(high)).all();
+            if words[5] != 0 && !is_within {
+                return Err(format!("pixel {x} {y} at depth {depth} is at {point}, the box is {low:?} {high:?}"));
             }
         }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Words before the levels.
@@ -128,11 +119,10 @@ fn pyramid() -> Result<(), String> {
         let sky_receives = random.below(2) == 0;
         let share = [0, 60, 100, 97][random.below(4)];
         let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
-        let nearest = [1.0, 0.01][random.below(2)];
-        let ends = [1.0 - near_z, nearest];
+        let ends = [1.0 - near_z, [1.0, 0.01][random.below(2)]];
         let (depths, texture) = written(&gpu, pixels, samples, [number as u32, share], ends)?;
         let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut scene = cube_below_light(&gpu)?;
+        let mut scene = filled(&gpu, 0)?;
         // The second of three views has them.
         let mut views = [View::new(camera); 3];
         views[1].depth = Some(Receivers { depth: &depth, sky_receives, version: None });
@@ -140,38 +130,23 @@ fn pyramid() -> Result<(), String> {
         let (buffer, count) = frame.results().map_err(text)?.receivers.ok_or("no view")?;
         let all: Vec<u32> = gpu.read(buffer, usize::MAX)?;
         let mut found = all[1 + count as usize..][..count as usize].to_vec();
-        let seen = shadow::view(&camera).map_err(text)?;
-        let matrix = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from)));
-        let view = ReceiverView {
-            inverse: matrix.inverse().as_mat4().to_cols_array_2d(),
-            near_min: seen.near_min,
-            near_z,
-            near_max: seen.near_max,
-            sky_receives: u32::from(sky_receives),
-            pixels,
-            offset: 0,
-            reserved: 0,
-        };
-        let (keys, [across, down]) = levels(&view, &depths, samples);
+        let seen = Seen { camera, near_z, sky_receives, pixels, samples: samples as usize, depths };
+        let (keys, [across, down]) = seen.levels();
         let farthest = *keys.last().ok_or("no level")?;
         same("sizes and the farthest", &found[..5], &[across, down, pixels[0], pixels[1], farthest])?;
         same(&format!("levels of {pixels:?}"), &found[HEAD..][..keys.len()], &keys)?;
-        let nearer: Vec<f32> = depths.iter().map(|depth| 0.5 * depth + 0.5 * near_z).collect();
-        if farthest > 1 {
-            must_fail("nearer depths", &same("levels", &levels(&view, &nearer, samples).0, &keys))?;
-        }
-        check_points(&camera, &view, &found, &depths, samples)?;
+        seen.check_points(&found)?;
         if found[5] == 0 {
             endless += 1;
         } else if found[4] != 0 {
             limited += 1;
-            // A box without its farthest point.
-            let axis = (0..3)
-                .max_by_key(|axis| ((f32::from_bits(found[9 + axis]) - f32::from_bits(found[6 + axis])) * 1e3) as i64);
-            let axis = axis.unwrap_or(0);
-            found[9 + axis] = f32::midpoint(f32::from_bits(found[6 + axis]), f32::from_bits(found[9 + axis])).to_bits();
-            found[6 + axis] = found[9 + axis];
-            must_fail("a smaller box", &check_points(&camera, &view, &found, &depths, samples))?;
+            // A box without an extent.
+            found.copy_within(6..9, 9);
+            must_fail("a smaller box", &seen.check_points(&found))?;
+        }
+        let depths = seen.depths.iter().map(|depth| 0.5 * depth + 0.5 * near_z).collect();
+        if farthest > 1 {
+            must_fail("nearer depths", &same("levels", &Seen { depths, ..seen }.levels().0, &keys))?;
         }
     }
     println!("{limited} boxes, {endless} without an end");
@@ -196,19 +171,12 @@ fn filled(gpu: &Gpu, seed: u64) -> Result<Scene, String> {
     Ok(scene)
 }
 
-/// Choices for each caster, light and view; the draws; and the numbers of cached lists, of volumes culled by receivers, and of those
-/// that end.
+/// Choices for each caster and light, the draws, and the numbers of cached lists, of volumes culled by receivers, and of
+/// those that end.
 type Chosen = (Vec<u32>, Vec<u32>, [u32; 3]);
 
-fn chosen(
-    gpu: &Gpu,
-    scene: &mut Scene,
-    camera: ShadowCamera,
-    receivers: Option<Receivers<'_>>,
-) -> Result<Chosen, String> {
-    let frame = gpu.submit(|encoder| {
-        scene.encode(encoder, FrameInputs::new(&[View { depth: receivers, ..View::new(camera) }])).map_err(text)
-    })?;
+fn chosen(gpu: &Gpu, scene: &mut Scene, view: View<'_>) -> Result<Chosen, String> {
+    let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::new(&[view])).map_err(text))?;
     let results = frame.results().map_err(text)?;
     let mut words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, 8 * 16)?;
     // The last word of a caster tells which lists are made anew.
@@ -227,42 +195,39 @@ fn versions() -> Result<(), String> {
         println!("seed {seed}");
         let mut random = Random::new(seed);
         let eyes = [eye(&mut random, 0), eye(&mut random, 0)];
-        let depths: Vec<wgpu::TextureView> = [(1.0, 40), (0.9, 40), (0.2, 0)]
-            .iter()
-            .zip(0..)
-            .map(|(&(nearest, share), number)| {
-                let near_z = if eyes[0].depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
-                let (_, texture) = written(gpu, [48, 40], 1, [number, share], [1.0 - near_z, nearest])?;
-                Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
-            })
-            .collect::<Result<_, String>>()?;
+        let texture = |(number, (nearest, share)): (u32, (f32, u32))| {
+            let (_, texture) = written(gpu, [48, 40], 1, [number, share], [0.0, nearest])?;
+            Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+        };
+        let depths = (0..).zip([(1.0, 40), (0.9, 40), (0.2, 0)]).map(texture).collect::<Result<Vec<_>, String>>()?;
         let mut scene = filled(gpu, seed)?;
         let mut last = None;
         for _ in 0..24 {
             // On average half of the frames change nothing.
-            let (mut view, mut picture, mut sky_receives, mut is_known) = last.unwrap_or((0, 0, false, true));
+            let (mut at, mut picture, mut sky_receives, mut is_known) = last.unwrap_or((0, 0, false, true));
             match random.below(8) {
-                0 => view = 1 - view,
+                0 => at = 1 - at,
                 1 => picture = (picture + 1 + random.below(2)) % 3,
                 2 => sky_receives = !sky_receives,
                 3 => is_known = !is_known,
                 _ => {}
             }
-            let now = (view, picture, sky_receives, is_known);
-            let camera = eyes[view].camera();
+            let now = (at, picture, sky_receives, is_known);
             let version = is_known.then_some(picture as u64);
-            let receivers = Receivers { depth: &depths[picture], sky_receives, version };
-            let (words, draws, [lists, volumes, ends]) = chosen(gpu, &mut scene, camera, Some(receivers))?;
-            let (expected, of_new, [.., ends_of_new]) = chosen(gpu, &mut filled(gpu, seed)?, camera, Some(receivers))?;
+            let without = View::new(eyes[at].camera());
+            let depth = Some(Receivers { depth: &depths[picture], sky_receives, version });
+            let view = View { depth, ..without };
+            let (words, draws, [lists, volumes, ends]) = chosen(gpu, &mut scene, view)?;
+            let (expected, of_new, [.., ends_of_new]) = chosen(gpu, &mut filled(gpu, seed)?, view)?;
             let what = format!("{now:?} after {last:?}");
             same(&format!("{what}: choices"), &words, &expected)?;
             same(&format!("{what}: draws"), &draws, &of_new)?;
-            same(&format!("{what}: volumes that end"), &[ends], &[ends_of_new])?;
             let is_kept = is_known && last == Some(now);
-            same(&format!("{what}: lists kept"), &[lists], &[if is_kept { 4 } else { 0 }])?;
+            let all_lists = if is_kept { 4 } else { 0 };
+            same(&format!("{what}: lists kept, volumes that end"), &[lists, ends], &[all_lists, ends_of_new])?;
             *(if is_kept { &mut kept } else { &mut made }) += 1;
             culled += volumes;
-            let (other, ..) = chosen(gpu, &mut filled(gpu, seed)?, camera, None)?;
+            let (other, ..) = chosen(gpu, &mut filled(gpu, seed)?, without)?;
             noticed += u32::from(same("without receivers", &words, &other).is_err());
             last = Some(now);
         }

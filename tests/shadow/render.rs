@@ -1,8 +1,8 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
-use rimline::gpu::{PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowPipelines};
-use rimline::internals::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
+use rimline::gpu::{Measuring, PositionBuffer, Receivers, SceneStatistics, ShadowFormat, ShadowPipelines};
+use rimline::internals::layout::{ShadowLight, ShadowStatistics};
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh};
 use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame};
@@ -11,19 +11,10 @@ use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
-use rimline_testkit::on_gpu::{chosen, draws, shadow_statistics, text};
+use rimline_testkit::on_gpu::{chosen, shadow_statistics, text};
 use rimline_testkit::passes::{self, CLEARED, depth_pass};
 use rimline_testkit::pipelines::{self, Drawing};
 use rimline_testkit::textures::{Stencils, depth_view};
-
-/// How the scene's own depth pass computes positions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DepthPass {
-    /// Equal to the volumes' positions, bit for bit.
-    Alike,
-    /// In another order.
-    Reordered,
-}
 
 /// How casters are given to the library.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,10 +36,6 @@ pub(crate) struct Counted {
     pub(crate) stencils: Vec<Vec<u8>>,
     /// Choices for each caster and light.
     pub(crate) chosen: Vec<Vec<ShadowLight>>,
-    /// Words of what the shadows of a scene may fall on.
-    pub(crate) receivers: Vec<u32>,
-    /// Draws for each caster and light.
-    pub(crate) draws: Vec<Vec<ShadowDraws>>,
     pub(crate) statistics: Vec<ShadowStatistics>,
     /// Statistics of a scene.
     pub(crate) scene: Option<SceneStatistics>,
@@ -74,12 +61,11 @@ struct Out { @invariant @builtin(position) clip: vec4<f32> }
 pub(crate) struct Renderer<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) format: wgpu::TextureFormat,
-    pub(crate) depth_pass: DepthPass,
+    /// Whether the depth pass computes positions in another order than volumes, whose bits it else has.
+    pub(crate) is_reordered: bool,
     /// 1 or 4.
     pub(crate) samples: u32,
     pub(crate) options: OneCasterOptions,
-    /// Capacity of the lists of silhouette edges.
-    pub(crate) list_capacity: Option<u32>,
     /// Range of every light.
     pub(crate) range: f32,
     pub(crate) placing: Placing,
@@ -87,18 +73,19 @@ pub(crate) struct Renderer<'a> {
     pub(crate) count_batches: u32,
     /// Whether a scene is told what its shadows fall on, and whether they fall on the sky.
     pub(crate) receivers: Option<bool>,
-    /// Switches levels of skipping of a scene.
-    pub(crate) levels: fn(&mut SceneOptions),
+    /// Levels of skipping of a scene that are on, if not those by default.
+    pub(crate) levels: Option<Levels>,
     /// The last bodies, which are drawn after the scene is encoded.
     pub(crate) late_bodies: usize,
-    /// Low bits of the stencil that counts own.
-    pub(crate) count_bits: u32,
     /// Whether volumes are cut at the frustum in the vertex shader.
     pub(crate) trim: bool,
     /// The map of a light, drawn into the same stencil in each pass: by these pipelines, of so many bits, before the
     /// meshes or after them.
     pub(crate) beside: Option<Beside<'a>>,
 }
+
+/// Levels of skipping, and whether clusters are one of them.
+pub(crate) type Levels = (&'static [Measuring], bool);
 
 /// A depth map that casts beside meshes.
 #[derive(Clone, Copy)]
@@ -114,17 +101,15 @@ impl<'a> Renderer<'a> {
         Self {
             gpu,
             format: wgpu::TextureFormat::Depth24PlusStencil8,
-            depth_pass: DepthPass::Alike,
+            is_reordered: false,
             samples: 1,
             options: OneCasterOptions::default(),
-            list_capacity: None,
             range: f32::INFINITY,
             placing: Placing::Alone,
             count_batches: 1,
             receivers: None,
-            levels: |_| {},
+            levels: None,
             late_bodies: 0,
-            count_bits: 8,
             trim: false,
             beside: None,
         }
@@ -138,7 +123,7 @@ impl<'a> Renderer<'a> {
             depth: frame.eye.depth,
             samples: self.samples,
             has_far_plane: frame.eye.far.is_some(),
-            count_bits: self.count_bits,
+            count_bits: self.options.count_bits,
             trim: self.trim,
             ..ShadowFormat::default()
         };
@@ -202,17 +187,9 @@ impl<'a> Renderer<'a> {
             let values = copy.read(gpu)?;
             stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
         }
-        let mut counted = Counted {
-            stencils,
-            chosen: Vec::new(),
-            receivers: Vec::new(),
-            draws: Vec::new(),
-            statistics: Vec::new(),
-            scene: None,
-        };
+        let mut counted = Counted { stencils, chosen: Vec::new(), statistics: Vec::new(), scene: None };
         for (shadows, _) in &casters {
             counted.chosen.push(chosen(gpu, shadows, frame.lights.len())?);
-            counted.draws.push(draws(gpu, shadows, frame.lights.len())?);
             counted.statistics.push(shadow_statistics(gpu, shadows)?);
         }
         if let Some(together) = &together {
@@ -238,14 +215,8 @@ impl<'a> Renderer<'a> {
             let buffer = self.gpu.storage(&shape.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
             let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
-            let options = OneCasterOptions {
-                counting,
-                max_lights: lights.len(),
-                in_depth: body.in_depth,
-                list_capacity: self.list_capacity,
-                count_bits: self.count_bits,
-                ..self.options
-            };
+            let options =
+                OneCasterOptions { counting, max_lights: lights.len(), in_depth: body.in_depth, ..self.options };
             let caster = OneCaster::new(&self.gpu.pipelines, &self.gpu.queue, &mesh.map_err(text)?, &options);
             let encoded = caster.and_then(|mut one| one.encode(encoder, positions, &lights, Some(&camera), None));
             casters.push((encoded.map_err(text)?, body.mirror.is_some()));
@@ -274,7 +245,7 @@ impl<'a> Renderer<'a> {
         let mut words = [0.0; 20];
         words[..16].copy_from_slice(eye.view_projection.as_flattened());
         words[16..19].copy_from_slice(&eye.origin);
-        words[19] = f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered));
+        words[19] = f32::from_bits(u32::from(self.is_reordered));
         let compare = if is_reversed { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Less };
         let pipeline = gpu.kept(&format!("bodies {format:?} {samples} {is_reversed}"), || {
             let depth_stencil = Some(pipelines::depth(format, compare, true));

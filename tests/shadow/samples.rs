@@ -25,8 +25,7 @@ fn differing(traced: &Traced, stencil: &[u8], every: &[bool]) -> usize {
 fn four() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let renderer = Renderer { samples: SAMPLES.len() as u32, ..Renderer::new(&gpu) };
-    let (mut mixed, mut compared, mut hairlines, mut beside) = (0, 0, 0, 0);
-    let (mut unequal, mut unequal_to_next) = (0, 0);
+    let [mut mixed, mut compared, mut explained, mut unequal, mut unequal_to_next] = [0; 5];
     for class in CLASSES.iter().filter(|class| is_long() || class.name.contains("near rectangle")) {
         for number in 70..if is_long() { 75 } else { 71 } {
             let centres = Traced::new(class, number);
@@ -35,38 +34,32 @@ fn four() -> Result<(), String> {
                 let counted = renderer.count(&centres.frame, counting)?;
                 let every = every(&counted, 0);
                 for (sample, traced) in samples.iter().enumerate() {
+                    let what = format!("{}, seed {}, {counting:?}, sample {sample}", class.name, traced.seed);
                     let stencil = traced.stencil(&counted);
                     let wrong = traced.compared().each(stencil, &every, !class.touches);
-                    if let Some((x, y)) = wrong.pixels.first() {
-                        let (name, seed) = (class.name, traced.seed);
-                        return Err(format!(
-                            "{name}, seed {seed}, {counting:?}: sample {sample} of ({x}, {y}) is wrong"
-                        ));
+                    if let Some(pixel) = wrong.pixels.first() {
+                        return Err(format!("{what}: {pixel:?} is wrong"));
                     }
                     compared += wrong.compared;
-                    hairlines += wrong.hairlines.len();
-                    beside += wrong.slivers.len();
+                    explained += wrong.hairlines.len() + wrong.slivers.len();
                     let turned: Vec<u8> = stencil.iter().map(|&value| u8::from(value == 0)).collect();
                     let turned = Compared { explains: false, ..traced.compared() }.lit(&turned, &every);
                     if turned.compared > 0 && turned.pixels.is_empty() {
-                        return Err(format!("negative control: {}, shadow for light went unnoticed", class.name));
+                        return Err(format!("negative control: {what}, shadow for light went unnoticed"));
                     }
                     if !class.touches {
                         unequal += differing(traced, stencil, &every);
                         unequal_to_next += differing(&samples[(sample + 1) % samples.len()], stencil, &every);
                     }
                 }
-                let is_mixed = |at: &usize| {
-                    let lit = counted.stencils.iter().filter(|stencil| stencil[*at] == 0).count();
-                    (1..counted.stencils.len()).contains(&lit)
-                };
-                mixed += (0..centres.truths.len()).filter(is_mixed).count();
+                let lit = |at: usize| counted.stencils.iter().filter(|stencil| stencil[at] == 0).count();
+                mixed += (0..centres.truths.len()).filter(|&at| (1..samples.len()).contains(&lit(at))).count();
             }
         }
     }
     println!(
-        "{compared} samples compared, {hairlines} off on hairlines, {beside} as a ray beside theirs; {mixed} pixels in part in \
-         shadow; {unequal} samples have another count than their ray, {unequal_to_next} than the next sample's"
+        "{compared} samples compared, {explained} off and explained; {mixed} pixels in part in shadow; {unequal} samples \
+         have another count than their ray, {unequal_to_next} than the next sample's"
     );
     match (mixed, unequal_to_next > 20 * unequal) {
         (0, _) => Err("no pixel was in part in shadow".to_owned()),

@@ -21,8 +21,6 @@ pub(crate) struct Body {
     pub(crate) mirror: Option<Vec3>,
     /// Faces that a scene excludes for the first light.
     pub(crate) left_out: Vec<u32>,
-    /// The faces that a scene gets instead of the shape's.
-    pub(crate) instead: Option<Vec<[u32; 3]>>,
     /// The faces of the shape are the triangles of these polygons, and the mesh is one of polygons.
     pub(crate) polygons: Option<PolygonSet>,
     /// A light of a scene that it does not cast for.
@@ -38,30 +36,16 @@ pub(crate) struct Placed {
 
 impl Body {
     pub(crate) fn caster(shape: Shape) -> Self {
-        Self {
-            shape,
-            casts: true,
-            is_drawn: true,
-            in_depth: true,
-            mirror: None,
-            left_out: Vec::new(),
-            instead: None,
-            polygons: None,
-            lacks: None,
-        }
+        Self { shape, casts: true, is_drawn: true, in_depth: true, ..Self::default() }
     }
 
     pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {
-        for position in &mut self.shape.positions {
-            *position = std::array::from_fn(|axis| position[axis] + by[axis]);
-        }
+        self.shape.positions.iter_mut().for_each(|p| *p = std::array::from_fn(|axis| p[axis] + by[axis]));
         self
     }
 
     pub(crate) fn scaled(mut self, by: f32) -> Self {
-        for position in &mut self.shape.positions {
-            *position = position.map(|c| c * by);
-        }
+        self.shape.positions.iter_mut().for_each(|p| *p = p.map(|c| c * by));
         self
     }
 

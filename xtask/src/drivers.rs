@@ -14,8 +14,7 @@ use crate::{process, vulkan};
 const TESTS: [&str; 4] = ["extract_gpu", "polygon_gpu", "query_gpu", "scene_gpu"];
 /// Targets whose results are goldens in part, and a text in the names of tests whose goldens every driver gives. Lists
 /// of near caps and choices are not among them, because their rounding is left to the driver.
-const GOLDENS: [(&str, &str); 3] =
-    [("depth_map_gpu", "are_the_goldens"), ("shadow_gpu", "shadow_arguments"), ("shadow_gpu", "stencil_bound")];
+const GOLDENS: [(&str, &str); 2] = [("depth_map_gpu", "are_the_goldens"), ("shadow_gpu", "stencil_bound")];
 /// The tests that take `SwiftShader` minutes, not more.
 pub(crate) const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
 

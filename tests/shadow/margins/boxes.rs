@@ -1,8 +1,14 @@
-//! Boxes that just touch: the caster's with the near rectangle's, and with the light.
+//! Boxes that just touch: the caster's with the near rectangle's, and with the light. Where volumes end: beyond the
+//! range, and not much farther.
+//!
+//! The stage is `counting_methods`.
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY, COUNT_AUTO, COUNT_ZP_PLUS_2005};
+use rimline::internals::layout::ShadowShape;
+use rimline::internals::shadow::{
+    CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS_2005,
+};
 use rimline::internals::stages::CAP_FACES;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -10,13 +16,14 @@ use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::{PROJECTIONS, Pose, direction};
 
-use super::view::{Eye, around, chosen, options, stepped};
+use super::view::{Eye, around, box_of, chosen, options, stepped};
 use rimline_testkit::stage_probe::Probe;
 
 pub(super) const TESTS: &[Test] = &[
     ("casters_that_touch_the_near_rectangle_cast_with_every_face", touching_near_rectangle),
     ("lights_in_the_casters_box_make_every_face_cast", lights_in_box),
     ("the_published_frustum_begins_before_the_caster", published_frustum),
+    ("volumes_end_beyond_the_range_and_hardly_later", volumes_end),
 ];
 
 /// Or miss it by a few ulps: what is seen is decided by the rasteriser's near plane, which rounding moves that far.
@@ -66,7 +73,7 @@ fn touching_near_rectangle() -> Result<(), String> {
 /// By products of two `f32`, which `f64` holds exactly.
 fn lights_in_box() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(202)?;
-    let (mut within, mut at_the_edge, mut apart) = (0, 0, 0);
+    let (mut at_the_edge, mut apart) = (0, 0);
     let (mut cases, mut expected) = (Vec::new(), Vec::new());
     for number in 0..if is_long() { 60_000 } else { 3000 } {
         let scale = [1.0, 1e-3, 1e4][number % 3];
@@ -102,7 +109,6 @@ fn lights_in_box() -> Result<(), String> {
     let found = chosen(&gpu, options(COUNT_AUTO, true), &cases)?;
     for (((_, light), (is_within, is_free)), (_, given, corners)) in found.iter().zip(expected).zip(&cases) {
         if is_within {
-            within += 1;
             at_the_edge += usize::from(!is_free);
             assert_eq!(light.casting, CAST_EVERY, "{given:?}, {corners:?}");
         } else {
@@ -112,7 +118,7 @@ fn lights_in_box() -> Result<(), String> {
             assert_eq!(light.casting, CAST_BACK_FACING, "a light at infinity is in no box");
         }
     }
-    println!("{within} within the box, {at_the_edge} of them at its edge; {apart} apart");
+    println!("{at_the_edge} within the box at its edge, {apart} apart");
     assert!(at_the_edge > 300 && apart > 500, "not vacuous");
     Ok(())
 }
@@ -162,5 +168,49 @@ fn published_frustum() -> Result<(), String> {
     }
     println!("{seen} corners between light and near rectangle, {near} of them near the light");
     assert!(near > 500, "not vacuous");
+    Ok(())
+}
+
+/// By either method whose volumes end.
+fn volumes_end() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(211)?;
+    let (mut ended, mut cases) = (0, [Vec::new(), Vec::new()]);
+    // The box of a caster and how far the light is from it.
+    let measured = |light: Light, positions: &[[f32; 3]]| {
+        let [x, y, z, w] = light.to_array().map(f64::from);
+        let given = DVec3::new(x, y, z) / w;
+        let [low, high] = box_of(positions.iter().copied()).map(|corner| DVec3::from(corner.map(f64::from)));
+        let size = low.abs().max(high.abs()).max(given.abs()).max_element();
+        ((low - given).max(given - high).max(DVec3::ZERO).length(), size)
+    };
+    for number in 0..if is_long() { 60_000 } else { 3000 } {
+        let scale = [1.0, 1e-3, 1e4][number % 3];
+        let corner = |random: &mut Random| (direction(random) * scale).as_vec3().to_array();
+        let positions: [[f32; 3]; 3] = [0, 1, 2].map(|_: i32| corner(&mut random));
+        let camera = Pose::random(&mut random, DVec3::ZERO, scale).camera(0, false);
+        let [x, y, z] = (direction(&mut random) * scale * f64::from(random.between(1.0, 6.0))).as_vec3().to_array();
+        let w = [1.0, random.between(0.1, 5.0)][random.below(2)];
+        let light = Light::homogeneous([x * w, y * w, z * w, w]);
+        let (distance, _) = measured(light, &positions);
+        let range = (distance + scale * f64::from(random.between(-0.5, 20.0))).max(0.1 * scale) as f32;
+        cases[random.below(2)].push((camera, light.with_range(range), positions.to_vec()));
+    }
+    for (cases, counting) in cases.iter().zip([COUNT_Z_PASS, COUNT_Z_FAIL]) {
+        let lights = chosen(&gpu, ShadowShape { end_at_range: 1, ..options(counting, false) }, cases)?;
+        for ((_, given, positions), (_, light)) in cases.iter().zip(&lights) {
+            let (range, (distance, size)) = (f64::from(given.range), measured(*given, positions));
+            let (exact, end) = (distance / range, f64::from(light.end));
+            if light.casting == CAST_NOTHING {
+                assert!(exact > 1.0 - 1e-5, "skipped, {distance} away with a range of {range}");
+                continue;
+            }
+            let slack = 2e-5 * (distance + size) / range;
+            assert!(end <= exact.min(1.0), "the end is {end}, beyond the range is {exact}");
+            assert!(end >= exact.min(1.0) - slack, "the end is {end}, the range is at {exact}");
+            ended += usize::from(end > 0.0);
+        }
+    }
+    println!("{ended} volumes end");
+    assert!(ended > 1500, "not vacuous");
     Ok(())
 }

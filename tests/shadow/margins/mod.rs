@@ -3,12 +3,11 @@
 
 mod boxes;
 mod counts;
-mod ends;
 mod near_plane;
 pub(crate) mod view;
 
 use rimline_testkit::harness::Test;
 
 pub(crate) fn tests() -> Vec<Test> {
-    [boxes::TESTS, counts::TESTS, ends::TESTS, near_plane::TESTS].concat()
+    [boxes::TESTS, counts::TESTS, near_plane::TESTS].concat()
 }

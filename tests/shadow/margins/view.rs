@@ -9,8 +9,8 @@ use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::random::Random;
 
-use crate::sides::box_of;
 use rimline_testkit::stage_probe::Probe;
 
 /// The camera's matrix and near plane, about its origin.
@@ -50,6 +50,11 @@ impl Eye {
         self.near_point(at).truncate() + self.origin
     }
 
+    /// A point of the near plane within the picture.
+    pub(crate) fn on_picture(&self, random: &mut Random) -> DVec3 {
+        self.on_near_plane([0, 1].map(|_: i32| f64::from(random.between(-1.0, 1.0))))
+    }
+
     /// Corners of the near rectangle, in order around it, about the origin.
     pub(crate) fn corners(&self) -> [DVec4; 4] {
         [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|corner| self.near_point(corner))
@@ -77,6 +82,14 @@ impl Eye {
         let clip = self.matrix * (meeting - self.origin).extend(1.0);
         ([clip.x / clip.w, clip.y / clip.w], part)
     }
+}
+
+/// The lowest and the highest of some positions.
+pub(crate) fn box_of(positions: impl IntoIterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
+    let empty = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    positions.into_iter().fold(empty, |[low, high], p| {
+        [std::array::from_fn(|axis| p[axis].min(low[axis])), std::array::from_fn(|axis| p[axis].max(high[axis]))]
+    })
 }
 
 /// A camera, a light and the positions of a caster.
