@@ -5,9 +5,7 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] = &[("plot_labels::colliding_texts_are_found", negative)];
 
 /// A horizontal text of an SVG.
-#[derive(Debug)]
 struct Text {
-    #[expect(dead_code, reason = "messages show it")]
     words: String,
     x: [f64; 2],
     y: [f64; 2],
@@ -55,10 +53,10 @@ pub(crate) fn check(svg: &str) -> Outcome {
     ensure!(view.len() == 4 && texts.len() > 5, "{} texts in {view:?}", texts.len());
     for (index, one) in texts.iter().enumerate() {
         let is_inside = one.x[0] >= 0.0 && one.x[1] <= view[2] && one.y[0] >= 0.0 && one.y[1] <= view[3];
-        ensure!(is_inside, "{one:?} leaves the plot of {view:?}");
+        ensure!(is_inside, "`{}` at {:?}, {:?} leaves the plot of {view:?}", one.words, one.x, one.y);
         let apart = |a: [f64; 2], b: [f64; 2]| a[1] <= b[0] || b[1] <= a[0];
         let hit = texts[..index].iter().find(|other| !apart(one.x, other.x) && !apart(one.y, other.y));
-        ensure!(hit.is_none(), "{one:?} and {hit:?} collide");
+        ensure!(hit.is_none(), "`{}` and {:?} collide", one.words, hit.map(|other| &other.words));
     }
     Ok(())
 }
