@@ -133,41 +133,10 @@ pub(crate) fn array(name: &str, descr: &str, fortran_order: &str, shape: &str, d
     Entry { name: format!("{name}.npy"), flags: 0, method: 0, time: FIRST_DAY, bytes }
 }
 
-/// The data of an array that must have this type and shape.
-pub(crate) fn data<'a>(entry: &'a Entry, descr: &str, shape: &str) -> Result<&'a [u8], String> {
-    let header = array("", descr, "False", shape, &[]).bytes;
-    entry.bytes.strip_prefix(header.as_slice()).ok_or_else(|| {
-        let found = String::from_utf8_lossy(&entry.bytes[..entry.bytes.len().min(128)]);
-        format!("{} is no {descr} array of shape {shape}: {found:?}", entry.name)
-    })
-}
-
-/// 32-bit words in little-endian order.
-pub(crate) fn words(bytes: &[u8]) -> Vec<u32> {
-    let words = bytes.chunks_exact(4);
-    words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
-}
-
 /// The array of an archive of this name.
 pub(crate) fn entry(archive: &[u8], name: &str) -> Result<Entry, String> {
     let name = format!("{name}.npy");
     read_zip(archive)?.into_iter().find(|entry| entry.name == name).ok_or_else(|| format!("there is no {name}"))
-}
-
-/// The 32-bit words of an archive's array.
-pub(crate) fn words_of(archive: &[u8], name: &str) -> Result<Vec<u32>, String> {
-    Ok(words(&entry(archive, name)?.bytes[128..]))
-}
-
-/// Nothing, or the first entry in which two archives differ.
-pub(crate) fn compare(a: &[u8], b: &[u8]) -> Outcome {
-    if a == b {
-        return Ok(());
-    }
-    for (a, b) in read_zip(a)?.iter().zip(&read_zip(b)?) {
-        ensure!(a == b, "{} and {} differ", a.name, b.name);
-    }
-    Err("the archives differ outside their entries".into())
 }
 
 fn written_is_read() -> Outcome {
@@ -175,18 +144,10 @@ fn written_is_read() -> Outcome {
         array("first", "<u4", "False", "(2,)", &[1, 0, 0, 0, 2, 0, 0, 0]),
         array("second", "|u1", "False", "(1, 3)", &[7, 8, 9]),
     ];
-    let zip = write_zip(&entries);
+    let mut zip = write_zip(&entries);
     ensure!(read_zip(&zip)? == entries, "the entries changed");
-    ensure!(words(data(&entries[0], "<u4", "(2,)")?) == [1, 2], "the words changed");
-    ensure!(data(&entries[0], "<u4", "(3,)").is_err(), "a wrong shape went unnoticed");
-    compare(&zip, &zip)?;
-    // Negative control: one byte of one array.
-    let mut changed = entries.clone();
-    *changed[1].bytes.last_mut().ok_or("it is empty")? ^= 1;
-    ensure!(compare(&zip, &write_zip(&changed)).is_err(), "a change went unnoticed");
-    let mut damaged = zip;
-    let middle = damaged.len() / 3;
-    damaged[middle] ^= 1;
-    ensure!(read_zip(&damaged).is_err(), "damage went unnoticed");
+    let middle = zip.len() / 3;
+    zip[middle] ^= 1;
+    ensure!(read_zip(&zip).is_err(), "damage went unnoticed");
     Ok(())
 }

@@ -7,8 +7,8 @@
 //! facts (`facts.rs`), parted by `; `. Facts above the rows hold for each of them. All holds for each of the paragraph's
 //! command lines; facts of files hold after the last. `[..]` stands for any text, a line `...` for any lines.
 //!
-//! Standard error must be just as it is written, but for clap's hint at `--help`; standard output wherever something is written
-//! for it. What fails must leave the folder as it was, unless only some of many jobs failed (6). `RIMLINE_CASES=write`
+//! Standard error must be just as it is written, but for clap's usage and hint at `--help`; standard output wherever something
+//! is written for it. Neither may steer a terminal. What fails must leave the folder as it was, unless only some of many jobs failed (6). `RIMLINE_CASES=write`
 //! writes the lines that differ anew.
 
 use std::path::{Path, PathBuf};
@@ -156,7 +156,14 @@ fn of_row(folder: &Folder, steps: &[&str], shared: &[&str], row: &[&str]) -> Res
         let after = folder.contents()?;
         ensure!([0, 6].contains(&run.code) || before == after, "the folder is not as it was: {:?}", after.keys());
         let mut lines = vec![format!("{} {words}", run.code).trim_end().to_owned()];
-        let stderr = run.stderr.replace("\n\nFor more information, try '--help'.", "");
+        let wild =
+            |text: &str| text.contains(|c: char| c == '\u{202e}' || c.is_control() && !['\n', '\t'].contains(&c));
+        ensure!(!wild(&run.stdout) && !wild(&run.stderr), "it steers a terminal: {:?} {:?}", run.stdout, run.stderr);
+        let mut stderr = run.stderr.replace("\n\nFor more information, try '--help'.", "");
+        if let Some(at) = stderr.find("\n\nUsage: ").filter(|_| stderr.starts_with("error: ")) {
+            let end = stderr[at + 2..].find('\n').map_or(stderr.len(), |end| at + 2 + end);
+            stderr.replace_range(at..end, "");
+        }
         for (sign, stream) in [('!', &stderr), ('>', &run.stdout)] {
             let expected: Vec<&str> = message.filter(|_| sign == '!').into_iter().chain(lines_of(sign)).collect();
             let got: Vec<&str> = stream.lines().map(str::trim).collect();

@@ -30,6 +30,7 @@ apart p.png q.png > 4 by 9
 $ rimline shadow t.npz --light dir:0,1,0 --size 20x10 --mask m --out r.png
 pixel m.0.png 0,0 255
 count m.0.png 255 > 9
+values m.0.png 255
 apart m.0.png m.0.png = 0
 size points.npz 258
 lacks a.npz:origin
@@ -46,15 +47,12 @@ fn negative() -> Outcome {
     ensure!(right.contains("! rimline: error: no/such: cannot be written"), "{right}");
     for (part, wrong) in [
         ("0 a.npz", "2 a.npz"),
-        ("4 no/such", "0 no/such"),
         ("cannot be written", "cannot be read"),
         ("! rimline: error: no/such", "! rimline: no/such"),
         ("> wrote [..]", "> wrote nothing"),
         ("> wrote [..]", "> [..]\n> ...\n> more"),
         ("json /points 1", "json /points 2"),
         ("json /points 1", "json /points > 1"),
-        ("json /points 1", "json /points none"),
-        ("json /points 1", "json /points < 1"),
         ("json /adapter \"cpu\"", "json /adapter \"gpu\""),
         ("json /adapter \"cpu\"", "jsn /adapter \"cpu\""),
         ("files a.npz", "files"),
@@ -63,24 +61,19 @@ fn negative() -> Outcome {
         ("files a.npz", "says nothing"),
         ("files a.npz", "hides points"),
         ("(1, 1) 1", "(1, 1) 2"),
-        ("(1, 1) 1", "(1, 1) 1 1"),
         ("(1, 1) 1", "(1, 2) 1"),
         ("depth <i4", "depth <u4"),
         ("same a.npz b.npz", "other a.npz b.npz"),
-        ("same a.npz b.npz", "same a.npz points.npz"),
         ("size p.png 20x10", "size p.png 10x20"),
         ("count p.png ink > 4", "count p.png ink > 200"),
         ("> 4 by 9", "< 4 by 9"),
         ("0,0 255", "0,0 128"),
         ("m.0.png 255 > 9", "m.0.png 255 < 9"),
         ("m.0.png 255 > 9", "r.png 255 > 9"),
+        ("values m.0.png 255", "values m.0.png 128 255"),
         ("m.0.png m.0.png = 0", "m.0.png m.0.png > 0"),
-        ("m.0.png m.0.png = 0", "r.png r.png = 0"),
-        ("npz 258", "npz 259"),
         ("lacks a.npz:origin", "lacks a.npz:depth"),
-        ("lacks a.npz:origin", "lacks c.npz:origin"),
         ("entries a.npz points lights", "entries a.npz lights points"),
-        ("lights depth", "lights"),
         ("0.1 0.1 0.1", "9 0.1 0.1"),
     ] {
         ensure!(right.contains(part), "the case lacks `{part}`");

@@ -10,11 +10,14 @@
 //! | `array FILE NAME TYPE SHAPE NUMBERS` | the array of an archive is this; `...` at the end stands for more numbers |
 //! | `same A B`, `other A B` | the files, or arrays `FILE:NAME`, have the same bytes, or not |
 //! | `apart A B OP N [by M] [pixels]` | so many values or pixels of the pictures differ by more than M; without it, of masks |
-//! | `count FILE WHAT OP N` | so many pixels of a mask have this value, or of a picture are `ink`, `orange` or `blue` |
+//! | `count FILE WHAT OP N` | so many pixels of a mask have this value, or of a picture are `ink`, `orange`, `blue` or `red` |
+//! | `values FILE VALUES` | the values of a grey picture are these |
 //! | `pixel FILE X,Y VALUE ...` | the pixels have these values |
 //! | `size FILE N` | so many bytes, or `WIDTHxHEIGHT` pixels |
 //!
 //! A string of JSON has `\u003b` for `;`, which parts facts.
+
+use std::collections::BTreeSet;
 
 use serde_json::Value;
 
@@ -57,8 +60,11 @@ pub(crate) fn check(folder: &Folder, stdout: &str, new: &[&str], fact: &str) -> 
         "entries" => {
             let names = names(folder, word(0)?)?;
             ensure!(names == words[1..], "they are {names:?}");
-            let is_plain = |entry: &Entry| entry.method == 0 && entry.time == FIRST_DAY;
-            ensure!(read_zip(&folder.read(word(0)?)?)?.iter().all(is_plain), "not stored, or dated");
+            let is_plain = |entry: &Entry| entry.method == 0 && entry.time == FIRST_DAY && entry.flags & 9 == 0;
+            ensure!(
+                read_zip(&folder.read(word(0)?)?)?.iter().all(is_plain),
+                "not stored, dated, encrypted or sized afterwards"
+            );
         }
         "array" => array(folder, &words)?,
         "same" | "other" => {
@@ -78,10 +84,15 @@ pub(crate) fn check(folder: &Folder, stdout: &str, new: &[&str], fact: &str) -> 
             let count = match word(1)? {
                 "ink" => image()?.count_pixels(is_ink)?,
                 "blue" => image()?.count_pixels(|[red, _, blue]| blue > red)?,
+                "red" => image()?.count_pixels(|[red, green, blue]| red > 90 && green < 40 && blue < 40)?,
                 "orange" => image()?.count_pixels(is_orange)?,
                 value => folder.mask(word(0)?)?.count(value.parse().map_err(|_| "no value")?),
             };
             ensure!(is_number(count as f64, [word(2)?, word(3)?])?, "{count}");
+        }
+        "values" => {
+            let found: BTreeSet<u8> = folder.image(word(0)?)?.bytes.into_iter().collect();
+            ensure!(found.iter().map(u8::to_string).eq(words[1..].iter().copied()), "{found:?}");
         }
         "pixel" => {
             let image = folder.mask(word(0)?)?;
@@ -142,7 +153,7 @@ fn bytes(folder: &Folder, name: &str) -> Result<Vec<u8>, String> {
 }
 
 /// A PNG without its texts, which name a film.
-pub(crate) fn without_text(png: &[u8]) -> Vec<u8> {
+fn without_text(png: &[u8]) -> Vec<u8> {
     let (head, mut rest) = png.split_at(png.len().min(8));
     let mut kept = head.to_vec();
     while let Some((&[a, b, c, d], after)) = rest.split_first_chunk::<4>() {

@@ -1,13 +1,11 @@
 //! Many instances of one geometry: each throws its own shadow, also where its transform mirrors it in mid-film.
 
-use std::path::Path;
-
 use rimline_models::maker::{Maker, U32};
 use rimline_testkit::shapes::{self, Shape};
 use serde_json::{Value, json};
 
 use super::pictures::Image;
-use super::run::{folder, rimline};
+use super::run::folder;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] =
@@ -31,14 +29,6 @@ fn gltf(shapes: &[Shape], nodes: &[Value], scales: &[[f32; 3]]) -> Vec<u8> {
         }]);
     }
     maker.gltf()
-}
-
-fn run(folder: &Path, command: &str, file: &str, options: &str, out: [&str; 2]) -> super::run::Run {
-    let path = |name: &str| folder.join(name).into_os_string();
-    let mut line = vec![command.into(), path(file)];
-    line.extend(options.split_whitespace().map(Into::into));
-    line.extend([out[0].into(), path(out[1])]);
-    rimline(line)
 }
 
 const COLUMNS: usize = 20;
@@ -87,8 +77,8 @@ fn crowd() -> Outcome {
     let view = format!("--ground 0 --eye 0,{HEIGHT},0.0001 --target 0,0,0 --fov {FOV} --size {width}x{height}");
     let masks = |nodes: Vec<Value>, method: &str| {
         folder.write("crowd.gltf", gltf(&shapes, &nodes, &[]))?;
-        let options = format!("{view} {lights} --method {method} --json");
-        let json = run(folder.path(), "shadow", "crowd.gltf", &options, ["--mask", "m"]).json()?;
+        let line = format!("shadow @crowd.gltf {view} {lights} --method {method} --mask @m --json");
+        let json = folder.run(&line).json()?;
         let [first, last] = ["m.0.png", "m.32.png"].map(|name| folder.mask(name));
         Ok::<_, String>((json, [wrong(&first?, -1.0), wrong(&last?, 1.0)]))
     };
@@ -131,17 +121,15 @@ fn mirrored() -> Outcome {
     folder.write("m.gltf", gltf(&[shape, corners()], &nodes, &scales))?;
     let light = "--light dir:1,2,1 --light point:2,6,3";
     let view = "--ground 0 --eye 2,5,9 --target 2,1,0 --near 1 --size 96x72 --animation 0";
-    for options in ["", "--volumes", "--method zp+paper", "--area disc --samples 2"] {
-        let options = format!("{view} {light} {options}");
-        let film = format!("{options} --fps 1 --frames 4");
-        run(folder.path(), "film", "m.gltf", &film, ["--out", "film"]).expect(0, &[])?;
+    for options in ["", "--method zp+paper", "--area disc --samples 2"] {
+        let options = format!("@m.gltf {view} {light} {options}");
+        folder.run(&format!("film {options} --fps 1 --frames 4 --out @film")).expect(0, &[])?;
         let bytes = |name: &str| folder.image(name).map(|image| image.bytes);
         let frames = ["film/0000.png", "film/0001.png", "film/0002.png", "film/0003.png"].map(bytes);
         ensure!(frames[0] == frames[2] && frames[0] != frames[1], "{options}: nothing moves, or not back");
-        for second in if options.ends_with("point:2,6,3 ") { &[1, 2, 3][..] } else { &[1, 3] } {
-            let moment = format!("{options} --time {second}");
-            run(folder.path(), "shadow", "m.gltf", &moment, ["--out", "p.png"]).expect(0, &[])?;
-            ensure!(frames[*second] == bytes("p.png"), "{options}: picture {second} is not that of its moment");
+        for second in [1, 3] {
+            folder.run(&format!("shadow {options} --time {second} --out @p.png")).expect(0, &[])?;
+            ensure!(frames[second] == bytes("p.png"), "{options}: picture {second} is not that of its moment");
         }
     }
     Ok(())

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::archive::{array, write_zip};
+use super::archive::{array, read_zip, write_zip};
 use super::makers::tetrahedron;
-use super::run::{folder, read_file, rimline, write_file};
+use super::run::{folder, rimline};
 use super::small_gltf;
 use super::{Outcome, Test, ensure};
 
@@ -32,91 +32,86 @@ fn keys(value: &Value, found: &mut BTreeSet<String>, stages: &mut BTreeSet<Strin
     }
 }
 
+/// Command lines, and the fewest keys that each has.
+const LINES: [(&str, usize); 20] = [
+    ("lines @model.npz --hidden thin --out - --format json", 9),
+    ("extract @model.npz --light dir:0,1,0 --out @out.npz --device gpu", 9),
+    ("extract @model.npz --light dir:0,1,0 --out @out.npz --device gpu --method per-edge", 9),
+    ("extract @model.npz --light dir:0,1,0 --out @out.npz --device cpu", 9),
+    ("extract @box.obj --polygons --light dir:0,1,0 --out @out.npz --device gpu", 9),
+    ("query @model.npz --points @points.npz --light dir:0,1,0 --out @out.npz --device gpu", 9),
+    ("query @model.npz --points @points.npz --light dir:0,1,0 --out @out.npz --device cpu", 9),
+    ("shadow @model.npz --size 32x24 --mask @mask --out @out.png --area disc --samples 2", 9),
+    ("shadow @model.npz --size 32x24 --mask @mask --out @out.png --hide-covered", 9),
+    ("shadow @model.npz --size 32x24 --mask @mask --out @out.png --method zp+paper", 9),
+    ("shadow @box.obj --polygons --size 32x24 --out @out.png --light point:0.4,5,0.3", 9),
+    ("shadow @model.npz --size 32x24 --mask @mask --out @out.png --from-depth 64", 9),
+    ("shadow @model.npz --size 32x24 --mask @mask --out @out.png --from-depth 64 --detector contours=0.001", 9),
+    ("draw @model.npz --size 32x24 --out @out.png", 5),
+    ("film @model.npz --size 32x24 --frames 1 --out @film", 5),
+    ("info @model.npz", 9),
+    ("info @body.gltf", 9),
+    ("verify @bits --device cpu", 9),
+    ("verify --built-in --device cpu", 9),
+    ("devices", 9),
+];
+
 fn described() -> Outcome {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    let text = |error: std::io::Error| error.to_string();
     let document = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/formats.md"));
-    let document = document.map_err(text)?;
+    let document = document.map_err(|error| error.to_string())?;
     let section = |title: &str| -> Result<&str, String> {
-        let (_, after) = document.split_once(&format!("\n### {title}\n")).ok_or(format!("no section {title}"))?;
+        let (_, after) = document.split_once(&format!("\n{title}\n")).ok_or(format!("no section {title}"))?;
         let end = [after.find("\n### "), after.find("\n## ")].into_iter().flatten().min();
         Ok(&after[..end.unwrap_or(after.len())])
     };
-    write_file(at("model.npz"), tetrahedron())?;
-    write_file(at("points.npz"), write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]))?;
+    folder.write("model.npz", tetrahedron())?;
+    folder.write("points.npz", write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])]))?;
     // A box whose top is twisted.
     let corners = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 1 2 0\nv 1 1 1\nv 0 2 1\n";
     let faces = "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
-    write_file(at("box.obj"), format!("{corners}{faces}"))?;
+    folder.write("box.obj", format!("{corners}{faces}"))?;
     small_gltf::write(&folder, "body.gltf", &small_gltf::value())?;
-    let gltf = at("body.gltf");
-    let model = at("model.npz");
-    // One that differs, so that differences are listed, too.
-    std::fs::create_dir(at("bits")).map_err(text)?;
-    let of_model = ["extract", &model, "--light", "dir:0,1,0", "--device"];
-    rimline(of_model.iter().chain(&["cpu", "--out", &at("bits/same.npz")])).expect(0, &[])?;
-    let other = ["gpu", "--method", "per-edge", "--out", &at("bits/other.npz")];
-    rimline(of_model.iter().chain(&other)).expect(0, &[])?;
-    let mut wrong = super::archive::read_zip(&read_file(at("bits/same.npz"))?)?;
+    // Archives that are right, and one that differs, so that differences are listed, too.
+    folder.inner("bits")?;
+    for options in ["--device cpu --out @bits/same.npz", "--device gpu --method per-edge --out @bits/other.npz"] {
+        folder.run(&format!("extract @model.npz --light dir:0,1,0 {options}")).expect(0, &[])?;
+    }
+    let mut wrong = read_zip(&folder.read("bits/same.npz")?)?;
     let facing = wrong.iter_mut().find(|entry| entry.name.starts_with("silhouette")).ok_or("no silhouette")?;
     *facing.bytes.last_mut().ok_or("no bits")? ^= 1;
-    write_file(at("bits/wrong.npz"), write_zip(&wrong))?;
-
-    let (light, out, png) = (["--light", "dir:0,1,0"], at("out.npz"), at("out.png"));
-    let size = ["--size", "32x24"];
-    let extract = ["extract", &model, light[0], light[1], "--out", &out];
-    let query = ["query", &model, "--points", &at("points.npz"), light[0], light[1], "--out", &out];
-    let shadow = ["shadow", &model, size[0], size[1], "--mask", &at("mask"), "--out", &png];
-    let polygons = at("box.obj");
-    let of_polygons = ["shadow", &polygons, "--polygons", size[0], size[1], "--out", &png];
-    let drawing = ["lines", &model, "--hidden", "thin", "--out", "-"];
-    let lines: [(&[&str], &[&str]); 20] = [
-        (&drawing, &["--format", "json"]),
-        (&extract, &["--device", "gpu"]),
-        (&extract, &["--device", "gpu", "--method", "per-edge"]),
-        (&extract, &["--device", "cpu"]),
-        (&["extract", &polygons, "--polygons", light[0], light[1], "--out", &out], &["--device", "gpu"]),
-        (&query, &["--device", "gpu"]),
-        (&query, &["--device", "cpu"]),
-        (&shadow, &["--area", "disc", "--samples", "2"]),
-        (&shadow, &["--hide-covered"]),
-        (&shadow, &["--method", "zp+paper"]),
-        (&of_polygons, &["--light", "point:0.4,5,0.3"]),
-        (&shadow, &["--from-depth", "64"]),
-        (&shadow, &["--from-depth", "64", "--detector", "contours=0.001"]),
-        (&["draw", &model, size[0], size[1], "--out", &png], &[]),
-        (&["film", &model, size[0], size[1], "--frames", "1", "--out", &at("film")], &[]),
-        (&["info", &model], &[]),
-        (&["info", &gltf], &[]),
-        (&["verify", &at("bits")], &["--device", "cpu"]),
-        (&["verify", "--built-in"], &["--device", "cpu"]),
-        (&["devices"], &[]),
-    ];
-    for (line, options) in lines {
+    folder.write("bits/wrong.npz", write_zip(&wrong))?;
+    for (line, least) in LINES {
+        let command = line.split(' ').next().unwrap_or_default();
         // A drawing is JSON itself.
-        let option = if line[0] == "lines" { "--format json" } else { "--json" };
-        let run = rimline(line.iter().chain(options).chain(if line[0] == "lines" { &[][..] } else { &["--json"] }));
-        ensure!([0, 5].contains(&run.code), "{line:?}: {}", run.stderr);
-        let json: Value = serde_json::from_str(&run.stdout).map_err(|error| format!("{line:?}: {error}"))?;
+        let option = if command == "lines" { "--format json" } else { "--json" };
+        let run = folder.run(&if command == "lines" { line.to_owned() } else { format!("{line} --json") });
+        ensure!([0, 5].contains(&run.code), "{line}: {}", run.stderr);
+        let json: Value = serde_json::from_str(&run.stdout).map_err(|error| format!("{line}: {error}"))?;
         let (mut found, mut stages) = (BTreeSet::new(), BTreeSet::new());
         keys(&json, &mut found, &mut stages);
-        let least = if ["draw", "film"].contains(&line[0]) { 5 } else { 9 };
-        ensure!(found.len() >= least, "{line:?} has only {found:?}");
-        let help = rimline([line[0], "--help"]).stdout;
-        let (_, listed) =
-            help.rsplit_once(&format!("Keys of {option}: ")).ok_or(format!("{} lists no keys", line[0]))?;
+        ensure!(found.len() >= least, "{line} has only {found:?}");
+        let help = rimline([command, "--help"]).stdout;
+        let (_, listed) = help.rsplit_once(&format!("Keys of {option}: ")).ok_or(format!("{command} lists no keys"))?;
         let listed: BTreeSet<&str> = listed.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-        let (described, times) = (section(&format!("`{} {option}`", line[0]))?, section("Times")?);
+        let (described, times) = (section(&format!("### `{command} {option}`"))?, section("### Times")?);
         for key in &found {
-            ensure!(listed.contains(key.as_str()), "the help of {} lacks {key}", line[0]);
+            ensure!(listed.contains(key.as_str()), "the help of {command} lacks {key}");
             let word = format!("`{key}`");
             let is_there = described.contains(&word) || key.ends_with("milliseconds") && times.contains(&word);
-            ensure!(is_there, "docs/formats.md lacks {key} of {}", line[0]);
+            ensure!(is_there, "docs/formats.md lacks {key} of {command}");
         }
-        for stage in stages {
-            ensure!(times.contains(&format!("`{stage}`")), "docs/formats.md lacks the stage {stage}");
-        }
+        let lost = stages.iter().find(|stage| !times.contains(&format!("`{stage}`")));
+        ensure!(lost.is_none(), "docs/formats.md lacks the stage {lost:?}");
     }
+    let jobs = folder.run("info @model.npz none --json").stdout;
+    let of_jobs = section("## Many files in one run")?;
+    for line in jobs.lines() {
+        let line: Value = serde_json::from_str(line).map_err(|error| error.to_string())?;
+        let line = if line["totals"].is_object() { &line["totals"] } else { &line };
+        let lost = line.as_object().into_iter().flatten().find(|(key, _)| !of_jobs.contains(&format!("`{key}`")));
+        ensure!(lost.is_none(), "docs/formats.md lacks {lost:?}");
+    }
+    ensure!(jobs.lines().count() == 3, "{jobs}");
     Ok(())
 }

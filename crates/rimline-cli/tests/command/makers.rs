@@ -106,7 +106,7 @@ pub(crate) fn escaped(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// Arrays, one a line: `NAME TYPE SHAPE NUMBERS`, where `V*N` is N times V. Before the name may stand `deflate`,
+/// Arrays, one a line: `NAME TYPE SHAPE NUMBERS`, where `V*N` is N times V, and `\{NUMBERS*N}` are N times these. Before the name may stand `deflate`,
 /// `fortran`, or another word for the order, `cut=N` and `more=N` for other lengths than the shape's. `NAME raw TEXT`
 /// is an entry of these bytes, whose name may be `escaped` and have another ending. From another archive, arrays of its
 /// names are replaced, `- NAME` takes one out, `NAME flip N MASK` flips bits of the N-th byte of the data, and `NAME
@@ -160,7 +160,8 @@ fn entry(name: &str, kind: &str, flags: &[&str], words: &[&str], line: &str) -> 
         if flags.contains(&"Maybe") { "Maybe" } else { ["False", "True"][usize::from(flags.contains(&"fortran"))] };
     let shape = String::from_utf8_lossy(&escaped(&shape)).into_owned();
     let kind = String::from_utf8_lossy(&escaped(kind)).into_owned();
-    let mut made = array(name, &kind, order, &shape, &numbers(&kind, words[end..].iter().copied())?);
+    let all = String::from_utf8_lossy(&escaped(&words[end..].join(" "))).into_owned();
+    let mut made = array(name, &kind, order, &shape, &numbers(&kind, all.split_whitespace())?);
     for flag in flags {
         match flag.split_once('=').map(|(word, count)| (word, count.parse().unwrap_or(0))) {
             Some(("cut", count)) => made.bytes.truncate(count),

@@ -40,7 +40,7 @@ pub(crate) fn of(name: &str, whole: &[u32], words: &str, at: [f64; 3]) -> Result
         ("flat", []) => file(flat(has("double"))),
         ("sheet", []) => file(sheet()),
         ("house", []) => file(house(at)),
-        ("lathe", &[profile, steps]) => file(lathe(PROFILES[profile as usize], steps as usize, 1.0)),
+        ("lathe", &[profile, steps]) => file(lathe(PROFILES[profile as usize], steps as usize)),
         ("circle", &[corners]) => file(circle(corners as usize)),
         _ => Err(format!("there is no shape {name} {words}")),
     }
@@ -71,7 +71,7 @@ fn rounded(point: [f64; 3], to: f64) -> [f64; 3] {
 
 /// A bar of two by three that is twisted once around as it rises: its quadrilaterals are not planar. Each is also
 /// turned over if `is_double`. Written as polygons, or as the triangles of fans.
-pub(crate) fn bar(is_double: bool, are_triangles: bool) -> String {
+fn bar(is_double: bool, are_triangles: bool) -> String {
     const LAYERS: usize = 18;
     let vertices = (0..=LAYERS).flat_map(|layer| {
         let part = layer as f64 / LAYERS as f64;
@@ -133,7 +133,7 @@ fn circle(corners: usize) -> String {
 }
 
 /// A cone, a vase and a ring. Points on the axis are one each, whatever the angle.
-pub(crate) const PROFILES: [&[[f64; 2]]; 3] = [
+const PROFILES: [&[[f64; 2]]; 3] = [
     &[[0.0, -1.0], [1.0, -1.0], [0.0, 1.0]],
     &[[0.0, -1.0], [0.7, -1.0], [1.0, 0.0], [0.5, 0.8], [0.6, 1.0], [0.0, 1.0]],
     &[[1.0, -0.3], [1.3, 0.0], [1.0, 0.3], [0.7, 0.0], [1.0, -0.3]],
@@ -141,10 +141,10 @@ pub(crate) const PROFILES: [&[[f64; 2]]; 3] = [
 
 /// Rings of a profile turned about the y axis, by the angles that a full turn ends with: the last ring is the first but for
 /// rounding.
-pub(crate) fn lathe(profile: &[[f64; 2]], steps: usize, size: f64) -> String {
+fn lathe(profile: &[[f64; 2]], steps: usize) -> String {
     let vertices = (0..=steps).flat_map(|step| {
         let (sin, cos) = (TAU * step as f64 / steps as f64).sin_cos();
-        profile.iter().map(move |[radius, height]| [size * radius * cos, size * height, size * radius * sin])
+        profile.iter().map(move |[radius, height]| [radius * cos, *height, radius * sin])
     });
     let rings = profile.len();
     let faces = (0..steps * (rings - 1)).flat_map(|face| {
@@ -155,7 +155,7 @@ pub(crate) fn lathe(profile: &[[f64; 2]], steps: usize, size: f64) -> String {
 }
 
 /// Boxes of a house: walls, eaves that stand out by 0.2, three steps. Each by its lowest and highest corner.
-pub(crate) const BOXES: [[[f64; 3]; 2]; 5] = [
+const BOXES: [[[f64; 3]; 2]; 5] = [
     [[0.2, 0.0, 0.2], [4.8, 2.0, 3.8]],
     [[0.0, 2.0, 0.0], [5.0, 2.4, 4.0]],
     [[4.8, 0.0, 1.0], [5.1, 0.6, 2.2]],
@@ -173,7 +173,7 @@ pub(crate) fn corner(bounds: &[[f64; 3]; 2], corner: usize) -> [f64; 3] {
 }
 
 /// The house at a place, after a vertex at zero that no face has.
-pub(crate) fn house(at: [f64; 3]) -> String {
+fn house(at: [f64; 3]) -> String {
     let corners = BOXES.iter().flat_map(|bounds| (0..8).map(move |number| corner(bounds, number)));
     let placed = corners.map(|p| rounded([0, 1, 2].map(|axis| p[axis] + at[axis]), 1e3));
     let faces = (0..BOXES.len()).flat_map(|number| {

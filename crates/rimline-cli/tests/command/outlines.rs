@@ -4,10 +4,11 @@ use glam::{DMat3, DVec3};
 use libtest_mimic::{Failed, Trial};
 use rimline_testkit::shapes;
 
-use super::makers::npz_mesh;
+use super::makers::{npz_mesh, npz_model};
 use super::models_of_code::{SIDES, corner};
 use super::pictures::{Image, is_ink};
-use super::run::{folder, is_long, rimline};
+use super::run::{folder, is_long};
+use super::verify::has_opengl;
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -17,11 +18,8 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// The same on OpenGL, ignored by name where there is none.
 pub(crate) fn trials() -> Vec<Trial> {
-    let devices = rimline(["devices", "--json"]).json().unwrap_or_default();
-    let is_usable = |adapter: &serde_json::Value| adapter["backend"] == "OpenGL" && adapter["usable"] == true;
-    let is_there = devices["adapters"].as_array().is_some_and(|adapters| adapters.iter().any(is_usable));
     let name = "outlines::touching_boxes_have_whole_outlines_on_opengl";
-    vec![Trial::test(name, || check("opengl").map_err(Failed::from)).with_ignored_flag(!is_there)]
+    vec![Trial::test(name, || check("opengl").map_err(Failed::from)).with_ignored_flag(!has_opengl())]
 }
 
 const SIZE: [f64; 2] = [1000.0, 840.0];
@@ -54,15 +52,6 @@ fn boxes() -> Vec<[DVec3; 8]> {
 fn triangles(boxes: &[[DVec3; 8]]) -> Vec<[DVec3; 3]> {
     let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]];
     boxes.iter().flat_map(|at| SIDES.into_iter().flat_map(halves).map(|face| face.map(|v| at[v]))).collect()
-}
-
-fn model() -> Vec<u8> {
-    model_of(&triangles(&boxes()))
-}
-
-/// A box between two corners, as a file.
-pub(crate) fn box_model(bounds: [[f64; 3]; 2]) -> Vec<u8> {
-    model_of(&triangles(&[std::array::from_fn(|n| DVec3::from(corner(&bounds, n)))]))
 }
 
 fn model_of(faces: &[[DVec3; 3]]) -> Vec<u8> {
@@ -158,41 +147,22 @@ fn expected() -> Vec<([f64; 2], Seen)> {
 
 /// Every visible point is in ink, and no hidden one that is far from all that may be drawn.
 fn compare(picture: &Image, points: &[([f64; 2], Seen)]) -> Outcome {
-    let ink = |[x, y]: [f64; 2]| is_ink(picture.pixels()[y as usize * picture.size[0] + x as usize]);
+    let pixel = |[x, y]: [f64; 2]| y as usize * picture.size[0] + x as usize;
+    let is_inked = |&at: &[f64; 2]| is_ink(picture.pixels()[pixel(at)]);
     let of = |wanted| points.iter().filter(move |(_, seen)| *seen == wanted).map(|&(at, _)| at);
-    let gaps: Vec<_> = of(Seen::Visible).filter(|&at| !ink(at)).collect();
-    ensure!(
-        gaps.is_empty(),
-        "{} of {} visible points are blank: {:?}",
-        gaps.len(),
-        of(Seen::Visible).count(),
-        &gaps[..gaps.len().min(9)]
-    );
+    let gaps: Vec<_> = of(Seen::Visible).filter(|at| !is_inked(at)).collect();
+    ensure!(gaps.is_empty(), "{} visible points are blank: {:?}", gaps.len(), &gaps[..gaps.len().min(9)]);
     let mut is_near = vec![false; picture.pixels().len()];
-    for &([x, y], seen) in points {
-        for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))).filter(|_| seen != Seen::Hidden) {
-            is_near[(y as i64 + dy) as usize * picture.size[0] + (x as i64 + dx) as usize] = true;
+    for &([x, y], _) in points.iter().filter(|(_, seen)| *seen != Seen::Hidden) {
+        for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))) {
+            is_near[pixel([x + f64::from(dx), y + f64::from(dy)])] = true;
         }
     }
-    let alone = |at: &[f64; 2]| !is_near[at[1] as usize * picture.size[0] + at[0] as usize];
-    let hidden: Vec<_> = of(Seen::Hidden).filter(alone).collect();
+    let hidden: Vec<_> = of(Seen::Hidden).filter(|&at| !is_near[pixel(at)]).collect();
     ensure!(hidden.len() > 300, "only {} hidden points count", hidden.len());
-    let drawn: Vec<_> = hidden.iter().filter(|&&at| ink(at)).collect();
-    ensure!(
-        drawn.is_empty(),
-        "{} of {} hidden points are drawn: {:?}",
-        drawn.len(),
-        hidden.len(),
-        &drawn[..drawn.len().min(9)]
-    );
+    let drawn: Vec<_> = hidden.iter().filter(|at| is_inked(at)).collect();
+    ensure!(drawn.is_empty(), "{} hidden points are drawn: {:?}", drawn.len(), &drawn[..drawn.len().min(9)]);
     Ok(())
-}
-
-fn picture(device: &str) -> Result<Image, String> {
-    let list = |numbers: [f64; 3]| numbers.map(|c| c.to_string()).join(",");
-    let [width, height] = SIZE;
-    let view = format!("--size {width}x{height} --eye {} --target {} --fov {FOV}", list(EYE), list(TARGET));
-    draw(&model(), &format!("{view} --device {device}"))
 }
 
 fn check(device: &str) -> Outcome {
@@ -200,7 +170,10 @@ fn check(device: &str) -> Outcome {
     let count = |wanted| points.iter().filter(|(_, seen)| *seen == wanted).count();
     ensure!(count(Seen::Visible) > 8000, "only {} visible points", count(Seen::Visible));
     ensure!(count(Seen::Undecided) < points.len() / 20, "{} points are left open", count(Seen::Undecided));
-    let picture = picture(device)?;
+    let list = |numbers: [f64; 3]| numbers.map(|c| c.to_string()).join(",");
+    let [width, height] = SIZE;
+    let view = format!("--size {width}x{height} --eye {} --target {} --fov {FOV}", list(EYE), list(TARGET));
+    let picture = draw(&model_of(&triangles(&boxes())), &format!("{view} --device {device}"))?;
     compare(&picture, &points)?;
     // The comparison notices wrong lines.
     let moved: Vec<_> = points.iter().map(|&([x, y], seen)| ([x + 4.0, y], seen)).collect();
@@ -233,17 +206,10 @@ fn gaps(picture: &Image) -> Vec<[usize; 2]> {
 
 /// At the border of a smooth body many faces are seen edge-on, thinner than rounding tells: they hide nothing.
 fn smooth() -> Outcome {
-    let shape = shapes::blob(96, 0.6, 7);
-    let faces: Vec<[DVec3; 3]> = shape
-        .faces
-        .iter()
-        .map(|face| face.map(|vertex| DVec3::from(shape.positions[vertex as usize].map(f64::from))))
-        .collect();
-    let model = model_of(&faces);
+    let model = npz_model(&shapes::blob(96, 0.6, 7), 1.0, [0.0; 3]);
     let eyes = ["3.2,2.4,5.2", "-4,1.5,4", "1,5,-3.5"];
     for eye in &eyes[..if is_long() { 3 } else { 1 }] {
-        let view = format!("--size 600x750 --eye {eye} --target 0,0,0 --fov 36");
-        let mut picture = draw(&model, &format!("{view} --device gpu"))?;
+        let mut picture = draw(&model, &format!("--size 600x750 --eye {eye} --target 0,0,0 --fov 36 --device gpu"))?;
         let found = gaps(&picture);
         ensure!(found.is_empty(), "eye {eye}: {} gaps: {:?}", found.len(), &found[..found.len().min(9)]);
         // Rub out a piece of the topmost line.

@@ -4,9 +4,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use libtest_mimic::Trial;
-use rimline_testkit::{harness, shared_cases};
-
 use super::pictures::Image;
 use super::{Outcome, ensure};
 
@@ -15,9 +12,6 @@ pub(crate) struct Run {
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
-
-/// wgpu's own variable hides all adapters.
-pub(crate) const HIDDEN: &[(&str, &str)] = &[("WGPU_BACKEND", "noop")];
 
 /// Runs `rimline` with these arguments.
 pub(crate) fn rimline<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) -> Run {
@@ -136,16 +130,11 @@ impl Folder {
 
     /// Runs `rimline` in words, with paths in the folder where a word begins with `@`.
     pub(crate) fn run(&self, line: &str) -> Run {
-        run(self.path(), line)
+        rimline(line.split_whitespace().map(|word| match word.strip_prefix('@') {
+            Some(name) => self.path().join(name).into_os_string(),
+            None => word.into(),
+        }))
     }
-}
-
-/// Runs `rimline` in words, with paths in a folder where a word begins with `@`.
-pub(crate) fn run(folder: &Path, line: &str) -> Run {
-    rimline(line.split_whitespace().map(|word| match word.strip_prefix('@') {
-        Some(name) => folder.join(name).into_os_string(),
-        None => word.into(),
-    }))
 }
 
 /// Contents of a folder's files by name, with those of folders in it; empty for what is no regular file.
@@ -165,29 +154,4 @@ pub(crate) fn contents(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Strin
         }
     }
     Ok(found)
-}
-
-/// The folder holds nothing: no result and no part of one.
-pub(crate) fn is_empty(folder: &Path) -> Outcome {
-    let left: Vec<_> = std::fs::read_dir(folder)
-        .map_err(|error| error.to_string())?
-        .filter_map(|entry| Some(entry.ok()?.file_name()))
-        .collect();
-    ensure!(left.is_empty(), "left behind: {left:?}");
-    Ok(())
-}
-
-/// A test on one of the shared cases, and whether it runs only if long trials are wanted.
-pub(crate) type Case = (&'static str, &'static str, fn(&Path) -> Outcome, bool);
-
-/// Tests on shared cases. Where the folder is missing, there is one that is ignored.
-pub(crate) fn on_cases(rows: &[Case]) -> Vec<Trial> {
-    let Some(folder) = shared_cases() else {
-        return harness::on_files::<String>(&format!("{}::", rows[0].0), None, &[], |_| Ok(()));
-    };
-    let trial = |&(name, file, test, is_long_one): &Case| {
-        let trials = harness::on_files(&format!("{name}::"), Some(folder.clone()), &[file], test);
-        trials.into_iter().map(move |trial| trial.with_ignored_flag(is_long_one && !is_long()))
-    };
-    rows.iter().flat_map(trial).collect()
 }

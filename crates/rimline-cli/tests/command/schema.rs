@@ -8,11 +8,7 @@ use serde_json::{Value, json};
 
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("schema::the_validator_finds_what_is_wrong", negative),
-    #[cfg(feature = "bench")]
-    ("schema::the_bench_schema_finds_what_is_wrong", bench_negative),
-];
+pub(crate) const TESTS: &[Test] = &[("schema::the_validator_finds_what_is_wrong", negative)];
 
 /// Nothing, or what in `data` is not as `schema` says, with where in the data it is.
 pub(crate) fn validate(schema: &Value, data: &Value) -> Outcome {
@@ -135,12 +131,8 @@ fn is_a(kind: &str, data: &Value) -> bool {
 /// A moment in UTC in the one form that is written.
 fn is_time(text: &str) -> bool {
     let shape: String = text.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).collect();
-    let is_below = |at: usize, end: u32| text[at..at + 2].parse::<u32>().is_ok_and(|number| number < end);
-    let has_day = |at: usize| &text[at..at + 2] != "00";
-    let [month, day, hour, minute, second] = [5, 8, 11, 14, 17];
-    shape == "0000-00-00T00:00:00Z"
-        && (is_below(month, 13) && has_day(month) && is_below(day, 32) && has_day(day))
-        && (is_below(hour, 24) && is_below(minute, 60) && is_below(second, 60))
+    let is_below = |(at, end): (usize, u32)| text[at..at + 2].parse::<u32>().is_ok_and(|number| number < end);
+    shape == "0000-00-00T00:00:00Z" && [(5, 13), (8, 32), (11, 24), (14, 60), (17, 60)].into_iter().all(is_below)
 }
 
 fn negative() -> Outcome {
@@ -157,30 +149,25 @@ fn negative() -> Outcome {
         },
         "$defs": { "n": { "type": "object", "required": ["n"], "properties": { "n": { "type": "number" } } } },
     });
-    for good in [
+    let good = [
         json!({ "a": 1, "list": [], "day": "2026-01-02T03:04:05Z" }),
         json!({ "a": null, "b": "y", "list": [{ "n": 0.5 }] }),
-        json!({ "a": 2.0, "any": "none", "list": [] }),
-        json!({ "a": 1, "any": { "n": 1 }, "list": [] }),
-        json!({ "a": 1, "list": [], "more": { "p": 1, "q": { "n": 1 } } }),
-    ] {
-        validate(&schema, &good)?;
-    }
+        json!({ "a": 2.0, "any": { "n": 1 }, "list": [], "more": { "p": 1, "q": { "n": 1 } } }),
+    ];
+    good.iter().try_for_each(|good| validate(&schema, good))?;
     for bad in [
         json!([]),
         json!({ "a": 1 }),
         json!({ "a": 0, "list": [] }),
         json!({ "a": 1.5, "list": [] }),
+        json!({ "a": "1", "list": [] }),
+        json!({ "a": 1, "list": {} }),
         json!({ "a": 1, "b": "z", "list": [] }),
-        json!({ "a": 1, "day": "2026-13-02T03:04:05Z", "list": [] }),
+        json!({ "a": 1, "c": 1, "list": [] }),
         json!({ "a": 1, "list": [{}] }),
         json!({ "a": 1, "list": [{ "n": "0" }] }),
         json!({ "a": 1, "list": [{ "n": 0, "m": 0 }] }),
-        json!({ "a": 1, "c": 1, "list": [] }),
-        json!({ "a": "1", "list": [] }),
-        json!({ "a": 1, "list": {} }),
-        json!({ "a": 1, "day": "2026-01-02 03:04:05", "list": [] }),
-        json!({ "a": 1, "day": "2026-01-02T24:04:05Z", "list": [] }),
+        json!({ "a": 1, "day": "2026-13-02T03:04:05Z", "list": [] }),
         json!({ "a": 1, "any": [0], "list": [] }),
         json!({ "a": 1, "any": { "n": 1, "m": 2 }, "list": [] }),
         json!({ "a": 1, "list": [], "more": { "q": { "m": 1 } } }),
@@ -196,88 +183,6 @@ fn negative() -> Outcome {
         json!({ "$defs": { "n": { "minimum": "0" } } }),
     ] {
         ensure!(validate(&wrong, &json!(2)).is_err(), "the schema {wrong} passed");
-    }
-    Ok(())
-}
-
-/// The repository's schema with data of one row, and with that row changed.
-#[cfg(feature = "bench")]
-fn bench_negative() -> Outcome {
-    let schema = super::bench::schema()?;
-    let summary = json!({ "median": 2.0, "q1": 1.0, "q3": 3.0, "low": 1.0, "high": 3.0, "runs": 3 });
-    let mut ratio = summary.clone();
-    ratio["to"] = json!("cpu-f32-all");
-    ratio["time"] = json!("time");
-    let mut time = summary.clone();
-    time["rounds"] = json!([2.0, 1.0, 3.0]);
-    let variant = json!({
-        "variant": "cpu-exact-all", "name": "exact", "times": { "time": time, "wall": time }, "stages": { "facing": summary },
-        "counts": { "wrong_facing_bits": 0, "wrong_pixels": [0.0, 2.0] }, "ratios": [ratio],
-    });
-    let row = json!({
-        "section": "extraction", "scene": "torus-4", "title": "torus-4", "group": "ordinary", "faces": 4, "lights": 1,
-        "silhouette_bits": 6, "variants": [variant],
-    });
-    let mut part = json!({ "part": "extraction", "scene_ms": summary, "merged_ms": summary, "ratio": null });
-    let scene = json!({
-        "mesh": "box", "faces": 12, "casters": 3, "scene_bytes": 4800, "scene_bytes_per_caster": 1600.0,
-        "scene_device_bytes": 9000, "extractors_device_bytes": null, "gpu": [part], "silhouette_edges": [12, 14],
-        "wrong_lights": 0,
-        "recording": [{ "method": "scene-still", "cpu_ms": summary, "cpu_ms_of_rounds": [1.0, 2.0, 3.0] }],
-    });
-    let merged = part.as_object_mut().and_then(|part| part.remove("merged_ms"));
-    part["extractor_ms"] = merged.ok_or("no merged mesh")?;
-    part["ratio"] = summary.clone();
-    let one_mesh = json!({ "faces": 1024, "gpu": [part], "silhouette_edges": [60, 70], "wrong_lights": 0 });
-    let casters = json!({ "lights": 2, "size": 256, "rows": [scene], "one_mesh": [one_mesh] });
-    let data = json!({
-        "format": "rimline-bench", "version": 2, "complete": true, "planned_rows": 3, "rimline": "0.1.0",
-        "date": "2026-01-02T03:04:05Z", "machine": { "os": "Linux", "cpu": "one", "threads": 1, "optimised": true },
-        "adapter": null, "rows": [row], "casters": casters,
-    });
-    validate(&schema, &data)?;
-    for (pointer, wrong) in [
-        ("/format", json!("other")),
-        ("/date", json!("yesterday")),
-        ("/machine/threads", json!(0)),
-        ("/rows/0/section", json!("casters")),
-        ("/rows/0/lights", json!(1.5)),
-        ("/rows/0/variants/0/times/wall", json!({ "median": 1.0 })),
-        ("/rows/0/variants/0/times/wall/rounds/1", json!(-1.0)),
-        ("/rows/0/variants/0/stages/facing", json!(1.0)),
-        ("/rows/0/variants/0/counts/wrong_facing_bits", json!(-1)),
-        ("/rows/0/variants/0/counts/wrong_pixels/0", json!("none")),
-        ("/rows/0/variants/0/ratios/0/to", json!(3)),
-        ("/rows/0/variants/0/ratios/0/runs", json!(null)),
-        ("/casters/lights", json!(0)),
-        ("/casters/rows/0/mesh", json!("sphere")),
-        ("/casters/rows/0/recording/0/method", json!("other")),
-        ("/casters/rows/0/recording/0/cpu_ms", json!(null)),
-        ("/casters/rows/0/scene_device_bytes", json!(-1)),
-        ("/casters/rows/0/gpu/0/part", json!("light")),
-        ("/casters/rows/0/gpu/0/ratio", json!(1.2)),
-        ("/casters/rows/0/silhouette_edges/0", json!(0.5)),
-        ("/casters/one_mesh/0/gpu", json!(null)),
-        ("/casters/one_mesh/0/wrong_lights", json!("none")),
-    ] {
-        let mut changed = data.clone();
-        *changed.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
-        ensure!(validate(&schema, &changed).is_err(), "a wrong {pointer} passed");
-    }
-    for object in [
-        "",
-        "/machine",
-        "/rows/0",
-        "/rows/0/variants/0",
-        "/rows/0/variants/0/times",
-        "/rows/0/variants/0/ratios/0",
-        "/casters",
-        "/casters/rows/0/gpu/0",
-        "/casters/one_mesh/0",
-    ] {
-        let mut changed = data.clone();
-        changed.pointer_mut(object).ok_or("nothing is there")?["unheard_of"] = json!(0);
-        ensure!(validate(&schema, &changed).is_err(), "a key that is not described passed at `{object}`");
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use rimline_files::{ReadOptions, read_bytes};
 use rimline_testkit::device::Gpu as Device;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::shapes;
-use rimline_view::{Action, Event, Gpu, Lamp, LampKind, Mode, Renderer, Viewer, scenes};
+use rimline_view::{Event, Gpu, Lamp, LampKind, Mode, Renderer, Viewer, scenes};
 
 use super::makers::npz_model;
 use super::pictures::apart;
@@ -52,9 +52,8 @@ fn copied() -> Outcome {
     viewer.open("torus.npz", "torus.npz".into(), file);
     let bounds = viewer.bounds();
     let spot = |viewer: &mut Viewer| viewer.lamps[0].set_spot(true, &bounds);
-    let states: [State<'_>; 6] = [
+    let states: [State<'_>; 5] = [
         ("points", &|_| ()),
-        ("volumes", &|viewer| viewer.handle(Event::Acted(Action::Volumes))),
         ("a spot", &|viewer| {
             spot(viewer);
             viewer.lamps[0].aim(bounds.centre() + 0.4);
@@ -79,7 +78,6 @@ fn copied() -> Outcome {
         let command = viewer.command();
         let (shown, drawn) = (screenshot(&mut renderer, &viewer)?, drawn(&folder, &command)?);
         let count = apart([&shown, &drawn], 3, CHANNEL)?;
-        println!("{name}: {count} pixels are apart");
         ensure!(count == 0, "{name}: {count} pixels are apart: {command}");
     }
     // A spot is no light all around.
