@@ -8,6 +8,7 @@ mod archive;
 mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
+mod cases;
 mod clipping;
 mod data;
 mod data_wrong;
@@ -60,7 +61,8 @@ fn main() {
         #[cfg(not(feature = "bench"))]
         bench_left_out::TESTS,
         data_wrong::TESTS,
-        drawings::TESTS,
+        drawings::files::TESTS,
+        drawings::raster::TESTS,
         instances::TESTS,
         keys::TESTS,
         #[cfg(target_os = "linux")]
@@ -81,7 +83,7 @@ fn main() {
         .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)))
         .collect();
     let on_files =
-        [clipping::trials(), data::trials(), info::trials(), outlines::trials(), shadow::trials(), verify::trials()];
+        [cases::trials(), clipping::trials(), data::trials(), drawings::raster::trials(), info::trials(), outlines::trials(), shadow::trials(), verify::trials()];
     trials.extend(on_files.into_iter().flatten());
     let conclusion = libtest_mimic::run(&Arguments::from_args(), trials);
     rimline_testkit::device::Gpu::close();

@@ -2,22 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
 use lopdf::content::Content;
 use lopdf::{Dictionary, Document, Object};
 use rimline_models::figure::{Figure, glb};
 use rimline_testkit::shapes;
 use serde_json::Value;
 
-use super::makers::npz_model;
-use super::run::{Folder, folder};
-use super::{Outcome, Test, ensure, schema};
+use super::super::makers::npz_model;
+use super::super::run::{Folder, folder};
+use super::super::{Outcome, Test, ensure, schema};
 
 pub(crate) const TESTS: &[Test] = &[
     ("drawings::all_formats_hold_the_same_lines", formats_agree),
     ("drawings::dxf_has_coordinates_of_the_files", dxf_has_coordinates),
     ("drawings::json_is_as_its_schema_says", json_has_its_schema),
-    ("drawings::points_are_where_the_eye_sees_them", points_are_seen),
 ];
 
 /// A polyline: its layer, whether it is closed, and its points in micrometres from the lower left corner.
@@ -285,7 +283,7 @@ fn dxf_has_coordinates() -> Outcome {
 }
 
 fn json_has_its_schema() -> Outcome {
-    let schema: Value = serde_json::from_str(include_str!("../../../../docs/lines.schema.json")).map_err(text)?;
+    let schema: Value = serde_json::from_str(include_str!("../../../../../docs/lines.schema.json")).map_err(text)?;
     let folder = folder();
     models(&folder)?;
     for options in ["@torus.npz @cube.npz @figure.glb --view 30,25", "@cube.npz @torus.npz --fov 40 --no-weld"] {
@@ -304,39 +302,6 @@ fn json_has_its_schema() -> Outcome {
             ensure!(schema::validate(&schema, &drawing).is_err(), "a wrong {pointer} passed");
             *drawing.pointer_mut(pointer).ok_or("nothing is there")? = right;
         }
-    }
-    Ok(())
-}
-
-/// The scale comes from two ends of lines, and all others agree.
-fn points_are_seen() -> Outcome {
-    let folder = folder();
-    models(&folder)?;
-    for options in ["--view 35,20 --page 110x90", "--eye 3,2.1,4 --target 0,0,0 --fov 40"] {
-        folder.run(&format!("lines @torus.npz @figure.glb {options} --out @drawing.json")).expect(0, &[])?;
-        let drawing: Value = serde_json::from_slice(&folder.read("drawing.json")?).map_err(text)?;
-        let numbers =
-            |value: &Value| -> Vec<f64> { value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect() };
-        let eye = numbers(&drawing["view"]["eye"]);
-        let at = DVec3::from_slice(&eye);
-        let right = DVec3::Y.cross(at).normalize();
-        let up = at.cross(right).normalize();
-        let seen = |point: DVec3| {
-            let away = if eye[3] == 0.0 { 1.0 } else { (at - point).dot(at.normalize()) };
-            [right.dot(point) / away, up.dot(point) / away]
-        };
-        let spans = drawing["spans"].as_array().ok_or("no spans")?;
-        let ends = spans.iter().flat_map(|span| [0, 1].map(|end| (&span["world"][end], numbers(&span["page"][end]))));
-        let ends: Vec<_> = ends.map(|(world, page)| (seen(DVec3::from_slice(&numbers(world))), page)).collect();
-        let (first, its) = ends.first().ok_or("no lines")?;
-        let far = |end: &&([f64; 2], Vec<f64>)| (end.1[0] - its[0]).abs();
-        let (other, there) = ends.iter().max_by(|one, other| far(one).total_cmp(&far(other))).ok_or("no lines")?;
-        let scale = (there[0] - its[0]) / (other[0] - first[0]);
-        let is_apart = |(found, page): &&([f64; 2], Vec<f64>)| {
-            (0..2).any(|axis| (scale * (found[axis] - first[axis]) - page[axis] + its[axis]).abs() > 1e-4)
-        };
-        let apart = ends.iter().find(is_apart);
-        ensure!(apart.is_none() && ends.len() > 300, "{options}: {} ends, {apart:?}", ends.len());
     }
     Ok(())
 }
