@@ -112,7 +112,7 @@ impl<'a> ShadowScene<'a> {
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
         let shaded_lights = shaded_lights(args, (first, &view), &stage, file_light)?;
-        let samples = shaded_lights.iter().map(|shaded| shaded.samples.len()).sum();
+        let samples: usize = shaded_lights.iter().map(|shaded| shaded.samples.len()).sum();
         if samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
             return Err(Failure::usage(format!(
