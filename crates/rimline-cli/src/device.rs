@@ -1,10 +1,15 @@
 //! Choosing a device, and noticing when it fails.
 
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, Once, OnceLock, PoisonError};
 
-use rimline::gpu::{DeviceError, Pipelines, read_back_vec};
-use rimline::wgpu;
+use rimline::gpu::depth_map::DepthMapError;
+use rimline::gpu::{
+    DeformError, DeviceError, ExtractorError, MAX_BOUNDARY_EDGES, Pipelines, QueryError, ShadowError, read_back_vec,
+};
+use rimline::{LightError, wgpu};
 use rimline_bench::slivers;
+use rimline_files::size::size;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 
 use crate::failure::{Failure, NoDevice};
@@ -53,7 +58,6 @@ impl Device {
         }
     }
 
-    /// Whether its driver clips slivers wrongly.
     pub(crate) fn clips_wrongly(&self) -> bool {
         matches!(self, Self::Gpu(gpu) if gpu.clips_wrongly())
     }
@@ -105,20 +109,11 @@ pub(crate) fn lacks(adapter: &wgpu::Adapter) -> Option<String> {
         return Some("compute shaders".into());
     }
     let (needed, has) = (Limits::default(), adapter.limits());
-    let limits = [
-        (
-            "storage buffers a stage",
-            needed.max_storage_buffers_per_shader_stage,
-            has.max_storage_buffers_per_shader_stage,
-        ),
-        (
-            "invocations a workgroup",
-            needed.max_compute_invocations_per_workgroup,
-            has.max_compute_invocations_per_workgroup,
-        ),
-    ];
-    let short = limits.into_iter().find(|(_, needed, has)| has < needed);
-    short.map(|(name, needed, has)| format!("{needed} {name} (it has {has})"))
+    let of = |l: &Limits| [l.max_storage_buffers_per_shader_stage, l.max_compute_invocations_per_workgroup];
+    let names = ["storage buffers a stage", "invocations a workgroup"];
+    let mut limits = names.into_iter().zip(of(&needed).into_iter().zip(of(&has)));
+    let short = limits.find(|(_, (needed, has))| has < needed);
+    short.map(|(name, (needed, has))| format!("{needed} {name} (it has {has})"))
 }
 
 pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
@@ -185,18 +180,9 @@ fn shared() -> MutexGuard<'static, Option<Vec<(Wanted, Gpu)>>> {
     SHARED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Opens each device once, as long as it lives.
-pub(crate) struct KeptOpen(());
-
-pub(crate) fn keep_open() -> KeptOpen {
-    *shared() = Some(Vec::new());
-    KeptOpen(())
-}
-
-impl Drop for KeptOpen {
-    fn drop(&mut self) {
-        *shared() = None;
-    }
+/// Opens each device once from now on, or closes what is open.
+pub(crate) fn keep_open(is_kept: bool) {
+    *shared() = is_kept.then(Vec::new);
 }
 
 /// Opens the device that is asked for, unless it is open and works.
@@ -259,7 +245,6 @@ pub(crate) fn wrong_slivers(adapter: &wgpu::Adapter) -> Option<usize> {
     request(adapter).ok().and_then(|gpu| gpu.wrong_slivers().as_ref().ok().copied())
 }
 
-/// An adapter's name and the way to it.
 pub(crate) fn describe(info: &AdapterInfo) -> String {
     format!("{} ({})", info.name, backend_name(info.backend))
 }
@@ -385,12 +370,10 @@ impl Gpu {
         self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
     }
 
-    /// Contents of a buffer. Waits for the device.
     pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceError> {
         read_back_vec(&self.device, &self.queue, buffer)
     }
 
-    /// The first item of a buffer, or zeros. Waits for the device.
     pub(crate) fn read_first<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer) -> Result<T, DeviceError> {
         Ok(self.read(buffer)?.first().copied().unwrap_or(T::zeroed()))
     }
@@ -402,33 +385,135 @@ impl Gpu {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::failure::UsageError;
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum GpuError {
+    #[error(transparent)]
+    Deform(#[from] DeformError),
+    #[error(transparent)]
+    Extractor(#[from] ExtractorError),
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    #[error(transparent)]
+    Query(#[from] QueryError),
+    #[error(transparent)]
+    Shadow(#[from] ShadowError),
+    #[error(transparent)]
+    DepthMap(#[from] DepthMapError),
+    /// The user's depth map is the reason.
+    #[error("{}: {problem}", .file.display())]
+    GivenMap { file: PathBuf, problem: String },
+}
 
-    /// Result of work that fails once, and how often it ran.
-    fn tried(wanted: &Wanted, failure: impl Fn() -> Failure) -> (Result<Device, Failure>, u32) {
-        let mut runs = 0;
-        let first = || -> Result<(), Failure> { Err(failure()) };
-        let done = work(wanted, Device::Cpu, |_| {
-            runs += 1;
-            if runs == 1 { first() } else { Ok(()) }
-        });
-        (done.map(|(device, ())| device), runs)
+impl GpuError {
+    /// The failure that this is, on this device: a model that is too large means that the device will not do.
+    pub(crate) fn on(self, gpu: &Gpu) -> Failure {
+        // The error that the device reported comes first, because the others follow from it.
+        if let Err(failure) = gpu.check() {
+            return failure;
+        }
+        match self {
+            Self::GivenMap { file, problem } => return Failure::input(&file)(problem.into()),
+            error => error.of_device(gpu),
+        }
     }
 
-    #[test]
-    fn only_auto_falls_back_and_only_from_a_model_that_does_not_fit() {
-        let too_small = |cpu_would_do| {
-            move || NoDevice::TooSmall { adapter: "A".into(), reason: "too many vertices".into(), cpu_would_do }.into()
+    /// Makes a map of the user's the reason, where it is one: users have a file, and no cameras of the library.
+    pub(crate) fn of_map(self, file: &Path) -> Self {
+        use DepthMapError::{Apart, Camera, CubeContours, Device, Refused, Shadow, StaleFrame};
+        let problem = match self {
+            Self::DepthMap(Apart { face, what }) => format!(
+                "map {face} does not meet the others: {what}; take the views that docs/formats.md states for six \
+                 maps, or turn all six together"
+            ),
+            Self::DepthMap(CubeContours) => {
+                "it has six maps, and --detector contours takes one; take another detector, or give one map".to_owned()
+            }
+            Self::DepthMap(Camera(_) | Device(_) | Shadow(_) | Refused { .. } | StaleFrame) => return self,
+            Self::DepthMap(error) => error.to_string(),
+            other => return other,
         };
-        assert!(matches!(tried(&Wanted::Auto, too_small(true)), (Ok(Device::Cpu), 2)));
-        for wanted in [Wanted::Gpu, Wanted::Named("A".into())] {
-            assert!(matches!(tried(&wanted, too_small(true)), (Err(Failure::NoDevice(_)), 1)));
+        Self::GivenMap { file: file.to_owned(), problem }
+    }
+
+    fn of_device(self, gpu: &Gpu) -> Failure {
+        match &self {
+            Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
+            | Self::DepthMap(DepthMapError::Camera(camera)) => {
+                return Failure::usage(format!("{camera}; change --eye, --target, --fov or --near"));
+            }
+            // The CPU would do.
+            Self::Deform(DeformError::TooManyTerms { .. })
+            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
+            | Self::DepthMap(DepthMapError::Texture { .. }) => {
+                return self.too_small(gpu);
+            }
+            _ => {}
         }
-        assert!(matches!(tried(&Wanted::Auto, too_small(false)), (Err(Failure::NoDevice(_)), 1)));
-        let usage = || UsageError::NoFileLights.into();
-        assert!(matches!(tried(&Wanted::Auto, usage), (Err(Failure::Usage(_)), 1)));
+        match (self.memory(), self.lights()) {
+            (Some(_), _) => self.too_small(gpu),
+            (_, Some(lights)) => Failure::usage(lights.to_string()),
+            _ => gpu.failed(&self.to_string()),
+        }
+    }
+
+    fn too_small(&self, gpu: &Gpu) -> Failure {
+        let (adapter, reason) = (describe(&gpu.info), self.reason());
+        NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
+    }
+
+    /// Reason why something does not fit, in words for users who cannot change the device's limits.
+    fn reason(&self) -> String {
+        let of_scene =
+            if let Self::Shadow(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
+        // Its advice is to give the options of the command.
+        if let Self::Extractor(ExtractorError::BoundaryTooLarge { polygon, edges }) = self {
+            return format!(
+                "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} \
+                 there; cut it, or leave out --polygons"
+            );
+        }
+        match self.memory() {
+            Some(
+                DeviceError::BindingTooLarge { what, bytes, limit }
+                | DeviceError::GatheredTooLarge { what, bytes, limit },
+            ) => {
+                format!("{what}: {} at once, and the device reads at most {}{of_scene}", size(*bytes), size(*limit))
+            }
+            Some(DeviceError::BufferTooLarge { label, bytes, limit }) => {
+                format!("{label}: {} in one buffer, and the device allows {}{of_scene}", size(*bytes), size(*limit))
+            }
+            _ => self.to_string(),
+        }
+    }
+
+    fn memory(&self) -> Option<&DeviceError> {
+        match self {
+            Self::Device(error)
+            | Self::Deform(DeformError::Device(error))
+            | Self::Extractor(ExtractorError::Device(error))
+            | Self::Query(QueryError::Device(error) | QueryError::Points(error))
+            | Self::Shadow(ShadowError::Device(error))
+            | Self::DepthMap(DepthMapError::Device(error)) => Some(error).filter(|error| error.is_memory()),
+            _ => None,
+        }
+    }
+
+    fn lights(&self) -> Option<&LightError> {
+        match self {
+            Self::Extractor(ExtractorError::Light(lights))
+            | Self::Query(QueryError::Light(lights))
+            | Self::Shadow(ShadowError::Light(lights)) => Some(lights),
+            _ => None,
+        }
+    }
+}
+
+pub(crate) trait On<T> {
+    fn on(self, gpu: &Gpu) -> Result<T, Failure>;
+}
+
+impl<T, E: Into<GpuError>> On<T> for Result<T, E> {
+    fn on(self, gpu: &Gpu) -> Result<T, Failure> {
+        self.map_err(|error| error.into().on(gpu))
     }
 }

@@ -27,26 +27,17 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
 
 /// The limits that decide how large a mesh and how many lights fit: JSON key, what it is called for people, value.
 fn limits(limits: &wgpu::Limits) -> [(&'static str, &'static str, u64); 6] {
-    [
-        ("max_buffer_size", "buffer", limits.max_buffer_size),
-        ("max_storage_buffer_binding_size", "storage binding", limits.max_storage_buffer_binding_size),
-        (
-            "max_storage_buffers_per_shader_stage",
-            "storage buffers a stage",
-            limits.max_storage_buffers_per_shader_stage.into(),
-        ),
-        (
-            "max_compute_workgroups_per_dimension",
-            "workgroups a dimension",
-            limits.max_compute_workgroups_per_dimension.into(),
-        ),
-        (
-            "max_compute_invocations_per_workgroup",
-            "invocations a workgroup",
-            limits.max_compute_invocations_per_workgroup.into(),
-        ),
-        ("max_texture_dimension_2d", "picture width and height", limits.max_texture_dimension_2d.into()),
-    ]
+    macro_rules! named {
+        ($($limit:ident: $name:literal),*) => { [$((stringify!($limit), $name, u64::from(limits.$limit))),*] };
+    }
+    named! {
+        max_buffer_size: "buffer",
+        max_storage_buffer_binding_size: "storage binding",
+        max_storage_buffers_per_shader_stage: "storage buffers a stage",
+        max_compute_workgroups_per_dimension: "workgroups a dimension",
+        max_compute_invocations_per_workgroup: "invocations a workgroup",
+        max_texture_dimension_2d: "picture width and height"
+    }
 }
 
 pub(crate) fn kind_name(kind: wgpu::DeviceType) -> &'static str {
@@ -59,7 +50,6 @@ pub(crate) fn kind_name(kind: wgpu::DeviceType) -> &'static str {
     }
 }
 
-/// `TIMESTAMP_QUERY` and the like.
 fn feature_name(feature: wgpu::Features) -> String {
     feature.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join("+")
 }
@@ -73,13 +63,11 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
     line("backend", device::backend_name(info.backend));
     line("type", kind_name(info.device_type));
     line("driver", format!("{} {}", info.driver, info.driver_info).trim());
-    match device::lacks(adapter) {
-        None => line("usable", "yes"),
-        Some(lacking) => line("usable", &format!("no, it lacks {lacking}")),
-    }
+    let lacking = device::lacks(adapter).map(|lacking| format!("no, it lacks {lacking}"));
+    line("usable", lacking.as_deref().unwrap_or("yes"));
     line("clipping", &clipping(device::wrong_slivers(adapter)));
     for (key, name, value) in limits(&adapter.limits()) {
-        let shown = if key.ends_with("size") { mebibytes(value) } else { value.to_string() };
+        let shown = if key.ends_with("size") { format!("{} MiB", value >> 20) } else { value.to_string() };
         line(name, &shown);
     }
     let features = adapter.features();
@@ -90,7 +78,6 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
     text
 }
 
-/// Text for the user about wrong pixels of slivers.
 fn clipping(wrong: Option<usize>) -> String {
     match wrong {
         None => "not tried".into(),
@@ -102,21 +89,14 @@ fn clipping(wrong: Option<usize>) -> String {
     }
 }
 
-fn mebibytes(bytes: u64) -> String {
-    format!("{} MiB", bytes >> 20)
-}
-
 fn to_json(adapter: &wgpu::Adapter) -> Value {
     let info = adapter.get_info();
     let features = adapter.features();
     let limits: serde_json::Map<String, Value> =
         limits(&adapter.limits()).into_iter().map(|(key, _, value)| (key.to_owned(), value.into())).collect();
     let named = |present: bool| -> Vec<String> {
-        OPTIONAL_FEATURES
-            .iter()
-            .filter(|(feature, _)| features.contains(*feature) == present)
-            .map(|&(feature, _)| feature_name(feature))
-            .collect()
+        let all = OPTIONAL_FEATURES.iter().filter(|(feature, _)| features.contains(*feature) == present);
+        all.map(|&(feature, _)| feature_name(feature)).collect()
     };
     json!({
         "name": info.name,

@@ -1,15 +1,10 @@
 //! `rimline draw`: a model with its outline.
 
-mod contact_shadow;
 mod frame;
 mod outline_picture;
-mod survey;
 
-use std::borrow::Cow;
 use std::thread::ScopedJoinHandle;
 
-use frame::Frame;
-use outline_picture::{Canvas, Corners, LinePipelines, ModelPipelines};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::internals::cpu::is_finite;
 use rimline::{Mesh, MeshError, wgpu};
@@ -17,19 +12,17 @@ use rimline_picture::{Bounds, Camera, corner_normals};
 use serde_json::json;
 
 use crate::args::DrawArgs;
+use crate::camera::{camera, elevation};
+use crate::coincident::{Coincident, corners};
 use crate::coordinates::add_origin;
-use crate::device::{self, Gpu, Wanted};
-use crate::failure::{Failure, InputError, UsageError};
-use crate::gpu_error::{GpuError, On as _};
-use crate::image::{Picture, wrote};
-use crate::input::{Scene, Shape};
-use crate::output::{Output, print, say};
-use crate::posed_input::{PosedInput, Positions};
-use crate::progress::Progress;
-use crate::render::camera::{camera, elevation};
-use crate::render::coincident::{Coincident, corners};
-use crate::render::{check_bounds, check_model, check_size, too_large};
-use crate::target::{Inputs, check_ending};
+use crate::device::{self, Gpu, GpuError, On as _, Wanted};
+use crate::failure::{DRAW_ON_CPU, Failure, NO_AREA, NO_FINITE_FACE};
+use crate::files::{Inputs, check_ending};
+use crate::image::{Picture, check_bounds, check_model, check_size, too_large, wrote};
+use crate::input::{PosedInput, Positions, Scene};
+use crate::output::{Output, Progress, print, say};
+use frame::Frame;
+use outline_picture::{Canvas, LinePipelines, ModelPipelines};
 
 /// Degrees that the eye is above the model by default.
 const ELEVATION: f64 = 17.0;
@@ -40,7 +33,7 @@ const PIXEL_BYTES: u64 = 4 * 4;
 pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let wanted = Wanted::parse(&args.posed.device.device);
     if wanted == Wanted::Cpu {
-        return Err(UsageError::DrawOnCpu.into());
+        return Err(Failure::usage(DRAW_ON_CPU));
     }
     check_ending(&args.out, "png")?;
     let progress = Progress::start();
@@ -94,17 +87,9 @@ fn draw(
             LinePipelines::new(&factory)
         });
         let positions = Positions::new(gpu, &scene.shape, posed.displacement.as_ref()).on(gpu)?;
-        let mut encoder = gpu.encoder("positions");
-        positions.encode(&mut encoder, &scene.shape, posed.time_s(), None).on(gpu)?;
-        gpu.submit(encoder);
+        positions.submit(gpu, &scene.shape, posed.time_s()).on(gpu)?;
         // The camera and the normals need positions here; the silhouette stays on the GPU.
-        let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
-            Shape::World(world) => Cow::Borrowed(world),
-            Shape::Posed { .. } => {
-                let count = scene.mesh.vertex_count() as usize;
-                Cow::Owned(positions.read(gpu, count).on(gpu)?)
-            }
-        };
+        let world = positions.read(gpu, &scene.shape).on(gpu)?;
 
         progress.step("drawing");
         let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
@@ -116,30 +101,25 @@ fn draw(
         });
         let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
         let failed = Failure::input(&posed.input.file);
-        let none = if scene.mesh.faces().is_empty() { InputError::NoArea } else { InputError::NoFiniteFace };
-        let bounds = Bounds::of(corners()).ok_or_else(|| failed(none))?;
+        let none = if scene.mesh.faces().is_empty() { NO_AREA } else { NO_FINITE_FACE };
+        let bounds = Bounds::of(corners()).ok_or_else(|| failed(none.into()))?;
         check_bounds(&bounds).map_err(&failed)?;
-        let view = posed.view(&args.view)?;
+        let view = posed.input.view(&args.view, posed.time_s())?;
         let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
 
         let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera).map_err(|error| failed(error.into()))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
 
-        let survey_scale = survey::scale(args.view.size, gpu.device.limits().max_texture_dimension_2d);
-        let frame =
-            Frame::new(&camera, args.view.size, &bounds, survey_scale, args.show_boundary).colored(colors.is_some());
+        let survey_scale = outline_picture::survey_scale(args.view.size, gpu.device.limits().max_texture_dimension_2d);
+        let flags = [args.show_boundary, colors.is_some()];
+        let frame = Frame::new(&camera, args.view.size, &bounds, survey_scale, flags);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
             let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);
             let mut encoder = gpu.encoder("model");
             let (normals, buffer) = (corner_normals(&world, &faces), positions.buffer().buffer);
-            let model = &joined(model_pipelines);
-            let drawn = canvas.model(
-                &mut encoder,
-                model,
-                buffer,
-                Corners { faces: &faces, normals: &normals, colors: colors.as_deref() },
-            );
+            let corners = (&*faces, &*normals, colors.as_deref());
+            let drawn = canvas.model(&mut encoder, &joined(model_pipelines), buffer, corners);
             gpu.submit(encoder);
 
             let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
@@ -154,7 +134,7 @@ fn draw(
         };
         let texture: Result<wgpu::Texture, GpuError> = record();
         if pollster::block_on(scope.pop()).is_some() {
-            return Err(too_large(gpu, args.view.size, PIXEL_BYTES).into());
+            return Err(too_large(gpu, args.view.size, PIXEL_BYTES));
         }
         Picture::read(gpu, &texture.on(gpu)?).on(gpu)
     })
@@ -168,7 +148,6 @@ fn options() -> ExtractorOptions {
     }
 }
 
-/// The result of a thread. A panic there goes on here.
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }

@@ -3,29 +3,23 @@
 mod clip;
 mod folder;
 
+use rimline::internals::layout::ShadowStatistics;
 use serde_json::json;
 
-use rimline::internals::layout::ShadowStatistics;
-
-use crate::device::describe;
-use crate::failure::{Failure, UsageError};
-use crate::gpu_error::On as _;
+use crate::camera::swept;
+use crate::device::{On as _, describe};
+use crate::failure::Failure;
+use crate::files::Inputs;
 use crate::image::Picture;
-use crate::input::Input;
-use crate::origin;
-use crate::output::{print, say};
-use crate::progress::Progress;
-use crate::render::camera::swept;
+use crate::input::{Input, settle};
+use crate::output::{Progress, print, say};
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::casters::Casters;
-use crate::shadow::depth::warn_of_limits;
+use crate::shadow::casting::PosedModel;
 use crate::shadow::pictures::Pictures;
-use crate::shadow::posed_model::PosedModel;
-use crate::shadow::render_resources::RenderResources;
-use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu};
-use crate::shadow::shadows::ShadowMethod;
-use crate::target::Inputs;
+use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu, take_first_animation};
+use crate::shadow::shadows::{RenderResources, ShadowMethod, warn_of_limits};
 use clip::Clip;
 use folder::Frames;
 pub(crate) use folder::{Claim, check_earlier, frame_file, remove_earlier};
@@ -47,9 +41,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     progress.step("reading the models");
     let mut props = ShadowInputs::read(scene)?;
     if scene.posed.pose.animations.is_empty() && props.displacement.is_none() {
-        props.take_first_animations();
+        props.inputs.iter_mut().for_each(take_first_animation);
     }
-    origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time)?;
+    settle(&mut props.inputs, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let identity = folder::identity(&format!("{:?} {} {:?} {frames}", args.scene, args.fps, args.orbit));
@@ -57,7 +51,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
-    let method = ShadowMethod::new(scene.method.counting(), None);
+    let method = ShadowMethod { counting: scene.method.counting(), from_depth: None };
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
     let mut bodies = props.bodies(&gpu, time(0))?;
@@ -116,7 +110,6 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     print(&format!("{report:#}\n"))
 }
 
-/// Where the pictures go.
 trait Film {
     /// Begins before the first of so many pictures. Refuses to replace inputs.
     fn start(&mut self, frames: u32, inputs: &Inputs, size: [u32; 2], identity: String) -> Result<(), Failure>;
@@ -134,22 +127,33 @@ trait Film {
 
 /// How many pictures are asked for, or make up the longest animation.
 fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
-    let duration = |(input, animations): (&Input, &Vec<usize>)| {
-        let asset = input.asset()?;
-        let lasts = animations.iter().filter_map(|&index| Some(asset.animations().get(index)?.duration_s));
-        lasts.reduce(f32::max)
+    let duration = |input: &Input| {
+        let animations = input.asset()?.animations();
+        input.playing.iter().filter_map(|&index| Some(animations.get(index)?.duration_s)).reduce(f32::max)
     };
-    let lasts = props.inputs.iter().zip(&props.animations).filter_map(duration).reduce(f32::max);
+    let lasts = props.inputs.iter().filter_map(duration).reduce(f32::max);
     let seconds = match (args.frames, args.seconds.or(lasts)) {
         (Some(frames), _) => return Ok(frames),
         (None, Some(seconds)) => seconds,
         (None, None) if args.orbit.is_some() => ORBIT_SECONDS,
-        (None, None) if props.displacement.is_some() => return Err(UsageError::EndlessDisplacement.into()),
-        (None, None) => return Err(UsageError::NoAnimation.into()),
+        (None, None) if props.displacement.is_some() => {
+            return Err(Failure::usage(
+                "a film with --displace needs a length; give --frames or --seconds, or name an --animation",
+            ));
+        }
+        (None, None) => {
+            return Err(Failure::usage(
+                "no file has an animation, so nothing moves; give --orbit 360 to lead the camera around, or \
+                 --displace, or the number of pictures with --frames",
+            ));
+        }
     };
     let frames = (f64::from(seconds) * f64::from(args.fps)).round().max(1.0);
     if frames > MAX_FRAMES as f64 {
-        return Err(UsageError::TooManyFrames { frames: frames as u64, limit: MAX_FRAMES as u64 }.into());
+        return Err(Failure::usage(format!(
+            "a film of {} pictures is too long; at most {MAX_FRAMES} are written",
+            frames as u64
+        )));
     }
     Ok(frames as u32)
 }

@@ -3,12 +3,13 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use rimline::gpu::read_back;
+use rimline::gpu::{DeviceError, read_back};
 use rimline::wgpu;
+use rimline_picture::Bounds;
 
-use crate::device::Gpu;
-use crate::gpu_error::GpuError;
-use crate::shown::Line;
+use crate::device::{self, Gpu, GpuError};
+use crate::failure::{Cause, Failure};
+use crate::output::Line;
 
 pub(crate) fn wrote(file: &Path, [width, height]: [u32; 2]) -> String {
     format!("wrote {} ({width}×{height})", Line(file.display()))
@@ -100,5 +101,71 @@ impl Picture {
             }
         }
         rows.finish().map_err(io::Error::from)
+    }
+}
+
+/// Refuses bounds that no camera and no light can be chosen by.
+pub(crate) fn check_bounds(bounds: &Bounds) -> Result<(), Cause> {
+    if bounds.extent().is_finite() {
+        Ok(())
+    } else {
+        Err("the model is larger than 32-bit numbers can say, so no camera can see it; scale it down".into())
+    }
+}
+
+/// Why a picture that takes so many bytes a pixel in one array cannot be drawn, and one that can.
+pub(crate) fn too_large(gpu: &Gpu, [width, height]: [u32; 2], bytes: u64) -> Failure {
+    let needed = (bytes * u64::from(width) * u64::from(height)) >> 20;
+    let adapter = device::describe(&gpu.info);
+    let fits = fitting([width, height], gpu.device.limits().max_buffer_size / bytes);
+    Failure::usage(format!(
+        "--size {width}x{height} needs {needed} MiB in one array, more than {adapter} has; try --size {}x{}",
+        fits[0], fits[1]
+    ))
+}
+
+/// A smaller picture of about the same shape and at most so many pixels: half of each side, if that is enough.
+fn fitting([width, height]: [u32; 2], pixels: u64) -> [u32; 2] {
+    let asked = f64::from(width) * f64::from(height);
+    let part = (pixels as f64 / asked).sqrt().min(0.5);
+    [width, height].map(|side| ((f64::from(side) * part) as u32).max(1))
+}
+
+pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Failure> {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    if width.max(height) > limit {
+        let adapter = device::describe(&gpu.info);
+        return Err(Failure::usage(format!(
+            "--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction"
+        )));
+    }
+    Ok(())
+}
+
+/// Refuses models of which the device cannot read all faces and vertices at once, as pictures do.
+pub(crate) fn check_model(gpu: &Gpu, faces: usize, vertices: usize) -> Result<(), GpuError> {
+    const BYTES: u64 = 12;
+    let limit = gpu.device.limits().max_storage_buffer_binding_size;
+    for (what, count) in [("the model's array of faces", faces), ("its array of positions", vertices)] {
+        let bytes = BYTES * count as u64;
+        if bytes > limit {
+            return Err(DeviceError::BindingTooLarge { what, bytes, limit }.into());
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_size_that_is_advised_fits() {
+        for (size, pixels, advised) in
+            [([16384, 16384], 1 << 27, [8192, 8192]), ([16384, 8192], 1 << 23, [4096, 2048]), ([9, 9], 1, [1, 1])]
+        {
+            assert_eq!(fitting(size, pixels), advised);
+            assert!(u64::from(advised[0]) * u64::from(advised[1]) <= pixels);
+        }
     }
 }

@@ -1,29 +1,35 @@
-//! The model file, whatever its format, and the mesh it makes at one posed.
+//! Model files, whatever their format, and the meshes that they make at one time; and their positions on the GPU.
 
 use std::borrow::Cow;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use rimline::gltf::{GltfError, SceneCamera, SceneLight};
+use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PoseInputs, PositionBuffer, StageTimer};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::light::check_lights;
 use rimline::mesh::Weld;
-use rimline::{InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError, Model, ModelError, Pose};
-pub(crate) use rimline_files::resting;
-use rimline_files::{File, FileError, Polygons, ReadOptions, read_bytes};
+use rimline::{
+    Displacement, Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError,
+    Model, ModelError, Origin, Pose, wgpu,
+};
+use rimline_files::{File, FileError, ReadOptions, read_bytes, resting};
 use rimline_picture::corner_colors;
 
-use crate::failure::{Failure, InputError, UsageError};
-use crate::input_args::{CameraArgs, ModelArgs, PlacedView, ViewArgs};
-use crate::output::note;
+use crate::device::{self, Device, Gpu, GpuError, Wanted};
+use crate::failure::{Cause, DISPLACE_ON_CPU, Failure, NO_AREA};
+use crate::files;
+use crate::input_args::{CameraArgs, ModelArgs, MomentArgs, PlacedView, PoseArgs, ViewArgs};
+use crate::output::{Line, Progress, listed, listed_animations, note};
 use crate::report::Times;
-use crate::shown::listed;
-use crate::source;
 use crate::spec::LightSpec;
 
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
-    pub(crate) content: File,
+    content: File,
+    /// The animations that play, by their numbers.
+    pub(crate) playing: Vec<usize>,
 }
 
 impl Deref for Input {
@@ -40,7 +46,7 @@ pub(crate) struct ChosenLight {
     pub(crate) of_file: Option<SceneLight>,
 }
 
-/// The input at one posed.
+/// The input at one time.
 pub(crate) struct Scene<'a> {
     pub(crate) mesh: Mesh,
     pub(crate) shape: Shape<'a>,
@@ -65,25 +71,61 @@ impl<'a> Shape<'a> {
     }
 }
 
+const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+fn triangle() -> Option<Model> {
+    let geometry = Geometry::new(CORNERS.to_vec(), vec![[0, 1, 2]], GeometryOptions::default()).ok()?;
+    Model::new(vec![geometry], vec![Instance::new(0, None)]).ok()
+}
+
+impl Scene<'_> {
+    /// Compiles shaders before stages are timed: many drivers do so when one runs first. `work` takes a triangle, deformed
+    /// on the GPU where the shape is. If no such triangle can be made, nothing fails: then the first run compiles.
+    pub(crate) fn warm_up(
+        &self,
+        times: &mut Times,
+        work: impl FnOnce(&Scene<'_>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        times.measure("compile", || {
+            let Some((model, pose)) = triangle().zip(resting().ok()) else { return Ok(()) };
+            let Ok(mesh) = model.mesh(&pose) else { return Ok(()) };
+            let is_posed = matches!(self.shape, Shape::Posed { .. });
+            let shape = if is_posed { Shape::Posed { model: &model, pose } } else { Shape::World(&CORNERS) };
+            work(&Scene { mesh, shape })
+        })
+    }
+}
+
 impl Input {
-    pub(crate) fn open(args: &ModelArgs) -> Result<Self, Failure> {
-        Self::read(&args.file, args.options(), args.polygons.taken())
+    /// A triangle that no file has.
+    pub(crate) fn triangle() -> Option<Self> {
+        let content = File::in_world(triangle()?, Origin::ZERO);
+        Some(Self { file: PathBuf::from("triangle"), content, playing: Vec::new() })
     }
 
-    pub(crate) fn read(file: &Path, options: ReadOptions, polygons: Polygons) -> Result<Self, Failure> {
-        let options = ReadOptions { polygons, ..options };
-        let content = if source::is_stdin(file) {
-            source::read(file).map_err(FileError::from).and_then(|bytes| read_bytes(&bytes, None, &options))
+    pub(crate) fn read(file: &Path, options: &ReadOptions) -> Result<Self, Failure> {
+        const SHOWN: usize = 20;
+        let content = if files::is_stdin(file) {
+            files::read(file).map_err(FileError::from).and_then(|bytes| read_bytes(&bytes, None, options))
         } else {
-            rimline_files::read(file, &options)
+            rimline_files::read(file, options)
         };
-        let input =
-            Self { file: file.to_owned(), content: content.map_err(|error| Failure::input(file)(error.into()))? };
-        input.note_warnings();
+        let content = content.map_err(|error| Failure::input(file)(error.into()))?;
+        let input = Self { file: file.to_owned(), content, playing: Vec::new() };
+        input.warnings().take(SHOWN).for_each(|warning| input.warn(Some(warning.to_string())));
+        let more = input.warnings().count().saturating_sub(SHOWN);
+        input.warn((more > 0).then(|| format!("{more} more warnings; `rimline info --json` lists them")));
         input.warn(input.non_finite());
         if let Weld::Distance(distance) = options.weld {
             input.warn(input.wide_groups(distance));
         }
+        Ok(input)
+    }
+
+    /// A file that is read alone and whose animations do not play.
+    pub(crate) fn at_rest(file: &Path, options: &ReadOptions) -> Result<Self, Failure> {
+        let mut input = Self::read(file, options)?;
+        settle(std::slice::from_mut(&mut input), 0.0)?;
         Ok(input)
     }
 
@@ -93,50 +135,42 @@ impl Input {
         }
     }
 
-    /// Prints the warnings about contents that the reader of glTF skips or changes.
-    fn note_warnings(&self) {
-        const SHOWN: usize = 20;
-        self.warnings().take(SHOWN).for_each(|warning| self.warn(Some(warning.to_string())));
-        let more = self.warnings().count().saturating_sub(SHOWN);
-        self.warn((more > 0).then(|| format!("{more} more warnings; `rimline info --json` lists them")));
-    }
-
     /// The file, and those that it names, textures included.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         std::iter::once(&*self.file).chain(self.named_files().iter().map(PathBuf::as_path))
     }
 
-    /// Why there is no pose: the file is damaged, or the command line asks for what cannot be.
-    pub(crate) fn not_posed(&self, error: GltfError) -> Failure {
-        match error {
-            GltfError::SameProperty { .. } => UsageError::Together { file: self.file.clone(), error }.into(),
-            error => self.failed(FileError::Gltf(error)),
-        }
-    }
-
-    /// The same, where something else may be wrong.
+    /// The file is damaged, or the command line asks for what cannot be.
     pub(crate) fn failed(&self, error: FileError) -> Failure {
         match error {
-            FileError::Gltf(error @ GltfError::SameProperty { .. }) => self.not_posed(error),
+            FileError::Gltf(error @ GltfError::SameProperty { .. }) => {
+                Failure::usage(format!("{}: {error}", self.file.display()))
+            }
             error => Failure::input(&self.file)(error.into()),
         }
     }
 
-    /// The mesh and its shape at one posed. `displaced` shapes always come as a model, so that `displace` can run.
-    pub(crate) fn scene(&self, animations: &[usize], time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
-        let shape = self.shape(animations, time_s, displaced)?;
+    fn not_posed(&self, error: GltfError) -> Failure {
+        self.failed(FileError::Gltf(error))
+    }
+
+    /// The mesh and its shape at a time. `displaced` shapes always come as a model, so that `displace` can run.
+    pub(crate) fn scene(&self, time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
+        let shape = self.shape(time_s, displaced)?;
         Ok(Scene { mesh: self.mesh(&shape)?, shape })
     }
 
-    /// The shape at one posed, without a mesh of all instances.
-    pub(crate) fn shape(&self, animations: &[usize], time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
+    /// The shape at a time, without a mesh of all instances.
+    pub(crate) fn shape(&self, time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
         match self.world_positions() {
-            Some(_) if displaced && self.polygons().is_some() => {
-                Err(Failure::input(&self.file)(InputError::PolygonsDisplaced))
-            }
+            Some(_) if displaced && self.polygons().is_some() => Err(Failure::input(&self.file)(
+                "it has polygons, whose vertices cannot be displaced so far; cut its faces into triangles, as \
+                 those of an .obj are without --polygons"
+                    .into(),
+            )),
             Some(positions) if !displaced => Ok(Shape::World(positions)),
             _ => {
-                let pose = self.pose(animations, time_s).map_err(|error| self.failed(error))?;
+                let pose = self.pose(&self.playing, time_s).map_err(|error| self.failed(error))?;
                 Ok(Shape::Posed { model: self.model(), pose })
             }
         }
@@ -158,12 +192,10 @@ impl Input {
         corner_colors(self.model(), self.turned(shape), |geometry| self.colors(geometry))
     }
 
-    /// Tells the user why base colours are missing.
     pub(crate) fn note_colors(&self) {
         self.color_notes().iter().for_each(|note| self.warn(Some(note.clone())));
     }
 
-    /// The mesh that all instances make.
     pub(crate) fn mesh(&self, shape: &Shape<'_>) -> Result<Mesh, Failure> {
         if let (Some(mesh), Shape::World(_)) = (self.polygons(), shape) {
             return Ok(Mesh::clone(mesh));
@@ -173,100 +205,309 @@ impl Input {
                 ModelError::Mesh(error) => self.no_mesh(error),
                 error => error.into(),
             }),
-            Shape::World(_) => resting().map_err(InputError::from).and_then(|pose| Ok(self.model().mesh(&pose)?)),
+            Shape::World(_) => resting().and_then(|pose| self.model().mesh(&pose)).map_err(Cause::from),
         };
         mesh.map_err(Failure::input(&self.file))
     }
 
     /// Why there is no mesh, in words for the whole file.
-    pub(crate) fn no_mesh(&self, error: MeshError) -> InputError {
+    pub(crate) fn no_mesh(&self, error: MeshError) -> Cause {
         match error {
-            MeshError::NoFaces if self.asset().is_some() => InputError::EmptyScene,
-            MeshError::NoFaces if self.polygons().is_some() => InputError::NoArea,
+            MeshError::NoFaces if self.asset().is_some() => {
+                "its scene has no triangles; nothing is placed in it, or all of that is hidden or lines and points \
+                 (`rimline info` lists it)"
+                    .into()
+            }
+            MeshError::NoFaces if self.polygons().is_some() => NO_AREA.into(),
             error => error.into(),
         }
     }
 
-    /// The view that is asked for, at a time.
-    pub(crate) fn view(&self, args: &ViewArgs, animations: &[usize], time_s: f32) -> Result<PlacedView, Failure> {
-        let camera = self.camera(&args.camera, animations, time_s)?;
-        Ok(PlacedView { camera, ..args.relative_to(self.origin()) })
+    pub(crate) fn view(&self, args: &ViewArgs, time_s: f32) -> Result<PlacedView, Failure> {
+        Ok(PlacedView { camera: self.camera(&args.camera, time_s)?, ..args.relative_to(self.origin()) })
     }
 
     /// The camera of the file that is asked for, at a time.
-    pub(crate) fn camera(
-        &self,
-        args: &CameraArgs,
-        animations: &[usize],
-        time_s: f32,
-    ) -> Result<Option<SceneCamera>, Failure> {
+    pub(crate) fn camera(&self, args: &CameraArgs, time_s: f32) -> Result<Option<SceneCamera>, Failure> {
         let Some(wanted) = args.wanted.as_deref() else { return Ok(None) };
-        let file = || self.file.clone();
+        let file = self.file.display();
         let asset = self.asset().filter(|asset| !asset.camera_names().is_empty());
-        let asset = asset.ok_or_else(|| UsageError::NoFileCameras { file: file() })?;
-        let names = asset.camera_names();
-        let numbered = || wanted.parse().ok().filter(|&index: &usize| index < names.len());
-        let index = names.iter().position(|name| *name == Some(wanted)).or_else(numbered).ok_or_else(|| {
-            let there = listed("camera", names.iter().copied());
-            UsageError::FileCamera { file: file(), wanted: wanted.to_owned(), there }
+        let asset = asset.ok_or_else(|| {
+            Failure::usage(format!(
+                "{file}: its scene has no cameras; leave --camera out, or say with --eye and --target where to \
+                 look from"
+            ))
         })?;
-        let cameras = asset.each_camera(animations.iter().copied(), time_s).map_err(|error| self.not_posed(error))?;
-        let camera = cameras.into_iter().nth(index).ok_or_else(|| UsageError::NoFileCameras { file: file() })?;
-        camera.map(Some).map_err(|error| self.not_posed(error))
+        let names = asset.camera_names();
+        let index = number_of(&names, wanted).ok_or_else(|| {
+            let there = listed("camera", names.iter().copied());
+            Failure::usage(format!("{file}: its scene has no camera `{wanted}`; it has {there}"))
+        })?;
+        let mut cameras = asset.each_camera(self.playing.clone(), time_s).map_err(|error| self.not_posed(error))?;
+        cameras.swap_remove(index).map(Some).map_err(|error| self.not_posed(error))
     }
 
     /// The lights asked for, in the order asked for, fit for an extraction.
-    pub(crate) fn lights(&self, specs: &[LightSpec], animations: &[usize], time_s: f32) -> Result<Vec<Light>, Failure> {
-        Ok(self.chosen_lights(specs, animations, time_s)?.into_iter().map(|chosen| chosen.light).collect())
+    pub(crate) fn lights(&self, specs: &[LightSpec], time_s: f32) -> Result<Vec<Light>, Failure> {
+        Ok(self.chosen_lights(specs, time_s)?.into_iter().map(|chosen| chosen.light).collect())
     }
 
     /// The same, with what the file says of its own.
-    pub(crate) fn chosen_lights(
-        &self,
-        specs: &[LightSpec],
-        animations: &[usize],
-        time_s: f32,
-    ) -> Result<Vec<ChosenLight>, Failure> {
-        let file_lights = match self.asset() {
+    pub(crate) fn chosen_lights(&self, specs: &[LightSpec], time_s: f32) -> Result<Vec<ChosenLight>, Failure> {
+        let (names, file_lights) = match self.asset() {
             Some(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
-                let lights = asset.each_light(animations.iter().copied(), time_s);
-                let names = asset.light_names().into_iter().map(|name| name.map(str::to_owned));
-                names.zip(lights.map_err(|error| self.not_posed(error))?).collect()
+                let lights = asset.each_light(self.playing.clone(), time_s);
+                (asset.light_names(), lights.map_err(|error| self.not_posed(error))?)
             }
-            _ => Vec::new(),
-        };
-        let origin = self.origin();
-        let of_file = |(_, file_light): &(Option<String>, Result<SceneLight, GltfError>)| match file_light {
-            Ok(file_light) => Ok(ChosenLight { light: file_light.light, of_file: Some(file_light.clone()) }),
-            Err(error) => Err(self.not_posed(error.clone())),
+            _ => (Vec::new(), Vec::new()),
         };
         let mut chosen = Vec::with_capacity(specs.len());
         for spec in specs {
-            match spec {
-                LightSpec::Given(given) => chosen.push(ChosenLight { light: given.relative_to(origin), of_file: None }),
-                LightSpec::All if file_lights.is_empty() => return Err(UsageError::NoFileLights.into()),
-                LightSpec::All => {
-                    for file_lights in &file_lights {
-                        chosen.push(of_file(file_lights)?);
-                    }
+            let numbers = match spec {
+                LightSpec::Given(given) => {
+                    chosen.push(ChosenLight { light: given.relative_to(self.origin()), of_file: None });
+                    continue;
                 }
+                LightSpec::All if file_lights.is_empty() => {
+                    let give = "give some with `--light point:x,y,z` or `--light dir:x,y,z`";
+                    return Err(Failure::usage(format!("the file has no lights; {give}")));
+                }
+                LightSpec::All => 0..file_lights.len(),
                 LightSpec::Named(wanted) => {
-                    let named = file_lights.iter().find(|(name, _)| name.as_ref() == Some(wanted));
-                    let numbered = || wanted.parse().ok().and_then(|index: usize| file_lights.get(index));
-                    let missing = || UsageError::FileLight {
-                        wanted: wanted.clone(),
-                        there: listed("light", file_lights.iter().map(|(name, _)| name.as_deref())),
-                    };
-                    chosen.push(of_file(named.or_else(numbered).ok_or_else(missing)?)?);
+                    let number = number_of(&names, wanted).ok_or_else(|| {
+                        let there = listed("light", names.iter().copied());
+                        Failure::usage(format!("the scene of the file has no light `{wanted}`; it has {there}"))
+                    })?;
+                    number..number + 1
                 }
+            };
+            for light in &file_lights[numbers] {
+                let light = light.clone().map_err(|error| self.not_posed(error))?;
+                chosen.push(ChosenLight { light: light.light, of_file: Some(light) });
             }
         }
         let lights: Vec<Light> = chosen.iter().map(|chosen| chosen.light).collect();
         match check_lights(&lights, MAX_LIGHTS) {
             Ok(()) => Ok(chosen),
-            Err(error @ (LightError::NoRoom | LightError::TooMany { .. })) => Err(UsageError::Lights(error).into()),
+            Err(error @ (LightError::NoRoom | LightError::TooMany { .. })) => Err(Failure::usage(error.to_string())),
             // Lights of the command line were checked when they were parsed, so the file has the wrong one.
-            Err(error) => Err(Failure::input(&self.file)(InputError::Lights(error))),
+            Err(error) => Err(Failure::input(&self.file)(format!("its lights cannot be used: {error}").into())),
+        }
+    }
+
+    /// The animations that one `--animation` names, by their numbers: one, or all.
+    fn named_animations(&self, wanted: &str) -> Result<Vec<usize>, Failure> {
+        let found = self.asset().map_or(0..0, |asset| match asset.animation_index(wanted) {
+            _ if wanted == "all" => 0..asset.animations().len(),
+            index => index.map_or(0..0, |index| index..index + 1),
+        });
+        if found.is_empty() {
+            let there = self.asset().map_or_else(|| "the file has none".to_owned(), listed_animations);
+            return Err(Failure::usage(format!("there is no animation `{wanted}`; {there}")));
+        }
+        Ok(found.collect())
+    }
+}
+
+/// The number of what has a name, or else that number.
+fn number_of(names: &[Option<&str>], wanted: &str) -> Option<usize> {
+    let numbered = || wanted.parse().ok().filter(|&index| index < names.len());
+    names.iter().position(|name| *name == Some(wanted)).or_else(numbered)
+}
+
+/// Plays the animations of each file that `--animation` names. Every name must be that of an animation in one of the files.
+pub(crate) fn play(inputs: &mut [Input], args: &PoseArgs) -> Result<(), Failure> {
+    for wanted in &args.animations {
+        let found: Vec<_> = inputs.iter().map(|input| input.named_animations(wanted)).collect();
+        let is_there = found.iter().any(Result::is_ok);
+        for (input, found) in inputs.iter_mut().zip(found) {
+            match found {
+                Ok(found) => input.playing.extend(found),
+                Err(missing) if !is_there => return Err(missing),
+                Err(_) => {}
+            }
+        }
+    }
+    for input in inputs.iter().filter(|input| !input.playing.is_empty()) {
+        // An error at one time occurs at all times.
+        let lights = input.asset().map_or(Ok(Vec::new()), |asset| asset.each_light(input.playing.clone(), 0.0));
+        lights.map_err(|error| input.not_posed(error))?;
+    }
+    Ok(())
+}
+
+/// Moves the files to one origin near the models, where coordinates are too large for `f32`, and warns where `f32` still
+/// loses much.
+pub(crate) fn settle(inputs: &mut [Input], time_s: f32) -> Result<Origin, Failure> {
+    let mut files: Vec<_> = inputs.iter_mut().map(|input| (&mut input.content, &*input.playing)).collect();
+    let settled = rimline_files::settle(&mut files, time_s).map_err(|(index, error)| inputs[index].failed(error))?;
+    for (input, warning) in inputs.iter().zip(settled.warnings) {
+        if let Some(warning) = warning {
+            note(&format!("warning: {}: {warning}", Line(input.file.display())));
+        }
+    }
+    Ok(settled.origin)
+}
+
+pub(crate) fn read_displacement(file: &Path) -> Result<Displacement, Failure> {
+    let displacement =
+        Displacement::new(&files::read_text(file)?).map_err(|error| Failure::input(file)(error.into()))?;
+    if displacement.uses_resources() {
+        return Err(Failure::input(file)(
+            "the displacement declares bindings, but the command has no resources for them; use functions \
+             and constants only"
+                .into(),
+        ));
+    }
+    Ok(displacement)
+}
+
+/// Tells whoever gives a time that nothing moves with it.
+pub(crate) fn note_idle_time(pose: &PoseArgs, is_playing: bool, displacement: Option<&Displacement>) {
+    if pose.time != 0.0 && !is_playing && displacement.is_none() {
+        note("warning: --time has no effect without --animation or --displace");
+    }
+}
+
+/// A model at a time: what `extract`, `query` and `draw` read before they open a device.
+pub(crate) struct PosedInput<'a> {
+    args: &'a MomentArgs,
+    pub(crate) input: Input,
+    pub(crate) displacement: Option<Displacement>,
+}
+
+impl<'a> PosedInput<'a> {
+    pub(crate) fn read(args: &'a MomentArgs, model: &ModelArgs) -> Result<Self, Failure> {
+        if Wanted::parse(&args.device.device) == Wanted::Cpu && args.displace.is_some() {
+            return Err(Failure::usage(DISPLACE_ON_CPU));
+        }
+        let displacement = args.displace.as_deref().map(read_displacement).transpose()?;
+        let mut input = Input::read(&model.file, &model.options())?;
+        play(std::slice::from_mut(&mut input), &args.pose)?;
+        settle(std::slice::from_mut(&mut input), args.pose.time)?;
+        note_idle_time(&args.pose, !input.playing.is_empty(), displacement.as_ref());
+        Ok(Self { args, input, displacement })
+    }
+
+    /// The files that were read, and those that the model names.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.input.files().chain(self.args.displace.as_deref())
+    }
+
+    pub(crate) fn time_s(&self) -> f32 {
+        self.args.pose.time
+    }
+
+    /// The mesh, its edge records, and where its vertices are.
+    pub(crate) fn scene(&self) -> Result<Scene<'_>, Failure> {
+        self.input.scene(self.time_s(), self.displacement.is_some())
+    }
+
+    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the
+    /// device's name, and the times with those of the work.
+    pub(crate) fn work<T>(
+        &self,
+        (progress, what): (&Progress, &'static str),
+        times: &Times,
+        mut run: impl FnMut(&Device, &mut Times) -> Result<T, Failure>,
+    ) -> Result<(String, T, Times), Failure> {
+        progress.step("opening the device");
+        let begin = Instant::now();
+        let timed = |device: &Device| {
+            progress.step(what);
+            let mut times = times.clone();
+            times.add("device", begin.elapsed().as_secs_f64() * 1e3);
+            Ok((run(device, &mut times)?, times))
+        };
+        let (device, (done, times)) = device::work(&Wanted::parse(&self.args.device.device), self.device()?, timed)?;
+        progress.step("writing");
+        Ok((device.name(), done, times))
+    }
+
+    /// Opens the device, which must be a GPU to displace vertices.
+    fn device(&self) -> Result<Device, Failure> {
+        let wanted = Wanted::parse(&self.args.device.device);
+        if self.displacement.is_none() {
+            return device::open_fastest(&wanted);
+        }
+        let mut device = device::open(&wanted)?;
+        match &mut device {
+            Device::Cpu => return Err(Failure::usage(DISPLACE_ON_CPU)),
+            Device::Gpu(gpu) => gpu.cpu_would_do = false,
+        }
+        Ok(device)
+    }
+}
+
+/// World-space positions on the GPU: uploaded, or deformed there.
+pub(crate) enum Positions {
+    Uploaded(wgpu::Buffer),
+    Deformed(Box<Deformer>),
+}
+
+impl Positions {
+    pub(crate) fn new(gpu: &Gpu, shape: &Shape<'_>, displacement: Option<&Displacement>) -> Result<Self, GpuError> {
+        match shape {
+            Shape::World(positions) => {
+                let bytes: &[u8] = bytemuck::cast_slice(positions);
+                let (label, size, limit) = ("positions", bytes.len() as u64, gpu.device.limits().max_buffer_size);
+                if size > limit {
+                    return Err(DeviceError::BufferTooLarge { label, bytes: size, limit }.into());
+                }
+                let on = (&gpu.device, &gpu.queue);
+                Ok(Self::Uploaded(rimline_picture::filled(on, label, bytes, wgpu::BufferUsages::STORAGE)))
+            }
+            Shape::Posed { model, .. } => {
+                let options = DeformerOptions { displacement, ..DeformerOptions::default() };
+                Ok(Self::Deformed(Box::new(Deformer::new(&gpu.pipelines, model, options)?)))
+            }
+        }
+    }
+
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        shape: &Shape<'_>,
+        time_s: f32,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        if let (Self::Deformed(deformer), Shape::Posed { pose, .. }) = (self, shape) {
+            deformer.encode_timed(encoder, PoseInputs { time_s, ..PoseInputs::new(pose) }, timer)?;
+        }
+        Ok(())
+    }
+
+    /// Encodes and submits it by itself.
+    pub(crate) fn submit(&self, gpu: &Gpu, shape: &Shape<'_>, time_s: f32) -> Result<(), GpuError> {
+        let mut encoder = gpu.encoder("positions");
+        self.encode(&mut encoder, shape, time_s, None)?;
+        gpu.submit(encoder);
+        Ok(())
+    }
+
+    pub(crate) fn buffer(&self) -> PositionBuffer<'_> {
+        match self {
+            Self::Uploaded(buffer) => PositionBuffer { buffer, offset: 0, stride: 12 },
+            Self::Deformed(deformer) => deformer.positions(),
+        }
+    }
+
+    pub(crate) fn of_instance(&self, instance: usize) -> Option<PositionBuffer<'_>> {
+        match self {
+            Self::Uploaded(_) => (instance == 0).then(|| self.buffer()),
+            Self::Deformed(deformer) => deformer.instance_positions(instance),
+        }
+    }
+
+    /// The positions of a shape as they lie on the GPU. Waits for the device.
+    pub(crate) fn read<'s>(&self, gpu: &Gpu, shape: &Shape<'s>) -> Result<Cow<'s, [[f32; 3]]>, GpuError> {
+        match shape {
+            Shape::World(positions) => Ok(Cow::Borrowed(positions)),
+            Shape::Posed { model, .. } => {
+                let mut positions = gpu.read(self.buffer().buffer)?;
+                positions.truncate(model.vertex_count());
+                Ok(Cow::Owned(positions))
+            }
         }
     }
 }

@@ -12,8 +12,7 @@ use rimline_files::size::bytes;
 use rimline_files::{Format, Polygons, ReadOptions, Up};
 
 use crate::coordinates::{Coordinate, relative};
-use crate::side::Side;
-use crate::spec;
+use crate::spec::{self, Side};
 
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
@@ -107,7 +106,7 @@ pub(crate) struct PoseArgs {
     pub(crate) animations: Vec<String>,
 
     /// The time in seconds, for the animation and for `displace`
-    #[arg(long, value_name = "S", default_value = "0", allow_hyphen_values = true, value_parser = spec::seconds)]
+    #[arg(long, value_name = "S", default_value = "0", allow_hyphen_values = true, value_parser = spec::within(-1e9, 1e9))]
     pub(crate) time: f32,
 }
 
@@ -216,7 +215,7 @@ enum WeldArg {
 
 impl ModelArgs {
     pub(crate) fn options(&self) -> ReadOptions {
-        self.load.options(self.weld.weld())
+        self.load.options(self.weld.weld(), self.polygons.taken())
     }
 }
 
@@ -230,8 +229,8 @@ pub(crate) struct LoadArgs {
     pub(crate) memory_limit: u64,
 
     /// The format of the file, where neither its content nor its name tells it
-    #[arg(long, value_name = "FORMAT", value_enum)]
-    input_format: Option<FormatArg>,
+    #[arg(long, value_name = "FORMAT", value_parser = format())]
+    input_format: Option<Format>,
 
     /// Allow a glTF file to read buffers outside its folder, through `..`, an absolute path or a symbolic link
     #[arg(long)]
@@ -248,38 +247,21 @@ pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
     PossibleValuesParser::new(["y", "z"]).map(|axis| if axis == "z" { Up::Z } else { Up::Y })
 }
 
-/// A format that is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum FormatArg {
-    Gltf,
-    Obj,
-    Ply,
-    Stl,
-    Npz,
-}
-
-impl From<FormatArg> for Format {
-    fn from(format: FormatArg) -> Self {
-        match format {
-            FormatArg::Gltf => Self::Gltf,
-            FormatArg::Obj => Self::Obj,
-            FormatArg::Ply => Self::Ply,
-            FormatArg::Stl => Self::Stl,
-            FormatArg::Npz => Self::Npz,
-        }
-    }
+/// Reads a format of models.
+fn format() -> impl TypedValueParser<Value = Format> {
+    PossibleValuesParser::new(["gltf", "obj", "ply", "stl", "npz"]).map(|format| match &*format {
+        "gltf" => Format::Gltf,
+        "obj" => Format::Obj,
+        "ply" => Format::Ply,
+        "stl" => Format::Stl,
+        _ => Format::Npz,
+    })
 }
 
 impl LoadArgs {
-    pub(crate) fn options(self, weld: Weld) -> ReadOptions {
-        ReadOptions {
-            format: self.input_format.map(Format::from),
-            weld,
-            memory_limit: self.memory_limit,
-            allow_outside: self.allow_outside,
-            up: self.up,
-            ..ReadOptions::default()
-        }
+    pub(crate) fn options(self, weld: Weld, polygons: Polygons) -> ReadOptions {
+        let Self { memory_limit, input_format: format, allow_outside, up } = self;
+        ReadOptions { format, weld, memory_limit, allow_outside, polygons, up }
     }
 }
 

@@ -12,18 +12,17 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Value, json};
 
 use crate::args::{Cli, Command};
-use crate::failure::{Failure, UsageError};
+use crate::failure::Failure;
+use crate::files::{self, Inputs, check_parent, is_stdout, real_path};
 use crate::input_args::JobsArgs;
 use crate::output::{self, collected, complain, print, say};
-use crate::target::{Inputs, check_parent, is_stdout, real_path};
-use crate::{device, lines, shadow, source};
+use crate::{device, lines, shadow};
 
 /// Subcommands that take many jobs, and whether each FILE is a job there. The others take all FILEs as one scene, unless a
 /// pattern names results.
 const COMMANDS: [(&str, bool); 5] =
     [("draw", true), ("extract", true), ("info", true), ("lines", false), ("shadow", false)];
 
-/// The key of a job's inputs.
 const FILE: &str = "file";
 
 /// Options of the run, which no job has.
@@ -36,7 +35,6 @@ const PATTERNS: [&str; 3] = ["{index}", "{name}", "{stem}"];
 /// Options that name inputs, beside the models.
 const INPUTS: [&str; 3] = ["displace", "style", "depth"];
 
-/// How a job may end.
 const STATUSES: [&str; 4] = ["done", "skipped", "failed", "not_run"];
 const DONE: usize = 0;
 const SKIPPED: usize = 1;
@@ -48,12 +46,9 @@ type Options = BTreeMap<String, Vec<Option<OsString>>>;
 
 /// Many jobs, as the command line asks for them.
 pub(crate) struct Many {
-    /// The subcommand.
     command: clap::Command,
-    /// Options that are for all jobs.
     common: Options,
     args: JobsArgs,
-    /// Whether each file is a job.
     is_each: bool,
     is_json: bool,
     pub(crate) is_quiet: bool,
@@ -64,10 +59,8 @@ struct Job {
     /// The line of the file of jobs.
     line: Option<usize>,
     files: Vec<PathBuf>,
-    /// Other inputs.
     read: Vec<PathBuf>,
     command: Command,
-    /// All files that it may write.
     results: Vec<PathBuf>,
 }
 
@@ -108,9 +101,15 @@ impl Many {
 
     /// Runs the jobs one after the other. One that fails does not stop the others.
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        device::keep_open(true);
+        let done = self.run_all();
+        device::keep_open(false);
+        done
+    }
+
+    fn run_all(&self) -> Result<(), Failure> {
         let jobs = self.jobs()?;
         self.check_results(&jobs)?;
-        let _devices = device::keep_open();
         output::finish_at_interrupt();
         let begin = Instant::now();
         let in_shard = |job: &&Job| self.args.shard.is_none_or(|[k, n]| job.index % n as usize == k as usize - 1);
@@ -170,7 +169,6 @@ impl Many {
         Ok(status)
     }
 
-    /// The name of a job in messages.
     fn named(&self, job: &Job) -> String {
         match (&self.args.jobs, job.line) {
             (Some(file), Some(line)) => format!("{}: line {line}", file.display()),
@@ -192,7 +190,7 @@ impl Many {
             };
             return files.into_iter().enumerate().map(of_file).collect();
         };
-        let text = source::read_text(file).map_err(|error| Failure::input(file)(error.into()))?;
+        let text = files::read_text(file)?;
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let of_line = |(index, (line, text)): (usize, (usize, &str))| {
             let given = self.options(text).map_err(|problem| self.wrong(Some(line), problem))?;
@@ -205,10 +203,9 @@ impl Many {
     fn wrong(&self, line: Option<usize>, problem: String) -> Failure {
         let position =
             line.zip(self.args.jobs.as_ref()).map(|(line, file)| format!("{}: line {line}: ", file.display()));
-        UsageError::Job { position: position.unwrap_or_default(), problem }.into()
+        Failure::usage(format!("{}{problem}", position.unwrap_or_default()))
     }
 
-    /// The options of a line.
     fn options(&self, line: &str) -> Result<Options, String> {
         let Entries(entries) = serde_json::from_str(line).map_err(|error| {
             let text = error.to_string();
@@ -318,14 +315,23 @@ impl Many {
             for file in folder.map_or(&*job.results, std::slice::from_ref) {
                 read.spare(file)?;
                 if jobs.len() > 1 && is_stdout(file) {
-                    return Err(UsageError::JobsToStdout { jobs: jobs.len() }.into());
+                    return Err(Failure::usage(format!(
+                        "standard output takes the result of one job, and these are {}; give --out such as \
+                         out/{{stem}}.png",
+                        jobs.len()
+                    )));
                 }
                 let output = |source| Failure::Output { file: file.clone(), source };
                 check_parent(file).map_err(output)?;
                 let Some(other) = real_path(file).and_then(|file| writers.insert(file, job)) else { continue };
                 if other.index != job.index {
                     let (file, jobs) = (file.clone(), [other, job].map(|job| self.named(job)));
-                    return Err(UsageError::SameResult { file, jobs }.into());
+                    return Err(Failure::usage(format!(
+                        "{} and {} would both write {}; give other names, or a pattern such as --out out/{{stem}}.png",
+                        jobs[0],
+                        jobs[1],
+                        file.display()
+                    )));
                 }
             }
         }
@@ -333,7 +339,6 @@ impl Many {
     }
 }
 
-/// Words in braces.
 fn words(name: &str) -> impl Iterator<Item = &str> {
     let is_word = |word: &&str| word.len() > 2 && word[1..word.len() - 1].bytes().all(|c| c.is_ascii_lowercase());
     let starts = name.match_indices('{').map(|(at, _)| &name[at..]);

@@ -3,7 +3,6 @@
 pub(crate) mod args;
 mod dxf;
 mod eye;
-mod format;
 mod json;
 mod pdf;
 mod png;
@@ -13,23 +12,22 @@ mod svg;
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use rimline::cpu::Threads;
 use rimline::{Mesh, Origin};
 use rimline_lines::{Drawing, Fault, LineClass, LineOptions, LinesError, Object, draw, objects_of_model};
 use rimline_picture::Bounds;
 
-use crate::failure::{Failure, InputError, UsageError};
+use crate::failure::{Failure, NO_FINITE_FACE};
+use crate::files::{Inputs, check_ending, check_folder};
 use crate::film::{self, Claim};
 use crate::info::Seams;
-use crate::input::{Input, Shape};
-use crate::output::{Folder, Output, note, say};
-use crate::posed_input::{animations, note_idle_time};
-use crate::progress::Progress;
-use crate::target::Inputs;
-use crate::{origin, shown};
+use crate::input::{Input, Shape, note_idle_time, play, settle};
+use crate::output::{Folder, Line, Output, Progress, note, say};
 use args::{DxfUnits, Format, Hidden, LinesArgs};
 use eye::Eye;
 use sheet::Sheet;
@@ -52,21 +50,21 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     let _claim = args.frames.map(|_| Claim::take(&args.out)).transpose()?;
     let progress = Progress::start();
     progress.step("reading the models");
-    let (inputs, chosen) = read(args)?;
+    let inputs = read(args)?;
     let read = inputs.iter().flat_map(Input::files).map(Path::to_owned).chain(args.style.clone());
     let read = Inputs::new(read.collect::<Vec<PathBuf>>());
     (0..frames).try_for_each(|frame| read.spare(&file(frame)))?;
     if args.frames.is_some() {
-        film::check_earlier(&args.out, frames, format.ending())?;
+        film::check_earlier(&args.out, frames, format.names().0)?;
     }
     let mut output = Some(Output::create(&file(0))?);
 
-    let is_moving = frames > 1 && chosen.iter().any(|playing| !playing.is_empty());
+    let is_moving = frames > 1 && inputs.iter().any(|input| !input.playing.is_empty());
     let time_s = |frame: u32| args.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let objects_at = |frame: u32| {
         let mut objects = Vec::new();
-        for (input, playing) in inputs.iter().zip(&chosen) {
-            objects.extend(objects_of(input, playing, time_s(frame), inputs.len() > 1)?);
+        for input in &inputs {
+            objects.extend(objects_of(input, time_s(frame), inputs.len() > 1)?);
         }
         tell_apart(&mut objects);
         Ok::<_, Failure>(objects)
@@ -81,13 +79,13 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         corners.extend(eye::corners(&objects_at(look * frames / LOOKS.min(frames))?));
     }
     let origin = inputs[0].origin();
-    let bounds = Bounds::of(&corners).ok_or_else(|| Failure::input(&args.files[0])(InputError::NoFiniteFace))?;
+    let bounds = Bounds::of(&corners).ok_or_else(|| Failure::input(&args.files[0])(NO_FINITE_FACE.into()))?;
     let still = Eye::new(args, origin, &corners, &bounds)?;
     drop(corners);
     let eye_of = |frame: u32| {
-        let camera = inputs[0].camera(&args.camera, &chosen[0], time_s(frame))?;
+        let camera = inputs[0].camera(&args.camera, time_s(frame))?;
         let eye = camera.map_or(Ok(still), |camera| Eye::of_camera(&camera, &bounds)).map_err(refused)?;
-        eye.turned(args.turn * f64::from(frame) / f64::from(frames)).map_err(refused)
+        eye.turned(f64::from(args.turn) * f64::from(frame) / f64::from(frames)).map_err(refused)
     };
     if eye_of(0)?.view.is_perspective() {
         args.check_perspective()?;
@@ -109,7 +107,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         let drawing = drawing.map_err(refused)?;
         let is_left_out = remarks.of_drawing(&drawing, objects.len());
         if is_left_out && frame == 0 {
-            return Err(Failure::input(&args.files[0])(InputError::NothingToDraw));
+            return Err(Failure::input(&args.files[0])("nothing of it can be drawn; the warnings say why".into()));
         }
         if frame == 0 && drawing.spans.iter().any(|span| span.class == LineClass::Boundary) {
             remarks.of_seams(&inputs);
@@ -138,11 +136,10 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
     say(&said)
 }
 
-/// The files of the drawings.
-pub(crate) fn files(args: &LinesArgs) -> Result<Vec<PathBuf>, UsageError> {
+pub(crate) fn files(args: &LinesArgs) -> Result<Vec<PathBuf>, Failure> {
     let format = Format::of(args)?;
     Ok(match args.frames {
-        Some(frames) => (0..frames).map(|frame| film::frame_file(&args.out, frame, frames, format.ending())).collect(),
+        Some(frames) => (0..frames).map(|frame| film::frame_file(&args.out, frame, frames, format.names().0)).collect(),
         None => vec![args.out.clone()],
     })
 }
@@ -201,7 +198,6 @@ impl Remarks {
     }
 }
 
-/// A drawing, and all that the formats say of it.
 pub(crate) struct Picture<'a> {
     args: &'a LinesArgs,
     eye: &'a Eye,
@@ -212,39 +208,28 @@ pub(crate) struct Picture<'a> {
 }
 
 impl Picture<'_> {
-    /// The names of the files, without folders.
     fn title(&self) -> String {
         let name = |file: &PathBuf| file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
-        shown::Line(self.args.files.iter().map(name).collect::<Vec<_>>().join(", ")).to_string()
+        Line(self.args.files.iter().map(name).collect::<Vec<_>>().join(", ")).to_string()
     }
 
-    /// The view and the scale in a sentence.
     fn description(&self) -> String {
-        format!("{}; {}", self.eye.said(self.args), self.sheet.scale_said(self.eye.view.is_perspective()))
+        format!("{}; {}", self.eye.said(self.args), self.sheet.scale_said(self.args, self.eye.view.is_perspective()))
     }
 }
 
-/// The files, and the animations of each that play.
-fn read(args: &LinesArgs) -> Result<(Vec<Input>, Vec<Vec<usize>>), Failure> {
-    let options = args.load.options(args.weld.weld());
-    let mut inputs = Vec::with_capacity(args.files.len());
-    for file in &args.files {
-        inputs.push(Input::read(file, options, args.polygons.taken())?);
-    }
-    let chosen = animations(&inputs, &args.pose)?;
-    origin::settle(&mut inputs, &chosen, args.pose.time)?;
-    note_idle_time(&args.pose, &chosen.concat(), None);
-    Ok((inputs, chosen))
+fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
+    let options = args.load.options(args.weld.weld(), args.polygons.taken());
+    let mut inputs = args.files.iter().map(|file| Input::read(file, &options)).collect::<Result<Vec<_>, _>>()?;
+    play(&mut inputs, &args.pose)?;
+    settle(&mut inputs, args.pose.time)?;
+    note_idle_time(&args.pose, inputs.iter().any(|input| !input.playing.is_empty()), None);
+    Ok(inputs)
 }
 
 /// The objects of a file. Where there are several files, their names begin with the file's.
-fn objects_of(
-    input: &Input,
-    playing: &[usize],
-    time_s: f32,
-    is_prefixed: bool,
-) -> Result<Vec<Object<'static>>, Failure> {
-    let shape = input.shape(playing, time_s, false)?;
+fn objects_of(input: &Input, time_s: f32, is_prefixed: bool) -> Result<Vec<Object<'static>>, Failure> {
+    let shape = input.shape(time_s, false)?;
     let mut objects = match &shape {
         Shape::Posed { model, pose } => {
             objects_of_model(model, pose, Threads::all()).map_err(|error| refused(&input.file, error))?
@@ -294,5 +279,50 @@ fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
 }
 
 fn refused(file: &Path, error: LinesError) -> Failure {
-    Failure::input(file)(InputError::Lines(error))
+    Failure::input(file)(error.into())
+}
+
+impl Format {
+    /// The format that is asked for, or that the name of the result has. Of numbered drawings the name is a folder's.
+    pub(crate) fn of(args: &LinesArgs) -> Result<Self, Failure> {
+        if args.frames.is_some() {
+            check_folder(
+                &args.out,
+                "with --frames --out is the folder for numbered drawings; give the name of a folder, and the \
+                 format by --format",
+            )?;
+            return Ok(args.format.unwrap_or(Self::Svg));
+        }
+        let ending = args.out.extension().and_then(|ending| ending.to_str()).map(str::to_lowercase);
+        let named = ending.and_then(|ending| Self::from_str(&ending, false).ok());
+        let format = args.format.or(named).ok_or_else(|| {
+            Failure::usage(format!(
+                "{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format",
+                args.out.display()
+            ))
+        })?;
+        check_ending(&args.out, format.names().0)?;
+        Ok(format)
+    }
+
+    /// The ending of its files, and the format in a sentence.
+    pub(crate) fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Svg => ("svg", "an SVG"),
+            Self::Pdf => ("pdf", "a PDF"),
+            Self::Dxf => ("dxf", "a DXF"),
+            Self::Json => ("json", "JSON"),
+            Self::Png => ("png", "a PNG"),
+        }
+    }
+
+    pub(crate) fn write(self, to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()> {
+        match self {
+            Self::Svg => svg::write(to, picture),
+            Self::Pdf => pdf::write(to, picture),
+            Self::Dxf => dxf::write(to, picture),
+            Self::Json => json::write(to, picture),
+            Self::Png => png::write(to, picture),
+        }
+    }
 }

@@ -4,42 +4,33 @@
 mod args;
 #[cfg(feature = "bench")]
 mod bench;
-#[cfg(feature = "bench")]
-mod bench_args;
+mod camera;
+mod coincident;
 mod coordinates;
 mod device;
 mod devices;
 mod draw;
 mod extract;
 mod failure;
+mod files;
 mod film;
-mod gpu_error;
 mod image;
 mod info;
 mod input;
 mod input_args;
 mod jobs;
 mod lines;
-mod origin;
 mod output;
 mod parse;
-mod posed_input;
-mod progress;
 mod query;
-mod render;
 mod report;
 mod shadow;
 mod shell;
-mod shown;
-mod side;
 mod signals;
-mod source;
 mod spec;
-mod target;
 mod verify;
 #[cfg(feature = "view")]
 mod view;
-mod warm_up;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -49,7 +40,8 @@ use log::Level;
 use crate::args::Command;
 use crate::failure::Failure;
 use crate::jobs::Many;
-use crate::shown::{Line, Text};
+use crate::output::{Line, Text};
+use crate::parse::{joined, parse};
 
 fn main() -> ExitCode {
     // Drivers and wgpu talk a lot; whoever wants to hear them sets RUST_LOG.
@@ -62,11 +54,11 @@ fn main() -> ExitCode {
         .init();
     #[cfg(all(unix, not(target_vendor = "apple")))]
     keep_wayland_quiet();
-    let done = if let Some(many) = Many::given(parse::joined(std::env::args_os().collect())) {
+    let done = if let Some(many) = Many::given(joined(std::env::args_os().collect())) {
         begin(many.is_quiet);
         many.run()
     } else {
-        let cli = parse::parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
+        let cli = parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
         begin(cli.quiet);
         run(&cli.command)
     };
@@ -160,10 +152,16 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         #[cfg(feature = "bench")]
         Command::Bench(args) => bench::run(args),
         #[cfg(not(feature = "bench"))]
-        Command::Bench(_) => Err(failure::UsageError::WithoutBench.into()),
+        Command::Bench(_) => Err(Failure::usage(
+            "this build of rimline leaves `bench` out; `cargo install rimline-cli` builds one that has it, and so does \
+             `--features bench`",
+        )),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args),
         #[cfg(not(feature = "view"))]
-        Command::View(_) => Err(failure::UsageError::WithoutView.into()),
+        Command::View(_) => Err(Failure::usage(
+            "this build of rimline leaves `view` out; `cargo install rimline-cli` builds one that has it, and so does \
+             `--features view`; `rimline shadow` draws to a file",
+        )),
     }
 }

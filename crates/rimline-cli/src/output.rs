@@ -1,19 +1,21 @@
 //! Output files that are whole or not there, and text for pipes.
 
-use std::fmt::Display;
+use std::borrow::Cow;
+use std::fmt::{self, Display, Formatter, Write as _};
 use std::fs::{File, Metadata};
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, BufWriter, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rimline::gltf::Asset;
 use tempfile::TempPath;
 
 use crate::failure::Failure;
-use crate::shown::{Line, Text};
+use crate::files::{HOLDS_RESULT, Target, check_parent, end_of_links, find, folder_of};
 use crate::signals::{self, make_unfinished, remove_unfinished};
-use crate::target::{self, Target, check_parent, end_of_links, find, folder_of};
-
 pub(crate) use crate::signals::{finish_at_interrupt, is_interrupted};
 
 /// Prints to standard output, or to standard error where a result goes to standard output. A reader that has gone away
@@ -24,7 +26,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         collected.push_str(&text);
         return Ok(());
     }
-    if target::holds_result() {
+    if HOLDS_RESULT.load(Ordering::SeqCst) {
         let _ = io::stderr().write_all(text.as_bytes());
         return Ok(());
     }
@@ -32,7 +34,6 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     printed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
-/// Text that is collected instead of printed.
 static COLLECTED: Mutex<Option<String>> = Mutex::new(None);
 
 /// Runs work, and returns the text that it would have printed.
@@ -43,17 +44,15 @@ pub(crate) fn collected<T>(work: impl FnOnce() -> T) -> (T, String) {
     (done, exchange(None).unwrap_or_default())
 }
 
-/// Turns the result of writing to standard output into the command's. A closed pipe is no error.
 pub(crate) fn printed(result: io::Result<()>) -> Result<(), Failure> {
     match result {
-        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::Output { file: "standard output".into(), source })
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::output("standard output".as_ref())(error))
         }
         _ => Ok(()),
     }
 }
 
-/// Whether only results and errors are printed.
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
 /// Prints only results and errors from now on.
@@ -78,7 +77,6 @@ pub(crate) fn note(text: &str) {
     }
 }
 
-/// Prints why the command stops.
 pub(crate) fn complain(failure: &impl Display) {
     let _ = writeln!(io::stderr(), "rimline: {}", Line(format!("error: {failure}")));
 }
@@ -102,7 +100,7 @@ enum Destination {
 impl Output {
     /// Starts a file; done before any long work, so that an unwritable place is known at once.
     pub(crate) fn create(target: &Path) -> Result<Self, Failure> {
-        Self::start(target).map_err(|source| Failure::Output { file: target.to_owned(), source })
+        Self::start(target).map_err(Failure::output(target))
     }
 
     fn start(name: &Path) -> io::Result<Self> {
@@ -123,7 +121,7 @@ impl Output {
     pub(crate) fn handle(&self) -> Result<File, Failure> {
         let file = self.file.as_ref().ok_or_else(|| io::Error::other("it is complete"));
         let handle = file.and_then(|file| file.get_ref().try_clone());
-        handle.map_err(|source| Failure::Output { file: self.name.clone(), source })
+        handle.map_err(Failure::output(&self.name))
     }
 
     /// Lets `write` fill the file and puts it in its place.
@@ -135,12 +133,9 @@ impl Output {
             let Some(mut file) = output.file.take() else { return Ok(()) };
             let written = write(&mut file).map_err(Into::into);
             let written = written.and_then(|()| file.into_inner().map_err(io::IntoInnerError::into_error));
-            let mut file = match output.destination {
-                Destination::Beside { .. } => written?,
-                Destination::Through { .. } => written.map_err(|error| on_the_way(&error))?,
-            };
             match &mut output.destination {
                 Destination::Beside { temporary, target } => {
+                    let file = written?;
                     file.sync_all()?;
                     // Closed before it is renamed: some systems refuse to rename an open file.
                     drop(file);
@@ -148,6 +143,7 @@ impl Output {
                     temporary.disable_cleanup(true);
                 }
                 Destination::Through { to, is_cut } => {
+                    let mut file = written.map_err(|error| on_the_way(&error))?;
                     if *is_cut {
                         to.set_len(0)?;
                     }
@@ -157,7 +153,7 @@ impl Output {
             }
             Ok(())
         };
-        complete(&mut self).map_err(|source| Failure::Output { file: self.name.clone(), source })
+        complete(&mut self).map_err(Failure::output(&self.name))
     }
 }
 
@@ -238,7 +234,7 @@ impl Folder {
             }
             Err(error) => Err(error),
         };
-        Ok(Self { made: start().map_err(|source| Failure::Output { file: path.to_owned(), source })? })
+        Ok(Self { made: start().map_err(Failure::output(path))? })
     }
 
     /// With the folders that it is in.
@@ -256,5 +252,140 @@ impl Folder {
 impl Drop for Folder {
     fn drop(&mut self) {
         self.made.iter().for_each(|folder| remove_unfinished(folder));
+    }
+}
+
+/// One line, whatever the text holds.
+pub(crate) struct Line<T>(pub(crate) T);
+
+/// Text whose line breaks are meant.
+pub(crate) struct Text<T>(pub(crate) T);
+
+impl<T: Display> Display for Line<T> {
+    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
+        to.write_str(&escaped(&self.0, false))
+    }
+}
+
+impl<T: Display> Display for Text<T> {
+    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
+        to.write_str(&escaped(&self.0, true))
+    }
+}
+
+/// Text that cannot steer a terminal. JSON has the same escapes, so JSON stays JSON.
+fn escaped(text: &impl Display, keeps_lines: bool) -> String {
+    let mut shown = String::new();
+    for c in text.to_string().chars() {
+        match c {
+            c if steers(c) && !(keeps_lines && c == '\n') => _ = write!(shown, "\\u{:04x}", u32::from(c)),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
+/// Control characters, and those that turn the direction of text around or break lines.
+fn steers(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+pub(crate) fn listed_animations(asset: &Asset) -> String {
+    format!("the file has {}", listed("animation", asset.animations().iter().map(|info| info.name.as_deref())))
+}
+
+/// Lists what there is of a kind: `2 lights: 0 (without a name), 1 `sun``.
+pub(crate) fn listed<'a>(kind: &str, names: impl ExactSizeIterator<Item = Option<&'a str>>) -> String {
+    const SHOWN: usize = 20;
+    let count = names.len();
+    let (plural, more) = (if count == 1 { "" } else { "s" }, if count > SHOWN { ", …" } else { "" });
+    if count == 0 {
+        return "none".into();
+    }
+    let numbered = |(index, name): (usize, Option<&str>)| numbered_name(index, name);
+    let shown: Vec<String> = names.take(SHOWN).enumerate().map(numbered).collect();
+    format!("{count} {kind}{plural}: {}{more}", shown.join(", "))
+}
+
+/// A number, and the name if there is one.
+pub(crate) fn numbered_name(index: usize, name: Option<&str>) -> String {
+    name.map_or_else(|| format!("{index} (without a name)"), |name| format!("{index} `{name}`"))
+}
+
+/// A line on standard error that says what is being done; hidden where that is not a terminal.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    pub(crate) fn start() -> Self {
+        Self::with(ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}")
+    }
+
+    #[cfg(feature = "bench")]
+    pub(crate) fn rows(count: usize) -> Self {
+        Self::with(ProgressBar::new(count as u64), "{wide_bar} {pos}/{len}, {eta} left: {msg}")
+    }
+
+    fn with(bar: ProgressBar, template: &str) -> Self {
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        if is_quiet() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(Duration::from_millis(100));
+        }
+        Self(bar)
+    }
+
+    pub(crate) fn pictures(count: u64) -> Self {
+        Self::with(ProgressBar::new(count), "{wide_bar} {pos}/{len} pictures, {eta} left")
+    }
+
+    pub(crate) fn picture_done(&self) {
+        self.0.inc(1);
+    }
+
+    pub(crate) fn step(&self, what: impl Into<Cow<'static, str>>) {
+        self.0.set_message(Line(what.into()).to_string());
+    }
+
+    /// Counts a row as done; where there is no terminal for a bar, a line says so.
+    #[cfg(feature = "bench")]
+    pub(crate) fn advance(&self, what: &str) {
+        self.0.inc(1);
+        if self.0.is_hidden() {
+            note(&format!("{}/{} {what}", self.0.position(), self.0.length().unwrap_or_default()));
+        }
+    }
+
+    pub(crate) fn is_shown(&self) -> bool {
+        !self.0.is_hidden()
+    }
+
+    /// Runs what prints to the terminal, the line out of its way.
+    pub(crate) fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.0.suspend(print)
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_names() {
+        assert_eq!(listed("light", [].into_iter()), "none");
+        assert_eq!(listed("light", [Some("sun")].into_iter()), "1 light: 0 `sun`");
+        assert_eq!(listed("light", [None, Some("sun")].into_iter()), "2 lights: 0 (without a name), 1 `sun`");
+        let many = listed("light", vec![None; 30].into_iter());
+        assert!(many.starts_with("30 lights: 0 ") && many.ends_with("19 (without a name), …"), "{many}");
     }
 }

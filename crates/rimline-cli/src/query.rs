@@ -1,31 +1,25 @@
 //! `rimline query`: how many faces lie between points and lights, as NumPy arrays.
 
-pub(crate) mod args;
-mod on_gpu;
-
 use std::io::{self, Seek, Write};
-use std::path::Path;
 use std::slice;
 
-use args::QueryArgs;
+use rimline::gpu::{PositionBuffer, QueryPoints, ShadowQuery, ShadowQueryOptions};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::light::check_shadow_lights;
 use rimline::mesh::NO_FACE;
-use rimline::{Light, MAX_LIGHTS, Mesh, Origin};
+use rimline::{Displacement, Light, MAX_LIGHTS, Mesh, Origin, wgpu};
+use rimline_files::FileError;
+use rimline_files::npz::{self, ElementType, NpzWriter, write_origin};
 use serde_json::json;
 
-use crate::device::Device;
-use crate::extract::arrays::write_lights;
-use crate::failure::{Failure, InputError, UsageError};
-use crate::input::Scene;
-use crate::output::{Output, note, print, say};
-use crate::posed_input::PosedInput;
-use crate::progress::Progress;
+use crate::args::QueryArgs;
+use crate::device::{Device, Gpu, GpuError, On as _};
+use crate::extract::write_lights;
+use crate::failure::{Cause, Failure};
+use crate::files::{self, Inputs, check_ending};
+use crate::input::{PosedInput, Positions, Scene};
+use crate::output::{Line, Output, Progress, note, print, say};
 use crate::report::{self, Lines, Times, first_lights, per_light};
-use crate::shown::Line;
-use crate::source;
-use crate::target::{Inputs, check_ending};
-use rimline_files::npz::{self, ElementType, NpzWriter, write_origin};
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     check_ending(&args.out, "npz")?;
@@ -33,13 +27,15 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let mut times = Times::default();
     progress.step("reading the model");
     let posed = times.measure("load", || PosedInput::read(&args.posed, &args.model))?;
-    let lights = posed.lights(&args.lights)?;
-    check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
+    let lights = posed.input.lights(&args.lights, posed.time_s())?;
+    check_shadow_lights(&lights, MAX_LIGHTS).map_err(|error| Failure::usage(error.to_string()))?;
     progress.step("reading the points");
     let (limit, origin) = (args.model.options().memory_limit, posed.input.origin());
-    let given = times.measure("points", || read_points(&args.points, limit))?;
+    let failed = Failure::input(&args.points);
+    let read = || -> Result<_, Cause> { Ok(npz::read_points(files::archive(&args.points)?, limit)?) };
+    let given = times.measure("points", read).map_err(&failed)?;
     let scene = times.measure("topology", || posed.scene())?;
-    given.check_faces(scene.mesh.faces().len()).map_err(|error| Failure::input(&args.points)(error.into()))?;
+    given.check_faces(scene.mesh.faces().len()).map_err(|error| failed(error.into()))?;
     let npz::PointArrays { points, on_face } = given;
     let points = points.relative_to(origin);
     let asked = Asked { points: &points, on_face: on_face.as_deref(), lights: &lights, lift: args.lift };
@@ -48,15 +44,18 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     // Asked for before any long work.
     let mut depths: Vec<i32> = Vec::new();
     let count = points.len() * lights.len();
-    let (needed, limit) = (count as u64 * size_of::<i32>() as u64, args.model.options().memory_limit);
+    let needed = count as u64 * size_of::<i32>() as u64;
     if needed > limit {
-        return Err(Failure::input(&args.points)(InputError::TooLarge { what: "the depths".into(), needed, limit }));
+        return Err(failed(FileError::TooLarge { what: "the depths".into(), needed, limit }.into()));
     }
-    let too_many = |_| InputError::Depths { points: points.len(), lights: lights.len() };
-    depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
+    if depths.try_reserve_exact(count).is_err() {
+        let (points, lights) = (points.len(), lights.len());
+        let why = "do not fit into memory; give fewer points or lights";
+        return Err(failed(format!("the depths of {points} points for {lights} lights {why}").into()));
+    }
 
     asked.note_swallowed();
-    let job = on_gpu::Job { scene: &scene, asked, displacement: posed.displacement.as_ref(), time_s: posed.time_s() };
+    let job = Job { scene: &scene, asked, displacement: posed.displacement.as_ref(), time_s: posed.time_s() };
     let (adapter, (), mut times) = posed.work((&progress, "counting"), &times, |device, times| {
         depths.clear();
         match device {
@@ -66,16 +65,8 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
         }
     })?;
     times.measure("write", || output.finish(|file| write(file, (&points, &lights), &depths, origin)))?;
-    let report = Report { mesh: &scene.mesh, asked, depths: &depths, origin, adapter, times };
     drop(progress);
-    if args.json { print(&report.json()) } else { say(&report.text(&args.out)) }
-}
-
-fn read_points(file: &Path, memory_limit: u64) -> Result<npz::PointArrays, Failure> {
-    let read = || -> Result<_, InputError> {
-        Ok(npz::read_points(rimline_files::archive(source::open(file)?)?, memory_limit)?)
-    };
-    read().map_err(Failure::input(file))
+    report(args, &adapter, &scene.mesh, (asked, &depths), origin, &times)
 }
 
 fn on_cpu(scene: &Scene<'_>, asked: Asked<'_>, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
@@ -83,7 +74,7 @@ fn on_cpu(scene: &Scene<'_>, asked: Asked<'_>, depths: &mut Vec<i32>, times: &mu
     times.measure("shadow_depth", || {
         asked.each_slice(asked.slice(&scene.mesh), depths, |Asked { points, on_face, lights, .. }| {
             let found = cpu::shadow_depth_on_faces(&positions, &scene.mesh, points, on_face, lights, Threads::all());
-            Ok(found.map_err(UsageError::Arguments)?)
+            found.map_err(|error| Failure::usage(error.to_string()))
         })
     })
 }
@@ -103,102 +94,80 @@ fn write(
     npz.finish()
 }
 
-struct Report<'a> {
-    mesh: &'a Mesh,
-    asked: Asked<'a>,
-    depths: &'a [i32],
+/// Prints counts and times. Lists have an entry a light, in the order given.
+fn report(
+    args: &QueryArgs,
+    adapter: &str,
+    mesh: &Mesh,
+    (asked, depths): (Asked<'_>, &[i32]),
     origin: Origin,
-    adapter: String,
-    times: Times,
-}
-
-struct Counts {
-    points_on_faces: usize,
-    non_finite_points: usize,
-    /// One a light.
-    points_in_shadow: Vec<usize>,
-    deepest: Vec<usize>,
-}
-
-impl Report<'_> {
-    fn counts(&self) -> Counts {
-        let (faces, lights) = (self.asked.on_face.unwrap_or_default(), self.asked.lights.len());
-        let each = |count: &dyn Fn(&mut dyn Iterator<Item = i32>) -> usize| -> Vec<usize> {
-            let of_light = |light| count(&mut self.depths.iter().skip(light).step_by(lights).copied());
-            (0..lights).map(of_light).collect()
-        };
-        Counts {
-            points_on_faces: faces.iter().filter(|&&face| face != NO_FACE).count(),
-            non_finite_points: self.depths.iter().step_by(lights).filter(|&&depth| depth < 0).count(),
-            points_in_shadow: each(&|depths| depths.filter(|&depth| depth > 0).count()),
-            deepest: each(&|depths| depths.max().unwrap_or(0).max(0) as usize),
-        }
-    }
-
-    /// Lists have an entry a light, in the order given.
-    fn json(&self) -> String {
-        let Counts { points_on_faces, non_finite_points, points_in_shadow, deepest } = self.counts();
+    times: &Times,
+) -> Result<(), Failure> {
+    let lights = asked.lights.len();
+    let each = |count: &dyn Fn(&mut dyn Iterator<Item = i32>) -> usize| -> Vec<usize> {
+        (0..lights).map(|light| count(&mut depths.iter().skip(light).step_by(lights).copied())).collect()
+    };
+    let points_on_faces = asked.on_face.unwrap_or_default().iter().filter(|&&face| face != NO_FACE).count();
+    let non_finite_points = depths.iter().step_by(lights).filter(|&&depth| depth < 0).count();
+    let points_in_shadow = each(&|depths| depths.filter(|&depth| depth > 0).count());
+    let deepest = each(&|depths| depths.max().unwrap_or(0).max(0) as usize);
+    if args.json {
         let report = json!({
-            "adapter": self.adapter,
-            "vertices": self.mesh.vertex_count(),
-            "faces": self.mesh.faces().len(),
-            "points": self.asked.points.len(),
+            "adapter": adapter,
+            "vertices": mesh.vertex_count(),
+            "faces": mesh.faces().len(),
+            "points": asked.points.len(),
             "points_on_faces": points_on_faces,
             "non_finite_points": non_finite_points,
-            "lights": deepest.len(),
+            "lights": lights,
             "points_in_shadow": points_in_shadow,
             "deepest": deepest,
         });
-        report::json(report, self.origin, &self.times)
+        return print(&report::json(report, origin, times));
     }
-
-    fn text(&self, out: &Path) -> String {
-        let Counts { points_on_faces, non_finite_points, points_in_shadow, deepest } = self.counts();
-        let mut lines = Lines::default();
-        lines.line("device", &self.adapter);
-        lines.line("vertices", self.mesh.vertex_count());
-        lines.line("faces", self.mesh.faces().len());
-        lines.origin(self.origin);
-        lines.line("points", self.asked.points.len());
-        if points_on_faces > 0 {
-            lines.line("", format!("{points_on_faces} name their face"));
-        }
-        if non_finite_points > 0 {
-            lines.line("", format!("{non_finite_points} not finite: their depth is -1"));
-        }
-        lines.line("points in shadow", per_light(&points_in_shadow));
-        let (deepest, more) = first_lights(&deepest);
-        lines.line("deepest", deepest + if more { ", …" } else { "" });
-        lines.times(&self.times);
-        format!("{}wrote {}\n", lines.0, Line(out.display()))
+    let mut lines = Lines::default();
+    lines.line("device", adapter);
+    lines.line("vertices", mesh.vertex_count());
+    lines.line("faces", mesh.faces().len());
+    lines.origin(origin);
+    lines.line("points", asked.points.len());
+    if points_on_faces > 0 {
+        lines.line("", format!("{points_on_faces} name their face"));
     }
+    if non_finite_points > 0 {
+        lines.line("", format!("{non_finite_points} not finite: their depth is -1"));
+    }
+    lines.line("points in shadow", per_light(&points_in_shadow));
+    let (deepest, more) = first_lights(&deepest);
+    lines.line("deepest", deepest + if more { ", …" } else { "" });
+    lines.times(times);
+    say(&format!("{}wrote {}\n", lines.0, Line(args.out.display())))
 }
 
 /// Points and lights, in the space of the positions.
 #[derive(Clone, Copy)]
-pub(super) struct Asked<'a> {
-    pub(super) points: &'a [[f32; 3]],
-    /// One for each point.
-    pub(super) on_face: Option<&'a [u32]>,
-    pub(super) lights: &'a [Light],
+struct Asked<'a> {
+    points: &'a [[f32; 3]],
+    on_face: Option<&'a [u32]>,
+    lights: &'a [Light],
     /// How far points are moved towards each light before they are asked about.
-    pub(super) lift: Option<f64>,
+    lift: Option<f64>,
 }
 
 impl Asked<'_> {
     /// The number of lights that a count takes: a lifted point is another one for each light.
-    pub(super) fn lights_at_once(&self) -> usize {
+    fn lights_at_once(&self) -> usize {
         if self.lift.is_some() { 1 } else { self.lights.len() }
     }
 
     /// Points of one call or submission: few enough that no GPU is kept busy for long and no result takes much memory.
-    pub(super) fn slice(&self, mesh: &Mesh) -> usize {
+    fn slice(&self, mesh: &Mesh) -> usize {
         let pairs = ((1 << 36) / mesh.faces().len().max(1)).clamp(1 << 12, 1 << 22);
         (pairs / self.lights.len().max(1)).max(64)
     }
 
     /// Adds the depths of all points, a slice at a time. `count` counts for points as they are.
-    pub(super) fn each_slice<E>(
+    fn each_slice<E>(
         &self,
         slice: usize,
         depths: &mut Vec<i32>,
@@ -212,7 +181,6 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// The depths of the points, each lifted towards each light.
     fn count<E>(&self, count: &mut impl FnMut(Asked<'_>) -> Result<Vec<i32>, E>) -> Result<Vec<i32>, E> {
         let Some(lift) = self.lift else { return count(*self) };
         let mut depths = vec![0; self.points.len() * self.lights.len()];
@@ -227,21 +195,20 @@ impl Asked<'_> {
     }
 
     /// Warns of pairs of point and light where rounding takes more than half of the lift.
-    pub(super) fn note_swallowed(&self) {
+    fn note_swallowed(&self) {
         let Some(lift) = self.lift else { return };
         let pairs = self.points.iter().flat_map(|&point| self.lights.iter().map(move |&light| (point, light)));
         let swallowed = pairs.filter(|&(point, light)| is_swallowed(point, light, lift)).count();
         if swallowed > 0 {
             note(&format!(
-                "warning: --lift {lift:e} is lost, or more than half of it, in the 32-bit floats of {swallowed} of the {} pairs of point \
-                 and light; lift by more, or name the faces that points are on (`on_face`)",
+                "warning: --lift {lift:e} is lost, or more than half of it, in the 32-bit floats of {swallowed} of the \
+                 {} pairs of point and light; lift by more, or name the faces that points are on (`on_face`)",
                 self.points.len() * self.lights.len()
             ));
         }
     }
 }
 
-/// Whether rounding takes more than half of the way that a point is lifted.
 fn is_swallowed(point: [f32; 3], light: Light, lift: f64) -> bool {
     if !point.iter().all(|c| c.is_finite()) {
         return false;
@@ -251,6 +218,69 @@ fn is_swallowed(point: [f32; 3], light: Light, lift: f64) -> bool {
     let wanted =
         if light.w == 0.0 { lift } else { lift.min(distance(light.xyz.map(|c| f64::from(c) / f64::from(light.w)))) };
     distance(light.lift(point, lift).map(f64::from)) < 0.5 * wanted
+}
+
+#[derive(Clone, Copy)]
+struct Job<'a, 's> {
+    scene: &'a Scene<'s>,
+    asked: Asked<'a>,
+    displacement: Option<&'a Displacement>,
+    time_s: f32,
+}
+
+impl Job<'_, '_> {
+    fn run(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times, is_warm: bool) -> Result<(), Failure> {
+        if is_warm {
+            let on_face = self.asked.on_face.map(|_| &[NO_FACE][..]);
+            let asked = Asked { points: &[[0.0; 3]], on_face, ..self.asked };
+            self.scene.warm_up(times, |scene| {
+                Job { scene, asked, ..*self }.run(gpu, &mut Vec::new(), &mut Times::default(), false)
+            })?;
+        }
+        let slice = self.asked.slice(&self.scene.mesh).min(self.asked.points.len());
+        let (placed, mut query) = times.measure("prepare", || self.prepare(gpu, slice)).on(gpu)?;
+        let points = gpu.buffer("points", slice as u64 * POINT, wgpu::BufferUsages::STORAGE);
+        gpu.check()?;
+        placed.submit(gpu, &self.scene.shape, self.time_s).on(gpu)?;
+        times.measure("shadow_depth", || {
+            self.asked.each_slice(slice.max(1), depths, |asked| {
+                let found = count_on_gpu(gpu, &mut query, &placed, &points, asked).on(gpu)?;
+                gpu.check()?;
+                Ok(found)
+            })
+        })
+    }
+
+    fn prepare(&self, gpu: &Gpu, slice: usize) -> Result<(Positions, ShadowQuery), GpuError> {
+        let (max_points, max_lights) = (slice as u32, self.asked.lights_at_once());
+        let options = ShadowQueryOptions { max_points, max_lights, ..ShadowQueryOptions::default() };
+        let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
+        Ok((placed, ShadowQuery::new(&gpu.pipelines, &self.scene.mesh, options)?))
+    }
+}
+
+const POINT: u64 = 16;
+
+fn count_on_gpu(
+    gpu: &Gpu,
+    query: &mut ShadowQuery,
+    placed: &Positions,
+    buffer: &wgpu::Buffer,
+    Asked { points, on_face, lights, .. }: Asked<'_>,
+) -> Result<Vec<i32>, GpuError> {
+    let face = |at: usize| on_face.and_then(|faces| faces.get(at)).copied().unwrap_or(NO_FACE);
+    let words = |(at, point): (usize, &[f32; 3])| {
+        let [x, y, z] = point.map(f32::to_bits);
+        [x, y, z, face(at)]
+    };
+    let words: Vec<[u32; 4]> = points.iter().enumerate().map(words).collect();
+    gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(&words));
+    let mut encoder = gpu.encoder("query");
+    let points_at = PositionBuffer { buffer, offset: 0, stride: POINT };
+    let bound = QueryPoints { points: points_at, on_face: on_face.map(|_| POINT - 4) };
+    query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, lights)?;
+    gpu.submit(encoder);
+    Ok(query.read_occluder_counts(&gpu.queue)?)
 }
 
 #[cfg(test)]

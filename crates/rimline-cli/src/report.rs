@@ -10,7 +10,6 @@ use serde_json::{Map, Value};
 use crate::coordinates::{add_origin, origin_text};
 use crate::device::Gpu;
 
-/// Lines of a name and a value, for people.
 #[derive(Default)]
 pub(crate) struct Lines(pub(crate) String);
 

@@ -3,50 +3,38 @@
 pub(crate) mod args;
 pub(crate) mod casters;
 pub(crate) mod casting;
-pub(crate) mod depth;
 mod depth_shadows;
-mod draw_inputs;
 pub(crate) mod from_depth;
-pub(crate) mod given_map_error;
 mod layers;
 mod light_maps;
-mod overlay;
 pub(crate) mod pictures;
-pub(crate) mod posed_model;
-pub(crate) mod render_resources;
 mod report;
 mod scene_shadows;
-mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
 
 use std::time::Instant;
 
+use rimline::gpu::StageTimer;
+use rimline::{Light, ShadowCamera};
+use rimline_picture::PARTS;
+
+use crate::device::{Gpu, GpuError, On as _};
+use crate::failure::Failure;
+use crate::files::Inputs;
+use crate::image::Picture;
+use crate::input::{Input, note_idle_time, settle};
+use crate::output::{Progress, print, say};
+use crate::report::Times;
 use args::ShadowArgs;
 use casters::Casters;
-use casting::CoveredFaces;
-use draw_inputs::DrawInputs;
+use casting::{CastInputs, CoveredFaces, PosedModel};
 use from_depth::FromDepth;
-use pictures::{Masks, Pictures};
-use render_resources::RenderResources;
+use pictures::{DrawInputs, Masks, Pictures};
 pub(crate) use report::files;
 use report::{Report, ResultFiles};
-use rimline::gpu::StageTimer;
-use rimline_picture::PARTS;
 use shadow_scene::{ShadowInputs, ShadowScene};
-use shadows::ShadowMethod;
-
-use crate::device::Gpu;
-use crate::failure::{Failure, UsageError};
-use crate::gpu_error::{GpuError, On as _};
-use crate::image::Picture;
-use crate::origin;
-use crate::output::{print, say};
-use crate::posed_input::note_idle_time;
-use crate::progress::Progress;
-use crate::report::Times;
-use crate::target::Inputs;
-use crate::warm_up;
+use shadows::{RenderResources, ShadowMethod, VolumePipelines, warn_of_limits};
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
@@ -56,10 +44,9 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut times = Times::default();
     progress.step("reading the models");
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
-    let origin =
-        times.measure("load", || origin::settle(&mut props.inputs, &props.animations, scene.posed.pose.time))?;
-    for animations in &props.animations {
-        note_idle_time(&scene.posed.pose, animations, props.displacement.as_ref());
+    let origin = times.measure("load", || settle(&mut props.inputs, scene.posed.pose.time))?;
+    for input in &props.inputs {
+        note_idle_time(&scene.posed.pose, !input.playing.is_empty(), props.displacement.as_ref());
     }
     let from_depth = times.measure("load", || FromDepth::of(args, origin))?;
     let given = from_depth.as_ref().and_then(|from| from.given.as_deref());
@@ -68,19 +55,26 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
-    let method = ShadowMethod::new(scene.method.counting(), from_depth.clone());
+    let method = ShadowMethod { counting: scene.method.counting(), from_depth: from_depth.clone() };
     let _compiling = method.compile(&gpu);
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
-    let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
+    let points: Vec<[f32; 3]> = bodies.iter().flat_map(PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
     if from_depth.is_some() && set.camera.far.is_some() {
         let what = if given.is_some() { "--depth" } else { "--from-depth" };
-        return Err(UsageError::Orthographic { what }.into());
+        return Err(Failure::usage(format!(
+            "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out \
+             --ortho or the --camera"
+        )));
     }
     given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
-        return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
+        return Err(Failure::usage(format!(
+            "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, as those of \
+             an .obj are without --polygons, or leave out --hide-covered",
+            body.input.file.display()
+        )));
     }
     from_depth.as_ref().map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))?;
     files.begin_lights(args, &inputs, set.shaded_lights.len())?;
@@ -111,7 +105,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     // Times are for those who ask for them; all others would wait for the work twice.
     if args.json {
         times.measure("compile", || {
-            warm_up::shadow_stages(&gpu, pipelines, &set.camera.shadow_camera(), (&set.bodies, &set.ranged()))
+            warm_up(&gpu, pipelines, &set.camera.shadow_camera(), (&set.bodies, &set.ranged()))
         })?;
     }
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
@@ -144,12 +138,31 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
     drop(progress);
-    depth::warn_of_limits(report.all);
+    warn_of_limits(report.all);
     set.warn_of_depth(&gpu);
     if args.json {
         return print(&report.json(scene, &times));
     }
     say(&report.text(&files.names, scene.view.size, &times))
+}
+
+/// Runs the stages of extraction and shadow volumes with a triangle, so that shaders are compiled before stages are timed.
+/// Depth maps of the lights have the cameras that they have for the bodies `seen`: one map or six, so that no other stages
+/// run than for these.
+fn warm_up(
+    gpu: &Gpu,
+    pipelines: &VolumePipelines,
+    camera: &ShadowCamera,
+    (seen, lights): (&[PosedModel<'_>], &[Light]),
+) -> Result<(), Failure> {
+    let Some(input) = Input::triangle() else { return Ok(()) };
+    let body = [PosedModel::new(gpu, &input, 0.0, None, true)?];
+    let mut shadows = casters::shadows(gpu, pipelines, lights.len()).on(gpu)?;
+    shadows.set_bodies(&body)?;
+    let mut encoder = gpu.encoder("warm up");
+    shadows.encode(&mut encoder, CastInputs { bodies: &body, seen, camera, lights }, None).on(gpu)?;
+    gpu.submit(encoder);
+    gpu.wait()
 }
 
 /// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.

@@ -7,8 +7,7 @@ use clap::{Command, CommandFactory};
 
 use crate::args::{Cli, CompletionsArgs, ManArgs};
 use crate::failure::Failure;
-use crate::output::{Folder, Output, printed, say};
-use crate::shown::Line;
+use crate::output::{Folder, Line, Output, printed, say};
 
 const NAME: &str = "rimline";
 

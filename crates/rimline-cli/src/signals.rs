@@ -6,16 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
-/// The signal that came first; 0: none did.
 static SIGNAL: AtomicU8 = AtomicU8::new(0);
 
 /// Whether a signal is to be noticed instead of obeyed at once.
 static IS_FINISHING: AtomicBool = AtomicBool::new(false);
 
-/// The words that are said when a signal ends the command.
 static LAST_WORDS: Mutex<String> = Mutex::new(String::new());
 
-/// Says this on standard error if a signal ends the command.
 pub(crate) fn say_at_end(text: String) {
     *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = text;
 }

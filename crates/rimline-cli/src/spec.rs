@@ -1,40 +1,38 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
+use std::str::FromStr;
+
 use rimline::gltf::SceneLight;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
-use rimline::mesh::{MeshError, WeldDistance};
+use rimline::mesh::WeldDistance;
 use rimline::{AreaShape, Light};
 
 use crate::coordinates::{Coordinate, GivenLight};
 
 /// Which light `--light` asks for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) enum LightSpec {
-    /// Given by its components.
     Given(GivenLight),
     /// The file's light of this name, or else of this number.
     Named(String),
-    /// Every light of the file, in its order.
+    #[default]
     All,
 }
 
 /// A light of `rimline shadow`: where it is, and how it shines.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ShadedLightSpec {
     pub(crate) light: LightSpec,
     /// Red, green and blue of its light, linear.
     pub(crate) color: Option<[f32; 3]>,
     pub(crate) intensity: Option<f32>,
-    /// Where its light ends.
     pub(crate) range: Option<f32>,
     /// Where its light begins to fall off towards the range, and how.
     pub(crate) begin: Option<f32>,
     pub(crate) exponent: Option<f32>,
     /// Degrees from the way that a spot shines, up to which it has full light, and beyond which it has none.
     pub(crate) cone: Option<[f32; 2]>,
-    /// The point that a spot shines at.
     pub(crate) target: Option<[Coordinate; 3]>,
-    /// The radius of the sphere that shines.
     pub(crate) radius: Option<f32>,
 }
 
@@ -46,85 +44,21 @@ pub(crate) enum AreaSpec {
     Given(AreaShape),
 }
 
-/// Why a value of the command line is refused; clap says which option it was given to.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum SpecError {
-    #[error(
-        "there is no kind of light `{0}`; write point:x,y,z, dir:x,y,z, hom:x,y,z,w, file:NAME, file:INDEX or file:all"
-    )]
-    Kind(String),
-    #[error("a name or a number must follow `file:`, or `all` for every light of the file")]
-    NoName,
-    #[error("{wanted} numbers are needed, separated by commas, but {given} are given")]
-    Count { wanted: usize, given: usize },
-    #[error("`{0}` is not a number")]
-    Number(String),
-    #[error("`{0}` is beyond what a 32-bit float holds (about ±3.4e38)")]
-    Overflow(String),
-    #[error(transparent)]
-    WeldDistance(MeshError),
-    #[error("all components are zero, which is neither a point nor a direction")]
-    Zero,
-    #[error("a size is written as width x height in pixels, such as 1280x960")]
-    Size,
-    #[error("a picture needs at least one pixel each way")]
-    NoPixels,
-    #[error("a picture has at most {limit} pixels each way, not {given}")]
-    Pixels { given: u32, limit: u32 },
-    #[error("it is {0}, and a distance above 0 is needed, 1e30 at most; without a distance leave the option out")]
-    Lift(f64),
-    #[error("it is {given}, and may be {least} to {most}")]
-    Range { given: f32, least: f32, most: f32 },
-    #[error(
-        "there is no light option `{0}`; there are range=R, begin=R, exponent=E, color=R,G,B, intensity=I, radius=R, \
-         cone=INNER,OUTER and target=X,Y,Z"
-    )]
-    LampOption(String),
-    #[error("{option}={value}: it must be {needed}")]
-    LampValue { option: &'static str, value: f32, needed: &'static str },
-    #[error(
-        "begin={begin} lies beyond the range {range}: the light would end before it begins to fade; give it a smaller \
-         begin or a larger range"
-    )]
-    BeginBeyondRange { begin: f32, range: f32 },
-    #[error("{0}= says how a light fades towards its range, but it has none; give range=R, too, or leave {0}= out")]
-    NoRange(&'static str),
-    #[error("{0}= is measured from a light's place, but it is at infinity; leave {0}= out, or write point:x,y,z")]
-    AtInfinity(&'static str),
-    #[error("cone={inner},{outer}: write cone=INNER,OUTER, two angles from 0 to 90 degrees, the smaller first")]
-    Cone { inner: f32, outer: f32 },
-    #[error(
-        "target= says where a spot shines, but the light has no cone; give cone=INNER,OUTER, too, or leave target= out"
-    )]
-    NoCone,
-    #[error("a spot at the point that it shines at has no direction; give another target=X,Y,Z")]
-    TargetAtLight,
-    #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
-    Area(String),
-    #[error("there is no detector `{0}`; write every, automatic, differences=T, second=LOW,HIGH or contours=T")]
-    Detector(String),
-    #[error("second=LOW,HIGH has the lower threshold first, not {low},{high}")]
-    SecondThresholds { low: f32, high: f32 },
-    #[error("device depths differ by 0 to 1, not {0}")]
-    DepthThreshold(f32),
-    #[error("edges that dangle go on by SHARE,CELLS: 0 to 1 of the thresholds, and 1 to 64 whole cells, such as 0.5,8")]
-    Dangling,
-    #[error("a light's size is more than 0, and at most {MOST_AREA_SIZE}")]
-    AreaSize,
-    #[error("the near plane must lie at a distance of more than 0")]
-    Near,
-    #[error("there are 1 to {limit} of them, not {given}")]
-    SampleCount { given: u32, limit: u32 },
-    #[error("the angle must lie between 0 and 180 degrees, both left out")]
-    Angle,
-    #[error("the angle must lie between 0 and 180 degrees")]
-    Crease,
+/// A value, if it is one that may be given.
+fn checked<T>(value: T, is_right: bool, why: impl Into<String>) -> Result<T, String> {
+    if is_right { Ok(value) } else { Err(why.into()) }
 }
 
 /// A light from its SPEC. Components are rounded once, from the decimal digits to the nearest `f32`, unless there is an
 /// origin.
-pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
-    let (kind, rest) = text.split_once(':').ok_or_else(|| SpecError::Kind(text.to_owned()))?;
+pub(crate) fn light(text: &str) -> Result<LightSpec, String> {
+    let unknown = |kind: &str| {
+        format!(
+            "there is no kind of light `{kind}`; write point:x,y,z, dir:x,y,z, hom:x,y,z,w, file:NAME, file:INDEX or \
+             file:all"
+        )
+    };
+    let (kind, rest) = text.split_once(':').ok_or_else(|| unknown(text))?;
     let with = |[x, y, z]: [Coordinate; 3], w: f32| [x, y, z, Coordinate { single: w, double: w.into() }];
     let xyzw = match kind {
         "point" => with(coordinates(rest)?, 1.0),
@@ -132,28 +66,26 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
         "hom" => coordinates(rest)?,
         "file" => {
             return match rest {
-                "" => Err(SpecError::NoName),
+                "" => Err("a name or a number must follow `file:`, or `all` for every light of the file".to_owned()),
                 "all" => Ok(LightSpec::All),
                 name => Ok(LightSpec::Named(name.to_owned())),
             };
         }
-        _ => return Err(SpecError::Kind(kind.to_owned())),
+        _ => return Err(unknown(kind)),
     };
     let given = GivenLight::new(xyzw);
-    if given.light.to_array() == [0.0; 4] {
-        return Err(SpecError::Zero);
-    }
-    Ok(LightSpec::Given(given))
+    let is_light = given.light.to_array() != [0.0; 4];
+    checked(LightSpec::Given(given), is_light, "all components are zero, which is neither a point nor a direction")
 }
 
 /// A light with its options, `SPEC[,option=value]…`.
-pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
+pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
     let (light_text, options) = split_options(text);
     let mut shaded = ShadedLightSpec::new(light(light_text)?);
-    let lamp = |option, value: f32, is_right: bool, needed| {
-        if is_right { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
+    let lamp = |option: &str, value: f32, is_right, needed: &str| {
+        checked(value, is_right, format!("{option}={value}: it must be {needed}"))
     };
-    let bounded = |option, value| lamp(option, value, (0.0..=MOST_LAMP).contains(&value), "0 to 1000000000");
+    let bounded = |option: &str, value| lamp(option, value, (0.0..=MOST_LAMP).contains(&value), "0 to 1000000000");
     for option in options {
         let (name, value) = option.split_once('=').unwrap_or((option, ""));
         match name {
@@ -174,10 +106,9 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
             }
             "cone" => {
                 let [inner, outer] = numbers(value)?;
-                if !(0.0 <= inner && inner <= outer && 0.0 < outer && outer <= 90.0) {
-                    return Err(SpecError::Cone { inner, outer });
-                }
-                shaded.cone = Some([inner, outer]);
+                let is_right = 0.0 <= inner && inner <= outer && 0.0 < outer && outer <= 90.0;
+                let why = "write cone=INNER,OUTER, two angles from 0 to 90 degrees, the smaller first";
+                shaded.cone = Some(checked([inner, outer], is_right, format!("cone={inner},{outer}: {why}"))?);
             }
             "target" => shaded.target = Some(coordinates(value)?),
             "color" => {
@@ -187,45 +118,51 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
                 }
                 shaded.color = Some(color);
             }
-            _ => return Err(SpecError::LampOption(name.to_owned())),
+            _ => {
+                return Err(format!(
+                    "there is no light option `{name}`; there are range=R, begin=R, exponent=E, color=R,G,B, intensity=I, \
+                     radius=R, cone=INNER,OUTER and target=X,Y,Z"
+                ));
+            }
         }
     }
     if let LightSpec::Given(given) = shaded.light {
         // The options that a light has in the file are known once the file is read.
-        shaded.check(given.light, None)?;
+        shaded.check(given.light, None).map_err(|(_, problem)| problem)?;
     }
     Ok(shaded)
 }
 
 impl ShadedLightSpec {
     pub(crate) fn new(light: LightSpec) -> Self {
-        Self {
-            light,
-            color: None,
-            intensity: None,
-            range: None,
-            begin: None,
-            exponent: None,
-            cone: None,
-            target: None,
-            radius: None,
-        }
+        Self { light, ..Self::default() }
     }
 
-    /// Its options fit together and to the light, which may have a range and a cone of its own.
-    pub(crate) fn check(&self, light: Light, of_file: Option<&SceneLight>) -> Result<(), SpecError> {
+    /// Its options fit together and to the light, which may have a range and a cone of its own. If not: whether they fit no
+    /// light, and why.
+    pub(crate) fn check(&self, light: Light, of_file: Option<&SceneLight>) -> Result<(), (bool, String)> {
         let at_a_point =
             [("range", self.range.is_some()), ("cone", self.cone.is_some()), ("target", self.target.is_some())];
         if let Some((option, _)) = at_a_point.into_iter().find(|(_, is_given)| light.w == 0.0 && *is_given) {
-            return Err(SpecError::AtInfinity(option));
+            let why = "is measured from a light's place, but it is at infinity";
+            return Err((false, format!("{option}= {why}; leave {option}= out, or write point:x,y,z")));
         }
         if self.target.is_some() && self.cone.is_none() && of_file.is_none_or(|light| light.cone.is_none()) {
-            return Err(SpecError::NoCone);
+            let why = "target= says where a spot shines, but the light has no cone; give cone=INNER,OUTER, too, or leave \
+                       target= out";
+            return Err((false, why.to_owned()));
         }
+        let no_range = |option: &str| {
+            let why = "says how a light fades towards its range, but it has none; give range=R, too, or leave";
+            Err((false, format!("{option}= {why} {option}= out")))
+        };
         match (self.range.or(of_file.and_then(|light| light.range)), self.begin, self.exponent) {
-            (None, Some(_), _) => Err(SpecError::NoRange("begin")),
-            (None, None, Some(_)) => Err(SpecError::NoRange("exponent")),
-            (Some(range), Some(begin), _) if begin > range => Err(SpecError::BeginBeyondRange { begin, range }),
+            (None, Some(_), _) => no_range("begin"),
+            (None, None, Some(_)) => no_range("exponent"),
+            (Some(range), Some(begin), _) if begin > range => {
+                let why = "the light would end before it begins to fade; give it a smaller begin or a larger range";
+                Err((true, format!("begin={begin} lies beyond the range {range}: {why}")))
+            }
             _ => Ok(()),
         }
     }
@@ -244,20 +181,22 @@ fn split_options(text: &str) -> (&str, Vec<&str>) {
     (&text[..starts.first().copied().unwrap_or(text.len())], options)
 }
 
-pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
+pub(crate) fn area(text: &str) -> Result<AreaSpec, String> {
+    let unknown = || Err(format!("there is no shape `{text}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R"));
     let given = |shape, sizes: &[f32]| {
-        if sizes.iter().all(|&size| size > 0.0 && size <= MOST_AREA_SIZE) {
-            Ok(AreaSpec::Given(shape))
-        } else {
-            Err(SpecError::AreaSize)
-        }
+        let is_right = sizes.iter().all(|&size| size > 0.0 && size <= MOST_AREA_SIZE);
+        checked(
+            AreaSpec::Given(shape),
+            is_right,
+            format!("a light's size is more than 0, and at most {MOST_AREA_SIZE}"),
+        )
     };
     match text.split_once(':') {
         None => Ok(AreaSpec::Chosen(match text {
             "rect" => AreaShape::Rectangle { width: 2.2, height: 1.4 },
             "disc" => AreaShape::Disc { radius: 1.0 },
             "sphere" => AreaShape::Sphere { radius: 1.0 },
-            _ => return Err(SpecError::Area(text.to_owned())),
+            _ => return unknown(),
         })),
         Some(("rect", sizes)) => {
             let sizes @ [width, height] = numbers(sizes)?;
@@ -268,7 +207,7 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
             let is_disc = kind == "disc";
             given(if is_disc { AreaShape::Disc { radius } } else { AreaShape::Sphere { radius } }, &[radius])
         }
-        Some(_) => Err(SpecError::Area(text.to_owned())),
+        Some(_) => unknown(),
     }
 }
 
@@ -276,60 +215,39 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
 const MOST_LAMP: f32 = 1e9;
 /// The largest size of a light's shape, so that places on it stay finite.
 const MOST_AREA_SIZE: f32 = 1e30;
-/// The largest distance that points are lifted.
-const MOST_LIFT: f64 = 1e30;
 /// The largest width and height of a picture. Devices have limits of their own, which are lower.
 const MOST_PIXELS: u32 = 1 << 16;
-/// The largest time in seconds, before and after 0.
-const MOST_SECONDS: f32 = 1e9;
-/// How many pictures a second has.
-const LEAST_FPS: f32 = 1e-3;
-const MOST_FPS: f32 = 1e5;
-
 /// At most so many lights stand for one.
 pub(crate) const MOST_SAMPLES: u32 = 32;
 
-pub(crate) fn samples(text: &str) -> Result<usize, SpecError> {
-    const LIMIT: u32 = MOST_SAMPLES;
-    match text.trim().parse::<u32>() {
-        Ok(count @ 1..=LIMIT) => Ok(count as usize),
-        Ok(given) => Err(SpecError::SampleCount { given, limit: LIMIT }),
-        Err(_) => Err(SpecError::Number(text.to_owned())),
+pub(crate) fn samples(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(count @ 1..=MOST_SAMPLES) => Ok(count as usize),
+        Ok(given) => Err(format!("there are 1 to {MOST_SAMPLES} of them, not {given}")),
+        Err(_) => Err(no_number(text)),
     }
 }
 
-pub(crate) fn near(text: &str) -> Result<f32, SpecError> {
+pub(crate) fn near(text: &str) -> Result<f32, String> {
     let distance = number(text)?;
-    if distance > 0.0 { Ok(distance) } else { Err(SpecError::Near) }
+    checked(distance, distance > 0.0, "the near plane must lie at a distance of more than 0")
 }
 
-pub(crate) fn lift(text: &str) -> Result<f64, SpecError> {
+pub(crate) fn lift(text: &str) -> Result<f64, String> {
     let distance = coordinate(text)?.double;
-    if distance > 0.0 && distance <= MOST_LIFT { Ok(distance) } else { Err(SpecError::Lift(distance)) }
+    let needed = "a distance above 0 is needed, 1e30 at most; without a distance leave the option out";
+    checked(distance, distance > 0.0 && distance <= 1e30, format!("it is {distance}, and {needed}"))
 }
 
-pub(crate) fn pictures_a_second(text: &str) -> Result<f32, SpecError> {
-    within(text, LEAST_FPS, MOST_FPS)
+/// Reads a number from `least` to `most`.
+pub(crate) fn within(least: f32, most: f32) -> impl Fn(&str) -> Result<f32, String> + Clone {
+    move |text| {
+        let given = number(text)?;
+        checked(given, (least..=most).contains(&given), format!("it is {given}, and may be {least} to {most}"))
+    }
 }
 
-/// A length in seconds: one picture at least, as the most pictures a second make it.
-pub(crate) fn length(text: &str) -> Result<f32, SpecError> {
-    within(text, MOST_FPS.recip(), MOST_SECONDS)
-}
-
-fn within(text: &str, least: f32, most: f32) -> Result<f32, SpecError> {
-    let given = number(text)?;
-    if (least..=most).contains(&given) { Ok(given) } else { Err(SpecError::Range { given, least, most }) }
-}
-
-/// How far a segment may be from its contour, in texels.
-const CONTOUR_SIDEWAYS: f32 = 0.1;
-/// How far the ends of a wall may be from the surfaces that it joins, in thresholds.
-const CONTOUR_THRESHOLDS: f32 = 4.0;
-
-/// How shadows are found in depth maps.
-pub(crate) fn detector(text: &str) -> Result<DepthMapMethod, SpecError> {
-    let unknown = || SpecError::Detector(text.to_owned());
+pub(crate) fn detector(text: &str) -> Result<DepthMapMethod, String> {
     match text.split_once('=') {
         None if text == "every" => Ok(DepthMapMethod::EveryCell),
         None if text == "automatic" => Ok(DepthMapMethod::Automatic { dangling: None }),
@@ -339,105 +257,163 @@ pub(crate) fn detector(text: &str) -> Result<DepthMapMethod, SpecError> {
         Some(("second", thresholds)) => {
             let [low, high] = numbers(thresholds)?;
             let (low, high) = (depth_difference(low)?, depth_difference(high)?);
-            if low <= high {
-                Ok(DepthMapMethod::SecondDifferences { low, high, dangling: None })
-            } else {
-                Err(SpecError::SecondThresholds { low, high })
-            }
+            let why = format!("second=LOW,HIGH has the lower threshold first, not {low},{high}");
+            checked(DepthMapMethod::SecondDifferences { low, high, dangling: None }, low <= high, why)
         }
         Some(("contours", threshold)) => {
             let threshold = depth_difference(number(threshold)?)?;
-            let depth = (CONTOUR_THRESHOLDS * threshold).min(1.0);
-            Ok(DepthMapMethod::Contours { threshold, sideways: CONTOUR_SIDEWAYS, depth })
+            // In texels, and in thresholds.
+            let (sideways, depth) = (0.1, (4.0 * threshold).min(1.0));
+            Ok(DepthMapMethod::Contours { threshold, sideways, depth })
         }
-        _ => Err(unknown()),
+        _ => Err(format!(
+            "there is no detector `{text}`; write every, automatic, differences=T, second=LOW,HIGH or contours=T"
+        )),
     }
 }
 
 /// How edges of depth maps go on that dangle, `SHARE,CELLS`.
-pub(crate) fn dangling(text: &str) -> Result<DanglingEdges, SpecError> {
+pub(crate) fn dangling(text: &str) -> Result<DanglingEdges, String> {
     let [share, cells] = numbers(text)?;
-    if (0.0..=1.0).contains(&share) && (1.0..=64.0).contains(&cells) && cells.fract() == 0.0 {
-        Ok(DanglingEdges { share, cells: cells as u32 })
-    } else {
-        Err(SpecError::Dangling)
-    }
+    let is_right = (0.0..=1.0).contains(&share) && (1.0..=64.0).contains(&cells) && cells.fract() == 0.0;
+    let why =
+        "edges that dangle go on by SHARE,CELLS: 0 to 1 of the thresholds, and 1 to 64 whole cells, such as 0.5,8";
+    checked(DanglingEdges { share, cells: cells as u32 }, is_right, why)
 }
 
-fn depth_difference(value: f32) -> Result<f32, SpecError> {
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(SpecError::DepthThreshold(value)) }
+fn depth_difference(value: f32) -> Result<f32, String> {
+    checked(value, (0.0..=1.0).contains(&value), format!("device depths differ by 0 to 1, not {value}"))
 }
 
-/// A picture's width and height, `WxH`.
-pub(crate) fn size(text: &str) -> Result<[u32; 2], SpecError> {
-    let (width, height) = text.split_once(['x', 'X']).ok_or(SpecError::Size)?;
-    let pixels = |text: &str| text.trim().parse::<u32>().map_err(|_| SpecError::Size);
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = "a size is written as width x height in pixels, such as 1280x960";
+    let (width, height) = text.split_once(['x', 'X']).ok_or(wrong)?;
+    let pixels = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong);
     match [pixels(width)?, pixels(height)?] {
-        [0, _] | [_, 0] => Err(SpecError::NoPixels),
-        [given, _] | [_, given] if given > MOST_PIXELS => Err(SpecError::Pixels { given, limit: MOST_PIXELS }),
+        [0, _] | [_, 0] => Err("a picture needs at least one pixel each way".to_owned()),
+        [given, _] | [_, given] if given > MOST_PIXELS => {
+            Err(format!("a picture has at most {MOST_PIXELS} pixels each way, not {given}"))
+        }
         size => Ok(size),
     }
 }
 
-pub(crate) fn field_of_view(text: &str) -> Result<f32, SpecError> {
+pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
     let [degrees] = numbers(text)?;
-    if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err(SpecError::Angle) }
+    let is_angle = degrees > 0.0 && degrees < 180.0;
+    checked(degrees, is_angle, "the angle must lie between 0 and 180 degrees, both left out")
 }
 
-/// Degrees that a camera is led around in a film.
-pub(crate) fn orbit(text: &str) -> Result<f32, SpecError> {
-    within(text, -3600.0, 3600.0)
-}
-
-/// The angle of creases in degrees.
-pub(crate) fn crease(text: &str) -> Result<f64, SpecError> {
+pub(crate) fn crease(text: &str) -> Result<f64, String> {
     let [degrees] = numbers(text)?;
-    if (0.0..=180.0).contains(&degrees) { Ok(degrees.into()) } else { Err(SpecError::Crease) }
+    checked(degrees.into(), (0.0..=180.0).contains(&degrees), "the angle must lie between 0 and 180 degrees")
 }
 
-/// An angle in degrees by which an eye moves around.
-pub(crate) fn turn(text: &str) -> Result<f64, SpecError> {
-    within(text, -36_000.0, 36_000.0).map(f64::from)
+pub(crate) fn weld_distance(text: &str) -> Result<WeldDistance, String> {
+    WeldDistance::new(number(text)?).map_err(|error| error.to_string())
 }
 
-pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {
-    within(text, -MOST_SECONDS, MOST_SECONDS)
-}
-
-pub(crate) fn weld_distance(text: &str) -> Result<WeldDistance, SpecError> {
-    WeldDistance::new(number(text)?).map_err(SpecError::WeldDistance)
-}
-
-fn numbers<const N: usize>(text: &str) -> Result<[f32; N], SpecError> {
+fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
     separated(text, number)
 }
 
-pub(crate) fn coordinates<const N: usize>(text: &str) -> Result<[Coordinate; N], SpecError> {
+pub(crate) fn coordinates<const N: usize>(text: &str) -> Result<[Coordinate; N], String> {
     separated(text, coordinate)
 }
 
-fn separated<T, const N: usize>(text: &str, read: fn(&str) -> Result<T, SpecError>) -> Result<[T; N], SpecError> {
+fn separated<T, const N: usize>(text: &str, read: fn(&str) -> Result<T, String>) -> Result<[T; N], String> {
     let values = text.split(',').map(read).collect::<Result<Vec<_>, _>>()?;
-    values.try_into().map_err(|values: Vec<_>| SpecError::Count { wanted: N, given: values.len() })
+    values.try_into().map_err(|values: Vec<_>| {
+        format!("{N} numbers are needed, separated by commas, but {} are given", values.len())
+    })
 }
 
-pub(crate) fn coordinate(text: &str) -> Result<Coordinate, SpecError> {
+pub(crate) fn coordinate(text: &str) -> Result<Coordinate, String> {
     let single = number(text)?;
-    let double = text.trim().parse().map_err(|_| SpecError::Number(text.trim().to_owned()))?;
+    let double = text.trim().parse().map_err(|_| no_number(text.trim()))?;
     Ok(Coordinate { single, double })
 }
 
-fn number(text: &str) -> Result<f32, SpecError> {
+fn no_number(text: &str) -> String {
+    format!("`{text}` is not a number")
+}
+
+fn number(text: &str) -> Result<f32, String> {
     let text = text.trim();
     // `str::parse` also takes "inf", "nan" and their like; only digits make a number here.
     if !text.contains(|c: char| c.is_ascii_digit()) {
-        return Err(SpecError::Number(text.to_owned()));
+        return Err(no_number(text));
     }
     match text.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(SpecError::Overflow(text.to_owned())),
-        Err(_) => Err(SpecError::Number(text.to_owned())),
+        Ok(_) => Err(format!("`{text}` is beyond what a 32-bit float holds (about ±3.4e38)")),
+        Err(_) => Err(no_number(text)),
     }
+}
+
+const UP: [f32; 3] = [0.0, 1.0, 0.0];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Side {
+    Named(&'static str, [f32; 3]),
+    /// To the right of the front, and above the ground, in degrees.
+    Angles(f64, f64),
+}
+
+const SIDES: [(&str, [f32; 3]); 7] = [
+    ("front", [0.0, 0.0, 1.0]),
+    ("back", [0.0, 0.0, -1.0]),
+    ("left", [-1.0, 0.0, 0.0]),
+    ("right", [1.0, 0.0, 0.0]),
+    ("top", [0.0, 1.0, 0.0]),
+    ("bottom", [0.0, -1.0, 0.0]),
+    ("iso", [1.0, 1.0, 1.0]),
+];
+
+impl FromStr for Side {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if let Some((name, side)) = SIDES.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text)) {
+            return Ok(Self::Named(name, side));
+        }
+        let angles = text.split_once(',').and_then(|(azimuth, elevation)| {
+            let angle = |text: &str| text.trim().parse().ok().filter(|degrees: &f64| degrees.abs() <= 360.0);
+            Some((angle(azimuth)?, angle(elevation).filter(|degrees| degrees.abs() <= 90.0)?))
+        });
+        let (azimuth, elevation) = angles.ok_or(
+            "a side is front, back, left, right, top, bottom, iso, or an azimuth from -360 to 360 and an elevation from -90 to 90 \
+             degrees, such as 30,15",
+        )?;
+        Ok(Self::Angles(azimuth, elevation))
+    }
+}
+
+impl Side {
+    /// The direction towards the eye, of any length, and the direction that is up on the page.
+    pub(crate) fn directions(self) -> ([f64; 3], [f32; 3]) {
+        match self {
+            Self::Named(_, side) => (side.map(f64::from), up_of(side.map(f64::from))),
+            Self::Angles(azimuth, elevation) => of_angles(azimuth, elevation),
+        }
+    }
+}
+
+/// The direction that is up on the page: +Y, or for an eye above or below -Z or +Z.
+pub(crate) fn up_of([x, y, z]: [f64; 3]) -> [f32; 3] {
+    if libm::sqrt(x * x + z * z) > 1e-6 * y.abs() { UP } else { [0.0, 0.0, if y < 0.0 { 1.0 } else { -1.0 }] }
+}
+
+/// The direction towards an eye at these angles in degrees, and what is up on the page.
+fn of_angles(azimuth: f64, elevation: f64) -> ([f64; 3], [f32; 3]) {
+    let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
+    let (sine, cosine) = (libm::sin(azimuth), libm::cos(azimuth));
+    let level = libm::cos(elevation);
+    let towards_eye = [sine * level, libm::sin(elevation), cosine * level];
+    // Straight from above or below the azimuth still turns the page.
+    let up = if level > 1e-6 { UP } else { [-sine, 0.0, -cosine].map(|c| (c * towards_eye[1]) as f32) };
+    let towards_eye = if level > 1e-6 { towards_eye } else { [0.0, towards_eye[1], 0.0] };
+    (towards_eye, up)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use rimline_files::Up;
 use rimline_view::desktop::{DesktopError, DesktopOptions, run as open_window};
 
 use crate::device::Wanted;
-use crate::failure::{Failure, NoDevice, UsageError};
+use crate::failure::{DRAW_ON_CPU, Failure, NoDevice};
 use crate::input_args::{drawing_device, up, verbatim};
 use crate::spec;
 
@@ -50,7 +50,7 @@ says what of the view is not in the line.
 
 pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
     let device = match Wanted::parse(&args.device) {
-        Wanted::Cpu => return Err(UsageError::DrawOnCpu.into()),
+        Wanted::Cpu => return Err(Failure::usage(DRAW_ON_CPU)),
         Wanted::Named(name) => Some(name),
         Wanted::Auto | Wanted::Gpu => None,
     };

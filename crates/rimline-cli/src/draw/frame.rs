@@ -23,7 +23,7 @@ pub(super) struct Frame {
     ground_centre: [f32; 2],
     ground_half: f32,
     shadow_height: f32,
-    survey_scale: u32,
+    pub(super) survey_scale: u32,
     show_boundary: u32,
     far: f32,
     is_colored: u32,
@@ -36,7 +36,7 @@ impl Frame {
         size: [u32; 2],
         bounds: &Bounds,
         survey_scale: u32,
-        show_boundary: bool,
+        [show_boundary, is_colored]: [bool; 2],
     ) -> Self {
         let (extent, centre) = (bounds.extent(), bounds.centre());
         let [min, max] = [bounds.min, bounds.max];
@@ -60,17 +60,8 @@ impl Frame {
             survey_scale,
             show_boundary: u32::from(show_boundary),
             far: camera.far.unwrap_or(0.0),
-            is_colored: 0,
+            is_colored: u32::from(is_colored),
         }
-    }
-
-    /// The same for a model with base colours.
-    pub(super) fn colored(self, is_colored: bool) -> Self {
-        Self { is_colored: u32::from(is_colored), ..self }
-    }
-
-    pub(super) fn survey_scale(&self) -> u32 {
-        self.survey_scale
     }
 
     /// Where a model within `bounds` can be in a picture.
@@ -90,11 +81,7 @@ impl Frame {
             [(0.5 + 0.5 * x) * width, (0.5 - 0.5 * y) * height]
         };
         // Rounding comes to less than a pixel.
-        Region::around(
-            bounds.corners().into_iter().map(|corner| to_pixel(corner.as_dvec3())),
-            2.0,
-            self.size.map(|pixels| pixels as u32),
-        )
+        Region::around(bounds.corners().map(|c| to_pixel(c.as_dvec3())), 2.0, self.size.map(|pixels| pixels as u32))
     }
 
     /// Where a model within `bounds` can be in a square contact map of so many pixels, or `margin` pixels beside.
@@ -104,14 +91,9 @@ impl Frame {
             let [x, z] = self.ground_centre.map(f64::from);
             [0.5 + 0.5 * (corner.x - x) / half, 0.5 - 0.5 * (corner.z - z) / half].map(|c| c * f64::from(pixels))
         };
-        Region::around(
-            bounds.corners().into_iter().map(|corner| to_pixel(corner.as_dvec3())),
-            margin + 2.0,
-            [pixels; 2],
-        )
+        Region::around(bounds.corners().map(|c| to_pixel(c.as_dvec3())), margin + 2.0, [pixels; 2])
     }
 
-    /// The eye is above the ground, so the ground is seen.
     pub(super) fn sees_ground(&self) -> bool {
         self.eye[1] > self.ground
     }
@@ -127,7 +109,7 @@ pub(super) struct Region {
 impl Region {
     /// Around pixel positions, `margin` wider on each side, within a target of this size. All of it, if one of them is not
     /// finite.
-    pub(super) fn around(points: impl Iterator<Item = [f64; 2]>, margin: f64, size: [u32; 2]) -> Self {
+    pub(super) fn around(points: impl IntoIterator<Item = [f64; 2]>, margin: f64, size: [u32; 2]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for point in points {
             if point.iter().any(|c| !c.is_finite()) {

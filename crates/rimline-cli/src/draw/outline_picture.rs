@@ -2,21 +2,22 @@
 
 use rimline::gpu::{Extraction, include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
-use rimline_picture::Bounds;
-use wgpu::{BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
+use rimline_picture::{
+    Bounds, LARGEST, MULTIPLY, Pass, PipelineFactory, READ_ONLY, UNIFORM, color_pass, depth_state, plain_texture,
+    read_texture, view,
+};
+use wgpu::{
+    BindGroup, BindGroupLayout, BindingResource, BindingType, BlendState, PrimitiveTopology, ShaderStages,
+    TextureFormat, TextureUsages,
+};
 
-use super::contact_shadow::{self, ContactShadow};
-use super::frame::Frame;
-use super::survey::{SEEN, Survey, Veils, nearest};
-use crate::device::Gpu;
-use crate::gpu_error::GpuError;
-use rimline_picture::{MULTIPLY, Pass, PipelineFactory, READ_ONLY, color_pass, read_texture, view};
+use super::frame::{Frame, Region};
+use crate::device::{Gpu, GpuError};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const SAMPLES: u32 = 4;
 
-/// The pipelines of the first passes: the survey, the contact shadow, the paper and the model.
 pub(super) struct ModelPipelines {
     geometry: wgpu::BindGroupLayout,
     survey: wgpu::RenderPipeline,
@@ -55,7 +56,6 @@ impl ModelPipelines {
     }
 }
 
-/// The pipelines of what goes over the model: occlusion and lines.
 pub(super) struct LinePipelines {
     seen: wgpu::BindGroupLayout,
     occlusion: wgpu::RenderPipeline,
@@ -98,17 +98,6 @@ pub(super) fn factory(gpu: &Gpu) -> PipelineFactory {
     PipelineFactory::new((&gpu.device, &gpu.queue), include_str!("frame.wgsl"), &[0; size_of::<Frame>()])
 }
 
-/// The corners of the faces that are drawn.
-pub(super) struct Corners<'a> {
-    /// Their positions are finite.
-    pub(super) faces: &'a [[u32; 3]],
-    /// One a corner, folded.
-    pub(super) normals: &'a [u32],
-    /// Base colours, packed.
-    pub(super) colors: Option<&'a [[u32; 3]]>,
-}
-
-/// The targets, and what reads them.
 pub(super) struct Canvas<'a> {
     factory: &'a PipelineFactory,
     frame: &'a Frame,
@@ -129,7 +118,7 @@ impl<'a> Canvas<'a> {
         Self {
             colour: target("colour", FORMAT, SAMPLES, TextureUsages::empty()),
             depth: target("depth", TextureFormat::Depth32Float, SAMPLES, TextureUsages::empty()),
-            survey: Survey::new(factory, size, frame.survey_scale()),
+            survey: Survey::new(factory, size, frame.survey_scale),
             occlusion: target("occlusion", TextureFormat::R8Unorm, 1, readable),
             finished: factory.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
             factory,
@@ -138,13 +127,14 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Records the survey, paper, contact shadow and the shaded model. Returns the buffer of faces.
+    /// Records the survey, paper, contact shadow and the shaded model: faces whose positions are finite, a folded normal and a
+    /// packed base colour for each corner. Returns the buffer of faces.
     pub(super) fn model(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &ModelPipelines,
         positions: &wgpu::Buffer,
-        Corners { faces, normals, colors }: Corners<'_>,
+        (faces, normals, colors): (&[[u32; 3]], &[u32], Option<&[[u32; 3]]>),
     ) -> wgpu::Buffer {
         let Self { factory, .. } = *self;
         let corners = 3 * faces.len() as u32;
@@ -156,7 +146,7 @@ impl<'a> Canvas<'a> {
         self.survey.record(factory, encoder, &pipelines.survey, &geometry, corners);
         let contact = &pipelines.contact;
         let sees_ground = self.frame.sees_ground();
-        let region = self.frame.region_on_ground(self.bounds, contact_shadow::SPREAD, contact_shadow::SIZE);
+        let region = self.frame.region_on_ground(self.bounds, SPREAD, CONTACT_SIZE);
         let shadow = sees_ground.then(|| contact.record(factory, encoder, (&geometry, region), corners));
 
         let white = Some(wgpu::Color::WHITE);
@@ -192,7 +182,7 @@ impl<'a> Canvas<'a> {
         let darkening = factory.group(&pipelines.darkening, &[seen, occlusion]);
         let results = extraction.bind_group(&pipelines.results, 0)?;
         let survey = self.survey.group(factory, &pipelines.survey, buffers);
-        let survey_size = [self.finished.width(), self.finished.height()].map(|pixels| frame.survey_scale() * pixels);
+        let survey_size = [self.finished.width(), self.finished.height()].map(|pixels| frame.survey_scale * pixels);
         let veils = pipelines.veils.record(factory, encoder, &survey, survey_size);
         let finished = view(&self.finished);
         let mut pass = color_pass(encoder, "lines", (&self.colour, Some(&finished)), None, None);
@@ -205,5 +195,200 @@ impl<'a> Canvas<'a> {
         extraction.draw(&mut pass, 0)?;
         drop(pass);
         Ok(self.finished)
+    }
+}
+
+pub(super) const CONTACT_SIZE: u32 = 512;
+/// How far all blurs together spread, in pixels: twelve samples on each side, and the neighbours that each is mixed with.
+pub(super) const SPREAD: f64 = 12.0 * (1.6 + 0.7) + 2.0;
+const CONTACT: TextureFormat = TextureFormat::R8Unorm;
+
+pub(super) struct ContactShadow {
+    /// The layout with which the ground reads the map, and each blur the map before.
+    pub(super) layout: BindGroupLayout,
+    below: wgpu::RenderPipeline,
+    blur: wgpu::RenderPipeline,
+}
+
+impl ContactShadow {
+    /// `geometry` is the layout of the model's group.
+    pub(super) fn new(factory: &PipelineFactory, geometry: &BindGroupLayout) -> Self {
+        let map = read_texture(wgpu::TextureViewDimension::D2, true);
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let layout = factory.layout(&[map, sampler, UNIFORM]);
+        let (model, screen) = (include_str!("model.wgsl"), include_str!("screen.wgsl"));
+        Self {
+            // Whatever is nearest to the ground counts, in any order.
+            below: factory.pipeline(&Pass { blend: Some(LARGEST), ..Pass::new("below", model, &[geometry], CONTACT) }),
+            blur: factory.pipeline(&Pass::over("blur", screen, &[&layout], CONTACT)),
+            layout,
+        }
+    }
+
+    /// Records the map of so many corners, which is black but for a region, and returns the group that the ground reads
+    /// it with.
+    pub(super) fn record(
+        &self,
+        factory: &PipelineFactory,
+        encoder: &mut wgpu::CommandEncoder,
+        (geometry, region): (&BindGroup, Region),
+        corners: u32,
+    ) -> BindGroup {
+        let [first, second] = ["contact map", "blurred contact map"].map(|label| {
+            view(&factory.target(label, [CONTACT_SIZE; 2], CONTACT, 1, wgpu::TextureUsages::TEXTURE_BINDING))
+        });
+        let black = Some(wgpu::Color::BLACK);
+        let mut pass = color_pass(encoder, "below", (&first, None), black, None);
+        factory.draw(&mut pass, &self.below, &[geometry], corners);
+        drop(pass);
+        let sampler = factory.device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let group = |view, pitch: [f32; 2]| {
+            let pitch = factory.uniform("pitch", bytemuck::bytes_of(&pitch));
+            let map = BindingResource::TextureView(view);
+            factory.group(&self.layout, &[map, BindingResource::Sampler(&sampler), pitch.as_entire_binding()])
+        };
+        for (pitch, across) in [(1.6, true), (1.6, false), (0.7, true), (0.7, false)] {
+            let (source, target) = if across { (&first, &second) } else { (&second, &first) };
+            let pitch = if across { [pitch, 0.0] } else { [0.0, pitch] };
+            let mut pass = color_pass(encoder, "blur", (target, None), black, None);
+            if region.keep(&mut pass) {
+                factory.draw(&mut pass, &self.blur, &[&group(source, pitch)], 3);
+            }
+        }
+        group(&first, [0.0; 2])
+    }
+}
+
+const SURVEY: TextureFormat = TextureFormat::Rgba16Uint;
+
+/// The nearest is drawn and written.
+pub(super) fn nearest() -> wgpu::DepthStencilState {
+    depth_state(TextureFormat::Depth32Float, true, wgpu::CompareFunction::Greater, wgpu::StencilFaceState::IGNORE)
+}
+
+pub(super) const SEEN: BindingType = BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Uint,
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
+
+/// Pictures with more pixels than this, in which faces smaller than pixels are rare, have one texel of the survey a pixel.
+const MOST_FINE: u64 = 1 << 23;
+
+/// Texels of the survey along a pixel's side, for a picture of this size.
+pub(super) fn survey_scale([width, height]: [u32; 2], most: u32) -> u32 {
+    let is_small = u64::from(width) * u64::from(height) <= MOST_FINE && width.max(height) <= most / 2;
+    if is_small { 2 } else { 1 }
+}
+
+pub(super) struct Survey {
+    pub(super) seen: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+impl Survey {
+    pub(super) fn new(factory: &PipelineFactory, size: [u32; 2], scale: u32) -> Self {
+        let target =
+            |label, format, usage| view(&factory.target(label, size.map(|pixels| scale * pixels), format, 1, usage));
+        Self {
+            seen: target("survey", SURVEY, TextureUsages::TEXTURE_BINDING),
+            depth: target("survey depth", TextureFormat::Depth32Float, TextureUsages::empty()),
+        }
+    }
+
+    pub(super) fn pipeline(factory: &PipelineFactory, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
+        let source = include_str!("model.wgsl");
+        factory.pipeline(&Pass { depth: Some(nearest()), ..Pass::new("survey", source, &[geometry], SURVEY) })
+    }
+
+    pub(super) fn record(
+        &self,
+        factory: &PipelineFactory,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::RenderPipeline,
+        geometry: &BindGroup,
+        corners: u32,
+    ) {
+        let nothing = Some(wgpu::Color::TRANSPARENT);
+        let mut pass = color_pass(encoder, "survey", (&self.seen, None), nothing, Some(&self.depth));
+        factory.draw(&mut pass, pipeline, &[geometry], corners);
+    }
+
+    /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists
+    /// are read by there leaves no room for more storage buffers.
+    pub(super) fn layout(factory: &PipelineFactory) -> BindGroupLayout {
+        rimline_picture::layout(&factory.device, ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
+    }
+
+    pub(super) fn group(
+        &self,
+        factory: &PipelineFactory,
+        layout: &BindGroupLayout,
+        [positions, faces]: [&wgpu::Buffer; 2],
+    ) -> BindGroup {
+        let resources =
+            [BindingResource::TextureView(&self.seen), positions.as_entire_binding(), faces.as_entire_binding()];
+        factory.group(layout, &resources)
+    }
+}
+
+/// Bits of floats, as OpenGL need not draw onto floats.
+const VEIL: TextureFormat = TextureFormat::R32Uint;
+
+/// Places of the survey each way in a square of the finest level; as in `veil.wgsl`.
+const SQUARE: u32 = 8;
+
+pub(super) struct Veils {
+    /// One texture that vertices and fragments see.
+    pub(super) layout: BindGroupLayout,
+    finest: wgpu::RenderPipeline,
+    coarser: wgpu::RenderPipeline,
+}
+
+impl Veils {
+    /// `survey` is the layout of the survey's group, as `lines.wgsl` reads it.
+    pub(super) fn new(factory: &PipelineFactory, survey: &BindGroupLayout) -> Self {
+        let layout = factory.layout(&[SEEN]);
+        let pipeline = |name, group| factory.pipeline(&Pass::over(name, include_str!("veil.wgsl"), &[group], VEIL));
+        let (finest, coarser) = (pipeline("veil", survey), pipeline("veil_level", &layout));
+        Self { layout, finest, coarser }
+    }
+
+    /// Records the veils of a survey of this size. Returns the group that lines read the veils with.
+    pub(super) fn record(
+        &self,
+        factory: &PipelineFactory,
+        encoder: &mut wgpu::CommandEncoder,
+        survey: &BindGroup,
+        texels: [u32; 2],
+    ) -> BindGroup {
+        // Each level has half of the squares of the finer one, and none is left over.
+        let size = texels.map(|texels| texels.div_ceil(SQUARE).next_power_of_two());
+        let levels = size[0].max(size[1]).ilog2() + 1;
+        let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
+        let plain = plain_texture("veils", size, VEIL, usage);
+        let texture = factory.device.create_texture(&wgpu::TextureDescriptor { mip_level_count: levels, ..plain });
+        let level = |level| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                base_mip_level: level,
+                mip_level_count: Some(1),
+                ..Default::default()
+            })
+        };
+        let group = |of: &wgpu::TextureView| factory.group(&self.layout, &[BindingResource::TextureView(of)]);
+        let mut draw = |pipeline: &wgpu::RenderPipeline, target: u32, source: &BindGroup| {
+            let nothing = Some(wgpu::Color::TRANSPARENT);
+            let mut pass = color_pass(encoder, "veils", (&level(target), None), nothing, None);
+            factory.draw(&mut pass, pipeline, &[source], 3);
+        };
+        draw(&self.finest, 0, survey);
+        for target in 1..levels {
+            draw(&self.coarser, target, &group(&level(target - 1)));
+        }
+        group(&view(&texture))
     }
 }

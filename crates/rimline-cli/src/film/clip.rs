@@ -8,13 +8,12 @@ use std::process::{Child, Command, Stdio};
 use tempfile::{NamedTempFile, TempPath};
 
 use super::Film;
-use crate::failure::{Failure, UsageError};
+use crate::failure::Failure;
+use crate::files::Inputs;
 use crate::image::Picture;
-use crate::output::{Output, note};
+use crate::output::{Line, Output, note};
 use crate::shadow::args::FilmArgs;
-use crate::shown::Line;
 use crate::signals::{make_unfinished, remove_unfinished};
-use crate::target::Inputs;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
@@ -37,7 +36,6 @@ impl Format {
 /// Most pictures a second that browsers show of a GIF.
 const GIF_FPS: f32 = 50.0;
 
-/// A film in the making.
 pub(super) struct Clip {
     out: PathBuf,
     output: Output,
@@ -57,19 +55,30 @@ impl Clip {
     /// Refuses before long work what cannot be written.
     pub(super) fn begin(out: &Path, format: Format, args: &FilmArgs) -> Result<Self, Failure> {
         if args.resume {
-            return Err(UsageError::ResumeClip.into());
+            return Err(Failure::usage(
+                "--resume keeps the pictures of a folder; give --out the name of a folder, or leave it out",
+            ));
         }
         let (size, fps) = (args.scene.view.size, args.fps);
         match format {
             Format::Gif if size.iter().any(|&side| u16::try_from(side).is_err()) => {
-                return Err(UsageError::GifSize.into());
+                return Err(Failure::usage(
+                    "a GIF has at most 65535 pixels in each direction; give a smaller --size, or .apng",
+                ));
             }
             Format::Gif if fps > GIF_FPS => {
                 note(&format!(
-                    "warning: programs show at most {GIF_FPS} pictures of a GIF a second, so it takes longer than it says"
+                    "warning: programs show at most {GIF_FPS} pictures of a GIF a second, so it takes longer than it \
+                     says"
                 ));
             }
-            Format::Mp4 => Ffmpeg::check().map_err(|source| UsageError::NoFfmpeg { out: out.to_owned(), source })?,
+            Format::Mp4 => Ffmpeg::check().map_err(|source| {
+                Failure::usage(format!(
+                    "{} needs ffmpeg, and no program of this name can be started: {source}; install it (on Debian \
+                     `sudo apt-get install ffmpeg`), or give a folder, .gif or .apng",
+                    out.display()
+                ))
+            })?,
             _ => {}
         }
         Ok(Self { out: out.to_owned(), output: Output::create(out)?, format, fps, size, encoder: None })
@@ -163,7 +172,6 @@ struct Ffmpeg {
 }
 
 impl Ffmpeg {
-    /// Whether there is one.
     fn check() -> io::Result<()> {
         let silent = || Stdio::null();
         Command::new("ffmpeg").arg("-version").stdin(silent()).stdout(silent()).stderr(silent()).status().map(drop)
@@ -229,16 +237,6 @@ impl Drop for Ffmpeg {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn formats_follow_from_names() {
-        let of = |name: &str| Format::of(Path::new(name));
-        assert_eq!(
-            (of("a.GIF"), of("a.apng"), of("a/b.mp4")),
-            (Some(Format::Gif), Some(Format::Apng), Some(Format::Mp4))
-        );
-        assert_eq!((of("frames"), of("a.png"), of("gif")), (None, None, None));
-    }
 
     #[test]
     fn delays_are_fractions() {

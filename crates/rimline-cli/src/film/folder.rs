@@ -4,14 +4,12 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::Film;
-use crate::failure::{Failure, UsageError};
+use crate::failure::Failure;
+use crate::files::{Inputs, check_folder};
 use crate::image::Picture;
-use crate::output::{Folder, Output, is_quiet};
-use crate::shown::Line;
+use crate::output::{Folder, Line, Output, is_quiet};
 use crate::signals::{self, create_unfinished, remove_unfinished};
-use crate::target::{Inputs, check_folder};
 
-/// The ending of the pictures.
 const PNG: &str = "png";
 
 /// A folder that is claimed for a film. What is in it is dropped before the folder, which is removed if it is empty then.
@@ -21,13 +19,9 @@ pub(super) struct Frames {
     first: Option<Output>,
     _claim: Claim,
     _made: Folder,
-    /// How many pictures the film has.
     count: u32,
-    /// Whether pictures that are there are kept.
     resumes: bool,
-    /// The film that each picture names.
     identity: String,
-    /// How many pictures were there.
     kept: u32,
     written: u32,
 }
@@ -46,7 +40,11 @@ pub(super) fn identity(options: &str) -> String {
 impl Frames {
     /// Claims the folder before long work: a place that cannot be had is known at once.
     pub(super) fn begin(folder: &Path, resumes: bool) -> Result<Self, Failure> {
-        check_folder(folder, |out| UsageError::FolderEnding { out })?;
+        check_folder(
+            folder,
+            "--out is the folder for numbered PNG files; give the name of a folder, or one that ends in \
+             .gif, .apng or .mp4",
+        )?;
         let (made, claim) = (Folder::create(folder)?, Claim::take(folder)?);
         Ok(Self {
             folder: folder.to_owned(),
@@ -64,6 +62,14 @@ impl Frames {
     fn file(&self, frame: u32) -> PathBuf {
         frame_file(&self.folder, frame, self.count, PNG)
     }
+
+    /// Sets the words that a signal should say.
+    fn tell(&self) {
+        let (done, folder) = (self.kept + self.written, Line(self.folder.display()));
+        if !is_quiet() {
+            signals::say_at_end(format!("{done} of {} pictures are in {folder}; --resume goes on", self.count));
+        }
+    }
 }
 
 impl Film for Frames {
@@ -74,14 +80,18 @@ impl Film for Frames {
             let file = self.file(frame);
             inputs.spare(&file)?;
             if file.is_dir() {
-                let source = io::Error::other("it is a folder; remove it, or choose another place for the film");
-                return Err(Failure::Output { file, source });
+                let why = "it is a folder; remove it, or choose another place for the film";
+                return Err(Failure::output(&file)(io::Error::other(why)));
             }
         }
         check_earlier(&self.folder, count, PNG)?;
         let kept: Vec<PathBuf> = (0..count).filter(|&frame| self.has(frame)).map(|frame| self.file(frame)).collect();
         if let Some(file) = kept.iter().find(|file| !is_of(file, &self.identity, size)) {
-            return Err(UsageError::ResumeOther { file: file.clone() }.into());
+            return Err(Failure::usage(format!(
+                "{} is of a film with other options or another size, so --resume would mix two; give the options \
+                 of that film, or leave --resume out, which draws all pictures anew, or choose another folder",
+                file.display()
+            )));
         }
         self.kept = kept.len() as u32;
         self.tell();
@@ -116,16 +126,6 @@ impl Film for Frames {
     }
 }
 
-impl Frames {
-    /// Sets the words that a signal should say.
-    fn tell(&self) {
-        let (done, folder) = (self.kept + self.written, Line(self.folder.display()));
-        if !is_quiet() {
-            signals::say_at_end(format!("{done} of {} pictures are in {folder}; --resume goes on", self.count));
-        }
-    }
-}
-
 /// Whether a picture may be of a film: it names it, or names none and has its size. What is no picture may be anything.
 fn is_of(file: &Path, identity: &str, size: [u32; 2]) -> bool {
     let Ok(file) = std::fs::File::open(file) else { return true };
@@ -146,7 +146,12 @@ pub(crate) fn check_earlier(folder: &Path, frames: u32, ending: &str) -> Result<
     others.sort();
     let Some(first) = others.first() else { return Ok(()) };
     let count = if others.len() == 1 { "a picture".to_owned() } else { format!("{} pictures", others.len()) };
-    Err(UsageError::OtherFilm { folder: folder.to_owned(), first: first.clone(), count }.into())
+    Err(Failure::usage(format!(
+        "{} has {count} of another film, which is longer or has other numbers, first {}; remove these \
+         pictures or choose another folder",
+        folder.display(),
+        first.display()
+    )))
 }
 
 /// The number of a file that is named as pictures are: four digits or more, and nothing else.
@@ -160,7 +165,7 @@ fn frame_number(path: &Path, ending: &str) -> Option<u64> {
 /// own.
 pub(crate) fn remove_earlier(files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
     for file in files.filter(|file| file.symlink_metadata().is_ok_and(|there| there.is_file())) {
-        std::fs::remove_file(&file).map_err(|source| Failure::Output { file, source })?;
+        std::fs::remove_file(&file).map_err(Failure::output(&file))?;
     }
     Ok(())
 }
@@ -191,10 +196,13 @@ impl Claim {
         }
         match taken {
             Ok(()) => Ok(Self { file }),
-            Err(error) if is_there(&error) => {
-                Err(UsageError::FilmInProgress { folder: folder.to_owned(), claim: file }.into())
-            }
-            Err(source) => Err(Failure::Output { file: folder.to_owned(), source }),
+            Err(error) if is_there(&error) => Err(Failure::usage(format!(
+                "another film is being written into {}; wait until it is done, or choose another folder (if \
+                 there is no other film, remove {})",
+                folder.display(),
+                file.display()
+            ))),
+            Err(error) => Err(Failure::output(folder)(error)),
         }
     }
 }
@@ -255,17 +263,6 @@ mod tests {
             assert_eq!(frame_file(Path::new(folder), 7, 10, PNG), Path::new("a/frames/0007.png"));
         }
         assert_eq!(frame_file(Path::new("walk"), 12_345, 20_000, PNG), Path::new("walk/12345.png"));
-    }
-
-    #[test]
-    fn a_folder_has_one_film_at_a_time() {
-        let folder = tempfile::tempdir().expect("there is room");
-        let first = Claim::take(folder.path()).expect("nobody claims it");
-        let second = Claim::take(folder.path()).expect_err("it is claimed");
-        assert!(second.to_string().contains(CLAIM), "{second}");
-        drop(first);
-        assert!(!folder.path().join(CLAIM).exists());
-        drop(Claim::take(folder.path()).expect("nobody claims it any more"));
     }
 
     #[test]

@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use super::seams::{Seams, t_junctions};
 use crate::coordinates::point;
 
-/// Edges listed of a mesh that is not closed.
 const LISTED_EDGES: usize = 4;
 
 /// One mesh, or several together.
@@ -94,7 +93,6 @@ impl MeshReport {
         total
     }
 
-    /// Why the mesh does not count as closed; `None` where it does.
     pub(super) fn why_open(&self) -> Option<String> {
         let EdgeCounts { inconsistent, boundary, .. } = self.diagnostics.edges;
         let reasons = [ONE_SIDED.of(boundary), TURNED.of(inconsistent)];
@@ -117,7 +115,7 @@ impl MeshReport {
 }
 
 /// A fault of edges, faces or parts, and its remedy.
-struct Finding {
+pub(super) struct Finding {
     one: &'static str,
     many: &'static str,
     advice: &'static str,
@@ -130,7 +128,7 @@ const TURNED: Finding = Finding {
     many: "edges join faces that are turned against each other",
     advice: "make the winding consistent (Blender: Mesh, Normals, Recalculate Outside)",
 };
-const INWARD: Finding = Finding {
+pub(super) const INWARD: Finding = Finding {
     one: "closed part is wound inwards",
     many: "closed parts are wound inwards",
     advice: "flip the faces unless they are meant to be seen from inside (Blender: Mesh, Normals, Flip)",
@@ -148,7 +146,7 @@ const T_JUNCTION: Finding = Finding {
 
 impl Finding {
     /// So many of it, if there are any.
-    fn of(&self, count: usize) -> Option<String> {
+    pub(super) fn of(&self, count: usize) -> Option<String> {
         (count > 0).then(|| format!("{count} {}", if count == 1 { self.one } else { self.many }))
     }
 }

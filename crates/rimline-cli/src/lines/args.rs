@@ -7,12 +7,11 @@ use clap::{Args, ValueEnum};
 use rimline_lines::{Classes, LineClass};
 
 use crate::coordinates::Coordinate;
-use crate::failure::UsageError;
+use crate::failure::Failure;
 use crate::input_args::{CameraArgs, JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
-use crate::side::Side;
-use crate::spec;
+use crate::spec::{self, Side};
 
 /// A format that is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -124,13 +123,13 @@ pub(crate) struct LinesArgs {
     pub(crate) frames: Option<u32>,
 
     /// Drawings a second of the animation, 0.001 to 100000
-    #[arg(long, value_name = "N", default_value = "25", requires = "frames", allow_hyphen_values = true, value_parser = spec::pictures_a_second)]
+    #[arg(long, value_name = "N", default_value = "25", requires = "frames", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
     pub(crate) fps: f32,
 
     /// Turn the eye in the course of the film by so many degrees to the right around what it looks at. The next drawing would be
     /// at that angle, so that a film of 360 begins again
-    #[arg(long, value_name = "DEG", default_value = "0", requires = "frames", allow_hyphen_values = true, value_parser = spec::turn)]
-    pub(crate) turn: f64,
+    #[arg(long, value_name = "DEG", default_value = "0", requires = "frames", allow_hyphen_values = true, value_parser = spec::within(-36e3, 36e3))]
+    pub(crate) turn: f32,
 
     /// Where to write the drawing; its ending is the format: .svg, .pdf, .dxf, .json or .png. With --frames it is the folder for
     /// 0000.svg, 0001.svg and so on, which is made if it does not exist
@@ -189,7 +188,7 @@ spans).";
 
 impl LinesArgs {
     /// Refuses options that do not go together and that clap cannot tell.
-    pub(crate) fn check(&self, format: Format) -> Result<(), UsageError> {
+    pub(crate) fn check(&self, format: Format) -> Result<(), Failure> {
         if self.fov.is_some() || (self.eye.is_some() && !self.ortho) {
             self.check_perspective()?;
         }
@@ -204,7 +203,7 @@ impl LinesArgs {
         ] {
             if is_given && !is_of_format {
                 let all = if option == "--hidden" { ", which has all lines" } else { "" };
-                is_idle(option, &format!("on {}{all}", format.said()));
+                is_idle(option, &format!("on {}{all}", format.names().1));
             }
         }
         if self.crease.is_some() && !self.classes().contains(LineClass::Crease) {
@@ -220,10 +219,12 @@ impl LinesArgs {
     }
 
     /// Refuses options that a perspective view does not have.
-    pub(crate) fn check_perspective(&self) -> Result<(), UsageError> {
+    pub(crate) fn check_perspective(&self) -> Result<(), Failure> {
         for (option, is_given) in [("--scale", self.scale != Scale::Fit), ("--dxf-units model", self.is_in_units())] {
             if is_given {
-                return Err(UsageError::ScaleOfPerspective { option });
+                return Err(Failure::usage(format!(
+                    "{option} needs an orthographic view; leave out --fov or --camera, or give --ortho with --eye"
+                )));
             }
         }
         Ok(())
@@ -233,12 +234,10 @@ impl LinesArgs {
         self.dxf_units == DxfUnits::Model
     }
 
-    /// The angle of creases in degrees.
     pub(crate) fn crease(&self) -> f64 {
         self.crease.unwrap_or(33.0)
     }
 
-    /// Pixels an inch of a PNG.
     pub(crate) fn dpi(&self) -> u32 {
         self.dpi.unwrap_or(150)
     }
@@ -297,34 +296,14 @@ pub(crate) enum Unit {
 }
 
 impl Unit {
-    pub(crate) fn millimetres(self) -> f64 {
+    /// Millimetres, the unit in words, and the number that `$INSUNITS` of a DXF has for it.
+    pub(crate) fn facts(self) -> (f64, &'static str, u32) {
         match self {
-            Self::M => 1000.0,
-            Self::Cm => 10.0,
-            Self::Mm => 1.0,
-            Self::In => 25.4,
-            Self::Ft => 304.8,
-        }
-    }
-
-    pub(crate) fn said(self) -> &'static str {
-        match self {
-            Self::M => "a metre",
-            Self::Cm => "a centimetre",
-            Self::Mm => "a millimetre",
-            Self::In => "an inch",
-            Self::Ft => "a foot",
-        }
-    }
-
-    /// The number that `$INSUNITS` of a DXF has for it.
-    pub(crate) fn of_dxf(self) -> u32 {
-        match self {
-            Self::In => 1,
-            Self::Ft => 2,
-            Self::Mm => 4,
-            Self::Cm => 5,
-            Self::M => 6,
+            Self::M => (1000.0, "a metre", 6),
+            Self::Cm => (10.0, "a centimetre", 5),
+            Self::Mm => (1.0, "a millimetre", 4),
+            Self::In => (25.4, "an inch", 1),
+            Self::Ft => (304.8, "a foot", 2),
         }
     }
 }

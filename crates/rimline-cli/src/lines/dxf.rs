@@ -1,66 +1,51 @@
 //! DXF R12 as text, which every CAD program reads: a layer a class, polylines, millimetres of the page or the files'
 //! unit. The crate `dxf` 0.6 writes dates and random ids, and brings 26 crates.
 
+use std::fmt::Display;
 use std::io::{self, Write};
 
 use super::Picture;
-use super::args::Unit;
 use super::sheet::{Layer, Polyline};
 use super::svg::Decimal;
 
 pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()> {
     let sheet = picture.sheet;
     let (low, high) = sheet.units.as_ref().map_or(([0.0; 2], sheet.size_mm), |units| (units.low, units.high));
-    pair(to, 999, picture.title())?;
-    section(to, "HEADER")?;
-    pair(to, 9, "$ACADVER")?;
-    pair(to, 1, "AC1009")?;
+    pairs(to, &[(999, &picture.title()), (0, &"SECTION"), (2, &"HEADER"), (9, &"$ACADVER"), (1, &"AC1009")])?;
     if sheet.units.is_some() {
-        pair(to, 9, "$INSUNITS")?;
-        pair(to, 70, picture.args.unit.map_or(0, Unit::of_dxf))?;
+        pairs(to, &[(9, &"$INSUNITS"), (70, &picture.args.unit.map_or(0, |unit| unit.facts().2))])?;
     }
     for (name, [x, y]) in [("$LIMMIN", low), ("$LIMMAX", high), ("$EXTMIN", low), ("$EXTMAX", high)] {
-        pair(to, 9, name)?;
-        pair(to, 10, x)?;
-        pair(to, 20, y)?;
+        pairs(to, &[(9, &name), (10, &x), (20, &y)])?;
     }
-    pair(to, 0, "ENDSEC")?;
-    section(to, "TABLES")?;
     let mut dashes: Vec<&[f64]> = Vec::new();
     for layer in sheet.layers.iter().filter(|layer| !layer.pen.dash_mm.is_empty()) {
         if !dashes.contains(&&*layer.pen.dash_mm) {
             dashes.push(&layer.pen.dash_mm);
         }
     }
-    table(to, "LTYPE", 1 + dashes.len())?;
+    pairs(to, &[(0, &"ENDSEC"), (0, &"SECTION"), (2, &"TABLES")])?;
+    pairs(to, &[(0, &"TABLE"), (2, &"LTYPE"), (70, &(1 + dashes.len()))])?;
     line_type(to, "CONTINUOUS", "Solid line", &[])?;
     for (number, dashes) in dashes.iter().enumerate() {
         let per_mm = sheet.units.as_ref().map_or(1.0, |units| units.per_mm);
         line_type(to, &dashed(number), "Dashed line", &dashes.iter().map(|mm| mm * per_mm).collect::<Vec<_>>())?;
     }
-    pair(to, 0, "ENDTAB")?;
-    table(to, "LAYER", sheet.layers.len())?;
+    pairs(to, &[(0, &"ENDTAB"), (0, &"TABLE"), (2, &"LAYER"), (70, &sheet.layers.len())])?;
     for layer in &sheet.layers {
-        pair(to, 0, "LAYER")?;
-        pair(to, 2, name(layer))?;
-        pair(to, 70, 0)?;
-        pair(to, 62, index_of_color(layer.pen.color))?;
         let pattern = dashes.iter().position(|dashes| *dashes == layer.pen.dash_mm);
-        pair(to, 6, pattern.map_or("CONTINUOUS".to_owned(), dashed))?;
+        let (color, pattern) = (index_of_color(layer.pen.color), pattern.map_or("CONTINUOUS".to_owned(), dashed));
+        pairs(to, &[(0, &"LAYER"), (2, &name(layer)), (70, &0), (62, &color), (6, &pattern)])?;
     }
-    pair(to, 0, "ENDTAB")?;
-    pair(to, 0, "ENDSEC")?;
-    section(to, "ENTITIES")?;
+    pairs(to, &[(0, &"ENDTAB"), (0, &"ENDSEC"), (0, &"SECTION"), (2, &"ENTITIES")])?;
     let decimals = sheet.units.as_ref().map_or(3, |units| units.decimals);
     for layer in &sheet.layers {
         let name = name(layer);
         layer.lines.iter().try_for_each(|line| polyline(to, &name, line, decimals))?;
     }
-    pair(to, 0, "ENDSEC")?;
-    pair(to, 0, "EOF")
+    pairs(to, &[(0, &"ENDSEC"), (0, &"EOF")])
 }
 
-/// The name of a line type.
 fn dashed(number: usize) -> String {
     format!("DASHED{}", number + 1)
 }
@@ -71,28 +56,18 @@ fn name(layer: &Layer) -> String {
 }
 
 fn polyline(to: &mut impl Write, layer: &str, line: &Polyline, decimals: i32) -> io::Result<()> {
-    let entity = |to: &mut _, kind: &str| {
-        pair(to, 0, kind)?;
-        pair(to, 8, layer)
-    };
-    let point = |to: &mut _, [x, y]: [i64; 2], codes: [u32; 2]| {
-        pair(to, codes[0], Decimal(x, decimals))?;
-        pair(to, codes[1], Decimal(y, decimals))
-    };
+    let point = |point: [i64; 2]| point.map(|c| Decimal(c, decimals));
     if let ([a, b], false) = (&*line.points, line.is_closed) {
-        entity(to, "LINE")?;
-        point(to, *a, [10, 20])?;
-        return point(to, *b, [11, 21]);
+        let [[ax, ay], [bx, by]] = [point(*a), point(*b)];
+        return pairs(to, &[(0, &"LINE"), (8, &layer), (10, &ax), (20, &ay), (11, &bx), (21, &by)]);
     }
-    entity(to, "POLYLINE")?;
-    pair(to, 66, 1)?;
-    point(to, [0; 2], [10, 20])?;
-    pair(to, 70, i32::from(line.is_closed))?;
+    let closed = i32::from(line.is_closed);
+    pairs(to, &[(0, &"POLYLINE"), (8, &layer), (66, &1), (10, &0), (20, &0), (70, &closed)])?;
     for &vertex in &line.points {
-        entity(to, "VERTEX")?;
-        point(to, vertex, [10, 20])?;
+        let [x, y] = point(vertex);
+        pairs(to, &[(0, &"VERTEX"), (8, &layer), (10, &x), (20, &y)])?;
     }
-    entity(to, "SEQEND")
+    pairs(to, &[(0, &"SEQEND"), (8, &layer)])
 }
 
 /// Colours of the palette that CAD programs share, with their numbers. 7 is black on white paper.
@@ -121,32 +96,16 @@ fn index_of_color(color: [u8; 3]) -> u32 {
     PALETTE.iter().min_by_key(|(_, other)| distance(other)).map_or(7, |(number, _)| *number)
 }
 
-fn section(to: &mut impl Write, name: &str) -> io::Result<()> {
-    pair(to, 0, "SECTION")?;
-    pair(to, 2, name)
-}
-
-fn table(to: &mut impl Write, name: &str, count: usize) -> io::Result<()> {
-    pair(to, 0, "TABLE")?;
-    pair(to, 2, name)?;
-    pair(to, 70, count)
-}
-
 /// Dashes are positive in the file, gaps negative. An odd number of lengths is gone through twice.
 fn line_type(to: &mut impl Write, name: &str, description: &str, lengths: &[f64]) -> io::Result<()> {
-    pair(to, 0, "LTYPE")?;
-    pair(to, 2, name)?;
-    pair(to, 70, 0)?;
-    pair(to, 3, description)?;
-    pair(to, 72, 65)?;
     let lengths = if lengths.len().is_multiple_of(2) { lengths.to_vec() } else { lengths.repeat(2) };
-    pair(to, 73, lengths.len())?;
-    pair(to, 40, lengths.iter().sum::<f64>())?;
+    pairs(to, &[(0, &"LTYPE"), (2, &name), (70, &0), (3, &description), (72, &65)])?;
+    pairs(to, &[(73, &lengths.len()), (40, &lengths.iter().sum::<f64>())])?;
     let mut signed = lengths.iter().enumerate().map(|(number, length)| if number % 2 == 0 { *length } else { -length });
-    signed.try_for_each(|length| pair(to, 49, length))
+    signed.try_for_each(|length| pairs(to, &[(49, &length)]))
 }
 
-/// A group code and its value, each on a line.
-fn pair(to: &mut impl Write, code: u32, value: impl std::fmt::Display) -> io::Result<()> {
-    writeln!(to, "{code:>3}\n{value}")
+/// Group codes and their values, each on a line.
+fn pairs(to: &mut impl Write, pairs: &[(u32, &dyn Display)]) -> io::Result<()> {
+    pairs.iter().try_for_each(|(code, value)| writeln!(to, "{code:>3}\n{value}"))
 }

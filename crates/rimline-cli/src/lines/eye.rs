@@ -7,9 +7,9 @@ use rimline_picture::Bounds;
 
 use super::args::LinesArgs;
 use crate::coordinates::relative;
-use crate::failure::{Failure, InputError, UsageError};
-use crate::shown::Line;
-use crate::side::{Side, up_of};
+use crate::failure::{EYE_AT_TARGET, Failure};
+use crate::output::Line;
+use crate::spec::{Side, up_of};
 
 /// A view, and what it was made of.
 #[derive(Clone, Copy)]
@@ -27,10 +27,8 @@ pub(crate) struct Eye {
     pub(crate) near: Option<f64>,
 }
 
-/// A part of the page's plane.
 #[derive(Clone, Copy)]
 struct Shown {
-    /// The point in its middle.
     middle: [f32; 3],
     half_height: f64,
 }
@@ -44,7 +42,6 @@ pub(crate) fn corners(objects: &[Object<'_>]) -> Vec<[f32; 3]> {
     objects.iter().flat_map(of_object).filter(|corner| corner.iter().all(|c| c.is_finite())).collect()
 }
 
-/// The middle of a box.
 fn middle(bounds: &Bounds) -> [f64; 3] {
     [0, 1, 2].map(|axis| f64::from(bounds.min[axis]) / 2.0 + f64::from(bounds.max[axis]) / 2.0)
 }
@@ -62,15 +59,14 @@ impl Eye {
         bounds: &Bounds,
     ) -> Result<Self, Failure> {
         let failed = Failure::input(&args.files[0]);
-        let of = |at, target, up| Self::of(at, target, up).map_err(|error| failed(InputError::Lines(error)));
+        let of = |at, target, up| Self::of(at, target, up).map_err(|error| failed(error.into()));
         let middle = middle(bounds);
         if let Some(eye) = args.eye {
             let eye = relative(eye, origin);
             let target = args.target.map_or(nearest(middle), |target| relative(target, origin));
             if eye == target {
-                let is_given = args.target.is_some();
-                let error = if is_given { UsageError::EyeAtTarget } else { UsageError::EyeInMiddle };
-                return Err(error.into());
+                let middle = "--eye is in the middle of the models, where it looks by default; give --target";
+                return Err(Failure::usage(if args.target.is_some() { EYE_AT_TARGET } else { middle }));
             }
             let up = up_of([0, 1, 2].map(|axis| f64::from(eye[axis]) - f64::from(target[axis])));
             if args.ortho {

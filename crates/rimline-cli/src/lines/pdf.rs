@@ -66,7 +66,6 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
     to.write_all(&pdf.finish())
 }
 
-/// The name of a layer in the page's resources.
 fn key(layer: usize) -> String {
     format!("L{layer}")
 }

@@ -8,29 +8,24 @@ use rimline_lines::{Chain, Drawing, LineClass, Object, PageBox, View};
 use super::args::{Hidden, LinesArgs, Paper, Scale, Unit};
 use super::eye::Eye;
 use super::style::{Pen, Style};
-use crate::failure::UsageError;
-use crate::shown::Line;
+use crate::failure::Failure;
+use crate::output::Line;
 
-/// The empty border of a page.
 const MARGIN_MM: f64 = 10.0;
 /// The largest drawing; more would be a wrong scale.
 const LARGEST_MM: f64 = 100_000.0;
 
 /// Lines that lie on the page, by layers.
 pub(crate) struct Sheet {
-    /// Width and height.
     pub(crate) size_mm: [f64; 2],
     /// Lengths are in millimetres, or in the unit of the files if `units` says so.
     pub(crate) mm_per_unit: f64,
     /// Units of a drawing in the unit of the files.
     pub(crate) units: Option<Units>,
-    /// Remarks for the user.
     pub(crate) remarks: Vec<String>,
     /// The point of the view's page that is at the lower left corner.
     corner: [f64; 2],
     pub(crate) layers: Vec<Layer>,
-    scale: Scale,
-    unit: Option<Unit>,
 }
 
 /// How a drawing is measured in the unit of the files.
@@ -44,7 +39,6 @@ pub(crate) struct Units {
     pub(crate) decimals: i32,
 }
 
-/// Lines of one class, visible or hidden.
 pub(crate) struct Layer {
     pub(crate) class: LineClass,
     pub(crate) is_hidden: bool,
@@ -52,7 +46,6 @@ pub(crate) struct Layer {
     pub(crate) lines: Vec<Polyline>,
 }
 
-/// A chain on the page.
 pub(crate) struct Polyline {
     pub(crate) object: u32,
     /// Whole micrometres from the lower left corner; in the unit of the files, in steps of its last decimal.
@@ -61,7 +54,6 @@ pub(crate) struct Polyline {
 }
 
 impl Layer {
-    /// A name for it, such as `crease-hidden`.
     pub(crate) fn name(&self) -> String {
         format!("{}-{}", self.class.name(), if self.is_hidden { "hidden" } else { "visible" })
     }
@@ -74,14 +66,14 @@ impl Sheet {
         drawing: &Drawing,
         bounds: PageBox,
         units: Option<[f64; 2]>,
-    ) -> Result<Self, UsageError> {
+    ) -> Result<Self, Failure> {
         let mut remarks = Vec::new();
         let size = [0, 1].map(|axis| bounds.high[axis] - bounds.low[axis]);
         let paper = args.page.unwrap_or(Paper::A4);
         let mut size_mm = turned(paper, size);
         let room = size_mm.map(|side| (side - 2.0 * MARGIN_MM).max(0.5 * side));
         let mm_per_unit = match args.scale {
-            Scale::Ratio { page, model } => args.unit.unwrap_or(Unit::M).millimetres() * page / model,
+            Scale::Ratio { page, model } => args.unit.unwrap_or(Unit::M).facts().0 * page / model,
             Scale::Fit => {
                 let fits = [0, 1].map(|axis| room[axis] / size[axis]).into_iter().fold(f64::INFINITY, f64::min);
                 if fits.is_finite() { fits } else { 1.0 }
@@ -89,11 +81,14 @@ impl Sheet {
         };
         let needed = size.map(|side| side * mm_per_unit);
         if let Some(offset) = units {
-            return Ok(Self::in_units(args, style, drawing, bounds, (offset, mm_per_unit)));
+            return Ok(Self::in_units(bounds, offset, mm_per_unit).drawn(args, style, drawing));
         }
         if !needed.into_iter().all(|side| side <= LARGEST_MM) {
             let [width, height] = needed.map(short);
-            return Err(UsageError::DrawingTooLarge { width, height });
+            return Err(Failure::usage(format!(
+                "at this scale the drawing takes {width}x{height} mm, and at most 100 m each way are drawn; give \
+                 a smaller --scale"
+            )));
         }
         if args.scale != Scale::Fit {
             if args.page.is_none() {
@@ -102,48 +97,32 @@ impl Sheet {
                 let [width, height] = size_mm;
                 let [wide, high] = needed.map(libm::ceil);
                 remarks.push(format!(
-                    "warning: the drawing takes {wide}x{high} mm, more than the page of {width}x{height} mm; give a smaller --scale or a larger --page"
+                    "warning: the drawing takes {wide}x{high} mm, more than the page of {width}x{height} mm; give a \
+                     smaller --scale or a larger --page"
                 ));
             }
         }
         let corner =
             [0, 1].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]) - 0.5 * size_mm[axis] / mm_per_unit);
-        let (scale, unit) = (args.scale, args.unit);
-        let mut sheet = Self { size_mm, mm_per_unit, units: None, remarks, corner, layers: Vec::new(), scale, unit };
-        sheet.draw(args, style, drawing);
-        Ok(sheet)
+        let sheet = Self { size_mm, mm_per_unit, units: None, remarks, corner, layers: Vec::new() };
+        Ok(sheet.drawn(args, style, drawing))
     }
 
     /// A drawing in the unit of the files, with their coordinates: `offset` is what the page's lack. On a page it would
     /// have this scale.
-    fn in_units(
-        args: &LinesArgs,
-        style: &Style,
-        drawing: &Drawing,
-        bounds: PageBox,
-        (offset, mm_per_unit): ([f64; 2], f64),
-    ) -> Self {
+    fn in_units(bounds: PageBox, offset: [f64; 2], mm_per_unit: f64) -> Self {
         let [low, high] = [bounds.low, bounds.high].map(|corner| [0, 1].map(|axis| corner[axis] + offset[axis]));
         let largest = low.into_iter().chain(high).fold(f64::MIN_POSITIVE, |largest, c| largest.max(c.abs()));
         // Ten digits, which `f32` does not have.
         let decimals = 9 - libm::floor(libm::log10(largest)) as i32;
         let units = Units { low, high, per_mm: 1.0 / mm_per_unit, decimals };
-        let mut sheet = Self {
-            size_mm: [0, 1].map(|axis| high[axis] - low[axis]),
-            mm_per_unit: 1.0,
-            units: Some(units),
-            remarks: Vec::new(),
-            corner: offset.map(|c| -c),
-            layers: Vec::new(),
-            scale: args.scale,
-            unit: args.unit,
-        };
-        sheet.draw(args, style, drawing);
-        sheet
+        let (units, remarks, layers) = (Some(units), Vec::new(), Vec::new());
+        let size_mm = [0, 1].map(|axis| high[axis] - low[axis]);
+        Self { size_mm, mm_per_unit: 1.0, units, remarks, corner: offset.map(|c| -c), layers }
     }
 
-    /// Adds the lines of a drawing.
-    fn draw(&mut self, args: &LinesArgs, style: &Style, drawing: &Drawing) {
+    /// With the lines of a drawing.
+    fn drawn(mut self, args: &LinesArgs, style: &Style, drawing: &Drawing) -> Self {
         for is_hidden in [true, false] {
             for class in LineClass::ALL.into_iter().rev().filter(|_| !is_hidden || args.hidden != Hidden::None) {
                 let chains = drawing.chains.iter().filter(|chain| (chain.class, chain.is_hidden) == (class, is_hidden));
@@ -157,6 +136,7 @@ impl Sheet {
         if self.layers.is_empty() && !drawing.chains.is_empty() {
             self.remarks.push("warning: all lines are hidden, or shorter than a micrometre at this scale".to_owned());
         }
+        self
     }
 
     /// Whether a fifth of the visible lines, by length, is where ink covers most of the page, so that lines clot.
@@ -209,12 +189,11 @@ impl Sheet {
         (points.len() > 1).then_some(Polyline { object, points, is_closed: chain.is_closed })
     }
 
-    /// The scale in words.
-    pub(crate) fn scale_said(&self, is_perspective: bool) -> String {
-        match (self.scale, &self.units) {
+    pub(crate) fn scale_said(&self, args: &LinesArgs, is_perspective: bool) -> String {
+        match (args.scale, &self.units) {
             (_, Some(_)) => "1:1 in the unit of the files".to_owned(),
             (Scale::Ratio { page, model }, _) => {
-                format!("scale {page}:{model}, a unit taken as {}", self.unit.unwrap_or(Unit::M).said())
+                format!("scale {page}:{model}, a unit taken as {}", args.unit.unwrap_or(Unit::M).facts().1)
             }
             (Scale::Fit, _) if is_perspective => "fitted to the page".to_owned(),
             (Scale::Fit, _) => format!("fitted to the page: a unit is {} mm", short(self.mm_per_unit)),
@@ -224,7 +203,7 @@ impl Sheet {
     /// A line for the user that says how much was drawn.
     /// It is in a file, or the last of several.
     pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, [first, last]: &[PathBuf; 2]) -> String {
-        let scale = self.scale_said(is_perspective);
+        let scale = self.scale_said(args, is_perspective);
         let size = match &self.units {
             Some(_) => String::new(),
             None => format!(" on {}x{} mm", self.size_mm[0], self.size_mm[1]),

@@ -6,10 +6,9 @@ use rimline_lines::LineClass;
 use toml::{Table, Value};
 
 use super::args::Hidden;
-use crate::failure::{Failure, InputError};
-use crate::source;
+use crate::failure::Failure;
+use crate::files;
 
-/// How a line is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pen {
     pub(crate) width_mm: f64,
@@ -29,7 +28,6 @@ pub(crate) struct Style {
     hidden_classes: Vec<(LineClass, Strokes)>,
 }
 
-/// A table of a style file.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Strokes {
     width_mm: Option<f64>,
@@ -48,7 +46,6 @@ impl Strokes {
 }
 
 impl Style {
-    /// Whether it says how hidden lines look.
     pub(crate) fn has_hidden(&self) -> bool {
         self.hidden != Strokes::default() || !self.hidden_classes.is_empty()
     }
@@ -74,14 +71,12 @@ impl Style {
     }
 }
 
-/// Reads a style file.
 pub(crate) fn read(file: &Path) -> Result<Style, Failure> {
     // A style that changes nothing.
     if std::fs::metadata(file).is_ok_and(|there| there.is_file() && there.len() == 0) {
         return Ok(Style::default());
     }
-    let text = source::read_text(file).map_err(|error| Failure::input(file)(error.into()))?;
-    parse(&text).map_err(|problem| Failure::input(file)(InputError::Style { problem }))
+    parse(&files::read_text(file)?).map_err(|problem| Failure::input(file)(problem.into()))
 }
 
 fn parse(text: &str) -> Result<Style, String> {
@@ -149,7 +144,6 @@ fn strokes(table: &Table, heading: &str) -> Result<Strokes, String> {
     Ok(strokes)
 }
 
-/// A length in millimetres.
 fn length(value: &Value) -> Option<f64> {
     let length = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
     (0.0..=100.0).contains(&length).then_some(length)

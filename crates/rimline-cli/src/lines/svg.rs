@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use super::Picture;
 use super::sheet::{Layer, Polyline};
 use super::style::Pen;
-use crate::shown::Line;
+use crate::output::Line;
 
 pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()> {
     let [width, height] = picture.sheet.size_mm;
@@ -58,22 +58,13 @@ fn path(to: &mut impl Write, line: &Polyline, height_mm: f64) -> io::Result<()> 
     let mut before = [0; 2];
     for (number, &[x, y]) in line.points.iter().enumerate() {
         let point = [x, height - y];
-        let [dx, dy] = [0, 1].map(|axis| Micrometres(point[axis] - before[axis]));
+        let [dx, dy] = [0, 1].map(|axis| Decimal(point[axis] - before[axis], 3));
         let command = ["M", "l", " "][number.min(2)];
         let gap = if dy.0 < 0 { "" } else { " " };
         write!(to, "{command}{dx}{gap}{dy}")?;
         before = point;
     }
     if line.is_closed { write!(to, "z") } else { Ok(()) }
-}
-
-/// A length in millimetres.
-struct Micrometres(i64);
-
-impl Display for Micrometres {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        Decimal(self.0, 3).fmt(f)
-    }
 }
 
 /// A number in steps of its last decimal, and how many decimals it has, without zeros that say nothing.
@@ -118,7 +109,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_text_is_escaped() {
-        let shown = [0, 5, -250, 1000, 12_340, -1_001].map(|length| Micrometres(length).to_string());
+        let shown = [0, 5, -250, 1000, 12_340, -1_001].map(|length| Decimal(length, 3).to_string());
         assert_eq!(shown, ["0", "0.005", "-0.25", "1", "12.34", "-1.001"]);
         let shown =
             [(0, -3), (12, -3), (-5, 12), (1_200_000, 5)].map(|(steps, decimals)| Decimal(steps, decimals).to_string());

@@ -8,7 +8,7 @@ use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
 use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
-use crate::failure::UsageError;
+use crate::failure::Failure;
 use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
@@ -159,14 +159,20 @@ impl ShadowSceneArgs {
     }
 
     /// Refuses options that do not go together and that clap cannot tell.
-    pub(crate) fn check(&self) -> Result<(), UsageError> {
+    pub(crate) fn check(&self) -> Result<(), Failure> {
         for (option, is_given) in [("--samples", self.samples.is_some()), ("--one-pattern", self.one_pattern)] {
             if is_given && !self.is_soft() {
-                return Err(UsageError::NoArea { option });
+                return Err(Failure::usage(format!(
+                    "{option} is for lights with an area; give --area, or a --light with radius=R, or leave {option} \
+                     out"
+                )));
             }
         }
         if self.is_soft() && self.mode != ModeArg::Additive {
-            return Err(UsageError::AreaMode(value_name(&self.mode)));
+            let mode = value_name(&self.mode);
+            return Err(Failure::usage(format!(
+                "--mode {mode} cannot draw soft shadows; leave out --mode {mode}, or --area and radius="
+            )));
         }
         Ok(())
     }
@@ -286,7 +292,7 @@ pub(crate) struct ShadowArgs {
 
 impl ShadowArgs {
     /// Refuses options that do not go together and that clap cannot tell.
-    pub(crate) fn check(&self) -> Result<(), UsageError> {
+    pub(crate) fn check(&self) -> Result<(), Failure> {
         self.scene.check()?;
         for (option, is_given) in [
             ("--hide-covered", self.hide_covered),
@@ -294,7 +300,9 @@ impl ShadowArgs {
             ("--save-depth", self.save_depth.is_some()),
         ] {
             if is_given && self.scene.has_radius() {
-                return Err(UsageError::Radius { option });
+                return Err(Failure::usage(format!(
+                    "{option} takes lights without an area; leave out {option}, or radius="
+                )));
             }
         }
         Ok(())
@@ -350,7 +358,7 @@ pub(crate) struct FilmArgs {
     pub(crate) scene: ShadowSceneArgs,
 
     /// Pictures a second, 0.001 to 100000
-    #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::pictures_a_second)]
+    #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
     pub(crate) fps: f32,
 
     /// The number of pictures. By default the film lasts as long as the longest animation
@@ -358,13 +366,13 @@ pub(crate) struct FilmArgs {
     pub(crate) frames: Option<u32>,
 
     /// The length in seconds, instead of --frames
-    #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::length)]
+    #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::within(1e-5, 1e9))]
     pub(crate) seconds: Option<f32>,
 
     /// Lead the camera around what it looks at, by so many degrees in the whole film: 360 is once around, against the
     /// clock from above. The camera then stands so far away that all is seen from everywhere. Without an animation, the
     /// film lasts 4 seconds
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::orbit)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::within(-3600.0, 3600.0))]
     pub(crate) orbit: Option<f32>,
 
     /// The folder for 0000.png, 0001.png and so on, which is made if it does not exist. See below if it has an earlier

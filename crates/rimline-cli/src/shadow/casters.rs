@@ -7,17 +7,14 @@ use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 use rimline_picture::{FacingMasks, OPPOSITE, Surface, SurfaceBuffers, TURNED, corner_normals};
 
-use super::casting::{CastInputs, CoveredFaces, Extracted, put};
+use super::casting::{CastInputs, CoveredFaces, Extracted, PosedModel, put};
 use super::depth_shadows::DepthShadows;
-use super::posed_model::PosedModel;
-use super::render_resources::RenderResources;
 use super::scene_shadows::SceneShadows;
-use super::shadows::{Shadows, VolumePipelines};
-use crate::device::Gpu;
+use super::shadows::{RenderResources, Shadows, VolumePipelines};
+use crate::coincident::{Coincident, corners};
+use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
-use crate::gpu_error::{GpuError, On as _};
-use crate::render::check_model;
-use crate::render::coincident::{Coincident, corners};
+use crate::image::check_model;
 
 /// Resources that draw all bodies and make them cast shadows.
 pub(crate) struct Casters<'a> {

@@ -7,14 +7,15 @@ use std::ops::{ControlFlow, Range};
 
 use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
+use rimline::internals::cpu::is_finite;
 use rimline::internals::layout::ExtractionStatistics;
-use rimline::{Light, LightError, Mesh, Predicate, ShadowCamera, wgpu};
+use rimline::mesh::MAX_FACES;
+use rimline::{Displacement, Geometry, Light, LightError, Mesh, MeshError, Predicate, ShadowCamera, wgpu};
 use rimline_picture::FacingMasks;
 
-use super::posed_model::{PosedModel, Topology};
-use crate::device::Gpu;
-use crate::failure::{Failure, UsageError};
-use crate::gpu_error::{GpuError, On as _};
+use crate::device::{Gpu, GpuError, On as _};
+use crate::failure::Failure;
+use crate::input::{Input, Positions, Shape};
 
 /// The casters of a frame, the viewer's camera, and the lights.
 #[derive(Clone, Copy)]
@@ -142,7 +143,8 @@ impl CoveredFaces {
             files.iter().zip(bodies).flat_map(|(file, body)| file.casters(body)).collect();
         let options = OcclusionOptions::default();
         let search = |&light: &Light| {
-            OccludedFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(())).map_err(UsageError::Covered)
+            OccludedFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(()))
+                .map_err(|error| Failure::usage(format!("{error}; give another light, or leave out --hide-covered")))
         };
         let found = lights.iter().map(search).collect::<Result<Vec<_>, _>>()?;
         drop(casters);
@@ -162,7 +164,7 @@ impl CoveredFaces {
             (of.first..).zip(of.casters(body).zip(&of.instances))
         {
             let extracted = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::default());
-            let facing = extracted.map_err(UsageError::Arguments)?.facing;
+            let facing = extracted.map_err(|error| Failure::usage(error.to_string()))?.facing;
             let covered = found.faces(number);
             for ((face, corners), mask) in (0_u32..).zip(mesh.faces()).zip(facing) {
                 let casts = mask & 1 == 0 || !mesh.is_closed();
@@ -182,5 +184,141 @@ impl File {
             positions: &body.world[vertices.clone()],
             version: Some(VERSION),
         })
+    }
+}
+
+/// The faces of an instance: those of a geometry, turned if its pose mirrors it. Instances of the same topology share a
+/// mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Topology {
+    pub(crate) geometry: usize,
+    pub(crate) is_turned: bool,
+}
+
+pub(crate) struct PosedModel<'a> {
+    pub(crate) input: &'a Input,
+    displaced: bool,
+    shape: Shape<'a>,
+    pub(crate) positions: Positions,
+    pub(crate) topologies: Vec<Topology>,
+    /// Faces of all instances, one after the other, as [`Model::mesh`](rimline::Model::mesh) has them.
+    pub(crate) faces: Vec<[u32; 3]>,
+    /// World space, as they lie on the GPU.
+    pub(crate) world: Vec<[f32; 3]>,
+    /// Base colours of the corners of the faces, packed. `None`: the model is shown as clay.
+    pub(super) colors: Option<Vec<[u32; 3]>>,
+    is_plain: bool,
+}
+
+impl<'a> PosedModel<'a> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        input: &'a Input,
+        time_s: f32,
+        displacement: Option<&Displacement>,
+        is_plain: bool,
+    ) -> Result<Self, Failure> {
+        let displaced = displacement.is_some();
+        let shape = input.shape(time_s, displaced)?;
+        let failed = |error: MeshError| Failure::input(&input.file)(input.no_mesh(error));
+        check_faces(input.model().placed_geometries()).map_err(failed)?;
+        let positions = Positions::new(gpu, &shape, displacement).on(gpu)?;
+        let (topologies, faces, world, colors) = (Vec::new(), Vec::new(), Vec::new(), None);
+        let mut body = Self { input, displaced, shape, positions, topologies, faces, world, colors, is_plain };
+        body.set_pose(gpu, time_s).on(gpu)?;
+        Ok(body)
+    }
+
+    pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
+        if let Shape::Posed { .. } = self.shape {
+            self.shape = self.input.shape(time_s, self.displaced)?;
+            self.set_pose(gpu, time_s).on(gpu)?;
+        }
+        Ok(())
+    }
+
+    fn set_pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), GpuError> {
+        let topologies = self.topologies_now();
+        if topologies != self.topologies {
+            self.faces = faces(self.input, &topologies);
+            self.colors = if self.is_plain { None } else { self.input.corner_colors(&self.shape) };
+            self.topologies = topologies;
+        }
+        self.positions.submit(gpu, &self.shape, time_s)?;
+        self.world = self.positions.read(gpu, &self.shape)?.into_owned();
+        Ok(())
+    }
+
+    fn topologies_now(&self) -> Vec<Topology> {
+        let instances = self.input.model().instances().iter().zip(self.input.turned(&self.shape));
+        instances.map(|(instance, is_turned)| Topology { geometry: instance.geometry(), is_turned }).collect()
+    }
+
+    pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {
+        let geometry = &self.input.model().geometries()[topology.geometry];
+        let mesh = Mesh::from_faces(geometry.positions().len(), topology.faces(geometry, 0).collect());
+        mesh.map_err(|error| Failure::input(&self.input.file)(error.into()))
+    }
+
+    /// A mesh of some faces over so many vertices, or none of none.
+    pub(super) fn part(&self, vertices: usize, faces: Vec<[u32; 3]>) -> Result<Option<Mesh>, Failure> {
+        match Mesh::from_faces(vertices, faces) {
+            Err(MeshError::NoFaces) => Ok(None),
+            mesh => mesh.map(Some).map_err(|error| Failure::input(&self.input.file)(error.into())),
+        }
+    }
+
+    pub(crate) fn mesh(&self) -> Result<Mesh, Failure> {
+        self.input.mesh(&self.shape)
+    }
+
+    /// Whether the mesh has polygons. The faces are their triangles.
+    pub(crate) fn has_polygons(&self) -> bool {
+        self.input.polygons().is_some()
+    }
+
+    /// The triangles of polygons, as a mesh over the same vertices.
+    pub(crate) fn triangles(&self) -> Result<Option<Mesh>, Failure> {
+        if self.has_polygons() { self.part(self.world.len(), self.faces.clone()) } else { Ok(None) }
+    }
+
+    /// The vertices of the faces that are drawn, those with finite positions; each once.
+    pub(crate) fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
+        let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(self.world[v as usize]));
+        let mut is_used = vec![false; self.world.len()];
+        for &v in self.faces.iter().filter(is_drawn).flatten() {
+            is_used[v as usize] = true;
+        }
+        self.world.iter().zip(is_used).filter_map(|(&position, is_used)| is_used.then_some(position))
+    }
+}
+
+impl Topology {
+    /// The faces, with vertices counted from `first_vertex` on.
+    fn faces(self, geometry: &Geometry, first_vertex: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
+        geometry.faces().iter().map(move |&face| {
+            let [a, b, c] = face.map(|v| v + first_vertex);
+            if self.is_turned { [a, c, b] } else { [a, b, c] }
+        })
+    }
+}
+
+/// The faces of all instances, with the vertices of one after those of the other.
+fn faces(input: &Input, topologies: &[Topology]) -> Vec<[u32; 3]> {
+    let mut faces = Vec::new();
+    let mut first_vertex = 0;
+    for (geometry, topology) in input.model().placed_geometries().zip(topologies) {
+        faces.extend(topology.faces(geometry, first_vertex));
+        first_vertex += geometry.positions().len() as u32;
+    }
+    faces
+}
+
+/// Refuses models without faces, and those whose instances would fill the memory.
+fn check_faces<'a>(geometries: impl Iterator<Item = &'a Geometry>) -> Result<(), MeshError> {
+    match geometries.fold(0, |sum: usize, geometry| sum.saturating_add(geometry.faces().len())) {
+        0 => Err(MeshError::NoFaces),
+        faces if faces > MAX_FACES => Err(MeshError::TooManyFaces { faces }),
+        _ => Ok(()),
     }
 }

@@ -10,19 +10,17 @@ use rimline::gpu::depth_map::{
 };
 use rimline::internals::layout::ShadowStatistics;
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
-use wgpu::TextureUsages;
-
-use super::casting::{CastInputs, Extracted, put};
-use super::from_depth::{DepthFound, DepthsFound, FromDepth, MAP, points};
-use super::light_maps::{LightCameras, ShownDepths, ShownMaps};
-use super::posed_model::PosedModel;
-use super::shadows::{Choice, Found, Shadows, VolumePipelines};
-use crate::device::Gpu;
-use crate::failure::Failure;
-use crate::gpu_error::{GpuError, On as _};
-use crate::image::Picture;
 use rimline_files::npz::{DepthMapArrays, Depths};
 use rimline_picture::{FacingMasks, plain_texture, view};
+use wgpu::TextureUsages;
+
+use super::casting::{CastInputs, Extracted, PosedModel, put};
+use super::from_depth::{DepthFound, DepthsFound, FromDepth, MAP, points};
+use super::light_maps::{LightCameras, ShownDepths, ShownMaps};
+use super::shadows::{Choice, Found, Shadows, VolumePipelines};
+use crate::device::{Gpu, GpuError, On as _};
+use crate::failure::Failure;
+use crate::image::Picture;
 
 pub(crate) struct DepthShadows<'a> {
     gpu: &'a Gpu,
@@ -30,15 +28,12 @@ pub(crate) struct DepthShadows<'a> {
     from: FromDepth,
     max_lights: usize,
     files: Vec<File>,
-    /// Maps of each light, from the first encode on.
     lights: Vec<LightMaps>,
 }
 
-/// The triangles of a file.
 struct File {
     /// Where the command draws the maps.
     depth: Option<MeshDepth>,
-    /// Which of them are turned to the lights.
     surface: Extracted,
 }
 
@@ -136,7 +131,6 @@ impl Shadows for DepthShadows<'_> {
     }
 }
 
-/// Draws all files as a light sees them.
 fn draw_map(
     encoder: &mut wgpu::CommandEncoder,
     (view, eye): (&wgpu::TextureView, &ShadowCamera),
@@ -165,7 +159,6 @@ fn draw_map(
 
 pub(super) struct LightMaps {
     maps: Maps,
-    /// For each of the maps.
     pub(super) views: Vec<wgpu::TextureView>,
     /// Distances that maps are converted from, and what converts them: one for each map, or none if the maps are depths.
     distances: Vec<(wgpu::TextureView, DepthMapConversion, DepthMetric)>,
@@ -212,7 +205,6 @@ impl LightMaps {
         Ok(Self { maps, views, distances, objects, cameras, frame: None, shown })
     }
 
-    /// Whether these are as many maps.
     pub(super) fn fits(&self, cameras: &LightCameras) -> bool {
         self.cameras.is_cube() == cameras.is_cube()
     }
@@ -260,7 +252,7 @@ impl LightMaps {
 
     pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
         let (_, cells, texture) = self.rebuilt();
-        Some(ShownDepths { shown: &self.shown, cells, texture: texture? })
+        Some((&self.shown, cells, texture?))
     }
 
     /// The cells that the list has room for, the list, and one map or six in one.

@@ -6,20 +6,17 @@ use std::sync::Arc;
 use glam::Vec3;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod, DepthMapOptions, DepthMetric};
 use rimline::{CameraError, DepthDirection, Light, Origin, ShadowCamera, wgpu};
+use rimline_files::npz::{self, DepthMapArrays, Depths};
+use rimline_picture::{SceneBounds, ShadedLight, plain_texture, view};
 use wgpu::{TextureFormat, TextureUsages};
 
 use super::args::ShadowArgs;
-use super::given_map_error::GivenMapError;
+use super::casting::PosedModel;
 use super::light_maps::LightCameras;
-use super::posed_model::PosedModel;
-use crate::device::Gpu;
-use crate::failure::{Failure, InputError, UsageError};
-use crate::gpu_error::GpuError;
-use crate::output::note;
-use crate::progress::Progress;
-use crate::{coordinates, source};
-use rimline_files::npz::{self, DepthMapArrays, Depths};
-use rimline_picture::{SceneBounds, ShadedLight, plain_texture, view};
+use crate::device::{Gpu, GpuError};
+use crate::failure::{Cause, Failure};
+use crate::output::{Progress, note};
+use crate::{coordinates, files};
 
 /// Floats tell the same part of any distance apart with reversed depth.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -29,7 +26,6 @@ pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub(crate) struct FromDepth {
     /// The map that the only light has. Without it each light sees the models in maps of its own.
     pub(crate) given: Option<Arc<GivenMap>>,
-    /// Texels of a map.
     pub(super) size: [u32; 2],
     pub(crate) method: DepthMapMethod,
 }
@@ -55,7 +51,7 @@ impl FromDepth {
 
     /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths
     /// are much the same.
-    pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
+    pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         use DepthMapMethod::{Contours, Differences, SecondDifferences};
         if self.given.is_some()
             || !matches!(self.method, Contours { .. } | Differences { .. } | SecondDifferences { .. })
@@ -65,7 +61,12 @@ impl FromDepth {
         let points = points(bodies);
         let is_cube =
             |light: &Light| LightCameras::new(light, &points, self.size[0]).map_or(true, |cameras| cameras.is_cube());
-        lights.iter().position(is_cube).map_or(Ok(()), |light| Err(UsageError::DetectorInCube { light }))
+        lights.iter().position(is_cube).map_or(Ok(()), |light| {
+            Err(Failure::usage(format!(
+                "light {light} is among the models or close to them, so it has six depth maps, whose device \
+                 depths are nearly all alike; take --detector every or automatic"
+            )))
+        })
     }
 
     /// Whether walls over contours are drawn, and no triangles between samples.
@@ -96,12 +97,17 @@ impl FromDepth {
 }
 
 /// Refuses edges that are continued where none can be.
-fn continued(mut method: DepthMapMethod, by: Option<DanglingEdges>) -> Result<DepthMapMethod, UsageError> {
+fn continued(mut method: DepthMapMethod, by: Option<DanglingEdges>) -> Result<DepthMapMethod, Failure> {
     match &mut method {
         DepthMapMethod::Automatic { dangling }
         | DepthMapMethod::Differences { dangling, .. }
         | DepthMapMethod::SecondDifferences { dangling, .. } => *dangling = by,
-        _ if by.is_some() => return Err(UsageError::Dangling),
+        _ if by.is_some() => {
+            return Err(Failure::usage(
+                "--dangling continues edges that a detector finds; add --detector automatic, second=LOW,HIGH or \
+                 differences=T",
+            ));
+        }
         _ => {}
     }
     Ok(method)
@@ -137,9 +143,9 @@ impl DepthsFound {
         let (drawn, cells) = self.busy()?;
         progress.aside(|| {
             note(&format!(
-                "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were noise, and \
-                 each is drawn through all of the picture, which may take minutes; a smaller map, a --detector that tells \
-                 surfaces from noise, such as differences=T, or a smaller --size takes less"
+                "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were \
+                 noise, and each is drawn through all of the picture, which may take minutes; a smaller map, a \
+                 --detector that tells surfaces from noise, such as differences=T, or a smaller --size takes less"
             ));
         });
         Some(format!("drawing {drawn} borders of shadow, which takes long"))
@@ -183,14 +189,14 @@ impl GivenMap {
         origin: Origin,
     ) -> Result<Self, Failure> {
         let takes = method != DepthMapMethod::EveryCell;
-        let read = || -> Result<_, InputError> {
-            let arrays = npz::read_depth_map(rimline_files::archive(source::open(file)?)?, memory_limit, takes)?;
+        let read = || -> Result<_, Cause> {
+            let arrays = npz::read_depth_map(files::archive(file)?, memory_limit, takes)?;
             Ok(Self::new(file, arrays, origin)?)
         };
         read().map_err(Failure::input(file))
     }
 
-    fn new(file: &Path, arrays: DepthMapArrays, run: Origin) -> Result<Self, GivenMapError> {
+    fn new(file: &Path, arrays: DepthMapArrays, run: Origin) -> Result<Self, String> {
         let DepthMapArrays { size, depths, metric, .. } = &arrays;
         let depth = if arrays.is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard };
         let camera = |rows: &[[f64; 4]; 4]| {
@@ -201,22 +207,41 @@ impl GivenMap {
         let cameras: Vec<ShadowCamera> = arrays.view_projections.iter().map(camera).collect();
         for (map, camera) in cameras.iter().enumerate() {
             camera.check().map_err(|error| match error {
-                CameraError::Mirrored => GivenMapError::Mirrored { map },
-                error => GivenMapError::Camera { map, error },
+                CameraError::Mirrored => format!(
+                    "`view_projection` of map {map} makes a mirror image; change the sign of its row of x or of y, \
+                     whichever runs the wrong way (clip space has x to the right and y up), and turn the rows of \
+                     `depth` to match"
+                ),
+                error => format!(
+                    "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, \
+                     and depth is as `reversed` says"
+                ),
             })?;
         }
         match cameras[..] {
             [_] => {}
-            _ if size[0] != size[1] => return Err(GivenMapError::NotSquare(*size)),
-            _ if arrays.objects.is_some() => return Err(GivenMapError::ObjectsOfCube),
+            _ if size[0] != size[1] => {
+                return Err(format!("six maps are square, and these have {}×{} texels", size[0], size[1]));
+            }
+            _ if arrays.objects.is_some() => {
+                return Err("`objects` go with one map, not with six; take another detector".to_owned());
+            }
             _ => {}
         }
         if *metric != DepthMetric::Device {
             if let Depths::U16(_) = depths {
-                return Err(GivenMapError::DistanceType);
+                return Err(
+                    "`depth` is uint16, and `metric` says that it has distances; give distances as float32, in the \
+                     units of the models"
+                        .to_owned(),
+                );
             }
             if arrays.depth_bits.is_some() {
-                return Err(GivenMapError::DistanceBits);
+                return Err(
+                    "`depth_bits` is that of a depth buffer, and `metric` says that `depth` has distances; leave one \
+                     of them out"
+                        .to_owned(),
+                );
             }
         }
         let rounded_to = match (arrays.depth_bits, depths) {
@@ -268,12 +293,18 @@ pub(super) fn check_lights(
     lights: &[ShadedLight],
     stage: &SceneBounds,
     origin: Origin,
-) -> Result<(), UsageError> {
+) -> Result<(), Failure> {
     /// How far a light may be off, as a share of its distance or of the extent of the models.
     const MOST: f64 = 1e-3;
     /// Extents that count as any distance beyond them, and as a light at infinity.
     const FAR: f64 = 1e9;
-    let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
+    let [shaded] = lights else {
+        return Err(Failure::usage(format!(
+            "--depth is the map of one light, and --light gives {}; give one, or none: the light is then \
+             where the map was seen from",
+            lights.len()
+        )));
+    };
     let centre = stage.models.centre().as_dvec3();
     // In extents from the middle of the models.
     let position = |light: &Light| {
@@ -284,7 +315,10 @@ pub(super) fn check_lights(
     let (map, given) = (map.cameras.light(), shaded.light);
     let is_near = (position(&map) - position(&given)).length() <= MOST * position(&given).length().max(1.0);
     if !is_near {
-        return Err(UsageError::DepthLightApart { given: spec(&given, origin), map: spec(&map, origin) });
+        let [given, map] = [given, map].map(|light| spec(&light, origin));
+        return Err(Failure::usage(format!(
+            "--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out"
+        )));
     }
     Ok(())
 }

@@ -137,7 +137,7 @@ struct DepthViews {
 }
 
 /// Buffers of the overlay of a light's maps.
-pub(super) struct ShownMaps {
+pub(crate) struct ShownMaps {
     pub(super) views: wgpu::Buffer,
     /// Arguments of the draws of triangles and of lines: of what is listed, then of every cell where a list of walls
     /// overflowed.
@@ -216,13 +216,8 @@ fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, light_position: Option<
     }
 }
 
-/// A light's maps, as they are shown.
-pub(crate) struct ShownDepths<'a> {
-    pub(super) shown: &'a ShownMaps,
-    pub(super) cells: &'a wgpu::Buffer,
-    /// One map, or six in one.
-    pub(super) texture: &'a wgpu::TextureView,
-}
+/// A light's maps as they are shown, the list of cells, and one map or six in one.
+pub(crate) type ShownDepths<'a> = (&'a ShownMaps, &'a wgpu::Buffer, &'a wgpu::TextureView);
 
 #[cfg(test)]
 mod tests {

@@ -1,17 +1,17 @@
 //! Pictures with shadows, and masks: whether a light reaches the surface at each pixel centre.
 
+use rimline::gpu::include_wgsl;
 use rimline::wgpu;
 use rimline_picture::{
-    Attachments, Mode, Onto, PictureFormat, PicturePipelines, ReceiverPass, ReceiverPipelines, Subject as _, Target,
-    Targets, depth_format, view,
+    Attachments, Mode, OVERLAY, Onto, Pass, PictureFormat, PicturePipelines, READ_ONLY, ReceiverPass,
+    ReceiverPipelines, Resources, Subject, Surface, Target, Targets, UNIFORM, VolumeOverlay, depth_format, group,
+    layout, overlay_pass, read_texture, view,
 };
-use wgpu::{TextureFormat, TextureUsages};
+use wgpu::{DepthBiasState, PrimitiveTopology, TextureFormat, TextureUsages};
 
-use super::draw_inputs::DrawInputs;
-use super::overlay::Overlay;
-use super::render_resources::RenderResources;
-use super::shadows::{ShadowMethod, VolumePipelines};
-use crate::gpu_error::GpuError;
+use super::casters::Casters;
+use super::shadows::{RenderResources, ShadowMethod, VolumePipelines};
+use crate::device::GpuError;
 
 pub(crate) struct Pictures {
     pub(crate) pipelines: VolumePipelines,
@@ -64,7 +64,6 @@ impl Pictures {
 /// 255 lit, 0 not, 128 nothing there.
 const MASK: Target = Target { format: TextureFormat::R8Unorm, samples: 1 };
 
-/// Draws masks: of one light or sample at a time.
 pub(crate) struct Masks {
     pub(crate) pipelines: VolumePipelines,
     attachments: Attachments,
@@ -108,5 +107,128 @@ impl Masks {
         self.lit.paint(&mut pass, shared, &subject, light);
         drop(pass);
         Ok(&self.finished)
+    }
+}
+
+/// Bodies as they were encoded, with their shadows and what is drawn over them.
+#[derive(Clone, Copy)]
+pub(crate) struct DrawInputs<'a> {
+    pub(crate) casters: &'a Casters<'a>,
+    /// The pipelines of the shadow volumes, and the overlay over the light. `None`: not known yet.
+    pub(super) drawn: Option<(&'a VolumePipelines, Option<&'a Overlay>)>,
+    /// Samples of all lights together.
+    pub(crate) samples: usize,
+    pub(crate) has_ground: bool,
+    /// Only one pixel is drawn, so that the device compiles the shaders.
+    pub(crate) is_trial: bool,
+}
+
+impl Subject for DrawInputs<'_> {
+    type Error = GpuError;
+
+    fn lights(&self) -> usize {
+        self.samples
+    }
+
+    fn has_ground(&self) -> bool {
+        self.has_ground
+    }
+
+    fn surfaces(&self) -> &[Surface] {
+        &self.casters.surfaces
+    }
+
+    fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), GpuError> {
+        self.drawn.map_or(Ok(()), |(pipelines, _)| self.casters.shadows.draw(pass, pipelines, light))
+    }
+
+    fn has_overlays(&self) -> bool {
+        self.drawn.is_some_and(|(_, overlay)| overlay.is_some())
+    }
+
+    fn draw_overlays(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), GpuError> {
+        self.drawn
+            .and_then(|(_, overlay)| overlay)
+            .map_or(Ok(()), |overlay| overlay.draw(pass, self.casters, self.samples))
+    }
+
+    fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
+        if self.is_trial {
+            pass.set_scissor_rect(0, 0, 1, 1);
+        }
+        pass
+    }
+}
+
+pub(crate) enum Overlay {
+    Volumes(VolumeOverlay),
+    Maps(MapOverlay),
+}
+
+pub(crate) struct MapOverlay {
+    layout: wgpu::BindGroupLayout,
+    passes: [wgpu::RenderPipeline; 2],
+}
+
+impl Overlay {
+    pub(super) fn new(resources: &Resources, target: Target, of_maps: bool) -> Self {
+        if of_maps {
+            Self::Maps(MapOverlay::new(resources, target))
+        } else {
+            Self::Volumes(VolumeOverlay::new(resources, target))
+        }
+    }
+
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        casters: &Casters<'_>,
+        samples: usize,
+    ) -> Result<(), GpuError> {
+        for light in 0..samples {
+            match self {
+                Self::Volumes(volumes) => {
+                    for extraction in casters.shown(light) {
+                        volumes.draw(pass, &casters.resources.shared, extraction, [light; 2])?;
+                    }
+                }
+                Self::Maps(maps) => maps.draw(pass, casters, light),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl MapOverlay {
+    fn new(resources: &Resources, target: Target) -> Self {
+        let types = [UNIFORM, READ_ONLY, read_texture(wgpu::TextureViewDimension::D2, false)];
+        let layout = layout(&resources.factory.device, wgpu::ShaderStages::VERTEX, &types);
+        let source = format!("{}\n{OVERLAY}\n{}", include_wgsl(2), include_str!("depth_overlay.wgsl"));
+        let groups = [&resources.light, &layout];
+        let pipeline = |name, vertex, topology, bias| {
+            let pass = overlay_pass(resources, target, (name, &source), &groups);
+            let depth = pass.depth.clone().map(|depth| wgpu::DepthStencilState { bias, ..depth });
+            resources.factory.pipeline(&Pass { vertex, topology, depth, ..pass })
+        };
+        // Where the boundary lies on what casts, it is behind it. Depth falls with the distance.
+        let behind = DepthBiasState { constant: -64, slope_scale: -4.0, clamp: 0.0 };
+        let triangles = pipeline("volumes", "depth_volumes", PrimitiveTopology::TriangleList, behind);
+        let lines = pipeline("edges", "depth_edges", PrimitiveTopology::LineList, DepthBiasState::default());
+        Self { layout, passes: [triangles, lines] }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, casters: &Casters<'_>, light: usize) {
+        let Some((shown, cells, texture)) = casters.shadows.shown_maps(light) else { return };
+        let bound =
+            [shown.views.as_entire_binding(), cells.as_entire_binding(), wgpu::BindingResource::TextureView(texture)];
+        let resources = &casters.resources.shared;
+        resources.select(pass, light);
+        pass.set_bind_group(2, &group(&resources.factory.device, &self.layout, &bound), &[]);
+        for (pipeline, arguments) in self.passes.iter().zip([[0, 32], [16, 48]]) {
+            pass.set_pipeline(pipeline);
+            for at in arguments {
+                pass.draw_indirect(&shown.draws, at);
+            }
+        }
     }
 }

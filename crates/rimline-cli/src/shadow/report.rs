@@ -2,123 +2,79 @@
 //! maps.
 
 use std::fmt::Write as _;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use rimline::cpu::{OccludedFaces, OcclusionStatistics};
+use rimline::cpu::OcclusionStatistics;
 use rimline::internals::layout::ShadowStatistics;
 use rimline::{MAX_LIGHTS, Origin};
+use rimline_picture::ShadedLight;
 use serde_json::{Value, json};
 
-use super::args::ShadowArgs;
+use super::args::{ShadowArgs, ShadowSceneArgs, value_name};
 use super::casters::Casters;
 use super::casting::CoveredFaces;
-use super::depth;
 use super::from_depth::{DepthFound, DepthsFound};
-use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
-use super::shadows::Found;
+use super::shadows::{Found, sum};
 use crate::coordinates;
-use crate::device::{Gpu, describe};
-use crate::failure::{Failure, UsageError};
-use crate::gpu_error::{GpuError, On as _};
+use crate::device::{Gpu, GpuError, On as _, describe};
+use crate::failure::Failure;
+use crate::files::{Inputs, check_ending, is_same_file};
 use crate::image::Picture;
-use crate::output::Output;
+use crate::output::{Line, Output};
 use crate::report::{self, Lines, Times};
-use crate::shadow::args::{ShadowSceneArgs, value_name};
-use crate::shown::Line;
 use crate::spec::LightSpec;
-use crate::target::{Inputs, check_ending, is_same_file};
 
-struct File {
-    name: String,
-    faces: usize,
-    found: Found,
-}
-
-pub(super) struct Report {
+pub(super) struct Report<'a> {
+    set: &'a ShadowScene<'a>,
     adapter: String,
-    files: Vec<File>,
-    /// Statistics of all files together.
+    /// For each file.
+    found: Vec<Found>,
     pub(super) all: ShadowStatistics,
-    origin: Origin,
-    lights: Vec<Light>,
-    /// Statistics of occluded faces for each light, if they were asked for.
-    covered: Option<Vec<OcclusionStatistics>>,
+    covered: Option<&'a CoveredFaces>,
     left_out: usize,
-    /// If maps of the lights cast.
     depth: Option<DepthsFound>,
 }
 
-struct Light {
-    /// The light in the files' coordinates.
-    given: Value,
-    range: f32,
-    color: [f32; 3],
-    /// The numbers of its samples among those of all lights.
-    samples: Range<usize>,
-    has_area: bool,
-}
-
-fn covered_json(covered: &OcclusionStatistics) -> Value {
-    let OcclusionStatistics { tried, occluded, left_out, undecided, without_room, sides, sides_left, .. } = covered;
-    json!({
-        "tried": tried,
-        "hidden": occluded,
-        "undecided": undecided,
-        "without_room": without_room,
-        "left_out": left_out,
-        "sides": sides,
-        "sides_left": sides_left,
-    })
-}
-
-impl Report {
+impl<'a> Report<'a> {
     /// Waits for the device.
     pub(super) fn read(
-        set: &ShadowScene<'_>,
+        set: &'a ShadowScene<'_>,
         casters: &Casters<'_>,
-        covered: Option<&CoveredFaces>,
+        covered: Option<&'a CoveredFaces>,
     ) -> Result<Self, GpuError> {
-        let origin = set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin());
-        let found = casters.shadows.found()?;
-        let file = |(body, found): (&PosedModel<'_>, Found)| File {
-            name: body.input.file.display().to_string(),
-            faces: body.faces.len(),
-            found,
-        };
+        let Casters { shadows, .. } = casters;
         Ok(Self {
+            set,
             adapter: describe(&casters.gpu().info),
-            origin,
-            files: set.bodies.iter().zip(found).map(file).collect(),
-            all: casters.shadows.statistics()?,
-            lights: set
-                .shaded_lights
-                .iter()
-                .enumerate()
-                .map(|(number, shaded)| Light {
-                    given: coordinates::light(&shaded.light, origin),
-                    range: shaded.range,
-                    color: shaded.color,
-                    samples: set.samples_of(number),
-                    has_area: shaded.area.is_some(),
-                })
-                .collect(),
-            covered: covered.map(|covered| covered.found.iter().map(OccludedFaces::statistics).collect()),
-            left_out: casters.shadows.left_out(),
-            depth: casters.shadows.depths_found()?,
+            found: shadows.found()?,
+            all: shadows.statistics()?,
+            covered,
+            left_out: shadows.left_out(),
+            depth: shadows.depths_found()?,
         })
+    }
+
+    fn origin(&self) -> Origin {
+        self.set.bodies.first().map_or(Origin::ZERO, |body| body.input.origin())
+    }
+
+    /// The files, with what was found for them.
+    fn files(&self) -> impl Iterator<Item = (String, &Found)> {
+        let names = self.set.bodies.iter().map(|body| body.input.file.display().to_string());
+        names.zip(&self.found)
     }
 
     /// Keys are stable: they are only ever added to.
     pub(super) fn json(&self, args: &ShadowSceneArgs, times: &Times) -> String {
-        let light = |(number, of_light): (usize, &Light)| {
-            let Light { given: light, range, color, samples: of, has_area } = of_light;
-            let per_sample = |values: Vec<Value>| match (has_area, values.first()) {
+        let lights = &self.set.shaded_lights;
+        let light = |(number, shaded): (usize, &ShadedLight)| {
+            let of = self.set.samples_of(number);
+            let per_sample = |values: Vec<Value>| match (shaded.area.is_some(), values.first()) {
                 (false, Some(one)) => one.clone(),
                 _ => values.into(),
             };
-            let caster = |File { name, found, .. }: &File| {
+            let caster = |(name, found): (String, &Found)| {
                 let chosen = &found.lights[of.clone()];
                 json!({
                     "file": name,
@@ -128,13 +84,19 @@ impl Report {
                 })
             };
             let mut of_light = json!({
-                "light": light,
-                "range": range.is_finite().then_some(range),
-                "color": color,
-                "casters": self.files.iter().map(caster).collect::<Vec<_>>(),
+                "light": coordinates::light(&shaded.light, self.origin()),
+                "range": shaded.range.is_finite().then_some(shaded.range),
+                "color": shaded.color,
+                "casters": self.files().map(caster).collect::<Vec<_>>(),
             });
-            if let Some(covered) = self.covered.as_ref().and_then(|covered| covered.get(number)) {
-                of_light["covered"] = covered_json(covered);
+            if let Some(covered) = self.covered.and_then(|covered| covered.found.get(number)) {
+                let OcclusionStatistics {
+                    tried, occluded, left_out, undecided, without_room, sides, sides_left, ..
+                } = covered.statistics();
+                of_light["covered"] = json!({
+                    "tried": tried, "hidden": occluded, "undecided": undecided, "without_room": without_room,
+                    "left_out": left_out, "sides": sides, "sides_left": sides_left,
+                });
             }
             if let Some(DepthsFound { size, has_walls, lights: found }) = &self.depth {
                 let of_sample = |at: usize| found.get(at).copied();
@@ -152,7 +114,7 @@ impl Report {
             }
             of_light
         };
-        let statistics = |File { name, found: Found { shadow, extraction, is_whole, .. }, .. }: &File| {
+        let statistics = |(name, Found { shadow, extraction, is_whole, .. }): (String, &Found)| {
             // With several files, these are known for all of them together.
             let if_whole = |count: u32| is_whole.then_some(count);
             json!({
@@ -167,7 +129,7 @@ impl Report {
                 "overflowed_lists": extraction.overflowed_lists,
             })
         };
-        let extraction = self.files.iter().map(|file| file.found.extraction).reduce(depth::sum);
+        let extraction = self.found.iter().map(|found| found.extraction).reduce(sum);
         let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,
@@ -184,25 +146,25 @@ impl Report {
             "adapter": self.adapter,
             "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
             "mode": value_name(&args.mode),
-            "files": self.files.iter().map(|file| &file.name).collect::<Vec<_>>(),
-            "faces": self.files.iter().map(|file| file.faces).collect::<Vec<_>>(),
-            "samples": self.lights.iter().map(|light| light.samples.len()).max(),
+            "files": self.files().map(|(name, _)| name).collect::<Vec<_>>(),
+            "faces": self.set.bodies.iter().map(|body| body.faces.len()).collect::<Vec<_>>(),
+            "samples": lights.iter().map(|light| light.samples.len()).max(),
             "count_bound": self.all.count_bound,
             "may_wrap": self.all.may_wrap,
-            "lights": self.lights.iter().enumerate().map(light).collect::<Vec<_>>(),
-            "statistics": self.files.iter().map(statistics).collect::<Vec<_>>(),
+            "lights": lights.iter().enumerate().map(light).collect::<Vec<_>>(),
+            "statistics": self.files().map(statistics).collect::<Vec<_>>(),
             "totals": totals,
         });
-        report::json(report, self.origin, times)
+        report::json(report, self.origin(), times)
     }
 
     /// `pictures` of this size and `archives` were written.
     pub(super) fn text(&self, [pictures, archives]: &[Vec<PathBuf>; 2], size: [u32; 2], times: &Times) -> String {
         let mut lines = Lines::default();
         lines.line("device", &self.adapter);
-        lines.origin(self.origin);
-        for File { name, faces, found: Found { lights, silhouettes, shadow, .. } } in &self.files {
-            lines.line("caster", format!("{}, {faces} faces", Line(name)));
+        lines.origin(self.origin());
+        for (body, Found { lights, silhouettes, shadow, .. }) in self.set.bodies.iter().zip(&self.found) {
+            lines.line("caster", format!("{}, {} faces", Line(body.input.file.display()), body.faces.len()));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
             lines.line("silhouette edges", format!("{edges}{sum}"));
@@ -226,11 +188,11 @@ impl Report {
             }
             lines.line("depth map", value);
         }
-        for covered in self.covered.iter().flatten() {
-            let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = covered;
+        for covered in self.covered.iter().flat_map(|covered| &covered.found) {
+            let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = covered.statistics();
             let value = format!(
-                "{occluded} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} \
-                 after"
+                "{occluded} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} \
+                 before, {sides_left} after"
             );
             lines.line("covered", value);
         }
@@ -253,7 +215,7 @@ pub(super) struct ResultFiles {
 
 impl ResultFiles {
     /// Refuses a picture that is named as another format.
-    pub(super) fn check(args: &ShadowArgs) -> Result<(), UsageError> {
+    pub(super) fn check(args: &ShadowArgs) -> Result<(), Failure> {
         args.out.as_deref().map_or(Ok(()), |out| check_ending(out, "png"))
     }
 
@@ -275,7 +237,10 @@ impl ResultFiles {
         let files = of_lights(args, lights);
         let is_any = |out: &&Path| files.iter().flatten().any(|file| is_same_file(out, file));
         if let Some(out) = args.out.as_deref().filter(is_any) {
-            return Err(UsageError::SameOutput { file: out.to_owned() }.into());
+            return Err(Failure::usage(format!(
+                "--out and --mask would both write {}; change one of them",
+                out.display()
+            )));
         }
         files.iter().flatten().try_for_each(|file| inputs.spare(file))?;
         for ((outputs, names), files) in [&mut self.masks, &mut self.maps].into_iter().zip(&mut self.names).zip(files) {
@@ -322,7 +287,6 @@ pub(crate) fn files(args: &ShadowArgs) -> Vec<PathBuf> {
     args.out.iter().cloned().chain(of_lights(args, lights).into_iter().flatten()).collect()
 }
 
-/// The names of masks and of maps.
 fn of_lights(args: &ShadowArgs, lights: usize) -> [Vec<PathBuf>; 2] {
     [(&args.mask, "png"), (&args.save_depth, "npz")].map(|(prefix, ending)| {
         prefix.iter().flat_map(|prefix| (0..lights).map(|light| numbered(prefix, light, ending))).collect()

@@ -14,16 +14,12 @@ use rimline::internals::scene::CHOICE_WORDS;
 use rimline::{Counting, Light, wgpu};
 use rimline_picture::FacingMasks;
 
-use super::casting::{CastInputs, CoveredFaces, Extracted, VERSION, set_lights};
-use super::depth;
+use super::casting::{CastInputs, CoveredFaces, Extracted, PosedModel, Topology, VERSION, set_lights};
 use super::layers::Layers;
-use super::posed_model::{PosedModel, Topology};
-use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options};
-use crate::device::Gpu;
+use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options, sum};
+use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
-use crate::gpu_error::{GpuError, On as _};
 
-/// The scene, and what of it is whose.
 pub(super) struct SceneShadows<'a> {
     gpu: &'a Gpu,
     scene: Scene,
@@ -44,7 +40,6 @@ pub(super) struct SceneShadows<'a> {
 #[derive(Default)]
 struct File {
     meshes: BTreeMap<Topology, MeshHandle>,
-    /// For each instance.
     casters: Vec<(Topology, CasterHandle)>,
     /// Triangles of polygons, which are drawn. A polygon may be front-facing to a light while one of its triangles is
     /// back-facing.
@@ -207,7 +202,7 @@ impl Shadows for SceneShadows<'_> {
                 let counted = silhouettes.iter_mut().skip(32 * group.batch);
                 counted.zip(first_words(self.gpu, group.lists, 32)?).for_each(|(sum, count)| *sum += count);
                 let record = first_words(self.gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
-                extraction = depth::sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
+                extraction = sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
             }
             let lights = Choice::all(self.counting, &words, lights);
             let count = |casting| lights.iter().filter(|light| light.casting == casting).count() as u32;

@@ -2,35 +2,33 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use rimline::gltf::{SceneLight, SpotCone};
 use rimline::gpu::StageTimer;
-use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
+use rimline::internals::light::check_shadow_lights;
+use rimline::{AreaLight, AreaShape, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
+use super::args::{CountingArg, ShadowSceneArgs};
 use super::casters::Casters;
-use super::casting::CastInputs;
-use super::depth::too_coarse;
-use super::draw_inputs::DrawInputs;
-use super::posed_model::PosedModel;
-use super::shaded_lights::shaded_lights;
-use crate::device::{self, Gpu, Wanted};
-use crate::failure::{Failure, InputError, UsageError};
-use crate::gpu_error::GpuError;
-use crate::input::Input;
+use super::casting::{CastInputs, PosedModel};
+use super::pictures::DrawInputs;
+use super::shadows::too_coarse;
+use crate::camera::{AZIMUTH, camera, elevation, outermost};
+use crate::coordinates::relative;
+use crate::device::{self, Gpu, GpuError, Wanted};
+use crate::failure::{DRAW_ON_CPU, Failure, NO_FINITE_FACE};
+use crate::image::{check_bounds, check_size, too_large};
+use crate::input::{ChosenLight, Input, play, read_displacement};
 use crate::input_args::PlacedView;
-use crate::output::note;
-use crate::posed_input::{self, animations};
-use crate::render::camera::{camera, elevation, outermost};
-use crate::render::{check_bounds, check_size, too_large};
-use crate::shadow::args::{CountingArg, ShadowSceneArgs};
-use crate::shown::{animation_name, listed_animations};
+use crate::output::{listed_animations, note, numbered_name};
+use crate::spec::{AreaSpec, LightSpec, ShadedLightSpec};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
 
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
-    pub(crate) animations: Vec<Vec<usize>>,
     pub(crate) displacement: Option<Displacement>,
     is_plain: bool,
 }
@@ -38,17 +36,16 @@ pub(crate) struct ShadowInputs {
 impl ShadowInputs {
     pub(crate) fn read(args: &ShadowSceneArgs) -> Result<Self, Failure> {
         if Wanted::parse(&args.posed.device.device) == Wanted::Cpu {
-            return Err(UsageError::DrawOnCpu.into());
+            return Err(Failure::usage(DRAW_ON_CPU));
         }
-        let displacement = args.posed.displace.as_deref().map(posed_input::read_displacement).transpose()?;
-        let options = args.load.options(args.weld.weld());
-        let open = |file: &std::path::PathBuf| Input::read(file, options, args.polygons.taken());
-        let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        let animations = animations(&inputs, &args.posed.pose)?;
+        let displacement = args.posed.displace.as_deref().map(read_displacement).transpose()?;
+        let options = args.load.options(args.weld.weld(), args.polygons.taken());
+        let mut inputs = args.files.iter().map(|file| Input::read(file, &options)).collect::<Result<Vec<_>, _>>()?;
+        play(&mut inputs, &args.posed.pose)?;
         if !args.plain {
             inputs.iter().for_each(Input::note_colors);
         }
-        Ok(Self { inputs, animations, displacement, is_plain: args.plain })
+        Ok(Self { inputs, displacement, is_plain: args.plain })
     }
 
     /// The files that were read, and those that models name.
@@ -56,28 +53,22 @@ impl ShadowInputs {
         self.inputs.iter().flat_map(Input::files).chain(args.posed.displace.as_deref())
     }
 
-    /// Plays each file's first animation that is not damaged, and says which that is.
-    pub(crate) fn take_first_animations(&mut self) {
-        for (input, animations) in self.inputs.iter().zip(&mut self.animations) {
-            let Some(asset) = input.asset() else { continue };
-            // A damaged one is taken where there is no other, and then says what is wrong with it.
-            let index = asset.animations().iter().position(|info| info.fault.is_none()).unwrap_or(0);
-            let Some(first) = asset.animations().get(index) else { continue };
-            *animations = vec![index];
-            let (file, name) = (input.file.display(), animation_name(index, first));
-            let there = if asset.animations().len() > 1 { listed_animations(asset) } else { "it has no other".into() };
-            note(&format!("{file}: using animation {name}, because no --animation is given; {there}"));
-        }
-    }
-
     pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<PosedModel<'_>>, Failure> {
-        let inputs = self.inputs.iter().zip(&self.animations);
-        inputs
-            .map(|(input, animations)| {
-                PosedModel::new(gpu, input, animations, time_s, self.displacement.as_ref(), self.is_plain)
-            })
-            .collect()
+        let body = |input| PosedModel::new(gpu, input, time_s, self.displacement.as_ref(), self.is_plain);
+        self.inputs.iter().map(body).collect()
     }
+}
+
+/// Plays the file's first animation that is not damaged, and says which that is.
+pub(crate) fn take_first_animation(input: &mut Input) {
+    let Some(asset) = input.asset() else { return };
+    // A damaged one is taken where there is no other, and then says what is wrong with it.
+    let index = asset.animations().iter().position(|info| info.fault.is_none()).unwrap_or(0);
+    let Some(first) = asset.animations().get(index) else { return };
+    let (file, name) = (input.file.display(), numbered_name(index, first.name.as_deref()));
+    let there = if asset.animations().len() > 1 { listed_animations(asset) } else { "it has no other".into() };
+    note(&format!("{file}: using animation {name}, because no --animation is given; {there}"));
+    input.playing = vec![index];
 }
 
 /// Opens the device, if it can draw such a picture.
@@ -89,7 +80,7 @@ pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
     let needed = 4 * 8 * u64::from(width) * u64::from(height);
     let limit = gpu.device.limits().max_buffer_size;
     if needed > limit {
-        return Err(too_large(&gpu, args.view.size, 4 * 8).into());
+        return Err(too_large(&gpu, args.view.size, 4 * 8));
     }
     Ok(gpu)
 }
@@ -114,17 +105,19 @@ impl<'a> ShadowScene<'a> {
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
         let failed = Failure::input(&first.input.file);
-        let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFiniteFace))?;
+        let bounds = Bounds::of(points).ok_or_else(|| failed(NO_FINITE_FACE.into()))?;
         check_bounds(&bounds).map_err(failed)?;
         let origin = first.input.origin();
         let view = placed(args, first, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
         let shaded_lights = shaded_lights(args, (first, &view), &stage, file_light)?;
-        let samples = shaded_lights.iter().map(|shaded| shaded.samples.len()).sum();
+        let samples: usize = shaded_lights.iter().map(|shaded| shaded.samples.len()).sum();
         if samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
-            return Err(UsageError::Samples { lights, samples, limit }.into());
+            return Err(Failure::usage(format!(
+                "{lights} lights have {samples} samples, and at most {limit} fit; give fewer --samples"
+            )));
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
         let outermost = outermost(points, bounds.centre());
@@ -141,7 +134,10 @@ impl<'a> ShadowScene<'a> {
         match camera.far {
             Some(_) if matches!(args.method, CountingArg::ZFail | CountingArg::ZpPlus2005) => {
                 let what = if args.method == CountingArg::ZFail { "--method z-fail" } else { "--method zp+paper" };
-                return Err(UsageError::Orthographic { what }.into());
+                return Err(Failure::usage(format!(
+                    "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out \
+                     --ortho or the --camera"
+                )));
             }
             // The ground that is seen lies between its planes, too.
             Some(far) if view.is_parallel => {
@@ -204,7 +200,6 @@ impl<'a> ShadowScene<'a> {
         self.shaded_lights.iter().map(|shaded| shaded.samples.len()).sum()
     }
 
-    /// The scene as a picture shows it.
     fn view(&self) -> SceneView<'_> {
         let Self { camera, part, stage: bounds, shaded_lights: lights, reach, .. } = self;
         SceneView { camera, size: self.args.view.size, part, bounds, lights, reach: *reach }
@@ -274,9 +269,8 @@ impl<'a> ShadowScene<'a> {
     }
 }
 
-/// The view that the command line asks for, at a time.
 fn placed(args: &ShadowSceneArgs, first: &PosedModel<'_>, time_s: f32) -> Result<PlacedView, Failure> {
-    first.input.view(&args.view, first.animations, time_s)
+    first.input.view(&args.view, time_s)
 }
 
 /// The near plane for models with these points.
@@ -293,8 +287,233 @@ fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
 }
 
 /// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers.
-fn check_near(near: f32, farthest: f32) -> Result<(), UsageError> {
+fn check_near(near: f32, farthest: f32) -> Result<(), Failure> {
     // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
     let least = farthest * 2.0_f32.powi(-104);
-    if near < least { Err(UsageError::Near { near, farthest, least }) } else { Ok(()) }
+    if near < least {
+        Err(Failure::usage(format!(
+            "--near {near:e} is too near: depths of what lies {farthest} away leave the normal range of \
+             32-bit floats; give {least:.1e} or more"
+        )))
+    } else {
+        Ok(())
+    }
+}
+
+/// A little warm.
+const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
+
+/// The lights of the command line, or else `file_light`, or the one that is there by default.
+pub(crate) fn shaded_lights(
+    args: &ShadowSceneArgs,
+    (first, view): (&PosedModel<'_>, &PlacedView),
+    stage: &SceneBounds,
+    file_light: Option<Light>,
+) -> Result<Vec<ShadedLight>, Failure> {
+    let mut chosen = Vec::new();
+    for spec in &args.lights {
+        let wanted = std::slice::from_ref(&spec.light);
+        let lights = first.input.chosen_lights(wanted, args.posed.pose.time)?;
+        check_options(spec, &lights)?;
+        chosen.extend(lights.into_iter().map(|light| (spec, light)));
+    }
+    let of_file = chosen.iter().filter_map(|(_, chosen)| chosen.of_file.as_ref());
+    let brightest = of_file.map(|of_file| illuminance(of_file, stage)).fold(0.0, f64::max);
+    let origin = first.input.origin();
+    let mut shaded_lights = Vec::new();
+    for (spec, chosen) in &chosen {
+        shaded_lights.push(ShadedLight {
+            cone: cone(spec, chosen, stage, origin).map_err(|problem| lamp_options(chosen, &problem))?,
+            ..shaded(spec, chosen, brightest, stage)
+        });
+    }
+    if shaded_lights.is_empty() {
+        let light = file_light.unwrap_or_else(|| default_light(view, stage));
+        let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
+        shaded_lights.push(shaded(&spec, &ChosenLight { light, of_file: None }, 0.0, stage));
+    }
+    // Once for every way to cast: depth maps and areas would take such a light for another.
+    let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
+    check_shadow_lights(&lights, usize::MAX).map_err(|error| Failure::usage(error.to_string()))?;
+    let sphere = |radius| AreaSpec::Given(AreaShape::Sphere { radius });
+    let areas = chosen.iter().map(|(spec, _)| spec.radius.map(sphere)).chain([None]);
+    for (shaded, area) in shaded_lights.iter_mut().zip(areas) {
+        if let Some(area) = area.or(args.area) {
+            spread(shaded, area, args.samples(), stage);
+        }
+    }
+    Ok(shaded_lights)
+}
+
+/// Takes a light's options from the command line, or else from the file. The brightest light of its file counts as 1.
+fn shaded(spec: &ShadedLightSpec, chosen: &ChosenLight, brightest: f64, stage: &SceneBounds) -> ShadedLight {
+    let light = chosen.light;
+    let of_file = chosen.of_file.as_ref();
+    let relative = |of_file| if brightest > 0.0 { (illuminance(of_file, stage) / brightest) as f32 } else { 0.0 };
+    let intensity = spec.intensity.or_else(|| of_file.map(relative)).unwrap_or(1.0);
+    let color = spec.color.or(of_file.map(|of_file| of_file.color)).unwrap_or([1.0; 3]);
+    let range = spec.range.or(of_file.and_then(|of_file| of_file.range)).unwrap_or(f32::INFINITY);
+    ShadedLight {
+        color: color.map(|c| c * intensity),
+        range: if light.w == 0.0 { f32::INFINITY } else { range },
+        begin: spec.begin.unwrap_or(0.0),
+        exponent: spec.exponent.unwrap_or(1.0),
+        ..ShadedLight::new(light)
+    }
+}
+
+/// The cone of a spot: from the command line, or else from the file.
+fn cone(
+    spec: &ShadedLightSpec,
+    chosen: &ChosenLight,
+    stage: &SceneBounds,
+    origin: Origin,
+) -> Result<Option<SpotCone>, String> {
+    let of_file = chosen.of_file.as_ref().and_then(|of_file| of_file.cone);
+    let given = spec.cone.filter(|_| chosen.light.w != 0.0).map(|angles| angles.map(f32::to_radians));
+    let Some([inner_angle, outer_angle]) = given.or(of_file.map(|cone| [cone.inner_angle, cone.outer_angle])) else {
+        return Ok(None);
+    };
+    let direction = match (spec.target, of_file) {
+        (None, Some(cone)) => cone.direction,
+        (target, _) => {
+            let target = target.map_or(stage.models.centre(), |target| relative(target, origin).into());
+            let at_target = "a spot at the point that it shines at has no direction; give another target=X,Y,Z";
+            let way = target.as_dvec3() - ShadedLight::new(chosen.light).position_or_direction();
+            way.try_normalize().ok_or(at_target)?.as_vec3().into()
+        }
+    };
+    Ok(Some(SpotCone { direction, inner_angle, outer_angle }))
+}
+
+fn spread(shaded: &mut ShadedLight, area: AreaSpec, count: usize, stage: &SceneBounds) {
+    let normal = stage.models.centre().as_dvec3() - shaded.position_or_direction();
+    let distance = normal.length().max(1e-3 * f64::from(stage.models.extent()));
+    let shape = match area {
+        AreaSpec::Given(shape) => shape,
+        AreaSpec::Chosen(shape) => {
+            let by = (AREA_RADIUS * if shaded.light.w == 0.0 { 1.0 } else { distance }) as f32;
+            match shape {
+                AreaShape::Rectangle { width, height } => {
+                    AreaShape::Rectangle { width: width * by, height: height * by }
+                }
+                AreaShape::Disc { radius } => AreaShape::Disc { radius: radius * by },
+                AreaShape::Sphere { radius } => AreaShape::Sphere { radius: radius * by },
+            }
+        }
+    };
+    let normal = normal.normalize_or_zero().as_vec3().into();
+    let area = AreaLight { light: shaded.light, shape, normal };
+    shaded.samples = area.samples(count);
+    shaded.area = Some(area);
+}
+
+/// The default size of a light with an area, over its distance: soft, and its samples' shadows run together.
+const AREA_RADIUS: f64 = 0.04;
+
+fn vector(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
+}
+
+/// Illuminance of the file's light at the middle of the models, in lux, on a surface perpendicular to its rays. It
+/// ignores range and cone. Lights among the models count as half their extent away.
+fn illuminance(light: &SceneLight, stage: &SceneBounds) -> f64 {
+    let intensity = f64::from(light.intensity);
+    if light.light.w == 0.0 {
+        return intensity;
+    }
+    let distance = (vector(light.light.xyz) - stage.models.centre().as_dvec3())
+        .length()
+        .max(0.5 * f64::from(stage.models.extent()));
+    intensity / (distance * distance)
+}
+
+fn lamp_options(light: &ChosenLight, problem: &str) -> Failure {
+    match &light.of_file {
+        Some(of_file) => {
+            Failure::usage(format!("the file's light `{}`: {problem}", of_file.name.as_deref().unwrap_or_default()))
+        }
+        None => Failure::usage(format!("--light: {problem}")),
+    }
+}
+
+/// Refuses options that none of the lights that they are given to can have.
+fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), Failure> {
+    let mut first = None;
+    let mut wrong = 0;
+    for chosen in lights {
+        let Err((is_grave, problem)) = spec.check(chosen.light, chosen.of_file.as_ref()) else { continue };
+        wrong += 1;
+        if is_grave || first.is_none() {
+            first = Some(lamp_options(chosen, &problem));
+        }
+        if is_grave {
+            wrong = lights.len();
+            break;
+        }
+    }
+    // With `file:all`, options apply to the lights that can have them.
+    first.filter(|_| wrong == lights.len()).map_or(Ok(()), Err)
+}
+
+/// To the left of the eye, above, and a little before the models: their shadow falls beside them.
+fn default_light(view: &PlacedView, stage: &SceneBounds) -> Light {
+    let azimuth = AZIMUTH.to_radians();
+    let target = view.target.map_or(stage.models.centre().as_dvec3(), vector);
+    let towards_eye = match (view.eye, view.side, &view.camera) {
+        (Some(eye), ..) => vector(eye) - target,
+        (_, Some(side), _) => DVec3::from(side.directions().0),
+        (.., Some(camera)) => -vector(camera.forward),
+        _ => DVec3::ZERO,
+    };
+    let level = (towards_eye * DVec3::new(1.0, 0.0, 1.0)).try_normalize();
+    let backward = level.unwrap_or(DVec3::new(azimuth.sin(), 0.0, azimuth.cos()));
+    let right = DVec3::Y.cross(backward);
+    let towards = (-0.8 * right + 1.15 * DVec3::Y + 0.42 * backward).normalize();
+    let position = stage.models.centre().as_dvec3() + 3.5 * f64::from(stage.models.extent()) * towards;
+    Light::point(position.as_vec3().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec;
+    use rimline_picture::Bounds;
+
+    const STAGE: SceneBounds =
+        SceneBounds { models: Bounds { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::new(1.0, 2.0, 1.0) }, ground: 0.0 };
+
+    fn chosen(light: Light, intensity: f32, range: Option<f32>) -> ChosenLight {
+        let kind = rimline::gltf::SceneLightKind::Point;
+        ChosenLight {
+            light,
+            of_file: Some(SceneLight { name: None, light, kind, color: [1.0; 3], intensity, range, cone: None }),
+        }
+    }
+
+    #[test]
+    fn the_files_brightest_light_counts_as_1() {
+        let spec = spec::shaded("file:all").expect("a good light");
+        let [near, far] = [2.0, 4.0].map(|x| chosen(Light::point([x, 1.0, 0.0]), 80.0, None));
+        let brightest = near.of_file.as_ref().map_or(0.0, |of_file| illuminance(of_file, &STAGE));
+        let color = |chosen| shaded(&spec, chosen, brightest, &STAGE).color;
+        assert_eq!((color(&near), color(&far)), ([1.0; 3], [0.25; 3]));
+        assert_eq!(
+            illuminance(&chosen(Light::directional([0.0, 3.0, 0.0]), 7.0, None).of_file.expect("own"), &STAGE),
+            7.0
+        );
+        let dark = shaded(&spec, &chosen(Light::point([9.0; 3]), 0.0, None), 0.0, &STAGE);
+        assert_eq!(dark.color, [0.0; 3]);
+    }
+
+    #[test]
+    fn options_serve_those_lights_of_a_file_that_can_have_them() {
+        let (point, sun) = (Light::point([1.0; 3]), Light::directional([1.0; 3]));
+        let check =
+            |text: &str, lights: &[ChosenLight]| check_options(&spec::shaded(text).expect(text), lights).is_ok();
+        let both = [chosen(point, 1.0, Some(5.0)), chosen(sun, 1.0, None)];
+        assert!(check("file:all,range=3", &both) && check("file:all,begin=3", &both));
+        assert!(!check("file:all,range=3", &both[1..]) && !check("file:all,begin=3", &both[1..]));
+        assert!(!check("file:all,begin=6", &both));
+    }
 }

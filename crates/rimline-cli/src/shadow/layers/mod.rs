@@ -1,7 +1,6 @@
 //! Casters whose faces lie over each other more often than the stencil counts: they are drawn in batches of few layers,
 //! each of which darkens what it covers before the next is counted.
 
-mod batches;
 mod deepest;
 
 use std::sync::{Arc, OnceLock};
@@ -11,16 +10,13 @@ use rimline::gpu::{
     ShadowPipelines, StencilCounts,
 };
 use rimline::{Counting, Light, ShadowCamera, wgpu};
-
-use super::casting::{CastInputs, set_lights};
-use super::depth::MOST;
-use super::posed_model::PosedModel;
-use crate::device::Gpu;
-use crate::failure::Failure;
-use crate::gpu_error::{GpuError, On as _};
 use rimline_picture::{COMMON, Pass, depth_state};
 
-/// The layers of all models.
+use super::casting::{CastInputs, PosedModel, set_lights};
+use super::shadows::MOST;
+use crate::device::{Gpu, GpuError, On as _};
+use crate::failure::Failure;
+
 pub(super) struct Layers {
     /// At most so many faces lie over each other, if the stencil counts them.
     pub(super) most: Option<u32>,
@@ -28,7 +24,6 @@ pub(super) struct Layers {
     batches: Vec<Batch>,
 }
 
-/// A scene of some faces of all models.
 pub(super) struct Batch {
     scene: Scene,
     lights: Vec<LightHandle>,
@@ -67,7 +62,7 @@ impl Layers {
             return Ok(Some(Self { most: Some(most), batches: Vec::new() }));
         }
         // The others are counted in the same batches.
-        let Some(found) = batches::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(None) };
+        let Some(found) = deepest::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(None) };
         let batch = |of: &Vec<u32>| Batch::new(gpu, bodies, counting, max_lights, of);
         Ok(Some(Self { most: None, batches: found.iter().map(batch).collect::<Result<_, _>>()? }))
     }
@@ -104,7 +99,6 @@ impl Layers {
 }
 
 impl Batch {
-    /// These faces of all bodies, by number.
     fn new(
         gpu: &Gpu,
         bodies: &[PosedModel<'_>],
@@ -152,9 +146,7 @@ impl Batch {
     }
 }
 
-/// The bits that count.
 pub(super) const COUNT_BITS: u32 = 7;
-/// The most that they count to.
 pub(super) const MOST_OF_BATCH: u32 = (1 << COUNT_BITS) - 1;
 
 /// Made when they are first needed, as most pictures do without.

@@ -4,9 +4,9 @@ use glam::{DQuat, DVec3, Vec3};
 use rimline::gltf::{CameraProjection, SceneCamera};
 use rimline_picture::{Bounds, Camera};
 
-use crate::failure::UsageError;
+use crate::failure::{EYE_AT_TARGET, Failure};
 use crate::input_args::PlacedView;
-use crate::side::Side;
+use crate::spec::Side;
 
 /// Degrees to the right of the model's front, which is +Z.
 pub(crate) const AZIMUTH: f64 = 33.0;
@@ -20,7 +20,7 @@ pub(crate) fn camera(
     elevation: f64,
     bounds: &Bounds,
     points: impl Iterator<Item = [f32; 3]> + Clone,
-) -> Result<Camera, UsageError> {
+) -> Result<Camera, Failure> {
     if let Some(file_camera) = &args.camera {
         return Ok(of_file(file_camera, args.size));
     }
@@ -32,19 +32,15 @@ pub(crate) fn camera(
     let (azimuth, elevation) = (AZIMUTH.to_radians(), elevation.to_radians());
     let side = args.side.map(Side::directions);
     let backward = match (args.eye, side) {
-        (Some(eye), _) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
+        (Some(eye), _) => (vector(eye) - target).try_normalize().ok_or_else(|| Failure::usage(EYE_AT_TARGET))?,
         (None, Some((towards_eye, _))) => DVec3::from(towards_eye).normalize(),
         (None, None) => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
     };
     let view = View::new(-backward, side.map(|(_, up)| vector(up)), [scale_y * height / width, scale_y]);
     let nearest = extent * 1e-3;
     if args.is_parallel {
-        return Ok(view.parallel(
-            target,
-            args.target.is_some() || args.eye.is_some(),
-            points.map(vector),
-            height / width,
-        ));
+        let is_given = args.target.is_some() || args.eye.is_some();
+        return Ok(view.parallel(target, is_given, points.map(vector), height / width));
     }
     let distance = if let Some(eye) = args.eye {
         (vector(eye) - target).length()
@@ -55,15 +51,8 @@ pub(crate) fn camera(
         target += aside;
         distance
     };
-    Ok(Camera {
-        eye: args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from),
-        right: view.right.as_vec3(),
-        up: view.up.as_vec3(),
-        forward: view.forward.as_vec3(),
-        scale: view.scale.map(|scale| scale as f32),
-        near: (distance.min(extent) * 1e-3) as f32,
-        far: None,
-    })
+    let eye = args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from);
+    Ok(view.camera(eye, view.scale, distance.min(extent) * 1e-3, None))
 }
 
 /// A camera of a file, for a picture of this size.
@@ -107,6 +96,12 @@ impl View {
         Self { right, up, forward, scale }
     }
 
+    fn camera(&self, eye: Vec3, scale: [f64; 2], near: f64, far: Option<f64>) -> Camera {
+        let [right, up, forward] = [self.right, self.up, self.forward].map(|axis| axis.as_vec3());
+        let (scale, near, far) = (scale.map(|scale| scale as f32), near as f32, far.map(|far| far as f32));
+        Camera { eye, right, up, forward, scale, near, far }
+    }
+
     /// Right, up and forward from the target.
     fn seen(&self, target: DVec3, point: DVec3) -> [f64; 3] {
         let p = point - target;
@@ -137,15 +132,7 @@ impl View {
         let room = depth.max(size);
         let eye = target + self.right * middle.x + self.up * middle.y + self.forward * (low.z - room);
         let scale = FILLED / size;
-        Camera {
-            eye: eye.as_vec3(),
-            right: self.right.as_vec3(),
-            up: self.up.as_vec3(),
-            forward: self.forward.as_vec3(),
-            scale: [scale * aspect, scale].map(|scale| scale as f32),
-            near: (0.5 * room) as f32,
-            far: Some((depth + 2.0 * room) as f32),
-        }
+        self.camera(eye.as_vec3(), [scale * aspect, scale], 0.5 * room, Some(depth + 2.0 * room))
     }
 
     /// The nearest place of the eye from which the picture holds all points, in its middle: how far aside of the target it
@@ -311,7 +298,7 @@ mod tests {
     #[test]
     fn an_eye_at_its_target_sees_nothing() {
         let camera = camera(&args("--eye 1,2,3 --target 1,2,3"), 17.0, &AROUND, CUBE.into_iter());
-        assert!(matches!(camera, Err(UsageError::EyeAtTarget)));
+        assert!(matches!(camera, Err(Failure::Usage(_))));
     }
 
     #[test]

@@ -1,22 +1,17 @@
-//! Where a result goes: a regular file, which is replaced, or something else, which is written through. A name must not say
-//! another format than is written.
+//! Input files, and where a result goes: a regular file, which is replaced, or something else, which is written through.
 
 use std::collections::HashMap;
 use std::fs::{File, Metadata, OpenOptions};
-use std::io;
+use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::failure::UsageError;
-use crate::source;
+use rimline_files::{FileError, open_regular};
+
+use crate::failure::{Cause, Failure};
 
 /// Whether a result goes to standard output, so that text cannot.
-static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
-
-/// Whether a result goes to standard output.
-pub(crate) fn holds_result() -> bool {
-    HOLDS_RESULT.load(Ordering::SeqCst)
-}
+pub(crate) static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
 
 pub(crate) enum Target {
     /// A name for a regular file, with what is there already.
@@ -83,21 +78,25 @@ impl Inputs {
         let identified = |file: P| {
             let file = file.as_ref();
             // Missing files, pipes and devices have no contents that could be lost.
-            let there = source::metadata(file).ok().filter(std::fs::Metadata::is_file)?;
+            let there = metadata(file).ok().filter(std::fs::Metadata::is_file)?;
             Some((identity(file, &there)?, file.to_owned()))
         };
         Self(files.into_iter().filter_map(identified).collect())
     }
 
     /// Refuses to write a file that is one of them.
-    pub(crate) fn spare(&self, out: &Path) -> Result<(), UsageError> {
+    pub(crate) fn spare(&self, out: &Path) -> Result<(), Failure> {
         let there = match is_stdout(out).then(|| standard(&io::stdout())).flatten() {
             Some(stream) => stream.metadata(),
             None => std::fs::metadata(out),
         };
         let identity = there.ok().and_then(|there| identity(out, &there));
         match identity.and_then(|identity| self.0.get(&identity)) {
-            Some(input) => Err(UsageError::OutputIsInput { out: out.to_owned(), input: input.clone() }),
+            Some(input) => Err(Failure::usage(format!(
+                "{} is an input, {}, and the result would replace it; choose another name",
+                out.display(),
+                input.display()
+            ))),
             None => Ok(()),
         }
     }
@@ -179,11 +178,11 @@ pub(crate) fn real_path(path: &Path) -> Option<PathBuf> {
 
 /// Endings that stand for a format. One that is none of these is a part of the name.
 const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf dxf eps ps exr hdr tga ppm \
-    pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
-    usd usda usdc usdz blend zip gz tar csv tsv json txt md html wgsl";
+                       pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
+                       usd usda usdc usdz blend zip gz tar csv tsv json txt md html wgsl";
 
 /// Refuses a file name that ends as another format's: `expected` is the format of this one.
-pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), UsageError> {
+pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), Failure> {
     let what = match expected {
         "png" => "a PNG picture",
         "gif" => "a GIF",
@@ -196,19 +195,85 @@ pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), Usa
         _ => "JSON",
     };
     match format_of(out) {
-        Some(ending) if ending != expected => Err(UsageError::Ending { out: out.to_owned(), what, expected }),
+        Some(ending) if ending != expected => {
+            Err(Failure::usage(format!("{} is written as {what}; give a name that ends in .{expected}", out.display())))
+        }
         _ => Ok(()),
     }
 }
 
 /// Refuses a folder that is not there and is named as a file would be.
-pub(crate) fn check_folder(out: &Path, refused: impl FnOnce(PathBuf) -> UsageError) -> Result<(), UsageError> {
-    if format_of(out).is_some() && !out.exists() { Err(refused(out.to_owned())) } else { Ok(()) }
+pub(crate) fn check_folder(out: &Path, why: &str) -> Result<(), Failure> {
+    if format_of(out).is_none() || out.exists() {
+        return Ok(());
+    }
+    Err(Failure::usage(format!("{} looks like a file, but {why}", out.display())))
 }
 
 fn format_of(out: &Path) -> Option<String> {
     let ending = out.extension()?.to_str()?.to_lowercase();
     FORMATS.split_whitespace().any(|format| format == ending).then_some(ending)
+}
+
+const MAX_STDIN_BYTES: u64 = 1 << 32;
+
+/// A seekable reader, which archives need.
+trait ReadSeek: Read + Seek {}
+
+impl<T: Read + Seek> ReadSeek for T {}
+
+pub(crate) fn is_stdin(file: &Path) -> bool {
+    file.as_os_str() == "-"
+}
+
+/// An archive of arrays.
+pub(crate) fn archive(file: &Path) -> Result<impl Read + Seek + use<>, Cause> {
+    let reader: Box<dyn ReadSeek> = if is_stdin(file) {
+        Box::new(Cursor::new(stdin().map_err(FileError::from)?))
+    } else {
+        Box::new(BufReader::with_capacity(1 << 18, open_regular(file).map_err(FileError::from)?))
+    };
+    Ok(rimline_files::archive(reader).map_err(FileError::from)?)
+}
+
+pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
+    if is_stdin(file) {
+        return stdin();
+    }
+    let mut bytes = Vec::new();
+    open_regular(file)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+pub(crate) fn read_text(file: &Path) -> Result<String, Failure> {
+    let text = |bytes| String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text"));
+    read(file).and_then(text).map_err(|error| Failure::input(file)(FileError::from(error).into()))
+}
+
+/// The input's metadata. For `-` it is the metadata of standard input: a file, a pipe or a terminal.
+pub(crate) fn metadata(file: &Path) -> io::Result<Metadata> {
+    #[cfg(unix)]
+    if is_stdin(file) {
+        use std::os::fd::AsFd;
+        return File::from(io::stdin().as_fd().try_clone_to_owned()?).metadata();
+    }
+    std::fs::metadata(file)
+}
+
+fn stdin() -> io::Result<Vec<u8>> {
+    static IS_TAKEN: AtomicBool = AtomicBool::new(false);
+    if IS_TAKEN.swap(true, Ordering::SeqCst) {
+        return Err(io::Error::other("standard input is already another input; `-` can be given once"));
+    }
+    let mut bytes = Vec::new();
+    io::stdin().lock().take(MAX_STDIN_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_STDIN_BYTES {
+        return Err(io::Error::other("standard input holds more than 4 GiB; write it to a file"));
+    }
+    if bytes.is_empty() {
+        return Err(io::Error::other("it is empty"));
+    }
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -226,7 +291,7 @@ mod tests {
         }
         assert!(is_taken("a.npz", "npz") && !is_taken("a.png", "npz"));
         assert!(is_taken("a.json", "json") && is_taken("-", "json") && !is_taken("a.glb", "json"));
-        let is_folder = |name| check_folder(Path::new(name), |out| UsageError::FolderEnding { out }).is_ok();
+        let is_folder = |name| check_folder(Path::new(name), "").is_ok();
         assert!(!is_folder("none/film.mp4") && is_folder("none/film.d") && is_folder("none/report"));
     }
 }
