@@ -92,7 +92,7 @@ pub(crate) fn add_all(summary: &mut Summary) {
 pub(crate) fn add_swiftshader(summary: &mut Summary, tests: &[&str]) {
     if swiftshader().is_none()
         && let Some(manager) = Manager::of_this_system()
-        && let Err(error) = manager.install_swiftshader()
+        && let Err(error) = manager.install("SwiftShader", manager.swiftshader)
     {
         println!("{error}");
     }

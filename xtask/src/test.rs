@@ -74,7 +74,7 @@ fn ensure_display() {
     if !cfg!(target_os = "linux") || process::output(Command::new("Xvfb").arg("-help")).is_ok() {
         return;
     }
-    if let Some(Err(error)) = Manager::of_this_system().map(Manager::install_xvfb) {
+    if let Some(Err(error)) = Manager::of_this_system().map(|manager| manager.install("Xvfb", manager.xvfb)) {
         println!("note: {error}");
     }
 }
@@ -84,11 +84,7 @@ pub(crate) fn add(summary: &mut Summary) {
     ensure_driver(summary);
     ensure_display();
     run_tests(&mut process::cargo(EVERYTHING), summary);
-    summary.check("the library builds with any of its features", features::library_alone());
-    summary.check("the library without `gpu` has no GPU library", features::no_gpu_dependencies());
-    summary.check("the library compiles for wasm32", features::library_for_wasm());
-    summary.check("the command builds without `bench`, and without its charts", features::command_without_bench());
-    summary.check("the library has none of the command's dependencies", features::no_command_dependencies());
+    features::add(summary);
 }
 
 /// Runs a command of tests and counts them in `summary`.

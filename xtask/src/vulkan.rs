@@ -21,12 +21,9 @@ pub(crate) fn ensure() -> Result<(), String> {
         );
     };
     println!("No Vulkan driver found; installing Mesa's software driver.");
-    manager.install()?;
-    if is_there() {
-        Ok(())
-    } else {
-        Err(format!("`{}` succeeded, but there still is no Vulkan driver", manager.one_command()))
-    }
+    manager.install("Vulkan driver", manager.vulkan)?;
+    let line = manager.one_command(manager.vulkan);
+    if is_there() { Ok(()) } else { Err(format!("`{line}` succeeded, but there still is no Vulkan driver")) }
 }
 
 fn is_there() -> bool {

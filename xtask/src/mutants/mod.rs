@@ -71,11 +71,8 @@ struct WorkingCopy {
 impl WorkingCopy {
     /// Makes or renews the copy. Files that are as they were keep their time, so that cargo builds little.
     fn renew(&self) -> Result<(), String> {
-        let mut git = Command::new("git");
-        git.args(["ls-files", "--cached", "--others", "--exclude-standard", "-z"]).current_dir(process::root());
-        let names = process::output(&mut git)?;
-        for name in names.split('\0').filter(|name| name.starts_with("wgsl/") || !self.is_of_shaders) {
-            let (from, to) = (process::root().join(name), self.files.join(name));
+        for name in process::names(if self.is_of_shaders { &["wgsl/"] } else { &[] })? {
+            let (from, to) = (process::root().join(&name), self.files.join(&name));
             // A file that is removed but not committed.
             let Ok(bytes) = std::fs::read(&from) else { continue };
             if !std::fs::read(&to).is_ok_and(|old| old == bytes) {
