@@ -30,8 +30,8 @@ impl Section {
         }
     }
 
-    /// The variant with which all others are compared, and the whole whose time is compared.
-    fn compared_to(self) -> &'static [&'static str] {
+    /// The variants with which all others are compared.
+    pub(crate) fn compared_to(self) -> &'static [&'static str] {
         match self {
             Self::Extraction => &["gpu-per-edge-plane", "gpu-mask-local", "cpu-f32-one", "cpu-f32-all"],
             Self::Shadows => &["z-pass"],
@@ -89,7 +89,7 @@ pub fn compare<V: Into<Variant>>(
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub variant: Variant,
-    metrics: Vec<(Metric, Vec<f64>)>,
+    pub(crate) metrics: Vec<(Metric, Vec<f64>)>,
 }
 
 impl Entry {
@@ -151,11 +151,6 @@ impl Entry {
     /// The sum of a count over all rounds, or all frames.
     pub fn count(&self, name: &'static str) -> f64 {
         self.values(Metric::Count(name)).iter().sum()
-    }
-
-    /// The stages in the order of the frame.
-    pub fn stages(&self) -> impl Iterator<Item = &'static str> {
-        self.metrics.iter().filter_map(|(metric, _)| if let Metric::Stage(name) = metric { Some(*name) } else { None })
     }
 }
 
@@ -224,18 +219,20 @@ impl Row {
         for (metric, values) in &entry.metrics {
             match metric {
                 Metric::Time(name) => {
-                    found["times"][name] = with_rounds(values);
+                    found["times"][name] = summary_json(entry.summary(*metric));
+                    found["times"][name]["rounds"] = json!(values);
                     let ratios = self.section.compared_to().iter().filter(|to| *to != id).filter_map(|to| {
-                        let mut ratio = summary_json(&self.ratio(*metric, id, to)?);
+                        let mut ratio = summary_json(Some(self.ratio(*metric, id, to)?));
                         ratio["to"] = (*to).into();
                         ratio["time"] = (*name).into();
                         Some(ratio)
                     });
                     found["ratios"].as_array_mut().into_iter().for_each(|all| all.extend(ratios.clone()));
                 }
-                Metric::Stage(name) => found["stages"][name] = optional_json(entry.summary(*metric)),
+                Metric::Stage(name) => found["stages"][name] = summary_json(entry.summary(*metric)),
+                // A single count is a whole number in the data.
                 Metric::Count(name) => {
-                    found["counts"][name] = if let [one] = values[..] { whole(one) } else { json!(values) };
+                    found["counts"][name] = if let [one] = values[..] { json!(one as u64) } else { json!(values) };
                 }
             }
         }
@@ -243,25 +240,10 @@ impl Row {
     }
 }
 
-/// A count is a whole number in the data.
-fn whole(count: f64) -> Value {
-    json!(count as u64)
-}
-
-pub(crate) fn summary_json(summary: &Summary) -> Value {
-    let Summary { median, quartiles: [q1, q3], range: [low, high], count } = summary;
-    json!({ "median": median, "q1": q1, "q3": q3, "low": low, "high": high, "runs": count })
-}
-
-pub(crate) fn optional_json(summary: Option<Summary>) -> Value {
-    summary.as_ref().map_or(Value::Null, summary_json)
-}
-
-/// A summary with the values that it is of.
-fn with_rounds(values: &[f64]) -> Value {
-    let mut json = optional_json(Summary::of(values.iter().copied()));
-    json["rounds"] = json!(values);
-    json
+/// Null if there is none.
+pub(crate) fn summary_json(summary: Option<Summary>) -> Value {
+    let json = |Summary { median, quartiles: [q1, q3], range: [low, high], count }| json!({ "median": median, "q1": q1, "q3": q3, "low": low, "high": high, "runs": count });
+    summary.map_or(Value::Null, json)
 }
 
 /// 1048576 as `1,048,576`.
