@@ -149,7 +149,7 @@ fn measure(rounds: usize) -> Result<Vec<Row>, Error> {
         let of_mesh = || {
             let mut scene = scene.borrow_mut();
             let frame = clock(&mut |encoder| {
-                scene.encode(encoder, Until::Volumes, None)?;
+                scene.encode(encoder, Until::Volumes(None), None)?;
                 scene.draw(&mut seen.counted().begin(encoder), 0)?;
                 shade.stencil(encoder, seen);
                 Ok(())

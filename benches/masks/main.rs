@@ -15,8 +15,8 @@ use rimline::{Counting, Light, Matrix3x4, ShadowCamera};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Rounds, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
-use rimline_bench::pipelines::{ADDED, Drawing, SURFACE, depth, group};
-use rimline_bench::record::{Camera, Casters, IDENTITY, SceneRecorder, Setting, Target, Until};
+use rimline_bench::pipelines::{ADDED, Drawing, group};
+use rimline_bench::record::{Camera, Casters, IDENTITY, Pass, SceneRecorder, Setting, Surfaces, Target, Until};
 use rimline_bench::row::compare;
 use rimline_bench::shapes::{self, Shape};
 use wgpu::{CommandEncoder, LoadOp, TextureFormat, TextureView};
@@ -104,7 +104,7 @@ fn setting(casters: Casters, far: f32) -> Setting {
     let wide = Mat4::from_scale(Vec3::new(SIZE[1] as f32 / SIZE[0] as f32, 1.0, 1.0));
     let matrix = wide * Mat4::from_cols_array_2d(&level.view_projection);
     let camera = ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..level };
-    Setting::new(casters, (0..32).map(light).collect(), camera)
+    Setting { ground: Some(0.0), ..Setting::new(casters, (0..32).map(light).collect(), camera) }
 }
 
 fn measure(gpu: &Gpu, title: &str, setting: &Setting, rounds: Rounds) -> Result<(), Error> {
@@ -154,9 +154,6 @@ struct World<'a> {
     gpu: &'a Gpu,
     /// A frame of it is drawn again and again.
     scene: SceneRecorder<'a>,
-    camera: wgpu::Buffer,
-    corners: wgpu::Buffer,
-    count: u32,
     color: TextureView,
     white: TextureView,
 }
@@ -164,46 +161,21 @@ struct World<'a> {
 impl<'a> World<'a> {
     fn new(gpu: &'a Gpu, setting: &'a Setting) -> Result<Self, Error> {
         let mut scene = SceneRecorder::new(gpu, setting, None, SceneOptions::default())?;
-        // A ground that does not cast.
-        let mut corners: Vec<[f32; 3]> = [[-1, 1], [1, 1], [1, -1], [-1, 1], [1, -1], [-1, -1]]
-            .map(|[x, z]| [50.0 * x as f32, 0.0, 50.0 * z as f32])
-            .into();
-        let Shape { positions, faces } = setting.casters.merged();
-        corners.extend(faces.iter().flatten().map(|&vertex| positions[vertex as usize]));
         let white = gpu.texture(SIZE, TextureFormat::Rgba8Unorm);
         let mut encoder = gpu.encoder();
-        scene.encode(&mut encoder, Until::Volumes, None)?;
+        scene.encode(&mut encoder, Until::Volumes(None), None)?;
         let color = Some((&white, LoadOp::Clear(wgpu::Color::WHITE)));
         drop(Target { color, ..Target::default() }.begin(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
-        let [x, y, z] = scene.camera.origin;
-        let words = [scene.camera.view_projection.concat(), vec![x, y, z, 0.0]].concat();
-        let storage = wgpu::BufferUsages::STORAGE;
-        let (count, corners) = (corners.len() as u32, gpu.buffer(storage, &corners));
-        let (camera, color) = (gpu.buffer(storage, &words), gpu.texture(SIZE, COLOR));
-        Ok(Self { gpu, scene, camera, corners, count, color, white })
+        Ok(Self { gpu, scene, color: gpu.texture(SIZE, COLOR), white })
     }
 
     /// The surfaces' depth.
     fn depth(&self, format: TextureFormat) -> TextureView {
-        let (gpu, device) = (self.gpu, &self.gpu.device);
-        let view = gpu.texture(SIZE, format);
-        let depth_stencil = Some(depth(format, wgpu::CompareFunction::Greater, true));
-        let pipeline = Drawing { source: SURFACE, depth_stencil, ..Drawing::default() }.pipeline(device);
-        let group = group(
-            device,
-            &pipeline.get_bind_group_layout(0),
-            [self.camera.as_entire_binding(), self.corners.as_entire_binding()],
-        );
-        let stencil = format.has_stencil_aspect().then_some(LoadOp::Clear(0));
-        let target = Target { color: None, depth_stencil: Some(&view), depth: Some(LoadOp::Clear(0.0)), stencil };
-        let mut encoder = gpu.encoder();
-        let mut pass = target.begin(&mut encoder);
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..self.count, 0..1);
-        drop(pass);
-        gpu.queue.submit([encoder.finish()]);
+        let view = self.gpu.texture(SIZE, format);
+        let mut encoder = self.gpu.encoder();
+        Surfaces::of(self.gpu, format, self.scene.setting, None).pass(&mut encoder, &view, Pass::Depth, None);
+        self.gpu.queue.submit([encoder.finish()]);
         view
     }
 }

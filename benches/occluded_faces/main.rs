@@ -5,7 +5,6 @@
 
 mod scenes;
 
-use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
@@ -14,9 +13,7 @@ use rimline::{Counting, Light, Predicate};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Rounds, clock, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
-use rimline_bench::record::{
-    DEPTH, FragmentCounter, Pass, SceneRecorder, Setting as Recorded, Surfaces, Target, Until,
-};
+use rimline_bench::record::{DEPTH, Drawn, FragmentCounter, STENCIL, SceneRecorder, Setting as Recorded, Surfaces};
 use rimline_bench::row::compare;
 use rimline_bench::shapes::Shape;
 use scenes::Setting;
@@ -25,7 +22,7 @@ use scenes::Setting;
 const SIZE: u32 = 512;
 const ROUNDS: usize = 7;
 /// The parts of a frame.
-const PARTS: [&str; 3] = ["stages", "depth", "volumes"];
+const PARTS: [&str; 3] = ["stages", "depth", STENCIL];
 
 fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -126,27 +123,24 @@ fn compare_frames(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<()
     for setting in settings {
         let casters = casters(setting);
         // For each way: the search, the parts of the frame, fragments.
-        let mut sums: Vec<(&str, [f64; 5])> = Vec::new();
+        let mut sums = [("each face", [0.0; 5]), ("silhouettes", [0.0; 5]), ("and occluded faces", [0.0; 5])];
+        let sums = if has_plain { &mut sums[..] } else { &mut sums[1..] };
         for &light in &setting.lights {
             let mut found = None;
             let search = clock(|| found = Some(find(light, &casters, OcclusionOptions::default())));
             let bodies = setting.recorded(setting.bodies.iter().map(|(shape, _)| shape.clone()).collect(), light);
             let plain = has_plain.then(|| setting.recorded(vec![loose(&casting(setting, light))], light));
-            let ways = plain.iter().map(|plain| ("each face", plain, None));
-            let ways = ways.chain([("silhouettes", &bodies, None), ("and occluded faces", &bodies, found.as_ref())]);
-            for (at, (name, found)) in frames(gpu, &ways.collect::<Vec<_>>())?.into_iter().enumerate() {
-                if sums.len() == at {
-                    sums.push((name, [0.0; 5]));
-                }
-                let search = if name == "and occluded faces" { search } else { 0.0 };
-                let [stages, depth, volumes, fragments] = found;
-                let parts = [search, stages, depth, volumes, fragments];
-                sums[at].1.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part / setting.lights.len() as f64);
+            let ways = plain.iter().map(|plain| (plain, None)).chain([(&bodies, None), (&bodies, found.as_ref())]);
+            let found = frames(gpu, &ways.collect::<Vec<_>>())?;
+            for ((name, sums), parts) in sums.iter_mut().zip(found) {
+                let search = if *name == "and occluded faces" { search } else { 0.0 };
+                let parts = [search].into_iter().chain(parts);
+                sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part / setting.lights.len() as f64);
             }
         }
         let frame = |sums: &[f64; 5]| sums[1..4].iter().sum::<f64>();
         let base = sums[0].1;
-        for (name, of) in &sums {
+        for (name, of) in sums {
             let ratios = [base[3] / of[3], frame(&base) / frame(of), frame(&base) / (frame(of) + of[0])];
             let [search, stages, depth, volumes, fragments] = of;
             println!(
@@ -160,50 +154,38 @@ fn compare_frames(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<()
     Ok(())
 }
 
-/// A way to shadows: its name, the casters, and faces to leave out.
-type Way<'a> = (&'static str, &'a Recorded, Option<&'a OccludedFaces>);
-
-/// Milliseconds of the parts of frames, and fragments, of each way. All receive on the surfaces of the last.
-fn frames(gpu: &Gpu, ways: &[Way<'_>]) -> Result<Vec<(&'static str, [f64; 4])>, Error> {
+/// Milliseconds of the parts of frames, and fragments, of each way: casters, and faces to leave out. All receive on the
+/// surfaces of the last.
+fn frames(gpu: &Gpu, ways: &[(&Recorded, Option<&OccludedFaces>)]) -> Result<Vec<[f64; 4]>, Error> {
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
-    let depth = &gpu.texture([SIZE; 2], DEPTH);
     let counter = FragmentCounter::new(gpu, SIZE, 1)?;
     let mut options = SceneOptions { max_lights: 1, ..SceneOptions::default() };
     options.measuring.set(Measuring::CACHED_BITS, true);
-    let surfaces = ways.last().map(|(_, setting, _)| Surfaces::of(gpu, setting, None));
-    let mut recorders = Vec::new();
-    for &(name, setting, occluded) in ways {
-        let mut recorder = SceneRecorder::new(gpu, setting, Some(&pipelines), options)?;
+    let mut drawn = Vec::new();
+    for &(setting, occluded) in ways {
+        let mut scene = SceneRecorder::new(gpu, setting, Some(&pipelines), options)?;
         if let Some(occluded) = occluded {
-            let (light, casters) = (recorder.lights[0], recorder.casters.clone());
-            recorder.scene.set_occluded_faces(light, &casters, Some(occluded))?;
+            let (light, casters) = (scene.lights[0], scene.casters.clone());
+            scene.scene.set_occluded_faces(light, &casters, Some(occluded))?;
         }
-        recorders.push((name, RefCell::new(recorder)));
+        let surfaces = ways.last().map(|(setting, _)| Surfaces::of(gpu, DEPTH, setting, None));
+        drawn.push(Drawn { scene, surfaces, depth: gpu.texture([SIZE; 2], DEPTH), receivers: None });
     }
     let stopwatch = Stopwatch::new(gpu);
-    let contenders = recorders.iter().map(|(name, recorder)| -> (&str, Contender<'_>) {
-        let (stopwatch, surfaces) = (&stopwatch, &surfaces);
+    let contenders = drawn.iter_mut().map(|drawn| -> (&str, Contender<'_>) {
+        let stopwatch = &stopwatch;
         let run = move || {
-            let mut recorder = recorder.borrow_mut();
-            let [_, stages] = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
-            let [_, seen] = stopwatch.by_clock(|encoder| {
-                if let Some(surfaces) = surfaces {
-                    surfaces.pass(encoder, depth, Pass::Depth, None);
-                }
-                Ok(())
-            })?;
-            let target = Target::counting(depth, wgpu::LoadOp::Load);
-            let [_, volumes] = stopwatch.by_clock(|encoder| recorder.draw(&mut target.begin(encoder), 0))?;
-            Ok(times([(PARTS[0], stages), (PARTS[1], seen), (PARTS[2], volumes)]))
+            let mut ms = |part| Ok::<_, Error>(stopwatch.by_clock(|encoder| drawn.record(encoder, part, None))?[1]);
+            Ok(times([(PARTS[0], ms(PARTS[0])?), (PARTS[1], ms(PARTS[1])?), (PARTS[2], ms(PARTS[2])?)]))
         };
-        (name, Box::new(run))
+        ("", Box::new(run))
     });
     let entries = compare(Rounds::exactly(ROUNDS), contenders.collect(), &())?;
-    let found = recorders.iter().zip(entries).map(|((name, recorder), entry)| {
-        let fragments = counter.as_ref().map(|counter| counter.count(gpu, |pass, _| recorder.borrow().draw(pass, 0)));
+    let found = drawn.iter().zip(entries).map(|(drawn, entry)| {
+        let fragments = counter.as_ref().map(|counter| counter.count(gpu, |pass, _| drawn.scene.draw(pass, 0)));
         let [stages, depth, volumes] = PARTS.map(|part| entry.ms(part));
-        Ok((*name, [stages, depth, volumes, fragments.transpose()?.unwrap_or(0) as f64]))
+        Ok([stages, depth, volumes, fragments.transpose()?.unwrap_or(0) as f64])
     });
     found.collect()
 }

@@ -11,6 +11,7 @@ use crate::shadows::scene::{MODELS, PATHS, Path, fitted};
 use crate::shapes::Shape;
 use crate::skipping::scenes::SkipScene;
 use crate::stress;
+use crate::text::grouped;
 
 /// A choice of measurements. An empty list is nothing, `None` what is usual.
 #[derive(Clone, Debug, Default)]
@@ -71,6 +72,21 @@ pub(crate) enum Job {
     OneMesh(usize),
     /// A scene with its number of casters.
     Skipping(SkipScene, usize),
+}
+
+impl Job {
+    /// Name for a progress line.
+    pub(crate) fn title(&self) -> String {
+        match self {
+            Self::Extraction(Subject::Torus(faces), _) => format!("torus of {} faces", grouped(*faces)),
+            Self::Extraction(Subject::Scene(name, _), _) => (*name).to_owned(),
+            Self::Extraction(Subject::OfUser(model), _) => model.name.clone(),
+            Self::Shadows(name, _, path) => format!("shadows of {name}: {}", path.name),
+            Self::Casters(mesh, count) => format!("scene of {}", mesh.counted(*count)),
+            Self::OneMesh(faces) => format!("scene of one mesh of {} faces", grouped(*faces)),
+            Self::Skipping(scene, count) => scene.title(*count),
+        }
+    }
 }
 
 const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];

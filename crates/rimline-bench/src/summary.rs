@@ -1,8 +1,7 @@
 //! The summary of a run: one line for each question that a person has.
 
 use crate::engine::Metric;
-use crate::extraction::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
-use crate::extraction::subject::{OF_USER, ORDINARY};
+use crate::extraction::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, OF_USER, ORDINARY, PER_EDGE};
 use crate::figures::usual_lights;
 use crate::row::{Row, Section};
 use crate::shadows::Z_PASS;

@@ -12,7 +12,7 @@ use wgpu::{LoadOp, Operations, StoreOp, TextureFormat, TextureView};
 
 pub use extractor::ExtractorRecorder;
 pub use fragments::FragmentCounter;
-pub use scene::{Counted, SceneRecorder, Until, made_anew};
+pub use scene::{Counted, Drawn, SceneRecorder, Until, made_anew};
 pub use setting::{Camera, Casters, IDENTITY, Setting};
 pub use surfaces::{Pass, Surface, Surfaces};
 

@@ -73,11 +73,6 @@ impl Setting {
     pub fn in_buffers(&self, shapes: Vec<Shape>) -> Self {
         Self::new(Casters::InBuffers(shapes), self.lights.clone(), self.camera)
     }
-
-    /// The version of what is seen: casters that do not move look the same in each frame.
-    pub fn still_receivers(&self) -> Option<u64> {
-        (matches!(self.casters, Casters::Rigid { .. }) && self.drift == 0.0).then_some(0)
-    }
 }
 
 pub enum Casters {

@@ -6,7 +6,7 @@ use rimline::gpu::{Measuring, SceneOptions};
 type Level = (&'static str, &'static str, &'static [Measuring]);
 
 /// All levels that have a switch. Clusters have an option of their own.
-pub(crate) const LEVELS: [Level; 7] = [
+pub(super) const LEVELS: [Level; 7] = [
     ("light-reach", "light reach", &[Measuring::CULLED_BY_RANGE]),
     ("shadow-reach", "shadow reach", &[Measuring::CULLED_BY_VIEW]),
     ("nothing-moved", "nothing moved", &[Measuring::CACHED_BITS, Measuring::CACHED_LISTS]),

@@ -3,35 +3,30 @@
 mod city;
 mod crowd;
 mod house;
-pub(crate) mod levels;
+mod levels;
 pub(crate) mod scenes;
 mod walk;
 
 use std::cell::RefCell;
 
-use serde_json::json;
-use wgpu::LoadOp;
-
 use crate::casters::Devices;
 use crate::engine::{Contender, Metric, Rounds, Sample, times};
 use crate::gpu::{Stopwatch, beside_draws};
-use crate::record::{Counted, DEPTH, FragmentCounter, Pass, STENCIL, SceneRecorder, Surfaces, Target};
+use crate::record::{Counted, DEPTH, Drawn, FragmentCounter, STENCIL, SceneRecorder, Surfaces, Until};
 use crate::row::{Row, Section, Variant, compare};
 use crate::{Error, Host};
 use scenes::SkipScene;
+use serde_json::json;
 
 /// Frames before one is counted, so that what does not change was computed before.
 const SETTLED: usize = 2;
 /// The stage that deforms, as the timer has it.
 const DEFORM: &str = "deform";
-/// The parts of a frame: deforming and compute stages by timestamps, the stencil passes of all lights, the whole frame
-/// by the clock, and time of the CPU for recording.
-pub(crate) const PARTS: [&str; 5] = ["deform", "compute", "stencil", "frame", "recording"];
 
 /// A counter of the stages, by its name in the data.
 type Counter = (&'static str, fn(&Counted) -> u32);
 
-pub(crate) const COUNTERS: [Counter; 14] = [
+const COUNTERS: [Counter; 14] = [
     ("pairs", |counted| counted.scene.pairs),
     ("unreached-pairs", |counted| counted.scene.pairs_culled_by_range),
     ("occluded-pairs", |counted| counted.scene.pairs_culled_by_occluders),
@@ -63,30 +58,36 @@ pub(crate) fn measure(
     let Devices { stages, draws, pipelines } = devices;
     let gpu = draws.gpu;
     let depth = gpu.texture([size; 2], DEPTH);
+    let receivers = depth.texture().create_view(&wgpu::TextureViewDescriptor {
+        aspect: wgpu::TextureAspect::DepthOnly,
+        ..wgpu::TextureViewDescriptor::default()
+    });
     let counter = FragmentCounter::new(gpu, size, setting.lights.len())?;
     let (mut recorders, mut counts) = (Vec::new(), Vec::new());
     for choice in scene.choices() {
         let options = choice.options(setting.lights.len());
-        let mut drawn = SceneRecorder::new(gpu, &setting, Some(pipelines), options)?;
-        let surfaces = Surfaces::of(gpu, &setting, drawn.positions()?);
+        let drawn = SceneRecorder::new(gpu, &setting, Some(pipelines), options)?;
+        let surfaces = Some(Surfaces::of(gpu, DEPTH, &setting, drawn.positions()?));
+        let (depth, receivers) = (depth.clone(), Some(receivers.clone()));
+        let mut drawn = Drawn { scene: drawn, surfaces, depth, receivers };
         let mut timed = SceneRecorder::new(stages.gpu, &setting, None, options)?;
         for _ in 0..=SETTLED {
             if host.is_stopped() {
                 return Err(Error::Stopped);
             }
-            frame(&mut drawn, &surfaces, &depth, draws)?;
+            frame(&mut drawn, draws)?;
             stages_alone(&mut timed, stages)?;
         }
-        let counter = counter.as_ref().map(|counter| counter.count(gpu, |pass, light| drawn.draw(pass, light)));
-        counts.push((drawn.counted(gpu)?, counter.transpose()?));
-        recorders.push((choice, timed, drawn, surfaces));
+        let counter = counter.as_ref().map(|counter| counter.count(gpu, |pass, light| drawn.scene.draw(pass, light)));
+        counts.push((drawn.scene.counted(gpu)?, counter.transpose()?));
+        recorders.push((choice, timed, drawn));
     }
     let (stages, draws) = (RefCell::new(stages), RefCell::new(draws));
-    let contenders = recorders.iter_mut().map(|(choice, timed, drawn, surfaces)| -> (Variant, Contender<'_>) {
-        let (stages, draws, depth) = (&stages, &draws, &depth);
+    let contenders = recorders.iter_mut().map(|(choice, timed, drawn)| -> (Variant, Contender<'_>) {
+        let (stages, draws) = (&stages, &draws);
         let run = move || {
             let mut sample = stages_alone(timed, &mut stages.borrow_mut())?;
-            sample.extend(frame(drawn, surfaces, depth, &mut draws.borrow_mut())?);
+            sample.extend(frame(drawn, &mut draws.borrow_mut())?);
             Ok(sample)
         };
         (Variant::new(&choice.id, &choice.name, 4, 0), Box::new(run))
@@ -119,7 +120,7 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
     recorder.begin()?;
     let timed = stopwatch.timed(|encoder, mut timer| {
         recorder.deform(encoder, timer.as_deref_mut())?;
-        recorder.encode_seen(encoder, None, timer)
+        recorder.encode(encoder, Until::Volumes(None), timer)
     })?;
     // Without timestamps all that is known is their sum.
     if !timed.has_stamps {
@@ -135,60 +136,14 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
 
 /// Runs a frame: deforms, draws depths, then runs stages and stencil passes. Depths are the caller's in any case, so
 /// they are not timed.
-fn frame(
-    recorder: &mut SceneRecorder<'_>,
-    surfaces: &Surfaces,
-    depth: &wgpu::TextureView,
-    stopwatch: &mut Stopwatch<'_>,
-) -> Result<Sample, Error> {
+fn frame(drawn: &mut Drawn<'_>, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
     let [mut recording_ms, mut frame_ms] = [0.0; 2];
-    if recorder.begin()? {
-        let deformed = stopwatch.timed(|encoder, timer| recorder.deform(encoder, beside_draws(timer)))?;
+    if drawn.scene.begin()? {
+        let deformed = stopwatch.timed(|encoder, timer| drawn.scene.deform(encoder, beside_draws(timer)))?;
         (recording_ms, frame_ms) = (deformed.recording_ms, deformed.clock_ms);
     }
-    stopwatch.by_clock(|encoder| {
-        surfaces.pass(encoder, depth, Pass::Depth, None);
-        Ok(())
-    })?;
-    let depths = depth.texture().create_view(&wgpu::TextureViewDescriptor {
-        aspect: wgpu::TextureAspect::DepthOnly,
-        ..wgpu::TextureViewDescriptor::default()
-    });
-    let rest = stopwatch.frame(&["stages", STENCIL], |encoder, part, mut timer| {
-        if part == "stages" {
-            return recorder.encode_seen(encoder, Some(&depths), beside_draws(timer));
-        }
-        (0..recorder.lights.len()).try_for_each(|light| {
-            let target = Target::counting(depth, LoadOp::Load);
-            recorder.draw(&mut target.begin_timed(encoder, STENCIL, timer.as_deref_mut(), None), light)
-        })
-    })?;
+    stopwatch.by_clock(|encoder| drawn.record(encoder, "depth", None))?;
+    let rest = stopwatch.frame(&["stages", STENCIL], |encoder, part, timer| drawn.record(encoder, part, timer))?;
     let (stencil, frame_ms) = (rest.of(|name| name == STENCIL), frame_ms + rest.clock_ms);
     Ok(times([("stencil", stencil), ("frame", frame_ms), ("recording", recording_ms + rest.recording_ms)]))
-}
-
-#[cfg(test)]
-mod tests {
-    use glam::DVec3;
-
-    use super::*;
-    use crate::shapes::Shape;
-
-    /// Positive where faces are counter-clockwise seen from outside.
-    pub(super) fn volume(shape: &Shape) -> f64 {
-        let corner = |vertex: u32| DVec3::from(shape.positions[vertex as usize].map(f64::from));
-        let signed = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(corner);
-            a.dot(b.cross(c)) / 6.0
-        };
-        shape.faces.iter().map(signed).sum()
-    }
-
-    #[test]
-    fn counters_have_distinct_names() {
-        let mut ids: Vec<&str> = COUNTERS.iter().map(|counter| counter.0).collect();
-        ids.sort_unstable();
-        ids.dedup();
-        assert_eq!(ids.len(), COUNTERS.len());
-    }
 }

@@ -155,7 +155,45 @@ fn moving(casters: usize) -> Setting {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+    use rimline::cpu::{Threads, deform};
+
     use super::*;
+    use crate::record::Casters;
+    use crate::shapes::Shape;
+
+    /// Positive where faces are counter-clockwise seen from outside.
+    fn volume(shape: &Shape) -> f64 {
+        let corner = |vertex: u32| DVec3::from(shape.positions[vertex as usize].map(f64::from));
+        let signed = |[a, b, c]: [DVec3; 3]| a.dot(b.cross(c)) / 6.0;
+        shape.faces.iter().map(|face| signed(face.map(corner))).sum()
+    }
+
+    #[test]
+    fn casters_are_closed_and_wound_outwards_however_they_walk() {
+        for scene in SCENES.iter().filter(|scene| !scene.is_one_mesh()) {
+            let casters = scene.setting(scene.usual[1]).expect("a scene").casters;
+            let shapes = match casters {
+                Casters::Rigid { shapes, .. } | Casters::InBuffers(shapes) => shapes,
+                Casters::Walking { model, pose } => {
+                    let deformed = [0, 10, 25]
+                        .map(|frame| pose(frame).expect("a pose"))
+                        .map(|pose| deform(&model, &pose, 0.0, None, Threads::default()).expect("it fits"));
+                    assert_ne!(deformed[0], deformed[1], "they walk");
+                    let geometry = &model.geometries()[0];
+                    let shape = |positions: &[[f32; 3]]| Shape {
+                        positions: positions.to_vec(),
+                        faces: geometry.faces().to_vec(),
+                    };
+                    deformed.concat().chunks(geometry.positions().len()).map(shape).collect()
+                }
+            };
+            for shape in shapes {
+                assert!(shape.mesh().expect("a mesh").is_closed(), "{}", scene.name);
+                assert!(volume(&shape) > 0.1, "{}: {}", scene.name, volume(&shape));
+            }
+        }
+    }
 
     #[test]
     fn the_sphere_has_about_as_many_faces_as_asked() {
