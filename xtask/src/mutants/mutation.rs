@@ -45,7 +45,7 @@ fn parse(text: &'static str) -> Result<Vec<Mutation>, String> {
     let mut mutations = Vec::new();
     for block in text.split("\n= ").skip(1) {
         let mut lines = block.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
-        let (name, file) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
+        let (name, file) = lines.next().and_then(|line| line.rsplit_once(" @ ")).unwrap_or_default();
         let mut subjects = text.lines().filter_map(|line| line.strip_prefix("@ ")?.split_once(": "));
         let subject = subjects.find(|(subject, _)| name.split(": ").next() == Some(subject));
         let (mut from, mut to) = (Vec::new(), Vec::new());
@@ -79,10 +79,10 @@ mod tests {
     /// Negative controls.
     #[test]
     fn what_does_not_fit_is_noticed() {
-        for wrong in ["\n= b: x\nf\n- a", "\n@ a: t\n= a: x\nf\n+ b\n- a", "\n@ a: t\n= a: x\nf\nb"] {
+        for wrong in ["\n= b: x @ f\n- a", "\n@ a: t\n= a: x @ f\n+ b\n- a", "\n@ a: t\n= a: x @ f\nb"] {
             assert!(parse(wrong).is_err(), "{wrong:?}");
         }
-        let text = "# c\n@ a: t, u\n\n= a: x\nCargo.toml\n- e\n- f\n+ g\n\n# d\n= a: y\nCargo.toml\n- e\n";
+        let text = "# c\n@ a: t, u\n\n= a: x @ Cargo.toml\n- e\n- f\n+ g\n\n# d\n= a: y @ Cargo.toml\n- e\n";
         let two = parse(text).expect("well-formed");
         assert_eq!((&*two[0].targets, &*two[0].from, &*two[0].to, &*two[1].to), (&["t", "u"][..], "e\nf", "g", ""));
         assert!(two.iter().all(|mutation| mutation.mutated().is_err()));
