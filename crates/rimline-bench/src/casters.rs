@@ -23,7 +23,6 @@ use crate::shapes::{self, Shape};
 use crate::text::grouped;
 use crate::{Error, Host};
 
-/// Lights of each scene.
 const LIGHTS: usize = 5;
 /// The most casters whose volumes are drawn.
 const MOST_DRAWN: usize = 1000;
@@ -39,14 +38,12 @@ const EXTRACTION: [&str; 7] = ["cull_lights", "clusters", "chunks", "facing", "e
 /// The mesh that all casters of a scene have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CasterMesh {
-    /// 12 faces.
     Cube,
     /// A torus of 4,000 faces, about what a skinned character has.
     Character,
 }
 
 impl CasterMesh {
-    /// Name in the data.
     fn id(self) -> &'static str {
         match self {
             Self::Cube => "box",
@@ -142,7 +139,6 @@ fn variant(id: &str) -> Variant {
 
 const VOLUMES: Until<'static> = Until::Volumes(None);
 
-/// Measures a scene.
 pub(crate) fn measure(
     rounds: Rounds,
     devices: &mut Devices<'_>,

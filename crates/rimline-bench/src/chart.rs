@@ -35,19 +35,16 @@ const FONT: f64 = 26.0;
 const LINE: f64 = 36.0;
 const MARK: f64 = 10.0;
 
-/// How numbers become positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scale {
     Linear,
     Log,
 }
 
-/// An axis over a range of numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     title: String,
     scale: Scale,
-    /// How a tick is written.
     format: fn(f64) -> String,
     low: f64,
     high: f64,
@@ -99,7 +96,6 @@ pub(crate) enum Body {
     Rows { rows: Vec<Bar>, is_stacked: bool },
 }
 
-/// Where a chart goes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Target<'a> {
     /// The page on a wide screen, whose text says what the chart is.
@@ -185,7 +181,6 @@ impl Axis {
     }
 }
 
-/// About how wide a text is, a little more rather than less; fonts differ.
 fn width(text: &str) -> f64 {
     (0.54 * FONT * text.chars().count() as f64).ceil()
 }
@@ -236,7 +231,6 @@ struct Area {
 }
 
 impl Chart {
-    /// The drawing, with more attributes of its element.
     pub(crate) fn svg(&self, target: Target<'_>, attributes: &str) -> String {
         let wide = !matches!(target, Target::Phone);
         let (head, foot) = if let Target::File { .. } = target { (90.0, 60.0) } else { (0.0, 0.0) };
@@ -383,7 +377,6 @@ pub(crate) fn png(svg: &str) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A text in HTML.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {

@@ -10,7 +10,6 @@ use crate::row::{Entry, Mark, Row, Section, Variant};
 use crate::shadows::Z_PASS;
 use crate::text::{grouped, lights_text, or_dash, three_digits, tick, times};
 
-/// Every chart that a report may have.
 pub const CHARTS: [&str; 7] = [
     "time_against_error",
     "speed_against_2003",

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use crate::chart::{Chart, PALETTE, ROLES, Target, escape};
 
-/// The whole page.
 pub(crate) struct Page {
     pub(crate) title: String,
     pub(crate) lead: String,
@@ -15,7 +14,6 @@ pub(crate) struct Page {
     pub(crate) sections: Vec<Section>,
 }
 
-/// A part of the page.
 pub(crate) struct Section {
     pub(crate) title: String,
     pub(crate) lead: String,
@@ -27,7 +25,6 @@ pub(crate) struct Figure {
     /// Also the name of its PNG file.
     pub(crate) id: &'static str,
     pub(crate) title: String,
-    /// How to read it.
     pub(crate) lead: String,
     pub(crate) chart: Option<Chart>,
     pub(crate) table: Table,

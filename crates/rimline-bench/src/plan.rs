@@ -16,17 +16,12 @@ use crate::text::grouped;
 /// A choice of measurements. An empty list is nothing, `None` what is usual.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Less of everything.
     pub quick: bool,
-    /// Face counts of the closed meshes.
     pub meshes: Option<Vec<usize>>,
-    /// Names of scenes.
     pub scenes: Option<Vec<String>>,
-    /// Numbers of casters.
     pub casters: Option<Vec<usize>>,
     /// The approximate number of faces of a stress scene.
     pub scene_faces: Option<usize>,
-    /// Numbers of lights.
     pub lights: Option<Vec<usize>>,
     /// The largest number of counted runs.
     pub rounds: Option<usize>,
@@ -38,7 +33,6 @@ pub struct Options {
     pub model: Option<Model>,
 }
 
-/// Options that do not go together.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     #[error("there is nothing to measure; give --meshes or --scenes a value other than `none`, or --frames on a GPU")]
@@ -52,7 +46,6 @@ pub enum PlanError {
     CastersWithoutScene,
 }
 
-/// Rows to come.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub(crate) jobs: Vec<Job>,
@@ -70,12 +63,10 @@ pub(crate) enum Job {
     Casters(CasterMesh, usize),
     /// The approximate number of faces of a single caster that is held against an extractor.
     OneMesh(usize),
-    /// A scene with its number of casters.
     Skipping(SkipScene, usize),
 }
 
 impl Job {
-    /// Name for a progress line.
     pub(crate) fn title(&self) -> String {
         match self {
             Self::Extraction(Subject::Torus(faces), _) => format!("torus of {} faces", grouped(*faces)),
@@ -183,14 +174,12 @@ impl Plan {
         if plan.rows() == 0 { Err(PlanError::Nothing) } else { Ok(plan) }
     }
 
-    /// How many rows there will be.
     pub fn rows(&self) -> usize {
         let rows = |job: &Job| if let Job::Extraction(_, lights) = job { lights.len() } else { 1 };
         self.jobs.iter().map(rows).sum()
     }
 }
 
-/// All names of scenes.
 fn names() -> impl Iterator<Item = &'static str> {
     stress::names().chain([CASTERS]).chain(SKIPPING)
 }

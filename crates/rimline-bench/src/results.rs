@@ -15,7 +15,6 @@ use crate::{figures, summary};
 pub const TITLE: &str = "Silhouettes and shadows: run time against error";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Everything one run found.
 pub struct Results {
     pub(crate) machine: Machine,
     pub(crate) adapter: Option<Adapter>,
@@ -25,7 +24,6 @@ pub struct Results {
 }
 
 impl Results {
-    /// Adds rows that were measured before.
     pub fn add(&mut self, rows: Vec<Row>) {
         self.planned_rows += rows.len();
         self.rows.extend(rows);
@@ -62,12 +60,10 @@ impl Results {
         format!("rimline {VERSION}\n{gpu}\n{cpu}\n\n")
     }
 
-    /// A line for each question that a user has.
     pub fn summary(&self) -> String {
         summary::summary(&self.rows)
     }
 
-    /// JSON, as `bench.schema.json` describes it.
     pub fn json(&self) -> Value {
         let Machine { os, cpu, threads, is_optimised, date } = &self.machine;
         let of = |section: Section| self.rows.iter().filter(move |row| row.section == section);
@@ -102,9 +98,6 @@ impl Results {
     }
 
     /// The files of a report, by name.
-    ///
-    /// # Errors
-    /// [`Error::Chart`] if a chart cannot be drawn.
     pub fn report(&self) -> Result<Vec<(String, Vec<u8>)>, Error> {
         let page = self.page();
         let device = self.adapter.as_ref().map_or_else(|| "CPU only".to_owned(), Adapter::line);

@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 use crate::engine::{Contender, Metric, Rounds, Sample, Summary, interleave};
 use crate::{Error, Host};
 
-/// The subject of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     Extraction,
@@ -18,7 +17,6 @@ pub enum Section {
 }
 
 impl Section {
-    /// Name in the data.
     pub fn id(self) -> &'static str {
         match self {
             Self::Extraction => "extraction",
@@ -51,12 +49,9 @@ pub struct Mark {
     pub hollow: bool,
 }
 
-/// One of the ways that are compared.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// Name in the data.
     pub id: String,
-    /// Name for people.
     pub name: String,
     pub mark: Mark,
 }
@@ -85,7 +80,6 @@ pub fn compare<V: Into<Variant>>(
     Ok(variants.into_iter().zip(samples).map(|(variant, samples)| Entry::new(variant.into(), &samples)).collect())
 }
 
-/// A variant with what was measured of it.
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub variant: Variant,
@@ -110,21 +104,18 @@ impl Entry {
         entry
     }
 
-    /// The same with more values.
     #[must_use]
     pub fn with(mut self, metric: Metric, values: impl IntoIterator<Item = f64>) -> Self {
         self.metrics.push((metric, values.into_iter().collect()));
         self
     }
 
-    /// The same with the metrics of another.
     #[must_use]
     pub fn and(mut self, other: &Self) -> Self {
         self.metrics.extend(other.metrics.iter().cloned());
         self
     }
 
-    /// The same with a count.
     #[must_use]
     pub fn with_count(self, name: &'static str, count: usize) -> Self {
         self.with(Metric::Count(name), [count as f64])
@@ -154,17 +145,13 @@ impl Entry {
     }
 }
 
-/// A scene, with all variants in turn.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub section: Section,
-    /// Name in the data.
     pub scene: String,
-    /// Name for people.
     pub title: String,
     /// Scenes of one kind.
     pub group: String,
-    /// Facts of the scene, by names of the data.
     pub facts: Vec<(&'static str, Value)>,
     pub entries: Vec<Entry>,
 }
@@ -191,7 +178,6 @@ impl Row {
         self.entries.iter().find(|entry| entry.variant.id == id)
     }
 
-    /// A metric of a variant.
     pub fn summary(&self, id: &str, metric: Metric) -> Option<Summary> {
         self.entry(id)?.summary(metric)
     }
@@ -202,7 +188,6 @@ impl Row {
         Summary::of(values.iter().zip(others).map(|(value, other)| value / other).filter(|ratio| ratio.is_finite()))
     }
 
-    /// JSON, as `bench.schema.json` describes it.
     pub(crate) fn json(&self) -> Value {
         let mut row =
             json!({ "section": self.section.id(), "scene": self.scene, "title": self.title, "group": self.group });

@@ -29,9 +29,6 @@ impl Results {
     }
 
     /// Measures all rows. Rows from before an error are kept.
-    ///
-    /// # Errors
-    /// [`Error::Stopped`] if the host stops it, and errors of the device.
     pub fn measure(&mut self, plan: &Plan, opened: Option<&Opened<'_>>, host: &dyn Host) -> Result<(), Error> {
         let (rounds, size) = (plan.rounds, plan.frames.size);
         let (second, mut devices) = (OnceCell::new(), None);

@@ -14,17 +14,14 @@ pub(crate) const ORDINARY: &str = "ordinary";
 /// The class of the user's own model.
 pub(crate) const OF_USER: &str = "own";
 
-/// A mesh to be measured.
 #[derive(Clone, Debug)]
 pub(crate) enum Subject {
     /// A torus of about so many faces.
     Torus(usize),
-    /// A stress scene, by name.
     Scene(&'static str, usize),
     OfUser(Box<Model>),
 }
 
-/// A model of the user.
 #[derive(Clone, Debug)]
 pub struct Model {
     pub name: String,
@@ -46,7 +43,6 @@ pub(crate) struct Made {
     lights: Option<Box<dyn Fn(usize) -> Vec<Light>>>,
 }
 
-/// Input of one row.
 pub(crate) struct Case<'a> {
     pub(crate) positions: &'a [[f32; 3]],
     pub(crate) mesh: &'a Mesh,

@@ -7,7 +7,6 @@ use wgpu::BufferUsages;
 use crate::Error;
 use crate::gpu::Gpu;
 
-/// An extractor with the positions and lights of its mesh.
 pub struct ExtractorRecorder {
     pub extractor: Extractor,
     positions: wgpu::Buffer,

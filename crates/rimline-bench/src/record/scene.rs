@@ -17,7 +17,6 @@ use crate::gpu::{Gpu, beside_draws};
 /// How far a frame is recorded.
 #[derive(Clone, Copy, Debug)]
 pub enum Until<'a> {
-    /// Silhouettes are extracted.
     Extraction,
     /// Volumes are prepared for a view, in which these depths are seen, if they are drawn.
     Volumes(Option<&'a TextureView>),
@@ -29,7 +28,6 @@ pub fn made_anew(max_lights: usize, counting: Counting) -> SceneOptions {
     SceneOptions { max_lights, counting, clusters_from: None, measuring, ..SceneOptions::default() }
 }
 
-/// Counters of a frame's stages.
 #[derive(Clone, Copy, Debug)]
 pub struct Counted {
     pub scene: SceneStatistics,
@@ -45,10 +43,8 @@ pub struct SceneRecorder<'a> {
     pub meshes: Vec<MeshHandle>,
     pub lights: Vec<LightHandle>,
     pub casters: Vec<CasterHandle>,
-    /// The casters that walk.
     model: Option<ModelHandle>,
     frame: Option<SceneFrame>,
-    /// Frames so far.
     frames: usize,
 }
 
@@ -107,7 +103,6 @@ impl<'a> SceneRecorder<'a> {
         Ok(self.model.is_some())
     }
 
-    /// Deforms casters of the pose that the frame needs.
     pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) -> Result<(), Error> {
         let views = [View::new(self.camera)];
         Ok(self.scene.deform(encoder, FrameInputs { views: &views, timer })?)
@@ -148,12 +143,10 @@ impl<'a> SceneRecorder<'a> {
         Ok(())
     }
 
-    /// The last frame.
     pub fn frame(&self) -> Result<&SceneFrame, Error> {
         self.frame.as_ref().ok_or(Error::Shadow(ShadowError::NotEncoded))
     }
 
-    /// The counters of the last frame's stages.
     pub fn counted(&self, gpu: &Gpu) -> Result<Counted, Error> {
         let frame = self.frame()?;
         let scene = gpu.read(frame.statistics())?.pop().unwrap_or_else(SceneStatistics::zeroed);
@@ -185,7 +178,6 @@ impl<'a> SceneRecorder<'a> {
     }
 }
 
-/// A scene whose frames are drawn.
 pub struct Drawn<'a> {
     pub scene: SceneRecorder<'a>,
     /// `None`: volumes are drawn over depths without any surface.

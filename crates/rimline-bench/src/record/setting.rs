@@ -39,7 +39,6 @@ impl Camera {
     }
 }
 
-/// Casters, lights and a view. The same each time.
 pub struct Setting {
     pub casters: Casters,
     pub lights: Vec<Light>,
@@ -93,7 +92,6 @@ impl Casters {
         }
     }
 
-    /// Faces of all casters together.
     pub fn faces(&self) -> usize {
         match self {
             Self::Rigid { shapes, placed } => placed.iter().map(|(shape, _)| shapes[*shape].faces.len()).sum(),

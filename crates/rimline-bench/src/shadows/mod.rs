@@ -35,11 +35,9 @@ const METHODS: [(&str, &str, Counting, usize, usize); 5] = [
 pub(crate) struct Stage {
     pub(crate) caster: Shape,
     pub(crate) room: Shape,
-    /// Pixels across and down.
     pub(crate) size: u32,
 }
 
-/// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frames {
     /// The length of each path; 0 leaves all out.

@@ -45,10 +45,8 @@ fn twisted_torus() -> Shape {
     shape
 }
 
-/// Half the room's width.
 const ROOM: f32 = 24.0;
 
-/// The room's walls, seen from inside.
 pub(crate) fn room() -> Shape {
     let mut shape = shapes::cube();
     shape.positions.iter_mut().for_each(|position| *position = position.map(|c| c * ROOM));
@@ -56,10 +54,8 @@ pub(crate) fn room() -> Shape {
     shape
 }
 
-/// Where cameras go.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Path {
-    /// Name in the data.
     pub(crate) id: &'static str,
     pub(crate) name: &'static str,
     light: Vec3,

@@ -16,7 +16,6 @@ pub(super) struct Truth {
     size: u32,
 }
 
-/// Properties of a triangle.
 struct Face {
     /// It faces the light, exactly.
     faces_light: bool,
@@ -65,7 +64,6 @@ impl Truth {
         Seen { pixels, size: self.size }
     }
 
-    /// From the near plane on.
     fn ray(&self, inverse: &DMat4, origin: DVec3, [x, y]: [u32; 2]) -> (DVec3, DVec3) {
         let ndc = |pixel: u32| (f64::from(pixel) + 0.5) / f64::from(self.size) * 2.0 - 1.0;
         // Depth is 1 on the near plane, 0.5 twice as far.

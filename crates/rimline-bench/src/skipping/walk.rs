@@ -7,13 +7,10 @@ use rimline::{Geometry, GeometryOptions, Influences, InstancePose, ModelError, P
 
 use crate::shapes::{self, Shape};
 
-/// Metres and steps a second.
 const SPEED: f32 = 1.25;
 const STEPS: f32 = 0.9;
-/// Frames a second.
 const FRAMES: f32 = 30.0;
 
-/// One that walks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walker {
     pub(super) at: Vec3,
@@ -54,7 +51,6 @@ const HIP: f32 = 0.92;
 const KNEE: f32 = 0.5;
 const SHOULDER: f32 = 1.42;
 const ELBOW: f32 = 1.12;
-/// From the middle to a leg and to an arm.
 const LEG: f32 = 0.11;
 const ARM: f32 = 0.27;
 /// Corners around a tube, and rings along it: six tubes have 4,032 faces.

@@ -22,9 +22,7 @@ use lights::Placing;
 pub struct Scene {
     /// Name of the scene for [`scene`], such as `translation-1e6`.
     pub name: &'static str,
-    /// Kind of difficulty. Several scenes that differ in degree have the same.
     pub class: &'static str,
-    /// Vertex positions, all finite. Equal positions are meant as one vertex.
     pub positions: Vec<[f32; 3]>,
     /// Triangles, as indices into `positions`. Some scenes have faces without area, or several at one place.
     pub faces: Vec<[u32; 3]>,
@@ -33,9 +31,6 @@ pub struct Scene {
 
 impl Scene {
     /// The scene's faces and edge records, vertices at the same place welded; to be used with `positions` as they are.
-    ///
-    /// # Errors
-    /// [`MeshError`] as for [`Mesh::new`]; a scene of this module gives none.
     pub fn mesh(&self) -> Result<Mesh, MeshError> {
         Mesh::new(&self.positions, &self.faces, Weld::Position)
     }
