@@ -18,6 +18,7 @@ use crate::row::{Entry, Mark, Row, Section, Variant, compare};
 use crate::{Error, Host};
 use Runs::{OnCpu, OnGpu};
 use on_cpu::Algorithm::{self, Double, Plain, Reference};
+pub(crate) use on_cpu::share;
 use subject::{Case, Made};
 pub(crate) use subject::{OF_USER, ORDINARY};
 

@@ -141,7 +141,12 @@ fn plain_loop(
 
 /// Cuts both slices into a run a thread, none shorter than the library's own, and works on them at the same time; the
 /// calling thread takes the first.
-fn share<T: Send, S: Sync>(threads: usize, results: &mut [T], items: &[S], work: impl Fn(&mut [T], &[S]) + Sync) {
+pub(crate) fn share<T: Send, S: Sync>(
+    threads: usize,
+    results: &mut [T],
+    items: &[S],
+    work: impl Fn(&mut [T], &[S]) + Sync,
+) {
     let run = items.len().div_ceil(threads).max(4096);
     let mut runs = results.chunks_mut(run).zip(items.chunks(run));
     let Some((first_results, first_items)) = runs.next() else { return };

@@ -1,13 +1,13 @@
-//! A scene of a setting.
+//! Scenes of settings, and extractors of meshes.
 
 use bytemuck::Zeroable as _;
 use glam::{Quat, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, DeformerOptions, FrameInputs, LightHandle, Measuring, MeshHandle, ModelHandle,
-    PositionBuffer, Receivers, Scene, SceneFrame, SceneOptions, SceneStatistics, ShadowError, ShadowPipelines,
-    ShadowStatistics, StageTimer, View,
+    Caster, CasterHandle, DeformerOptions, Extraction, Extractor, ExtractorOptions, FrameInputs, LightHandle,
+    Measuring, MeshHandle, ModelHandle, PositionBuffer, Receivers, Scene, SceneFrame, SceneOptions, SceneStatistics,
+    ShadowError, ShadowPipelines, ShadowStatistics, StageTimer, View,
 };
-use rimline::{Counting, Light, ShadowCamera};
+use rimline::{Counting, Light, Mesh, ShadowCamera};
 use wgpu::{BufferUsages, LoadOp, TextureView};
 
 use super::{Casters, Pass, STENCIL, Setting, Surfaces, Target};
@@ -211,5 +211,41 @@ impl Drawn<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// An extractor with the positions and lights of its mesh.
+pub struct ExtractorRecorder {
+    pub extractor: Extractor,
+    positions: wgpu::Buffer,
+    lights: Vec<Light>,
+    extraction: Option<Extraction>,
+}
+
+impl ExtractorRecorder {
+    pub fn new(
+        gpu: &Gpu,
+        options: ExtractorOptions,
+        mesh: &Mesh,
+        positions: &[[f32; 3]],
+        lights: &[Light],
+    ) -> Result<Self, Error> {
+        let extractor = Extractor::new(&gpu.pipelines, mesh, options)?;
+        gpu.check()?;
+        let positions = gpu.buffer(BufferUsages::STORAGE, positions);
+        Ok(Self { extractor, positions, lights: lights.to_vec(), extraction: None })
+    }
+
+    pub fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) -> Result<(), Error> {
+        let positions = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
+        self.extraction = Some(self.extractor.encode_timed(encoder, positions, &self.lights, timer)?);
+        Ok(())
+    }
+
+    /// The number of silhouette edges of each light, of the last encode.
+    pub fn silhouette_edges(&self, gpu: &Gpu) -> Result<Vec<u64>, Error> {
+        let Some(extraction) = &self.extraction else { return Ok(Vec::new()) };
+        let counts: Vec<u32> = gpu.read(extraction.results()?.counts)?;
+        Ok(counts.into_iter().take(self.lights.len()).map(u64::from).collect())
     }
 }

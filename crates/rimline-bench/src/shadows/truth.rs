@@ -2,9 +2,10 @@
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;
-use rimline::internals::cpu;
+use rimline::internals::cpu::{self, Threads};
 
 use super::Stage;
+use crate::extraction::share;
 use crate::rays::Tracer;
 use crate::record::Camera;
 use crate::shapes::Shape;
@@ -51,15 +52,12 @@ impl Truth {
         let view = camera.shadow();
         let inverse = DMat4::from_cols_array_2d(&view.view_projection.map(|column| column.map(f64::from))).inverse();
         let origin = DVec3::from_array(view.origin.map(f64::from));
-        let pixel = |x: u32, y: u32| self.pixel(self.ray(&inverse, origin, [x, y]));
-        let row = |y: u32| (0..self.size).map(move |x| pixel(x, y));
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let rows: Vec<u32> = (0..self.size).collect();
-        let pixels = std::thread::scope(|scope| {
-            let share = rows.chunks(rows.len().div_ceil(threads).max(1));
-            let runs: Vec<_> =
-                share.map(|rows| scope.spawn(|| rows.iter().flat_map(|&y| row(y)).collect::<Vec<_>>())).collect();
-            runs.into_iter().flat_map(|run| run.join().unwrap_or_default()).collect()
+        let numbers: Vec<u32> = (0..self.size * self.size).collect();
+        let mut pixels = vec![None; numbers.len()];
+        share(Threads::all().count(), &mut pixels, &numbers, |pixels, numbers| {
+            for (pixel, number) in pixels.iter_mut().zip(numbers) {
+                *pixel = self.pixel(self.ray(&inverse, origin, [number % self.size, number / self.size]));
+            }
         });
         Seen { pixels, size: self.size }
     }
