@@ -147,9 +147,7 @@ impl Plan {
             let bodies = match &options.model {
                 _ if count == 0 => Vec::new(),
                 Some(model) => vec![(model.name.clone(), Rc::new(fitted(&model.positions, model.mesh.faces())))],
-                None => {
-                    MODELS.iter().take(models).map(|model| (model.name.to_owned(), Rc::new(model.make()))).collect()
-                }
+                None => MODELS.iter().take(models).map(|(name, make)| ((*name).to_owned(), Rc::new(make()))).collect(),
             };
             let on_paths = |(name, shape): (String, Rc<Shape>)| {
                 PATHS.map(|path| Job::Shadows(name.clone(), Rc::clone(&shape), path))

@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn there_is_shadow_and_a_wrong_count_is_seen() {
-        let stage = Stage { caster: MODELS[0].make(), room: room(), size: 40 };
+        let stage = Stage { caster: MODELS[0].1(), room: room(), size: 40 };
         for path in PATHS {
             let seen = Truth::new(&stage, path.light()).seen(&path.camera(0.3));
             let right: Vec<u8> = seen.pixels.iter().map(|pixel| u8::from(*pixel == Some(false))).collect();
