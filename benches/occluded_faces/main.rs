@@ -32,7 +32,6 @@ fn main() -> Result<(), Error> {
     let of_the_paper = of_the_paper();
     let large = [city(100_000), forest(100_000), building(100_000)];
     counts(of_the_paper.iter().chain(&large));
-    searches();
     if arguments.iter().any(|argument| argument == "--counts") {
         return Ok(());
     }
@@ -86,28 +85,6 @@ fn counts<'a>(settings: impl Iterator<Item = &'a Setting>) {
     }
 }
 
-/// The search against the number of faces.
-fn searches() {
-    let threads = Threads::all().count();
-    println!("\nThe search, milliseconds, on one thread and on {threads}; the least of three");
-    println!("| faces | city | | forest | | building | |");
-    println!("|---:|---:|---:|---:|---:|---:|---:|");
-    for faces in [1_000, 3_000, 10_000, 30_000, 100_000, 200_000] {
-        let cells = [city(faces), forest(faces), building(faces)].map(|setting| {
-            let casters = casters(&setting);
-            let mut least = [f64::INFINITY; 2];
-            for _ in 0..3 {
-                for (threads, least) in [Threads::ONE, Threads::all()].into_iter().zip(&mut least) {
-                    let options = OcclusionOptions { threads, ..OcclusionOptions::default() };
-                    *least = least.min(clock(|| drop(find(setting.lights[0], &casters, options))));
-                }
-            }
-            least.map(|time| format!("{time:.1}")).join(" | ")
-        });
-        println!("| {faces} | {} |", cells.join(" | "));
-    }
-}
-
 /// Loose faces: each has three sides.
 fn loose(faces: &[[[f32; 3]; 3]]) -> Shape {
     let corners = (0..faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
@@ -122,12 +99,13 @@ fn compare_frames(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<()
     println!("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
     for setting in settings {
         let casters = casters(setting);
+        let one_thread = OcclusionOptions { threads: Threads::ONE, ..OcclusionOptions::default() };
         // For each way: the search, the parts of the frame, fragments.
         let mut sums = [("each face", [0.0; 5]), ("silhouettes", [0.0; 5]), ("and occluded faces", [0.0; 5])];
         let sums = if has_plain { &mut sums[..] } else { &mut sums[1..] };
         for &light in &setting.lights {
             let mut found = None;
-            let search = clock(|| found = Some(find(light, &casters, OcclusionOptions::default())));
+            let search = clock(|| found = Some(find(light, &casters, one_thread)));
             let bodies = setting.recorded(setting.bodies.iter().map(|(shape, _)| shape.clone()).collect(), light);
             let plain = has_plain.then(|| setting.recorded(vec![loose(&casting(setting, light))], light));
             let ways = plain.iter().map(|plain| (plain, None)).chain([(&bodies, None), (&bodies, found.as_ref())]);

@@ -62,9 +62,10 @@ impl Manager {
 
     /// The commands that install packages.
     fn commands(&self, packages: &str) -> Vec<String> {
-        let mut commands: Vec<String> = self.steps.iter().map(|step| (*step).to_owned()).collect();
-        commands.iter_mut().rev().take(1).for_each(|last| *last += &format!(" {packages}"));
-        commands
+        let last = self.steps.len() - 1;
+        let command =
+            |(at, step): (usize, &&str)| if at == last { format!("{step} {packages}") } else { (*step).to_owned() };
+        self.steps.iter().enumerate().map(command).collect()
     }
 
     /// The same as one line for a user's shell.
