@@ -47,10 +47,10 @@ pub(crate) fn run() -> Result<(), String> {
         if out.exists() {
             std::fs::remove_file(&out).map_err(|error| format!("cannot replace {}: {error}", out.display()))?;
         }
+        let animation: &[&str] = if model == WALKER { &["--animation", "0"] } else { &[] };
+        let size: &[&str] = if command == "lines" { &[] } else { &["--size", "960x1200"] };
         let mut draw = program("rimline");
-        draw.arg(command).arg(demo.join(model)).args(view.split(' '));
-        draw.args(if model == WALKER { &["--animation", "0"][..] } else { &[] });
-        draw.args(if command == "lines" { &[][..] } else { &["--size", "960x1200"] });
+        draw.arg(command).arg(demo.join(model)).args(view.split(' ')).args(animation).args(size);
         process::run(draw.arg("--out").arg(&out))?;
         if !out.is_file() {
             return Err(format!("`rimline {command}` succeeded, but there is no {}", out.display()));

@@ -85,10 +85,11 @@ impl Manager {
                 "no {what} found, and installing one needs rights that this user lacks; please run\n\n    {line}\n"
             ));
         }
+        let (program, arguments): (_, &[&str]) = if is_root { ("env", &[]) } else { ("sudo", &["-n", "env"]) };
         let (mut said, mut succeeded) = (String::new(), true);
         for step in self.commands(packages) {
-            let mut command = Command::new(if is_root { "env" } else { "sudo" });
-            command.args(if is_root { &[][..] } else { &["-n", "env"] });
+            let mut command = Command::new(program);
+            command.args(arguments);
             // Only the last step has to succeed: a list of packages may be stale in a source that matters not.
             let outcome = process::output(command.arg("DEBIAN_FRONTEND=noninteractive").args(step.split(' ')));
             succeeded = outcome.is_ok();
