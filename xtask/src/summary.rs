@@ -96,7 +96,9 @@ impl Summary {
         println!();
         let errors = self.errors.iter().map(|error| format!("error: {error}"));
         let lines = self.notes.iter().cloned().chain(errors).chain(self.why_skipped()).chain([self.last_line()]);
-        lines.for_each(|line| println!("{line}"));
+        for line in lines {
+            println!("{line}");
+        }
         if self.counts[1] == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }
 }
