@@ -1,11 +1,9 @@
 //! `cargo bench --bench depth_maps -- casters`: frames of shadows by volumes of depth maps, by volumes of meshes, and by a
 //! lookup. `--json FILE` for a chart by `rimline bench --depth-maps FILE`, `--quick` for few rounds.
 
-mod shade;
-
 use std::cell::RefCell;
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec3, DVec4, Mat4};
 use rimline::gpu::depth_map::{
     DepthMap, DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth,
 };
@@ -13,13 +11,12 @@ use rimline::gpu::{PositionBuffer, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_bench::engine::{Contender, Rounds, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
+use rimline_bench::pipelines::{Drawing, depth, group};
 use rimline_bench::record::{Casters, SceneRecorder, Setting, Target, Until, made_anew};
 use rimline_bench::row::{Entry, Row, Variant, compare};
 use rimline_bench::shapes::{self, Shape};
 use rimline_bench::{Error, depth_maps};
 use wgpu::{CommandEncoder, LoadOp, TextureFormat};
-
-use shade::Shade;
 
 /// 24 bits, as in the paper of 2000.
 const MAP: TextureFormat = TextureFormat::Depth24Plus;
@@ -149,7 +146,7 @@ fn measure(rounds: usize) -> Result<Vec<Row>, Error> {
         let of_mesh = || {
             let mut scene = scene.borrow_mut();
             let frame = clock(&mut |encoder| {
-                scene.encode(encoder, Until::Volumes, None)?;
+                scene.encode(encoder, Until::Volumes(None), None)?;
                 scene.draw(&mut seen.counted().begin(encoder), 0)?;
                 shade.stencil(encoder, seen);
                 Ok(())
@@ -210,4 +207,82 @@ fn measure(rounds: usize) -> Result<Vec<Row>, Error> {
         rows.push(depth_maps::row(faces as u64, u64::from(SIDE), name, entries));
     }
     Ok(rows)
+}
+
+// The end of a frame: black where the stencil is not 0, or where a lookup in the map finds shadow.
+const SHADER: &str = "
+@group(0) @binding(0) var eye_depth: texture_depth_2d;
+@group(0) @binding(1) var map: texture_depth_2d;
+// From the eye's device coordinates to the light's.
+@group(0) @binding(2) var<uniform> to_light: mat4x4<f32>;
+@vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+  return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.5, 1.0);
+}
+@fragment fn black() -> @location(0) vec4<f32> {
+  return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+}
+@fragment fn lookup(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  let depth = textureLoad(eye_depth, vec2<i32>(at.xy), 0);
+  let ndc = 2.0 * at.xy / vec2<f32>(textureDimensions(eye_depth)) - 1.0;
+  let seen = to_light * vec4<f32>(ndc.x, -ndc.y, depth, 1.0);
+  let point = seen.xyz / seen.w;
+  let texel = (0.5 + 0.5 * vec2<f32>(point.x, -point.y)) * vec2<f32>(textureDimensions(map));
+  if (depth == 0.0 || point.z < textureLoad(map, vec2<i32>(texel), 0) + 0.001) {
+    discard;
+  }
+  return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+}
+";
+
+const COLOR: TextureFormat = TextureFormat::Rgba8Unorm;
+
+struct Shade {
+    black: wgpu::RenderPipeline,
+    lookup: wgpu::RenderPipeline,
+    /// Resources that a lookup reads.
+    group: wgpu::BindGroup,
+    color: wgpu::TextureView,
+}
+
+impl Shade {
+    fn new(gpu: &Gpu, side: u32, [eye_depth, map]: [&Depths; 2], [eye, light]: [&ShadowCamera; 2]) -> Self {
+        let compare = wgpu::CompareFunction::NotEqual;
+        let unequal = wgpu::StencilFaceState { compare, ..wgpu::StencilFaceState::IGNORE };
+        let stencil = wgpu::DepthStencilState {
+            stencil: wgpu::StencilState { front: unequal, back: unequal, read_mask: 0xff, write_mask: 0 },
+            ..depth(EYE, wgpu::CompareFunction::Always, false)
+        };
+        let make = |entry_point, depth_stencil| {
+            let entry_points = [Some("everywhere"), Some(entry_point)];
+            let targets = &[Some(COLOR.into())];
+            Drawing { label: entry_point, source: SHADER, entry_points, depth_stencil, targets, ..Drawing::default() }
+                .pipeline(&gpu.device)
+        };
+        let lookup = make("lookup", None);
+        let [eye, light] = [eye, light].map(|camera| Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4());
+        let matrix = (light * eye.inverse()).as_mat4().to_cols_array();
+        let matrix = gpu.buffer(wgpu::BufferUsages::UNIFORM, &matrix);
+        let [eye_depth, map] = [eye_depth, map].map(|depths| wgpu::BindingResource::TextureView(&depths.read));
+        let group = group(&gpu.device, &lookup.get_bind_group_layout(0), [eye_depth, map, matrix.as_entire_binding()]);
+        Self { black: make("black", Some(stencil)), lookup, group, color: gpu.texture([side; 2], COLOR) }
+    }
+
+    fn target(&self) -> Target<'_> {
+        Target { color: Some((&self.color, LoadOp::Clear(wgpu::Color::WHITE))), ..Target::default() }
+    }
+
+    /// Black where the stencil is not 0.
+    fn stencil(&self, encoder: &mut CommandEncoder, depths: &Depths) {
+        let mut pass = Target { depth_stencil: Some(&depths.all), ..self.target() }.begin(encoder);
+        pass.set_pipeline(&self.black);
+        pass.draw(0..3, 0..1);
+    }
+
+    /// Black where the map has something nearer to the light.
+    fn lookup(&self, encoder: &mut CommandEncoder) {
+        let mut pass = self.target().begin(encoder);
+        pass.set_pipeline(&self.lookup);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
 }

@@ -15,8 +15,8 @@ use rimline::{Counting, Light, Matrix3x4, ShadowCamera};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Rounds, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
-use rimline_bench::pipelines::{ADDED, Drawing, SURFACE, depth, group};
-use rimline_bench::record::{Camera, Casters, IDENTITY, SceneRecorder, Setting, Target, Until};
+use rimline_bench::pipelines::{ADDED, Drawing, group};
+use rimline_bench::record::{Camera, Casters, IDENTITY, Pass, SceneRecorder, Setting, Surfaces, Target, Until};
 use rimline_bench::row::compare;
 use rimline_bench::shapes::{self, Shape};
 use wgpu::{CommandEncoder, LoadOp, TextureFormat, TextureView};
@@ -104,43 +104,33 @@ fn setting(casters: Casters, far: f32) -> Setting {
     let wide = Mat4::from_scale(Vec3::new(SIZE[1] as f32 / SIZE[0] as f32, 1.0, 1.0));
     let matrix = wide * Mat4::from_cols_array_2d(&level.view_projection);
     let camera = ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..level };
-    Setting::new(casters, (0..32).map(light).collect(), camera)
+    Setting { ground: Some(0.0), ..Setting::new(casters, (0..32).map(light).collect(), camera) }
 }
 
 fn measure(gpu: &Gpu, title: &str, setting: &Setting, rounds: Rounds) -> Result<(), Error> {
     let world = World::new(gpu, setting)?;
-    let (stencil, masked) = (Stencil::new(&world)?, RefCell::new(Masked::new(&world)?));
+    let ways = [RefCell::new(Way::by_stencil(&world)?), RefCell::new(Way::by_masks(&world)?)];
     let (stopwatch, lights) = (Stopwatch::new(gpu), setting.lights.len());
-    let record = |by_stencil: bool, encoder: &mut CommandEncoder, is_lit: bool| {
-        if by_stencil {
-            stencil.record(&world, encoder, is_lit)
-        } else {
-            masked.borrow_mut().record(&world, encoder, is_lit)
-        }
-    };
-    let mut last = 0.0;
-    let [counted, masked_out] = [true, false].map(|by_stencil| {
-        let picture =
-            gpu.pixels(&world.color, wgpu::TextureAspect::All, |encoder| record(by_stencil, encoder, true))?;
-        last = stopwatch.by_clock(|encoder| record(by_stencil, encoder, true))?[1];
-        Ok::<_, Error>(picture)
-    });
-    if counted? != masked_out? {
+    let record =
+        |way: usize, encoder: &mut CommandEncoder, is_lit: bool| ways[way].borrow_mut().record(&world, encoder, is_lit);
+    let picture = |way| gpu.pixels(&world.color, wgpu::TextureAspect::All, |encoder| record(way, encoder, true));
+    if picture(0)? != picture(1)? {
         return Err(Error::device(format!("{title}, {lights} lights: the pictures differ")));
     }
     // More on a fast device, so that handing over the commands weighs little.
-    let repeats = (20.0 / last).clamp(1.0, 30.0) as usize;
-    let by = |by_stencil: bool, is_lit: bool| -> (&str, Contender<'_>) {
+    let once = stopwatch.by_clock(|encoder| record(1, encoder, true))?[1];
+    let repeats = (20.0 / once).clamp(1.0, 30.0) as usize;
+    let by = |way: usize, is_lit: bool| -> (&str, Contender<'_>) {
         let (record, stopwatch) = (&record, &stopwatch);
         let run = move || {
             let found = stopwatch
-                .by_clock(|encoder| (0..repeats).try_for_each(|_| record(by_stencil, encoder, is_lit)))?
+                .by_clock(|encoder| (0..repeats).try_for_each(|_| record(way, encoder, is_lit)))?
                 .map(|time| time / repeats as f64);
             Ok(times([("recording", found[0]), ("drawing", found[1])]))
         };
         ("", Box::new(run))
     };
-    let entries = compare(rounds, vec![by(true, true), by(false, true), by(true, false), by(false, false)], &())?;
+    let entries = compare(rounds, vec![by(0, true), by(1, true), by(0, false), by(1, false)], &())?;
     let cells = [("drawing", 0), ("drawing", 2), ("recording", 0)].map(|(whole, first)| {
         let [stencil, masks] = [first, first + 1].map(|at: usize| entries[at].ms(whole));
         format!("{stencil:.3} | {masks:.3} | {:.2}", masks / stencil)
@@ -154,9 +144,6 @@ struct World<'a> {
     gpu: &'a Gpu,
     /// A frame of it is drawn again and again.
     scene: SceneRecorder<'a>,
-    camera: wgpu::Buffer,
-    corners: wgpu::Buffer,
-    count: u32,
     color: TextureView,
     white: TextureView,
 }
@@ -164,60 +151,43 @@ struct World<'a> {
 impl<'a> World<'a> {
     fn new(gpu: &'a Gpu, setting: &'a Setting) -> Result<Self, Error> {
         let mut scene = SceneRecorder::new(gpu, setting, None, SceneOptions::default())?;
-        // A ground that does not cast.
-        let mut corners: Vec<[f32; 3]> = [[-1, 1], [1, 1], [1, -1], [-1, 1], [1, -1], [-1, -1]]
-            .map(|[x, z]| [50.0 * x as f32, 0.0, 50.0 * z as f32])
-            .into();
-        let Shape { positions, faces } = setting.casters.merged();
-        corners.extend(faces.iter().flatten().map(|&vertex| positions[vertex as usize]));
         let white = gpu.texture(SIZE, TextureFormat::Rgba8Unorm);
         let mut encoder = gpu.encoder();
-        scene.encode(&mut encoder, Until::Volumes, None)?;
+        scene.encode(&mut encoder, Until::Volumes(None), None)?;
         let color = Some((&white, LoadOp::Clear(wgpu::Color::WHITE)));
         drop(Target { color, ..Target::default() }.begin(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
-        let [x, y, z] = scene.camera.origin;
-        let words = [scene.camera.view_projection.concat(), vec![x, y, z, 0.0]].concat();
-        let storage = wgpu::BufferUsages::STORAGE;
-        let (count, corners) = (corners.len() as u32, gpu.buffer(storage, &corners));
-        let (camera, color) = (gpu.buffer(storage, &words), gpu.texture(SIZE, COLOR));
-        Ok(Self { gpu, scene, camera, corners, count, color, white })
+        Ok(Self { gpu, scene, color: gpu.texture(SIZE, COLOR), white })
     }
 
     /// The surfaces' depth.
     fn depth(&self, format: TextureFormat) -> TextureView {
-        let (gpu, device) = (self.gpu, &self.gpu.device);
-        let view = gpu.texture(SIZE, format);
-        let depth_stencil = Some(depth(format, wgpu::CompareFunction::Greater, true));
-        let pipeline = Drawing { source: SURFACE, depth_stencil, ..Drawing::default() }.pipeline(device);
-        let group = group(
-            device,
-            &pipeline.get_bind_group_layout(0),
-            [self.camera.as_entire_binding(), self.corners.as_entire_binding()],
-        );
-        let stencil = format.has_stencil_aspect().then_some(LoadOp::Clear(0));
-        let target = Target { color: None, depth_stencil: Some(&view), depth: Some(LoadOp::Clear(0.0)), stencil };
-        let mut encoder = gpu.encoder();
-        let mut pass = target.begin(&mut encoder);
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..self.count, 0..1);
-        drop(pass);
-        gpu.queue.submit([encoder.finish()]);
+        let view = self.gpu.texture(SIZE, format);
+        let mut encoder = self.gpu.encoder();
+        Surfaces::of(self.gpu, format, self.scene.setting, None).pass(&mut encoder, &view, Pass::Depth, None);
+        self.gpu.queue.submit([encoder.finish()]);
         view
     }
 }
 
-/// A caller with a stencil.
-struct Stencil {
-    volumes: ShadowPipelines,
+/// A caller's way to shadows.
+struct Way {
+    counted: Counted,
+    /// Adds a light, or all of them.
     light: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
     depth: TextureView,
 }
 
-impl Stencil {
-    fn new(world: &World<'_>) -> Result<Self, Error> {
+enum Counted {
+    /// In a stencil.
+    Stencil(ShadowPipelines),
+    /// In masks, without one.
+    Masks(Box<ShadowMasks>, TextureView),
+}
+
+impl Way {
+    fn by_stencil(world: &World<'_>) -> Result<Self, Error> {
         let depth_stencil = TextureFormat::Depth32FloatStencil8;
         let format = ShadowFormat { depth_stencil, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
         let volumes = ShadowPipelines::new(&world.gpu.pipelines, &format, Counting::Auto)?;
@@ -230,69 +200,53 @@ impl Stencil {
             ..Drawing::default()
         };
         let light = light.pipeline(&world.gpu.device);
-        let group = group(
-            &world.gpu.device,
-            &light.get_bind_group_layout(0),
-            [wgpu::BindingResource::TextureView(&world.white)],
-        );
-        Ok(Self { volumes, light, group, depth: world.depth(depth_stencil) })
+        let white = [wgpu::BindingResource::TextureView(&world.white)];
+        let group = group(&world.gpu.device, &light.get_bind_group_layout(0), white);
+        Ok(Self { counted: Counted::Stencil(volumes), light, group, depth: world.depth(depth_stencil) })
     }
 
-    fn record(&self, world: &World<'_>, encoder: &mut CommandEncoder, is_lit: bool) -> Result<(), Error> {
-        for (number, &light) in world.scene.lights.iter().enumerate() {
-            let load = if number == 0 { LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { LoadOp::Load };
-            let target = Target::counting(&self.depth, LoadOp::Load);
-            let mut pass = Target { color: Some((&world.color, load)), ..target }.begin(encoder);
-            world.scene.frame()?.draw(&mut pass, &self.volumes, 0, light)?;
-            if is_lit {
-                draw_light(&mut pass, &self.light, &self.group);
-            }
-        }
-        Ok(())
-    }
-}
-
-fn draw_light(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, group: &wgpu::BindGroup) {
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, group, &[]);
-    pass.draw(0..3, 0..1);
-}
-
-/// A caller without one.
-struct Masked {
-    masks: ShadowMasks,
-    light: wgpu::RenderPipeline,
-    group: wgpu::BindGroup,
-    target: TextureView,
-    depth: TextureView,
-}
-
-impl Masked {
-    fn new(world: &World<'_>) -> Result<Self, Error> {
+    fn by_masks(world: &World<'_>) -> Result<Self, Error> {
         let (gpu, lights) = (world.gpu, world.scene.lights.len());
         let masks = ShadowMasks::new(&gpu.pipelines).map_err(Error::device)?;
         let target = gpu.texture(SIZE, if lights > 8 { TextureFormat::R32Uint } else { TextureFormat::R8Uint });
-        let light = Drawing {
-            source: LIGHT,
-            entry_points: [Some("whole"), Some("all")],
-            targets: &[Some(COLOR.into())],
-            ..Drawing::default()
-        };
+        let entry_points = [Some("whole"), Some("all")];
+        let light = Drawing { source: LIGHT, entry_points, targets: &[Some(COLOR.into())], ..Drawing::default() };
         let light = light.pipeline(&gpu.device);
         let lights = gpu.buffer(wgpu::BufferUsages::STORAGE, &[lights as u32]);
         let [white, read] = [&world.white, &target].map(wgpu::BindingResource::TextureView);
         let group = group(&gpu.device, &light.get_bind_group_layout(0), [white, read, lights.as_entire_binding()]);
-        Ok(Self { masks, light, group, target, depth: world.depth(TextureFormat::Depth32Float) })
+        let depth = world.depth(TextureFormat::Depth32Float);
+        Ok(Self { counted: Counted::Masks(Box::new(masks), target), light, group, depth })
     }
 
     fn record(&mut self, world: &World<'_>, encoder: &mut CommandEncoder, is_lit: bool) -> Result<(), Error> {
-        let (lights, target) = (&world.scene.lights, self.target.texture());
-        let inputs = MaskInputs { depth: &self.depth, view: 0, lights, target };
-        world.scene.frame()?.write_masks(encoder, &mut self.masks, &inputs).map_err(Error::device)?;
-        if is_lit {
-            let color = Some((&world.color, LoadOp::Clear(wgpu::Color::TRANSPARENT)));
-            let mut pass = Target { color, ..Target::default() }.begin(encoder);
-            draw_light(&mut pass, &self.light, &self.group);
+        let (lights, light, group) = (&world.scene.lights, &self.light, &self.group);
+        let add_light = |pass: &mut wgpu::RenderPass<'_>| {
+            pass.set_pipeline(light);
+            pass.set_bind_group(0, group, &[]);
+            pass.draw(0..3, 0..1);
+        };
+        let clear = LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        match &mut self.counted {
+            Counted::Stencil(volumes) => {
+                for (number, &light) in lights.iter().enumerate() {
+                    let load = if number == 0 { clear } else { LoadOp::Load };
+                    let target = Target::counting(&self.depth, LoadOp::Load);
+                    let mut pass = Target { color: Some((&world.color, load)), ..target }.begin(encoder);
+                    world.scene.frame()?.draw(&mut pass, volumes, 0, light)?;
+                    if is_lit {
+                        add_light(&mut pass);
+                    }
+                }
+            }
+            Counted::Masks(masks, target) => {
+                let inputs = MaskInputs { depth: &self.depth, view: 0, lights, target: target.texture() };
+                world.scene.frame()?.write_masks(encoder, masks, &inputs).map_err(Error::device)?;
+                if is_lit {
+                    let target = Target { color: Some((&world.color, clear)), ..Target::default() };
+                    add_light(&mut target.begin(encoder));
+                }
+            }
         }
         Ok(())
     }

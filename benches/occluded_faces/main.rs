@@ -3,39 +3,35 @@
 //! lights. `--counts` uses no GPU. `--obj DIRECTORY` writes the paper's second scene of tetrahedra for `rimline
 //! shadow`.
 
-mod scenes;
-
-use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
 use rimline::gpu::{Measuring, SceneOptions, ShadowFormat, ShadowPipelines};
-use rimline::{Counting, Light, Predicate};
+use rimline::{Counting, Light, Mesh, Predicate};
 use rimline_bench::Error;
 use rimline_bench::engine::{Contender, Rounds, clock, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
+use rimline_bench::random::Random;
 use rimline_bench::record::{
-    DEPTH, FragmentCounter, Pass, SceneRecorder, Setting as Recorded, Surfaces, Target, Until,
+    Camera, DEPTH, Drawn, FragmentCounter, IDENTITY, STENCIL, SceneRecorder, Setting as Recorded, Surfaces,
 };
 use rimline_bench::row::compare;
-use rimline_bench::shapes::Shape;
-use scenes::Setting;
+use rimline_bench::shapes::{self, Shape};
 
 /// Pixels across and down.
 const SIZE: u32 = 512;
 const ROUNDS: usize = 7;
 /// The parts of a frame.
-const PARTS: [&str; 3] = ["stages", "depth", "volumes"];
+const PARTS: [&str; 3] = ["stages", "depth", STENCIL];
 
 fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().collect();
     if let Some(at) = arguments.iter().position(|argument| argument == "--obj") {
         return Ok(write(&arguments[at + 1])?);
     }
-    let of_the_paper = scenes::of_the_paper();
-    let large = [scenes::city(100_000), scenes::forest(100_000), scenes::building(100_000)];
+    let of_the_paper = of_the_paper();
+    let large = [city(100_000), forest(100_000), building(100_000)];
     counts(of_the_paper.iter().chain(&large));
-    searches();
     if arguments.iter().any(|argument| argument == "--counts") {
         return Ok(());
     }
@@ -89,28 +85,6 @@ fn counts<'a>(settings: impl Iterator<Item = &'a Setting>) {
     }
 }
 
-/// The search against the number of faces.
-fn searches() {
-    let threads = Threads::all().count();
-    println!("\nThe search, milliseconds, on one thread and on {threads}; the least of three");
-    println!("| faces | city | | forest | | building | |");
-    println!("|---:|---:|---:|---:|---:|---:|---:|");
-    for faces in [1_000, 3_000, 10_000, 30_000, 100_000, 200_000] {
-        let cells = [scenes::city(faces), scenes::forest(faces), scenes::building(faces)].map(|setting| {
-            let casters = casters(&setting);
-            let mut least = [f64::INFINITY; 2];
-            for _ in 0..3 {
-                for (threads, least) in [Threads::ONE, Threads::all()].into_iter().zip(&mut least) {
-                    let options = OcclusionOptions { threads, ..OcclusionOptions::default() };
-                    *least = least.min(clock(|| drop(find(setting.lights[0], &casters, options))));
-                }
-            }
-            least.map(|time| format!("{time:.1}")).join(" | ")
-        });
-        println!("| {faces} | {} |", cells.join(" | "));
-    }
-}
-
 /// Loose faces: each has three sides.
 fn loose(faces: &[[[f32; 3]; 3]]) -> Shape {
     let corners = (0..faces.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
@@ -125,28 +99,26 @@ fn compare_frames(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<()
     println!("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
     for setting in settings {
         let casters = casters(setting);
+        let one_thread = OcclusionOptions { threads: Threads::ONE, ..OcclusionOptions::default() };
         // For each way: the search, the parts of the frame, fragments.
-        let mut sums: Vec<(&str, [f64; 5])> = Vec::new();
+        let mut sums = [("each face", [0.0; 5]), ("silhouettes", [0.0; 5]), ("and occluded faces", [0.0; 5])];
+        let sums = if has_plain { &mut sums[..] } else { &mut sums[1..] };
         for &light in &setting.lights {
             let mut found = None;
-            let search = clock(|| found = Some(find(light, &casters, OcclusionOptions::default())));
+            let search = clock(|| found = Some(find(light, &casters, one_thread)));
             let bodies = setting.recorded(setting.bodies.iter().map(|(shape, _)| shape.clone()).collect(), light);
             let plain = has_plain.then(|| setting.recorded(vec![loose(&casting(setting, light))], light));
-            let ways = plain.iter().map(|plain| ("each face", plain, None));
-            let ways = ways.chain([("silhouettes", &bodies, None), ("and occluded faces", &bodies, found.as_ref())]);
-            for (at, (name, found)) in frames(gpu, &ways.collect::<Vec<_>>())?.into_iter().enumerate() {
-                if sums.len() == at {
-                    sums.push((name, [0.0; 5]));
-                }
-                let search = if name == "and occluded faces" { search } else { 0.0 };
-                let [stages, depth, volumes, fragments] = found;
-                let parts = [search, stages, depth, volumes, fragments];
-                sums[at].1.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part / setting.lights.len() as f64);
+            let ways = plain.iter().map(|plain| (plain, None)).chain([(&bodies, None), (&bodies, found.as_ref())]);
+            let found = frames(gpu, &ways.collect::<Vec<_>>())?;
+            for ((name, sums), parts) in sums.iter_mut().zip(found) {
+                let search = if *name == "and occluded faces" { search } else { 0.0 };
+                let parts = [search].into_iter().chain(parts);
+                sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part / setting.lights.len() as f64);
             }
         }
         let frame = |sums: &[f64; 5]| sums[1..4].iter().sum::<f64>();
         let base = sums[0].1;
-        for (name, of) in &sums {
+        for (name, of) in sums {
             let ratios = [base[3] / of[3], frame(&base) / frame(of), frame(&base) / (frame(of) + of[0])];
             let [search, stages, depth, volumes, fragments] = of;
             println!(
@@ -160,57 +132,45 @@ fn compare_frames(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<()
     Ok(())
 }
 
-/// A way to shadows: its name, the casters, and faces to leave out.
-type Way<'a> = (&'static str, &'a Recorded, Option<&'a OccludedFaces>);
-
-/// Milliseconds of the parts of frames, and fragments, of each way. All receive on the surfaces of the last.
-fn frames(gpu: &Gpu, ways: &[Way<'_>]) -> Result<Vec<(&'static str, [f64; 4])>, Error> {
+/// Milliseconds of the parts of frames, and fragments, of each way: casters, and faces to leave out. All receive on the
+/// surfaces of the last.
+fn frames(gpu: &Gpu, ways: &[(&Recorded, Option<&OccludedFaces>)]) -> Result<Vec<[f64; 4]>, Error> {
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto)?;
-    let depth = &gpu.texture([SIZE; 2], DEPTH);
     let counter = FragmentCounter::new(gpu, SIZE, 1)?;
     let mut options = SceneOptions { max_lights: 1, ..SceneOptions::default() };
     options.measuring.set(Measuring::CACHED_BITS, true);
-    let surfaces = ways.last().map(|(_, setting, _)| Surfaces::of(gpu, setting, None));
-    let mut recorders = Vec::new();
-    for &(name, setting, occluded) in ways {
-        let mut recorder = SceneRecorder::new(gpu, setting, Some(&pipelines), options)?;
+    let mut drawn = Vec::new();
+    for &(setting, occluded) in ways {
+        let mut scene = SceneRecorder::new(gpu, setting, Some(&pipelines), options)?;
         if let Some(occluded) = occluded {
-            let (light, casters) = (recorder.lights[0], recorder.casters.clone());
-            recorder.scene.set_occluded_faces(light, &casters, Some(occluded))?;
+            let (light, casters) = (scene.lights[0], scene.casters.clone());
+            scene.scene.set_occluded_faces(light, &casters, Some(occluded))?;
         }
-        recorders.push((name, RefCell::new(recorder)));
+        let surfaces = ways.last().map(|(setting, _)| Surfaces::of(gpu, DEPTH, setting, None));
+        drawn.push(Drawn { scene, surfaces, depth: gpu.texture([SIZE; 2], DEPTH), receivers: None });
     }
     let stopwatch = Stopwatch::new(gpu);
-    let contenders = recorders.iter().map(|(name, recorder)| -> (&str, Contender<'_>) {
-        let (stopwatch, surfaces) = (&stopwatch, &surfaces);
+    let contenders = drawn.iter_mut().map(|drawn| -> (&str, Contender<'_>) {
+        let stopwatch = &stopwatch;
         let run = move || {
-            let mut recorder = recorder.borrow_mut();
-            let [_, stages] = stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
-            let [_, seen] = stopwatch.by_clock(|encoder| {
-                if let Some(surfaces) = surfaces {
-                    surfaces.pass(encoder, depth, Pass::Depth, None);
-                }
-                Ok(())
-            })?;
-            let target = Target::counting(depth, wgpu::LoadOp::Load);
-            let [_, volumes] = stopwatch.by_clock(|encoder| recorder.draw(&mut target.begin(encoder), 0))?;
-            Ok(times([(PARTS[0], stages), (PARTS[1], seen), (PARTS[2], volumes)]))
+            let mut ms = |part| Ok::<_, Error>(stopwatch.by_clock(|encoder| drawn.record(encoder, part, None))?[1]);
+            Ok(times([(PARTS[0], ms(PARTS[0])?), (PARTS[1], ms(PARTS[1])?), (PARTS[2], ms(PARTS[2])?)]))
         };
-        (name, Box::new(run))
+        ("", Box::new(run))
     });
     let entries = compare(Rounds::exactly(ROUNDS), contenders.collect(), &())?;
-    let found = recorders.iter().zip(entries).map(|((name, recorder), entry)| {
-        let fragments = counter.as_ref().map(|counter| counter.count(gpu, |pass, _| recorder.borrow().draw(pass, 0)));
+    let found = drawn.iter().zip(entries).map(|(drawn, entry)| {
+        let fragments = counter.as_ref().map(|counter| counter.count(gpu, |pass, _| drawn.scene.draw(pass, 0)));
         let [stages, depth, volumes] = PARTS.map(|part| entry.ms(part));
-        Ok((*name, [stages, depth, volumes, fragments.transpose()?.unwrap_or(0) as f64]))
+        Ok([stages, depth, volumes, fragments.transpose()?.unwrap_or(0) as f64])
     });
     found.collect()
 }
 
 /// Writes `below.obj`, and `base.obj` with the polygon that covers it. Y is up there.
 fn write(folder: &str) -> std::io::Result<()> {
-    let settings = scenes::of_the_paper();
+    let settings = of_the_paper();
     let setting = settings.iter().find(|setting| setting.name == "tetrahedra 2").expect("a scene");
     let (base, below) = setting.bodies.split_last().expect("a body");
     for (name, bodies) in [("below.obj", below), ("base.obj", std::slice::from_ref(base))] {
@@ -223,4 +183,144 @@ fn write(folder: &str) -> std::io::Result<()> {
         std::fs::write(std::path::Path::new(folder).join(name), vertices.chain(faces).collect::<String>())?;
     }
     Ok(())
+}
+
+struct Setting {
+    name: &'static str,
+    /// In world space, Z up, each with its mesh.
+    bodies: Vec<(Shape, Mesh)>,
+    lights: Vec<Light>,
+    eye: [f32; 3],
+    target: [f32; 3],
+    /// The height of the ground, which receives shadows.
+    ground: f32,
+}
+
+impl Setting {
+    /// Casters of the setting as they are recorded, with Y up.
+    fn recorded(&self, shapes: Vec<Shape>, light: Light) -> Recorded {
+        let upright = |[x, y, z]: [f32; 3]| [x, z, -y];
+        let placed = (0..shapes.len()).map(|shape| (shape, IDENTITY)).collect();
+        let shapes = shapes.into_iter().map(|shape| shape.placed(upright)).collect();
+        let [eye, target] = [self.eye, self.target].map(|point| glam::Vec3::from(upright(point)));
+        let camera = Camera::level(eye, target - eye, 2.0, 0.5);
+        let light = Light { xyz: upright(light.xyz), ..light };
+        Recorded { ground: Some(self.ground), ..Recorded::rigid(shapes, placed, vec![light], &camera) }
+    }
+}
+
+fn placed(shape: &Shape, scale: [f32; 3], at: [f32; 3]) -> Shape {
+    shape.clone().placed(|p| std::array::from_fn(|axis| p[axis] * scale[axis] + at[axis]))
+}
+
+fn with_meshes(bodies: Vec<Shape>) -> Vec<(Shape, Mesh)> {
+    let with_mesh = |shape: Shape| {
+        let mesh = shape.mesh().expect("a mesh");
+        (shape, mesh)
+    };
+    bodies.into_iter().map(with_mesh).collect()
+}
+
+fn tetrahedron() -> Shape {
+    let positions = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+    Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]] }
+}
+
+fn icosahedron() -> Shape {
+    let g = 0.5 * (1.0 + 5.0_f32.sqrt());
+    let corners = [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)].map(|(a, b)| [[0.0, a, b], [a, b, 0.0], [b, 0.0, a]]);
+    let mut shape = Shape { positions: corners.concat(), faces: Vec::new() };
+    for (a, b, c) in (0..12).flat_map(|a| (a + 1..12).flat_map(move |b| (b + 1..12).map(move |c| (a, b, c)))) {
+        let [u, v, w] = [a, b, c].map(|vertex| glam::Vec3::from(shape.positions[vertex as usize]));
+        if [(u, v), (v, w), (w, u)].iter().all(|(from, to)| from.distance_squared(*to) < 4.5) {
+            let is_outward = (v - u).cross(w - u).dot(u) > 0.0;
+            shape.faces.push(if is_outward { [a, b, c] } else { [a, c, b] });
+        }
+    }
+    shape
+}
+
+/// A square of four faces around its middle.
+fn base() -> Shape {
+    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
+    Shape { positions, faces: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]] }
+}
+
+fn wall() -> Shape {
+    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] }
+}
+
+/// `count` bodies at random places on the ground.
+fn strewn(seed: u64, count: usize, far: f32, shape: &Shape, scale: impl Fn(&mut Random) -> [f32; 3]) -> Vec<Shape> {
+    let mut random = Random::new(seed);
+    let body = |_| {
+        let scale = scale(&mut random);
+        placed(shape, scale, [random.between(-far, far), random.between(-far, far), scale[2]])
+    };
+    (0..count).map(body).collect()
+}
+
+/// The paper's scenes have 256, 96, 752, 752 and 1,502 polygons, and ten lights each.
+fn of_the_paper() -> Vec<Setting> {
+    let mut random = Random::new(1);
+    let lights: Vec<Light> =
+        (0..10).map(|_| Light::point([random.between(-9.0, 9.0), random.between(-9.0, 9.0), 20.0])).collect();
+    let tetrahedra = |height: f32| {
+        let mut bodies = strewn(7, 187, 10.0, &tetrahedron(), |_| [0.5; 3]);
+        bodies.push(placed(&base(), [14.0, 14.0, 1.0], [0.0, 0.0, height]));
+        bodies
+    };
+    let kinds = [(shapes::cube(), 2), (tetrahedron(), 2), (shapes::sphere(1), 3), (icosahedron(), 2)];
+    let solids = kinds.iter().flat_map(|(shape, count)| std::iter::repeat_n(shape, *count)).enumerate();
+    let solids = solids.map(|(number, shape)| {
+        placed(shape, [1.0; 3], [6.0 * (number % 3) as f32 - 6.0, 6.0 * (number / 3) as f32 - 6.0, 2.0])
+    });
+    let cube = shapes::cube();
+    let cubes = (0..125).map(|number| {
+        let at = [number % 5, number / 5 % 5, number / 25].map(|step| 2.0 * step as f32);
+        placed(&cube, [0.5; 3], [at[0] - 4.0, at[1] - 4.0, at[2] + 1.0])
+    });
+    let all = [
+        ("sphere", vec![placed(&shapes::globe(16, 9), [3.0; 3], [0.0, 0.0, 3.0])]),
+        ("solids", solids.collect()),
+        ("tetrahedra 1", tetrahedra(-3.0)),
+        ("tetrahedra 2", tetrahedra(4.0)),
+        ("cubes", cubes.chain([placed(&wall(), [14.0, 14.0, 1.0], [0.0, 0.0, -3.0])]).collect()),
+    ];
+    let (eye, target, ground) = ([6.0, -26.0, 11.0], [0.0, 0.0, -1.0], -5.0);
+    let setting =
+        |(name, bodies)| Setting { name, bodies: with_meshes(bodies), lights: lights.clone(), eye, target, ground };
+    all.into_iter().map(setting).collect()
+}
+
+/// A large scene on the ground, that reaches so far, in the light of a direction, from a height.
+fn large(name: &'static str, bodies: Vec<Shape>, light: [f32; 3], [far, height, aim]: [f32; 3]) -> Setting {
+    let (eye, target) = ([-far, -1.2 * far, height], [0.0, 0.0, aim]);
+    let lights = vec![Light::directional(light)];
+    Setting { name, bodies: with_meshes(bodies), lights, eye, target, ground: 0.0 }
+}
+
+/// Boxes of 12 faces, so many faces in all.
+fn city(faces: usize) -> Setting {
+    let count = faces / 12;
+    let far = 5.0 * (count as f32).sqrt();
+    let boxes = strewn(3, count, far, &shapes::cube(), |random| [3.0, 3.0, random.between(2.0, 30.0)]);
+    large("city", boxes, [1.0, 0.4, 0.5], [far, 90.0, 0.0])
+}
+
+fn forest(faces: usize) -> Setting {
+    let tree = shapes::sphere(6);
+    let count = faces / tree.faces.len();
+    let far = 60.0 * (faces as f32 / 1e5).sqrt();
+    let trees = strewn(4, count, far, &tree, |random| [1.0, 1.0, random.between(1.0, 6.0)]);
+    large("forest", trees, [1.0, 0.4, 0.5], [far, 20.0, 0.0])
+}
+
+/// Boxes under a roof that all of the light comes from.
+fn building(faces: usize) -> Setting {
+    let far = 40.0 * (faces as f32 / 1e5).sqrt();
+    let mut bodies = strewn(6, faces.saturating_sub(2) / 12, far, &shapes::cube(), |_| [0.4, 0.4, 1.0]);
+    bodies.push(placed(&wall(), [far + 10.0, far + 10.0, 1.0], [0.0, 0.0, 4.0]));
+    large("building", bodies, [0.1, 0.2, 1.0], [far, 2.5, 1.0])
 }

@@ -6,99 +6,51 @@
 //! - paths that begin with the name of a child, because a parent may use its own children;
 //! - `pub use` in `mod.rs`, `lib.rs` and `main.rs`, because a parent that shows what its children have does not depend
 //!   on them;
-//! - paths in code that begin with `super::` or `self::`;
-//! - items in the root of a crate;
-//! - unit tests inside a file: they may use anything.
+//! - items in the root of a crate, and unit tests inside a file: they may use anything.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
 
 use crate::process;
 
 /// Imports of each module. A module is named by its full path, for example `crate::gltf::pose`.
 type Imports = BTreeMap<String, BTreeSet<String>>;
 
-/// Prints a line for each crate; the error has every circle, and every file that cannot be read.
+/// Prints a line for each crate; the error has every circle.
 pub(crate) fn run() -> Result<(), String> {
-    let root = process::root();
+    // The text of each file, by its path from the folder of its crate's sources.
+    let mut crates: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+    for (name, text) in process::files(&["src/*.rs", "crates/*/src/*.rs"])? {
+        let from = name.find("src/").unwrap_or(0) + 4;
+        crates.entry(name[..from - 1].to_owned()).or_default().insert(name[from..].to_owned(), text);
+    }
     let mut errors = Vec::new();
-    for folder in source_folders(&root)? {
-        let name = shown(&folder, &root);
-        match read(&folder) {
-            Ok(files) => {
-                let imports = imports(&files);
-                let circles = circles(&imports);
-                println!("{name}: {} modules, {} circles", imports.len(), circles.len());
-                errors.extend(circles.iter().map(|circle| describe(&name, circle, &imports)));
-            }
-            Err(error) => errors.push(error),
-        }
+    for (name, files) in crates {
+        let imports = imports(&files);
+        let circles = circles(&imports);
+        println!("{name}: {} modules, {} circles", imports.len(), circles.len());
+        errors.extend(circles.iter().map(|circle| describe(&name, circle, &imports)));
     }
     if errors.is_empty() { Ok(()) } else { Err(errors.join("\n")) }
-}
-
-/// The library's `src` and the `src` of each folder in `crates`.
-fn source_folders(root: &Path) -> Result<Vec<PathBuf>, String> {
-    let mut folders = vec![root.join("src")];
-    let crates = entries(&root.join("crates"))?;
-    folders.extend(crates.into_iter().map(|folder| folder.join("src")).filter(|folder| folder.is_dir()));
-    Ok(folders)
-}
-
-/// Entries of a folder, in the order of names.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let paths = std::fs::read_dir(folder).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
-    let mut paths: Vec<PathBuf> = paths.map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
-    paths.sort();
-    Ok(paths)
-}
-
-/// The text of every Rust file in a folder and the folders in it, by the file's path from there, with `/`.
-fn read(folder: &Path) -> Result<BTreeMap<String, String>, String> {
-    let mut files = BTreeMap::new();
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(next) = folders.pop() {
-        for path in entries(&next)? {
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let text = std::fs::read_to_string(&path);
-                let text = text.map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-                files.insert(shown(&path, folder), text);
-            }
-        }
-    }
-    Ok(files)
-}
-
-/// A path from `base`, with `/` on every system.
-fn shown(path: &Path, base: &Path) -> String {
-    let parts = path.strip_prefix(base).unwrap_or(path).iter();
-    parts.map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
 /// The imports of each module, from the text of each file.
 fn imports(files: &BTreeMap<String, String>) -> Imports {
     let modules: BTreeSet<String> = files.keys().map(|file| module(file)).collect();
-    let mut imports = Imports::new();
-    for (file, text) in files {
+    let imports = files.iter().map(|(file, text)| {
         let module = module(file);
         let paths = paths(&code(text), is_parent(file));
         let mut found: BTreeSet<_> = paths.iter().filter_map(|path| resolve(&module, path, &modules)).collect();
         found.remove(&module);
-        imports.insert(module, found);
-    }
-    imports
+        (module, found)
+    });
+    imports.collect()
 }
 
 /// The module that a file holds: `crate::gltf` for `gltf/mod.rs` and for `gltf.rs`.
 fn module(file: &str) -> String {
-    let mut parts: Vec<_> = file.trim_end_matches(".rs").split('/').collect();
-    if is_parent(file) {
-        parts.pop();
-    }
-    parts.insert(0, "crate");
-    parts.join("::")
+    let path = if is_parent(file) { file.rsplit_once('/').map_or("", |(folder, _)| folder) } else { file };
+    let names = path.trim_end_matches(".rs").split('/').filter(|name| !name.is_empty());
+    std::iter::once("crate").chain(names).collect::<Vec<_>>().join("::")
 }
 
 fn is_parent(file: &str) -> bool {
@@ -114,32 +66,21 @@ fn code(text: &str) -> String {
 /// Every path that code names, as it is written there but with groups taken apart.
 fn paths(code: &str, is_parent: bool) -> Vec<String> {
     let mut paths = Vec::new();
-    // Code between the `use` statements.
-    let mut rest = String::new();
-    let mut end = 0;
-    for (start, word) in code.match_indices("use ") {
-        let before = &code[..start];
-        if start < end || before.ends_with(is_part_of_name) {
-            continue;
-        }
-        let Some(length) = code[start..].find(';') else { continue };
-        let tree = &code[start + word.len()..start + length];
-        let first = tree.split("::").next().unwrap_or_default().trim();
-        if !matches!(first, "crate" | "super" | "self") {
-            continue;
-        }
-        rest.push_str(&code[end..start]);
-        end = start + length;
-        if !(is_parent && ends_with_pub(before)) {
-            expand("", tree, &mut paths);
-        }
-    }
-    rest.push_str(&code[end..]);
-    for (start, _) in rest.match_indices("crate::") {
-        if !rest[..start].ends_with(is_part_of_name) {
-            let path = &rest[start..];
-            let end = path.find(|c| c != ':' && !is_part_of_name(c)).unwrap_or(path.len());
-            paths.push(path[..end].into());
+    for root in ["crate::", "super::", "self::"] {
+        for (start, _) in code.match_indices(root) {
+            let before = &code[..start];
+            let used = before.strip_suffix("use ").filter(|before| !before.ends_with(is_part_of_name));
+            let length = if let Some(before) = used {
+                if is_parent && ends_with_pub(before) {
+                    continue;
+                }
+                code[start..].find(';')
+            } else if root == "crate::" && !before.ends_with(|c| c == ':' || is_part_of_name(c)) {
+                code[start..].find(|c| c != ':' && !is_part_of_name(c))
+            } else {
+                continue;
+            };
+            expand("", &code[start..length.map_or(code.len(), |length| start + length)], &mut paths);
         }
     }
     paths
@@ -151,11 +92,8 @@ fn is_part_of_name(c: char) -> bool {
 
 /// Whether code ends with `pub`, or with the likes of `pub(crate)`.
 fn ends_with_pub(code: &str) -> bool {
-    let mut code = code.trim_end();
-    if let Some(inside) = code.strip_suffix(')') {
-        code = inside.rfind('(').map_or("", |open| inside[..open].trim_end());
-    }
-    code.strip_suffix("pub").is_some_and(|before| !before.ends_with(is_part_of_name))
+    let word = code.trim_end().rsplit([' ', '\n']).next().unwrap_or_default();
+    word == "pub" || word.starts_with("pub(")
 }
 
 /// Takes the groups of a `use` apart: `a::{b, c::{d, e}}` is `a::b`, `a::c::d` and `a::c::e`.
@@ -234,65 +172,46 @@ fn describe(name: &str, circle: &BTreeSet<&str>, imports: &Imports) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
+    use super::{circles, describe, paths};
 
-    use super::{circles, describe, imports, paths};
-
-    fn files(files: &[(&str, &str)]) -> BTreeMap<String, String> {
-        files.iter().map(|(file, text)| ((*file).into(), (*text).into())).collect()
+    fn imports(files: &[(&str, &str)]) -> super::Imports {
+        super::imports(&files.iter().map(|(file, text)| ((*file).into(), (*text).into())).collect())
     }
 
     /// Imports of one module.
-    fn imports_of(module: &str, texts: &[(&str, &str)]) -> Vec<String> {
-        imports(&files(texts)).remove(module).into_iter().flatten().collect()
+    fn imports_of(module: &str, files: &[(&str, &str)]) -> Vec<String> {
+        imports(files).remove(module).into_iter().flatten().collect()
     }
 
     #[test]
-    fn a_circle_is_found_and_described() {
-        let imports = imports(&files(&[
-            ("lib.rs", "mod a;\nmod b;\nmod c;"),
-            ("a.rs", "use crate::b::B;"),
-            ("b.rs", "fn f() { crate::a::f(); }"),
-            ("c.rs", "use super::a::A;"),
-        ]));
-        let circles = circles(&imports);
-        assert_eq!(circles.len(), 1);
+    fn circles_are_found_and_described() {
+        let (lib, c) = (("lib.rs", "mod a;\nmod b;\nmod c;"), ("c.rs", "use super::a::A;"));
+        let two = imports(&[lib, ("a.rs", "use crate::b::B;"), ("b.rs", "fn f() { crate::a::f(); }"), c]);
+        let found = circles(&two);
+        assert_eq!(found.len(), 1);
         let expected = "src: 2 modules import one another in a circle\n  \
                         crate::a imports crate::b\n  crate::b imports crate::a";
-        assert_eq!(describe("src", &circles[0], &imports), expected);
-    }
-
-    #[test]
-    fn a_circle_of_three_is_one_circle() {
-        let long = [("a.rs", "use crate::b;"), ("b.rs", "use crate::c::C;"), ("c.rs", "use crate::a::A;")];
-        let long = imports(&files(&long));
-        assert_eq!(circles(&long).iter().map(std::collections::BTreeSet::len).collect::<Vec<_>>(), [3]);
-    }
-
-    #[test]
-    fn a_chain_is_no_circle() {
-        let chain = imports(&files(&[("a.rs", "use crate::b;"), ("b.rs", "use crate::c::C;"), ("c.rs", "")]));
-        assert!(circles(&chain).is_empty());
+        assert_eq!(describe("src", &found[0], &two), expected);
+        let three = imports(&[lib, ("a.rs", "use crate::b;"), ("b.rs", "use crate::c::C;"), c]);
+        assert_eq!(circles(&three).iter().map(std::collections::BTreeSet::len).collect::<Vec<_>>(), [3]);
+        assert!(circles(&imports(&[("a.rs", "use crate::b;"), ("b.rs", "use crate::c::C;"), ("c.rs", "")])).is_empty());
     }
 
     #[test]
     fn groups_are_taken_apart() {
-        let texts = [
-            ("m/mod.rs", ""),
-            ("m/a.rs", ""),
-            ("m/b/mod.rs", ""),
-            ("m/b/c.rs", ""),
-            ("m/d.rs", ""),
-            ("m/user.rs", "use super::{\n    a::{A, B},\n    b::{self, c::C as Other},\n    d,\n};"),
-        ];
+        let uses = "use super::{\n    a::{A, B},\n    b::{self, c::C as Other},\n    d,\n};";
+        let others = [("m/mod.rs", ""), ("m/a.rs", ""), ("m/b/mod.rs", ""), ("m/b/c.rs", ""), ("m/d.rs", "")];
+        let texts = [&others[..], &[("m/user.rs", uses)]].concat();
         let expected = ["crate::m::a", "crate::m::b", "crate::m::b::c", "crate::m::d"];
         assert_eq!(imports_of("crate::m::user", &texts), expected);
     }
 
     #[test]
-    fn comments_and_unit_tests_are_ignored() {
+    fn comments_unit_tests_and_other_crates_are_ignored() {
         let text = "// use crate::b::B;\n#[cfg(test)]\nmod tests {\n    use crate::b::B;\n}\n";
         assert!(imports_of("crate::a", &[("a.rs", text), ("b.rs", "")]).is_empty());
+        let code = "use std::fs;\nuse crates::x;\nfn f() { reuse crate_::y; crate::z::f::<u8>() }";
+        assert_eq!(paths(code, false), ["crate::z::f::"]);
     }
 
     #[test]
@@ -303,11 +222,5 @@ mod tests {
         // Without `pub` it is an import.
         let uses = [&[("a/mod.rs", "use self::b::B;")], &children[..]].concat();
         assert_eq!(imports_of("crate::a", &uses), ["crate::a::b"]);
-    }
-
-    #[test]
-    fn only_paths_of_this_crate_are_taken() {
-        let code = "use std::fs;\nuse crates::x;\nfn f() { reuse crate_::y; crate::z::f::<u8>() }";
-        assert_eq!(paths(code, false), ["crate::z::f::"]);
     }
 }

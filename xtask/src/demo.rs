@@ -1,60 +1,32 @@
 //! `cargo xtask demo`.
 
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::{process, vulkan};
 
 /// Models made by code: the file, and the program of `rimline-models` with the arguments that writes it.
-const MODELS: [(&str, &str, &[&str]); 2] =
-    [("walking_figure.glb", "walking_figure", &[]), ("blob.glb", "shape", &["blob"])];
+const MODELS: [(&str, &str, &[&str]); 2] = [(WALKER, "walking_figure", &[]), ("blob.glb", "shape", &["blob"])];
 
-/// A picture: its file, the command that draws it, the model, and how it is shown, words apart by spaces.
-struct Picture {
-    file: &'static str,
-    command: &'static str,
-    model: &'static str,
-    view: &'static str,
-}
-
-/// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps. `docs/walking_figure.png` is
-/// `walk_from_the_front.png` with `--size 640x800`, `docs/walking_shadows.png` is `walk_with_shadows.png` with that
-/// size, and `docs/walking_lines.png` is `walk_as_lines.svg` as a PNG with `--page 160x200 --dpi 102`.
-const PICTURES: [Picture; 6] = [
-    Picture {
-        file: "walk_from_the_front.png",
-        command: "draw",
-        model: "walking_figure.glb",
-        view: "--animation 0 --time 0.02 --eye 1.7,1.5,3.6 --target 0,0.88,0 --fov 30",
-    },
-    Picture {
-        file: "walk_with_shadows.png",
-        command: "shadow",
-        model: "walking_figure.glb",
-        view: "--animation 0 --time 0.02 --eye 1.9,2.7,5.4 --target 0.12,0.72,-0.2 --fov 27 \
-               --light point:-2.1,5.2,2.2,color=1,.2,.1 --light point:2.3,5.4,2.2,color=.1,.8,.18 \
-               --light point:0.6,5,3.6,color=.12,.25,1",
-    },
-    Picture {
-        file: "walk_from_the_side.png",
-        command: "draw",
-        model: "walking_figure.glb",
-        view: "--animation 0 --time 0.5 --eye 3.9,1.1,0.7 --target 0,0.88,0 --fov 30",
-    },
-    Picture {
-        file: "walk_from_behind.png",
-        command: "draw",
-        model: "walking_figure.glb",
-        view: "--animation 0 --time 0.75 --eye -2.2,1.9,-3.1 --target 0,0.88,0 --fov 30",
-    },
-    Picture {
-        file: "walk_as_lines.svg",
-        command: "lines",
-        model: "walking_figure.glb",
-        view: "--animation 0 --time 0.02 --view 25,12",
-    },
-    Picture { file: "blob.png", command: "draw", model: "blob.glb", view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36" },
+/// Pictures: the file, the command that draws it, the model, and how it is shown, words apart by spaces. The figure
+/// faces +Z, is 1.76 m tall, and takes 1.1 s for two steps. `docs/walking_figure.png` is `walk_from_the_front.png` with
+/// `--size 640x800`, `docs/walking_shadows.png` is `walk_with_shadows.png` with that size, and `docs/walking_lines.png`
+/// is `walk_as_lines.svg` as a PNG with `--page 160x200 --dpi 102`.
+const PICTURES: [[&str; 4]; 6] = [
+    ["walk_from_the_front.png", "draw", WALKER, "--time 0.02 --eye 1.7,1.5,3.6 --target 0,0.88,0 --fov 30"],
+    [
+        "walk_with_shadows.png",
+        "shadow",
+        WALKER,
+        "--time 0.02 --eye 1.9,2.7,5.4 --target 0.12,0.72,-0.2 --fov 27 \
+         --light point:-2.1,5.2,2.2,color=1,.2,.1 --light point:2.3,5.4,2.2,color=.1,.8,.18 \
+         --light point:0.6,5,3.6,color=.12,.25,1",
+    ],
+    ["walk_from_the_side.png", "draw", WALKER, "--time 0.5 --eye 3.9,1.1,0.7 --target 0,0.88,0 --fov 30"],
+    ["walk_from_behind.png", "draw", WALKER, "--time 0.75 --eye -2.2,1.9,-3.1 --target 0,0.88,0 --fov 30"],
+    ["walk_as_lines.svg", "lines", WALKER, "--time 0.02 --view 25,12"],
+    ["blob.png", "draw", "blob.glb", "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36"],
 ];
+const WALKER: &str = "walking_figure.glb";
 
 /// Makes the models, draws the pictures, and names them at the end.
 pub(crate) fn run() -> Result<(), String> {
@@ -69,38 +41,27 @@ pub(crate) fn run() -> Result<(), String> {
         process::run(program(model).args(arguments).arg(demo.join(file)))?;
     }
     let mut written = Vec::new();
-    for picture in PICTURES {
-        let out = demo.join(picture.file);
-        remove_old(&out)?;
-        let mut draw = program("rimline");
-        draw.arg(picture.command).arg(demo.join(picture.model)).args(picture.view.split(' '));
-        if picture.command != "lines" {
-            draw.args(["--size", "960x1200"]);
+    for [file, command, model, view] in PICTURES {
+        let out = demo.join(file);
+        // So that a picture that is named has been drawn now.
+        if out.exists() {
+            std::fs::remove_file(&out).map_err(|error| format!("cannot replace {}: {error}", out.display()))?;
         }
+        let animation: &[&str] = if model == WALKER { &["--animation", "0"] } else { &[] };
+        let size: &[&str] = if command == "lines" { &[] } else { &["--size", "960x1200"] };
+        let mut draw = program("rimline");
+        draw.arg(command).arg(demo.join(model)).args(view.split(' ')).args(animation).args(size);
         process::run(draw.arg("--out").arg(&out))?;
         if !out.is_file() {
-            return Err(format!("`rimline {}` succeeded, but there is no {}", picture.command, out.display()));
+            return Err(format!("`rimline {command}` succeeded, but there is no {}", out.display()));
         }
-        written.push(out);
+        written.push(out.display().to_string());
     }
-    println!();
-    for out in written {
-        println!("{}", out.display());
-    }
+    println!("\n{}", written.join("\n"));
     Ok(())
 }
 
 /// A program from the release build.
 fn program(name: &str) -> Command {
-    let mut path: PathBuf = process::target().join("release");
-    path.push(format!("{name}{}", std::env::consts::EXE_SUFFIX));
-    Command::new(path)
-}
-
-/// So that a picture that is named has been drawn now.
-fn remove_old(picture: &Path) -> Result<(), String> {
-    if picture.exists() {
-        std::fs::remove_file(picture).map_err(|error| format!("cannot replace {}: {error}", picture.display()))?;
-    }
-    Ok(())
+    Command::new(process::target().join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
 }

@@ -8,7 +8,7 @@ use std::process::Command;
 use crate::packages::Manager;
 use crate::summary::Summary;
 use crate::test::BENCH;
-use crate::{process, vulkan};
+use crate::{process, test, vulkan};
 
 /// Tests that compare results bit by bit with the CPU's.
 const TESTS: [&str; 4] = ["extract_gpu", "polygon_gpu", "query_gpu", "scene_gpu"];
@@ -16,7 +16,7 @@ const TESTS: [&str; 4] = ["extract_gpu", "polygon_gpu", "query_gpu", "scene_gpu"
 /// of near caps and choices are not among them, because their rounding is left to the driver.
 const GOLDENS: [(&str, &str); 2] = [("depth_map_gpu", "are_the_goldens"), ("shadow_gpu", "stencil_bound")];
 /// The tests that take `SwiftShader` minutes, not more.
-pub(crate) const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
+const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
 
 /// Tests that make pipelines for many devices. `SwiftShader` had not compiled those of both after eleven minutes.
 const SLOW_ON_SWIFTSHADER: [&str; 2] =
@@ -73,6 +73,7 @@ impl Driver {
 
 /// Runs the tests of bits on each driver and counts them in `summary`.
 pub(crate) fn add_all(summary: &mut Summary) {
+    test::ensure_driver(summary);
     if let Err(error) = build() {
         summary.fail(&error);
         return;
@@ -86,18 +87,18 @@ pub(crate) fn add_all(summary: &mut Summary) {
     }
 }
 
-/// Runs `tests` on `SwiftShader`, a second Vulkan driver with a compiler of its own. Where it is not there and cannot be
+/// Runs quick tests on `SwiftShader`, a second Vulkan driver with a compiler of its own. Where it is not there and cannot be
 /// installed, a note says so.
-pub(crate) fn add_swiftshader(summary: &mut Summary, tests: &[&str]) {
+pub(crate) fn add_swiftshader(summary: &mut Summary) {
     if swiftshader().is_none()
         && let Some(manager) = Manager::of_this_system()
-        && let Err(error) = manager.install_swiftshader()
+        && let Err(error) = manager.install("SwiftShader", manager.swiftshader)
     {
         println!("{error}");
     }
     let driver = swiftshader().and_then(|manifest| Driver::of(by_manifest(manifest)));
     match driver {
-        Some(driver) => driver.test(summary, tests, &[]),
+        Some(driver) => driver.test(summary, &QUICK, &[]),
         None => summary.note("SwiftShader is not installed, so nothing ran on a second driver"),
     }
 }

@@ -9,28 +9,11 @@ use crate::summary::Summary;
 use crate::test::BENCH;
 
 const TARGETS: [&str; 7] = ["gltf", "npz", "obj", "ply", "stl", "wgsl", "args"];
-/// Seconds for each target, unless asked otherwise.
-pub(crate) const SECONDS: u64 = 60;
-/// Seconds that continuous integration spends on each target.
-pub(crate) const CI_SECONDS: u64 = 10;
-
 /// A case that takes longer hangs. Software devices on a busy machine take seconds.
 const SLOW_SECONDS: &str = "20";
 
-/// Fuzzes each target for that long.
-pub(crate) fn run(seconds: u64) -> Summary {
-    let mut summary = Summary::default();
-    add(&mut summary, seconds, &[]);
-    summary
-}
-
-/// Fuzzes each target for that long after the tests, and counts a check each in `summary`. With the tests in the same build,
-/// packages have the features that these were built with, so that none is built again.
-pub(crate) fn add_after_tests(summary: &mut Summary, seconds: u64) {
-    add(summary, seconds, &["--tests"]);
-}
-
-fn add(summary: &mut Summary, seconds: u64, and: &[&str]) {
+/// Fuzzes each target for that long, and counts a check each in `summary`. The program is built together with others.
+pub(crate) fn add(summary: &mut Summary, seconds: u64, and: &[&str]) {
     let mut build = process::cargo(["build", "--workspace", "--exclude", BENCH, "--all-features"]);
     build.args(["--bin", "rimline-fuzz", "--bin", "rimline"]).args(and);
     if let Err(error) = process::run(&mut build) {

@@ -51,20 +51,20 @@ fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         ["demo"] => finish(demo::run()),
-        ["test"] => test::run().finish(),
-        ["test", "--long"] => test::long(None, None).finish(),
-        ["test", "--long", target] => test::long(Some(target), None).finish(),
-        ["test", "--long", target, filter] => test::long(Some(target), Some(filter)).finish(),
-        ["test", "--drivers"] => test::on_every_driver().finish(),
+        ["test"] => counted(test::add),
+        ["test", "--long"] => counted(|all| test::add_long(all, None, None)),
+        ["test", "--long", target] => counted(|all| test::add_long(all, Some(target), None)),
+        ["test", "--long", target, filter] => counted(|all| test::add_long(all, Some(target), Some(filter))),
+        ["test", "--drivers"] => counted(drivers::add_all),
         ["circles"] => finish(circles::run()),
-        ["ci"] => ci::run().finish(),
-        ["fuzz"] => fuzz::run(fuzz::SECONDS).finish(),
+        ["ci"] => counted(ci::add),
+        ["fuzz"] => counted(|all| fuzz::add(all, 60, &[])),
         ["fuzz", "--seconds", seconds] => match seconds.parse() {
-            Ok(seconds) => fuzz::run(seconds).finish(),
+            Ok(seconds) => counted(|all| fuzz::add(all, seconds, &[])),
             Err(_) => misused(&format!("`--seconds {seconds}` is no number")),
         },
         ["web"] => finish(web::build().map(drop)),
-        ["web", "--test"] => test::of_page().finish(),
+        ["web", "--test"] => counted(test::add_page),
         ["mutants"] => finish(mutants::run(None)),
         ["mutants", "--only", text] => finish(mutants::run(Some(text))),
         ["test" | "fuzz" | "web" | "mutants", rest @ ..] => misused(&format!("unknown arguments `{}`", rest.join(" "))),
@@ -74,6 +74,12 @@ fn main() -> ExitCode {
         }
         [command, ..] => misused(&format!("unknown command `{command}`")),
     }
+}
+
+fn counted(add: impl FnOnce(&mut summary::Summary)) -> ExitCode {
+    let mut summary = summary::Summary::default();
+    add(&mut summary);
+    summary.finish()
 }
 
 fn finish(outcome: Result<(), String>) -> ExitCode {

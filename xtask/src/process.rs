@@ -77,6 +77,19 @@ pub(crate) fn output(command: &mut Command) -> Result<String, String> {
     }
 }
 
+/// Paths of the repository's files that match.
+pub(crate) fn names(patterns: &[&str]) -> Result<Vec<String>, String> {
+    let mut git = Command::new("git");
+    git.args(["ls-files", "--cached", "--others", "--exclude-standard", "-z"]).args(patterns).current_dir(root());
+    Ok(output(&mut git)?.split('\0').filter(|name| !name.is_empty()).map(str::to_owned).collect())
+}
+
+/// The same with their texts. A file that is removed but not committed has none.
+pub(crate) fn files(patterns: &[&str]) -> Result<Vec<(String, String)>, String> {
+    let with_text = |name: String| Some((std::fs::read_to_string(root().join(&name)).ok()?, name));
+    Ok(names(patterns)?.into_iter().filter_map(with_text).map(|(text, name)| (name, text)).collect())
+}
+
 /// Whether a program is on the PATH.
 pub(crate) fn on_path(program: &str) -> bool {
     let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);

@@ -5,10 +5,8 @@ use std::process::ExitCode;
 /// Counts of the tests and checks of a run.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Summary {
-    passed: usize,
-    failed: usize,
-    /// Ignored by name.
-    skipped: usize,
+    /// Passed, failed, and ignored by name.
+    counts: [usize; 3],
     /// Ignored ones that stand for tests on model files, whose folder is missing.
     without_files: usize,
     gpu_tests: usize,
@@ -24,12 +22,8 @@ impl Summary {
             // "ok. 6 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.03s"
             let words: Vec<_> = counts.split([' ', ';', '.']).filter(|word| !word.is_empty()).collect();
             for pair in words.windows(2) {
-                let count = pair[0].parse().unwrap_or(0);
-                match pair[1] {
-                    "passed" => self.passed += count,
-                    "failed" => self.failed += count,
-                    "ignored" => self.skipped += count,
-                    _ => {}
+                if let Some(of) = ["passed", "failed", "ignored"].iter().position(|word| *word == pair[1]) {
+                    self.counts[of] += pair[0].parse().unwrap_or(0);
                 }
             }
         } else if line.trim_end().ends_with("... ignored") && line.contains("real files ") {
@@ -44,7 +38,7 @@ impl Summary {
 
     /// Ends the reading of test binaries: whether cargo was content, and whether the GPU was tested at all.
     pub(crate) fn tests_ended(&mut self, succeeded: bool) {
-        if !succeeded && self.failed == 0 {
+        if !succeeded && self.counts[1] == 0 {
             self.fail("the tests ended badly, though none is reported as failed: see above");
         }
         if self.gpu_tests == 0 {
@@ -54,24 +48,17 @@ impl Summary {
 
     /// Counts a check of this program's own.
     pub(crate) fn check(&mut self, name: &str, outcome: Result<(), String>) {
+        println!("check {name} ... {}", if outcome.is_ok() { "ok" } else { "FAILED" });
         match outcome {
-            Ok(()) => {
-                println!("check {name} ... ok");
-                self.passed += 1;
-            }
-            Err(error) => {
-                println!("check {name} ... FAILED");
-                self.fail(&format!("{name}: {error}"));
-            }
+            Ok(()) => self.counts[0] += 1,
+            Err(error) => self.fail(&format!("{name}: {error}")),
         }
     }
 
     /// Adds the tests that ran on another driver.
     pub(crate) fn add(&mut self, driver: &str, other: Self) {
         self.note(&format!("on {driver}: {}", other.last_line()));
-        self.passed += other.passed;
-        self.failed += other.failed;
-        self.skipped += other.skipped;
+        self.counts.iter_mut().zip(other.counts).for_each(|(count, more)| *count += more);
         self.without_files += other.without_files;
         self.gpu_tests += other.gpu_tests;
         self.errors.extend(other.errors.into_iter().map(|error| format!("on {driver}: {error}")));
@@ -84,18 +71,19 @@ impl Summary {
 
     /// Counts a failure that is no test's.
     pub(crate) fn fail(&mut self, error: &str) {
-        self.failed += 1;
+        self.counts[1] += 1;
         self.errors.push(error.into());
     }
 
     fn last_line(&self) -> String {
-        format!("{} passed, {} failed, {} skipped", self.passed, self.failed, self.skipped)
+        let [passed, failed, skipped] = self.counts;
+        format!("{passed} passed, {failed} failed, {skipped} skipped")
     }
 
     /// Why tests were skipped.
     fn why_skipped(&self) -> Option<String> {
-        let (files, others) = (self.without_files, self.skipped.saturating_sub(self.without_files));
-        (self.skipped > 0).then(|| {
+        let (files, others) = (self.without_files, self.counts[2].saturating_sub(self.without_files));
+        (self.counts[2] > 0).then(|| {
             format!(
                 "skipped: {files} groups of tests on real models, whose folder is not there (RIMLINE_ASSETS); {others} long \
                  trials (cargo xtask test --long) and tests of drivers that are not installed"
@@ -103,21 +91,15 @@ impl Summary {
         })
     }
 
-    /// Shows notes, errors and, as the last line, the counts.
+    /// Shows notes, errors and, as the last line, the counts; all on standard output, so that they stay in this order.
     pub(crate) fn finish(&self) -> ExitCode {
         println!();
-        for note in &self.notes {
-            println!("{note}");
-        }
-        // On standard output too, so that the counts stay the last line wherever the two are joined.
-        for error in &self.errors {
-            println!("error: {error}");
-        }
-        if let Some(line) = self.why_skipped() {
+        let errors = self.errors.iter().map(|error| format!("error: {error}"));
+        let lines = self.notes.iter().cloned().chain(errors).chain(self.why_skipped()).chain([self.last_line()]);
+        for line in lines {
             println!("{line}");
         }
-        println!("{}", self.last_line());
-        if self.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+        if self.counts[1] == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }
 }
 

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::packages::Manager;
 use crate::summary::Summary;
-use crate::{drivers, features, process, vulkan, web};
+use crate::{features, process, vulkan, web};
 
 /// The member that needs a C++ compiler and is measured, not tested.
 pub(crate) const BENCH: &str = "rimline-bench-adjacency";
@@ -12,57 +12,33 @@ pub(crate) const BENCH: &str = "rimline-bench-adjacency";
 /// Every test of the workspace.
 const EVERYTHING: [&str; 6] = ["test", "--workspace", "--exclude", BENCH, "--all-features", "--no-fail-fast"];
 
-/// Runs every test.
-pub(crate) fn run() -> Summary {
-    let mut summary = Summary::default();
-    add(&mut summary);
-    summary
-}
-
 /// Runs every test, or those of a target whose names have a text, with the long trials among them.
-pub(crate) fn long(target: Option<&str>, filter: Option<&str>) -> Summary {
-    let mut summary = Summary::default();
-    ensure_driver(&mut summary);
+pub(crate) fn add_long(summary: &mut Summary, target: Option<&str>, filter: Option<&str>) {
+    ensure_driver(summary);
     let mut command = process::cargo(EVERYTHING);
     command.env("RIMLINE_LONG", "1").args(target.iter().flat_map(|target| ["--test", target]));
-    command.arg("--").args(filter);
-    run_tests(&mut command, &mut summary);
-    summary
-}
-
-/// Runs the tests of bits on every driver.
-pub(crate) fn on_every_driver() -> Summary {
-    let mut summary = Summary::default();
-    ensure_driver(&mut summary);
-    drivers::add_all(&mut summary);
-    summary
+    run_tests(command.arg("--").args(filter), summary);
 }
 
 /// Builds the page, and tries it in a browser.
-pub(crate) fn of_page() -> Summary {
-    let mut summary = Summary::default();
-    ensure_driver(&mut summary);
+pub(crate) fn add_page(summary: &mut Summary) {
+    ensure_driver(summary);
     ensure_display();
-    match web::build() {
-        Ok(page) => {
-            let mut command = process::cargo(EVERYTHING);
-            // The tables of the check are worth reading.
-            command.env("RIMLINE_PAGE", page).args(["--test", "page", "--", "--nocapture"]);
-            let outcome = process::run_looking(&mut command, |line| summary.read(line));
-            if !outcome.unwrap_or(false) {
-                summary.fail("the page does not pass in Chromium: see above (on Debian `apt-get install chromium`)");
-            }
-        }
-        Err(error) => {
-            println!("error: {error}");
-            summary.fail(&error);
-        }
+    let tested = web::build().and_then(|page| {
+        let mut command = process::cargo(EVERYTHING);
+        // The tables of the check are worth reading.
+        command.env("RIMLINE_PAGE", page).args(["--test", "page", "--", "--nocapture"]);
+        let succeeded = process::run_looking(&mut command, |line| summary.read(line))?;
+        let failed = "the page does not pass in Chromium: see above (on Debian `apt-get install chromium`)";
+        if succeeded { Ok(()) } else { Err(failed.to_owned()) }
+    });
+    if let Err(error) = tested {
+        summary.fail(&error);
     }
-    summary
 }
 
 /// Without a driver, tests that need none still have something to say.
-fn ensure_driver(summary: &mut Summary) {
+pub(crate) fn ensure_driver(summary: &mut Summary) {
     if let Err(error) = vulkan::ensure() {
         println!("error: {error}");
         summary.fail(&error);
@@ -74,7 +50,7 @@ fn ensure_display() {
     if !cfg!(target_os = "linux") || process::output(Command::new("Xvfb").arg("-help")).is_ok() {
         return;
     }
-    if let Some(Err(error)) = Manager::of_this_system().map(Manager::install_xvfb) {
+    if let Some(Err(error)) = Manager::of_this_system().map(|manager| manager.install("Xvfb", manager.xvfb)) {
         println!("note: {error}");
     }
 }
@@ -84,11 +60,7 @@ pub(crate) fn add(summary: &mut Summary) {
     ensure_driver(summary);
     ensure_display();
     run_tests(&mut process::cargo(EVERYTHING), summary);
-    summary.check("the library builds with any of its features", features::library_alone());
-    summary.check("the library without `gpu` has no GPU library", features::no_gpu_dependencies());
-    summary.check("the library compiles for wasm32", features::library_for_wasm());
-    summary.check("the command builds without `bench`, and without its charts", features::command_without_bench());
-    summary.check("the library has none of the command's dependencies", features::no_command_dependencies());
+    features::add(summary);
 }
 
 /// Runs a command of tests and counts them in `summary`.

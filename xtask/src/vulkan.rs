@@ -1,7 +1,6 @@
 //! Is there a Vulkan driver? If not, install Mesa's software one.
 
 use std::env;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -21,36 +20,23 @@ pub(crate) fn ensure() -> Result<(), String> {
         );
     };
     println!("No Vulkan driver found; installing Mesa's software driver.");
-    manager.install()?;
-    if is_there() {
-        Ok(())
-    } else {
-        Err(format!("`{}` succeeded, but there still is no Vulkan driver", manager.one_command()))
-    }
+    manager.install("Vulkan driver", manager.vulkan)?;
+    let line = manager.one_command(manager.vulkan);
+    if is_there() { Ok(()) } else { Err(format!("`{line}` succeeded, but there still is no Vulkan driver")) }
 }
 
 fn is_there() -> bool {
     has_loader() && has_driver()
 }
 
-/// Whether the loader, `libvulkan.so.1`, is where the dynamic linker looks.
+/// Whether the loader is where the dynamic linker looks.
 fn has_loader() -> bool {
     const LOADER: &str = "libvulkan.so.1";
     // Not on an ordinary user's PATH on Debian.
-    let known = ["ldconfig", "/sbin/ldconfig", "/usr/sbin/ldconfig"]
-        .iter()
-        .find_map(|ldconfig| process::output(Command::new(ldconfig).arg("-p")).ok());
-    if known.is_some_and(|list| list.contains(LOADER)) {
-        return true;
-    }
-    let mut folders: Vec<PathBuf> =
-        env::var_os("LD_LIBRARY_PATH").map_or_else(Vec::new, |v| env::split_paths(&v).collect());
-    for folder in ["/usr/lib", "/usr/lib64", "/usr/local/lib", "/usr/local/lib64", "/lib", "/lib64"] {
-        folders.push(folder.into());
-        // Debian's directory for the architecture.
-        folders.extend(entries(Path::new(folder)).filter(|path| path.to_string_lossy().ends_with("-linux-gnu")));
-    }
-    folders.iter().any(|folder| folder.join(LOADER).exists())
+    let lists = ["ldconfig", "/sbin/ldconfig", "/usr/sbin/ldconfig"];
+    let mut known = lists.iter().filter_map(|ldconfig| process::output(Command::new(ldconfig).arg("-p")).ok());
+    let folders = env::var_os("LD_LIBRARY_PATH").unwrap_or_default();
+    known.any(|list| list.contains(LOADER)) || env::split_paths(&folders).any(|folder| folder.join(LOADER).exists())
 }
 
 /// Whether some driver's manifest is installed that can work here: a software driver's, or any beside a GPU.
@@ -61,47 +47,38 @@ fn has_driver() -> bool {
             return env::split_paths(&files).any(|file| file.exists());
         }
     }
-    let manifests = manifests();
-    manifests.iter().any(|manifest| is_software(manifest)) || (!manifests.is_empty() && has_gpu())
-}
-
-/// The manifests of installed drivers.
-pub(crate) fn manifests() -> Vec<PathBuf> {
-    let directories = manifest_directories();
-    let files = directories.iter().flat_map(|directory| entries(directory));
-    files.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect()
-}
-
-/// Where the loader looks for manifests.
-fn manifest_directories() -> Vec<PathBuf> {
-    let home = env::var_os("HOME").map(PathBuf::from).unwrap_or_default();
-    let one =
-        |variable: &str, otherwise: &str| env::var_os(variable).map_or_else(|| home.join(otherwise), PathBuf::from);
-    let many = |variable: &str, otherwise: &str| {
-        let value = env::var_os(variable).filter(|value| !value.is_empty());
-        env::split_paths(&value.unwrap_or_else(|| otherwise.into())).collect::<Vec<_>>()
+    let is_software = |manifest: &PathBuf| {
+        let name = manifest.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        ["lvp", "lavapipe", "swiftshader"].iter().any(|driver| name.contains(driver))
     };
-    let mut bases = vec![one("XDG_CONFIG_HOME", ".config"), one("XDG_DATA_HOME", ".local/share")];
-    bases.extend(many("XDG_CONFIG_DIRS", "/etc/xdg"));
-    bases.extend(many("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
-    bases.extend(["/etc", "/usr/local/etc", "/usr/local/share", "/usr/share"].map(PathBuf::from));
-    bases.iter().map(|base| base.join("vulkan/icd.d")).collect()
+    let manifests = manifests();
+    manifests.iter().any(is_software) || (!manifests.is_empty() && has_gpu())
 }
 
-/// lavapipe or `SwiftShader`, by the manifest's name.
-fn is_software(manifest: &Path) -> bool {
-    let name = manifest.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    ["lvp", "lavapipe", "swiftshader"].iter().any(|driver| name.contains(driver))
+/// The manifests of installed drivers, where the loader looks for them.
+pub(crate) fn manifests() -> Vec<PathBuf> {
+    let home = env::var_os("HOME").map(PathBuf::from).unwrap_or_default();
+    let of = |variable: &str, otherwise: PathBuf| {
+        let value = env::var_os(variable).filter(|value| !value.is_empty()).unwrap_or_else(|| otherwise.into());
+        env::split_paths(&value).collect::<Vec<_>>()
+    };
+    let mut bases = of("XDG_CONFIG_HOME", home.join(".config"));
+    bases.extend(of("XDG_DATA_HOME", home.join(".local/share")));
+    bases.extend(of("XDG_CONFIG_DIRS", "/etc/xdg".into()));
+    bases.extend(of("XDG_DATA_DIRS", "/usr/local/share:/usr/share".into()));
+    bases.extend(["/etc", "/usr/local/etc", "/usr/local/share", "/usr/share"].map(PathBuf::from));
+    let files = bases.iter().flat_map(|base| entries(&base.join("vulkan/icd.d")));
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect()
 }
 
 /// Whether the kernel offers a GPU: distributions install all of Mesa's manifests, whatever the machine.
 fn has_gpu() -> bool {
-    let render_node = entries(Path::new("/dev/dri"))
-        .any(|node| node.file_name().is_some_and(|name| name.to_string_lossy().starts_with("renderD")));
-    render_node
-        || ["/dev/nvidia0", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"].iter().any(|node| Path::new(node).exists())
+    let is_render_node =
+        |node: PathBuf| node.file_name().is_some_and(|name| name.to_string_lossy().starts_with("renderD"));
+    let nodes = ["/dev/nvidia0", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"];
+    entries(Path::new("/dev/dri")).any(is_render_node) || nodes.iter().any(|node| Path::new(node).exists())
 }
 
 fn entries(directory: &Path) -> impl Iterator<Item = PathBuf> + use<> {
-    fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path())
+    std::fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path())
 }

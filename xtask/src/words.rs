@@ -1,7 +1,5 @@
 //! Words: comments begin with their subject, and names are of standard terms.
 
-use std::fs;
-
 use crate::process;
 
 /// Words that no comment opens with.
@@ -37,12 +35,8 @@ const ALLOWED: [(&str, &[&str], &str); 6] = [
 
 /// Looks at the comments of all Rust and WGSL files, and at the names of the library.
 pub(crate) fn run() -> Result<(), String> {
-    let mut git = std::process::Command::new("git");
-    let names = process::output(git.args(["ls-files", "-z", "*.rs", "*.wgsl"]).current_dir(process::root()))?;
     let (mut found, mut banned) = (Vec::new(), Vec::new());
-    for name in names.split('\0').filter(|name| !name.is_empty()) {
-        // A file that is removed but not committed.
-        let text = fs::read_to_string(process::root().join(name)).unwrap_or_default();
+    for (name, text) in process::files(&["*.rs", "*.wgsl"])? {
         found.extend(openers(&text).into_iter().map(|line| format!("{name}:{line}")));
         if CHECKED.iter().any(|folder| name.starts_with(folder)) {
             let allowed = ALLOWED.iter().filter(|(folder, ..)| name.starts_with(folder));

@@ -11,20 +11,19 @@ use glam::Vec3;
 use rimline::gpu::{Caster, ExtractorOptions, Measuring, SceneOptions, ShadowFormat, ShadowPipelines, StageTimer};
 use rimline::{Counting, Light, Matrix3x4, Mesh};
 use serde_json::{Value, json};
-use wgpu::{CommandEncoder, LoadOp};
+use wgpu::CommandEncoder;
 
-use crate::engine::{Contender, Rounds, Sample, times};
+use crate::engine::{Contender, Rounds, times};
 use crate::extraction::subject;
-use crate::gpu::{Gpu, Stopwatch, beside_draws};
+use crate::gpu::{Gpu, Stopwatch};
 use crate::random::Random;
-use crate::record::{Camera, DEPTH, ExtractorRecorder, STENCIL, SceneRecorder, Setting, Target, Until, made_anew};
+use crate::record::{Camera, DEPTH, Drawn, ExtractorRecorder, STENCIL, SceneRecorder, Setting, Until, made_anew};
 use crate::row::{Entry, Row, Section, Variant, compare};
 use crate::shapes::{self, Shape};
 use crate::text::grouped;
 use crate::{Error, Host};
 
-/// Lights of each scene.
-pub(crate) const LIGHTS: usize = 5;
+const LIGHTS: usize = 5;
 /// The most casters whose volumes are drawn.
 const MOST_DRAWN: usize = 1000;
 /// The most casters that have a scene each.
@@ -39,14 +38,12 @@ const EXTRACTION: [&str; 7] = ["cull_lights", "clusters", "chunks", "facing", "e
 /// The mesh that all casters of a scene have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CasterMesh {
-    /// 12 faces.
     Cube,
     /// A torus of 4,000 faces, about what a skinned character has.
     Character,
 }
 
 impl CasterMesh {
-    /// Name in the data.
     fn id(self) -> &'static str {
         match self {
             Self::Cube => "box",
@@ -140,7 +137,8 @@ fn variant(id: &str) -> Variant {
     Variant::new(id, name, colour, shape)
 }
 
-/// Measures a scene.
+const VOLUMES: Until<'static> = Until::Volumes(None);
+
 pub(crate) fn measure(
     rounds: Rounds,
     devices: &mut Devices<'_>,
@@ -152,25 +150,32 @@ pub(crate) fn measure(
     let merged = setting.in_buffers(vec![setting.casters.merged()]);
     let anew = made_anew(LIGHTS, Counting::Auto);
     let mut other = SceneRecorder::new(devices.stages.gpu, &merged, None, anew)?;
-    let stages_of = |encoder: &mut _, until, timer: Option<&mut _>| other.encode(encoder, until, timer);
+    let stages_of = |encoder: &mut _, until: Until<'_>, timer: Option<&mut _>| other.encode(encoder, until, timer);
     let Devices { stages: watch, draws: stopwatch, pipelines } = devices;
-    let (mut gpu_times, scene_edges) = stages(rounds, watch, &setting, Until::Volumes, ("merged", stages_of), host)?;
+    let (mut gpu_times, scene_edges) = stages(rounds, watch, &setting, VOLUMES, ("merged", stages_of), host)?;
     watch.by_clock(|encoder| other.encode(encoder, Until::Extraction, None))?;
     let edges = [scene_edges, other.silhouette_edges(watch.gpu)?];
     let gpu = stopwatch.gpu;
+    let taken = |before: Option<u64>| {
+        Ok::<_, Error>(gpu.allocated_bytes()?.zip(before).map(|(now, then)| now.saturating_sub(then)))
+    };
     let before = gpu.allocated_bytes()?;
     let mut recorder = SceneRecorder::new(gpu, &setting, Some(pipelines), options(false))?;
-    stopwatch.by_clock(|encoder| recorder.encode(encoder, Until::Volumes, None))?;
-    let scene_device_bytes = taken(before, gpu.allocated_bytes()?);
-    let scene_bytes = recorder.bytes()?;
+    stopwatch.by_clock(|encoder| recorder.encode(encoder, VOLUMES, None))?;
+    let (scene_device_bytes, scene_bytes) = (taken(before)?, recorder.bytes()?);
+    let depth = gpu.texture([size; 2], DEPTH);
+    let drawn = |scene| Drawn { scene, surfaces: None, depth: depth.clone(), receivers: None };
+    let mut recorder = drawn(recorder);
     if casters <= MOST_DRAWN {
-        let depth = gpu.texture([size; 2], DEPTH);
-        let mut merged = SceneRecorder::new(gpu, &merged, Some(pipelines), anew)?;
+        let mut merged = drawn(SceneRecorder::new(gpu, &merged, Some(pipelines), anew)?);
         let watch = RefCell::new(&mut *stopwatch);
-        let contenders: Vec<(&str, Contender<'_>)> = vec![
-            ("scene", Box::new(|| draws(&mut watch.borrow_mut(), &mut recorder, &depth))),
-            ("merged", Box::new(|| draws(&mut watch.borrow_mut(), &mut merged, &depth))),
-        ];
+        let draws = |drawn: &mut Drawn<'_>| {
+            let parts = ["stages", STENCIL];
+            let timed = watch.borrow_mut().frame(&parts, |encoder, part, timer| drawn.record(encoder, part, timer))?;
+            Ok(times([("stencil", timed.of(|name| name == STENCIL)), ("frame", timed.whole_ms)]))
+        };
+        let contenders: Vec<(&str, Contender<'_>)> =
+            vec![("scene", Box::new(|| draws(&mut recorder))), ("merged", Box::new(|| draws(&mut merged)))];
         let drawn = compare(rounds, contenders, host)?;
         for (entry, drawn) in [0, 2].into_iter().zip(drawn) {
             gpu_times[entry] = gpu_times[entry].clone().and(&drawn);
@@ -182,18 +187,18 @@ pub(crate) fn measure(
     let scenes = alone.iter().map(|setting| SceneRecorder::new(gpu, setting, Some(pipelines), anew));
     let mut scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     stopwatch.by_clock(|encoder| encode_all(&mut scenes, encoder))?;
-    let scenes_device_bytes = taken(before, gpu.allocated_bytes()?).filter(|_| !scenes.is_empty());
-    let mut entries = record(rounds, stopwatch, &setting, recorder, scenes, host)?;
+    let of_scenes = taken(before)?;
+    let mut entries = record(rounds, stopwatch, &setting, recorder.scene, scenes, host)?;
     // GPU times of the still scene stand beside its CPU times.
-    entries[0] = entries[0].clone().and(&gpu_times.remove(1));
+    entries[0] = entries[0].clone().and(&gpu_times.remove(1)).with_count("bytes", scene_bytes as usize);
+    for (entry, bytes) in [(0, scene_device_bytes), (5, of_scenes)] {
+        if let (Some(entry), Some(bytes)) = (entries.get_mut(entry), bytes) {
+            *entry = entry.clone().with_count("device_bytes", bytes as usize);
+        }
+    }
     entries.extend(gpu_times);
     let mut facts = facts(&setting, mesh.shape().faces.len(), &edges);
-    facts.extend([
-        ("size", json!(size)),
-        ("scene_bytes", json!(scene_bytes)),
-        ("scene_device_bytes", json!(scene_device_bytes)),
-        ("extractors_device_bytes", json!(scenes_device_bytes)),
-    ]);
+    facts.push(("size", json!(size)));
     let (scene, group) = (mesh.id().to_owned(), mesh.id().to_owned());
     Ok(Row { section: Section::Casters, scene, title: mesh.counted(casters), group, facts, entries })
 }
@@ -211,45 +216,36 @@ pub(crate) fn measure_one_mesh(
     let (mesh, faces) = (Mesh::from_faces(positions.len(), faces)?, setting.casters.faces());
     let options = ExtractorOptions { max_lights: LIGHTS, ..ExtractorOptions::default() };
     let mut other = ExtractorRecorder::new(gpu, options, &mesh, &positions, &setting.lights)?;
-    let stages_of = |encoder: &mut _, _, timer: Option<&mut _>| other.encode(encoder, timer);
-    let (entries, scene_edges) =
+    let stages_of = |encoder: &mut _, _: Until<'_>, timer: Option<&mut _>| other.encode(encoder, timer);
+    let (mut entries, scene_edges) =
         stages(rounds, &mut devices.stages, &setting, Until::Extraction, ("extractor", stages_of), host)?;
+    entries.retain(|entry| entry.variant.id != "scene-still");
     let facts = facts(&setting, faces, &[scene_edges, other.silhouette_edges(gpu)?]);
-    let title = format!("{} faces", grouped(faces));
-    let name = "one-mesh".to_owned();
-    let entries = entries.into_iter().filter(|entry| entry.variant.id != "scene-still").collect();
+    let (title, name) = (format!("{} faces", grouped(faces)), "one-mesh".to_owned());
     Ok(Row { section: Section::OneMesh, scene: name.clone(), title, group: name, facts, entries })
 }
 
 /// Facts of a scene. `edges` are silhouette edges of each light: in the scene, and in what it is held against.
 fn facts(setting: &Setting, faces: usize, [scene, other]: &[Vec<u64>; 2]) -> Vec<(&'static str, Value)> {
+    let wrong_lights = scene.iter().zip(other).filter(|(scene, other)| scene != other).count();
     vec![
         ("faces", json!(faces)),
         ("casters", json!(setting.casters.count())),
         ("lights", json!(setting.lights.len())),
         ("silhouette_edges", json!(scene)),
-        ("wrong_lights", json!(wrong_lights(scene, other))),
+        ("wrong_lights", json!(wrong_lights)),
     ]
 }
 
-/// Lights whose silhouette edges are not as many as they should be.
-fn wrong_lights(scene: &[u64], other: &[u64]) -> usize {
-    scene.iter().zip(other).filter(|(scene, other)| scene != other).count()
-}
-
-/// Bytes allocated meanwhile.
-fn taken(before: Option<u64>, after: Option<u64>) -> Option<u64> {
-    Some(after?.saturating_sub(before?))
-}
-
 /// GPU times of the stages of a scene that computes everything, of one in which nothing changed, and of what they are
-/// held against, in turn. Returns the silhouette edges of the scene, too.
+/// held against, in turn: of extraction, and of all stages if volumes are prepared. Returns the silhouette edges of the
+/// scene, too.
 fn stages(
     rounds: Rounds,
     stopwatch: &mut Stopwatch<'_>,
     setting: &Setting,
-    until: Until,
-    (other_id, mut other): (&str, impl FnMut(&mut CommandEncoder, Until, Option<&mut StageTimer>) -> Result<(), Error>),
+    until: Until<'_>,
+    (id, mut other): (&str, impl FnMut(&mut CommandEncoder, Until<'_>, Option<&mut StageTimer>) -> Result<(), Error>),
     host: &dyn Host,
 ) -> Result<(Vec<Entry>, Vec<u64>), Error> {
     let gpu = stopwatch.gpu;
@@ -260,55 +256,29 @@ fn stages(
     stopwatch.by_clock(|encoder| scene.encode(encoder, Until::Extraction, None))?;
     let edges = scene.silhouette_edges(gpu)?;
     let watch = RefCell::new(stopwatch);
-    let timed = |recorder: &mut SceneRecorder<'_>| {
-        timed_stages(&mut watch.borrow_mut(), until, |encoder, until, timer| recorder.encode(encoder, until, timer))
-    };
+    let timed =
+        |record: &mut dyn FnMut(&mut CommandEncoder, Until<'_>, Option<&mut StageTimer>) -> Result<(), Error>| {
+            let mut stopwatch = watch.borrow_mut();
+            let timed = stopwatch.timed(|encoder, timer| record(encoder, until, timer))?;
+            let [extraction, all] = if timed.has_stamps {
+                [timed.of(|name| EXTRACTION.contains(&name)), timed.of(|_| true)]
+            } else {
+                [stopwatch.by_clock(|encoder| record(encoder, Until::Extraction, None))?[1], timed.clock_ms]
+            };
+            let mut sample = times([("extraction", extraction), ("stages", all)]);
+            sample.truncate(if let Until::Extraction = until { 1 } else { 2 });
+            Ok(sample)
+        };
     let contenders: Vec<(Variant, Contender<'_>)> = vec![
-        (variant("scene"), Box::new(|| timed(&mut scene))),
-        (variant("scene-still"), Box::new(|| timed(&mut still))),
-        (variant(other_id), Box::new(|| timed_stages(&mut watch.borrow_mut(), until, &mut other))),
+        (variant("scene"), Box::new(|| timed(&mut |encoder, until, timer| scene.encode(encoder, until, timer)))),
+        (variant("scene-still"), Box::new(|| timed(&mut |encoder, until, timer| still.encode(encoder, until, timer)))),
+        (variant(id), Box::new(|| timed(&mut other))),
     ];
     Ok((compare(rounds, contenders, host)?, edges))
 }
 
-/// Times of extraction, and of all stages if volumes are prepared.
-fn timed_stages(
-    stopwatch: &mut Stopwatch<'_>,
-    until: Until,
-    mut record: impl FnMut(&mut CommandEncoder, Until, Option<&mut StageTimer>) -> Result<(), Error>,
-) -> Result<Sample, Error> {
-    let timed = stopwatch.timed(|encoder, timer| record(encoder, until, timer))?;
-    let [extraction, all] = if timed.has_stamps {
-        [timed.of(|name| EXTRACTION.contains(&name)), timed.of(|_| true)]
-    } else {
-        [stopwatch.by_clock(|encoder| record(encoder, Until::Extraction, None))?[1], timed.clock_ms]
-    };
-    let mut sample = times([("extraction", extraction), ("stages", all)]);
-    sample.truncate(if until == Until::Volumes { 2 } else { 1 });
-    Ok(sample)
-}
-
-/// Times of a frame with the stencil passes of all lights.
-fn draws(
-    stopwatch: &mut Stopwatch<'_>,
-    recorder: &mut SceneRecorder<'_>,
-    depth: &wgpu::TextureView,
-) -> Result<Sample, Error> {
-    let timed = stopwatch.frame(&["stages", STENCIL], |encoder, part, mut timer| {
-        if part == "stages" {
-            return recorder.encode(encoder, Until::Volumes, beside_draws(timer));
-        }
-        (0..LIGHTS).try_for_each(|light| {
-            // Depth is reversed: 0 is farthest.
-            let target = Target::counting(depth, LoadOp::Clear(0.0));
-            recorder.draw(&mut target.begin_timed(encoder, STENCIL, timer.as_deref_mut(), None), light)
-        })
-    })?;
-    Ok(times([("stencil", timed.of(|name| name == STENCIL)), ("frame", timed.whole_ms)]))
-}
-
 fn encode_all(scenes: &mut [SceneRecorder<'_>], encoder: &mut CommandEncoder) -> Result<(), Error> {
-    scenes.iter_mut().try_for_each(|scene| scene.encode(encoder, Until::Volumes, None))
+    scenes.iter_mut().try_for_each(|scene| scene.encode(encoder, VOLUMES, None))
 }
 
 /// CPU times of recording a frame after each kind of change, and of the alternative to a scene.
@@ -327,7 +297,7 @@ fn record(
         let mut scene = scene.borrow_mut();
         let [ms, _] = stopwatch.by_clock(|encoder| {
             change(&mut scene)?;
-            scene.encode(encoder, Until::Volumes, None)
+            scene.encode(encoder, VOLUMES, None)
         })?;
         Ok(times([("recording", ms)]))
     };
@@ -413,8 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_light_is_counted_and_the_stages_of_extraction_are_stages() {
-        assert_eq!((wrong_lights(&[7, 8, 9], &[7, 8, 9]), wrong_lights(&[7, 8, 9], &[7, 9, 9])), (0, 1));
+    fn the_stages_of_extraction_are_stages() {
         for name in EXTRACTION {
             assert!(rimline::internals::stages::STAGES.iter().any(|stage| stage.name == name), "{name}");
         }

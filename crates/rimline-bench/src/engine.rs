@@ -12,19 +12,15 @@ pub enum Metric {
     Time(&'static str),
     /// Milliseconds of a stage or pass.
     Stage(&'static str),
-    /// A number of things.
     Count(&'static str),
 }
 
-/// All that one run of a contender found.
 pub type Sample = Vec<(Metric, f64)>;
 
-/// Milliseconds of wholes.
 pub fn times<const N: usize>(times: [(&'static str, f64); N]) -> Sample {
     times.map(|(name, ms)| (Metric::Time(name), ms)).into()
 }
 
-/// Work that runs once a round.
 pub type Contender<'a> = Box<dyn FnMut() -> Result<Sample, Error> + 'a>;
 
 /// How often a row is measured: as often as fits into its time, within bounds.
@@ -43,9 +39,6 @@ impl Rounds {
 
 /// Runs all contenders in turn, up to three times to warm up and then counted, every other round backwards, so that none
 /// always follows the same. Returns the samples of each.
-///
-/// # Errors
-/// [`Error::Stopped`] when the host says so before the last round is over.
 pub fn interleave(
     rounds: Rounds,
     mut contenders: Vec<Contender<'_>>,
@@ -79,26 +72,21 @@ pub fn interleave(
     Ok(samples)
 }
 
-/// Milliseconds of some work.
 pub fn clock(work: impl FnOnce()) -> f64 {
     let begin = Instant::now();
     work();
     begin.elapsed().as_secs_f64() * 1e3
 }
 
-/// Order statistics of some values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     pub median: f64,
-    /// First and third quartile.
     pub quartiles: [f64; 2],
-    /// Lowest and highest.
     pub range: [f64; 2],
     pub count: usize,
 }
 
 impl Summary {
-    /// `None` of no values.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);

@@ -1,16 +1,14 @@
-//! Why a measurement ends.
+//! The program that measures, and why a measurement ends.
 
 use rimline::gpu::depth_map::DepthMapError;
 use rimline::gpu::{DeformError, DeviceError, ExtractorError, QueryError, ShadowError};
 use rimline::{MeshError, ModelError};
 
-/// Why a measurement ends before its time.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// [`crate::Host::is_stopped`] said so.
     #[error("stopped")]
     Stopped,
-    /// The device failed.
     #[error("{0}")]
     Device(String),
     #[error(transparent)]
@@ -29,7 +27,6 @@ pub enum Error {
     Read(#[from] DeviceError),
     #[error(transparent)]
     Shadow(#[from] ShadowError),
-    /// The chart could not be drawn.
     #[error("a chart cannot be drawn: {0}")]
     Chart(#[from] std::io::Error),
 }
@@ -54,3 +51,20 @@ impl Error {
         }
     }
 }
+
+/// Hears what is going on, and may stop it. All methods are optional.
+pub trait Host {
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
+    /// Hears the name of the work that begins.
+    fn step(&self, _what: &str) {}
+
+    fn done(&self, _what: &str) {}
+
+    fn note(&self, _text: &str) {}
+}
+
+/// Nobody.
+impl Host for () {}

@@ -8,13 +8,9 @@ use rimline::mesh::{EdgeKind, Mesh};
 /// Errors of one extraction, all lights together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Score {
-    /// Pairs of face and light.
-    pub facing_bits: usize,
     /// Pairs of face and light that were decided wrongly. For a method without facing masks: wrongly at one edge of the face
     /// at least.
     pub wrong_facing_bits: usize,
-    /// Pairs of edge record and light.
-    pub silhouette_bits: usize,
     /// Pairs of edge record and light whose silhouette bit is wrong: silhouettes that were not found, or edges that are
     /// none.
     pub wrong_silhouette_bits: usize,
@@ -22,77 +18,34 @@ pub struct Score {
     pub unclosed_vertices: usize,
 }
 
-/// Why an extraction cannot be compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ScoreError {
-    /// A plane of masks a batch of lights is needed, and as many masks in it as the mesh has faces or edge records.
-    #[error(
-        "{got} {what} where the mesh and its lights need {expected}; compare extractions of the same mesh and lights"
-    )]
-    Length {
-        /// Which masks.
-        what: &'static str,
-        /// How many there are.
-        got: usize,
-        /// How many there must be.
-        expected: usize,
-    },
-}
-
-/// Masks that [`Score::of`] compares with `exact`.
-#[derive(Clone, Copy, Debug)]
-pub struct Candidate<'a> {
-    /// Facing masks, ⌈N/32⌉ planes of one a face; `None` for the per-edge method, which has none: what each edge decided
-    /// about its faces is then told from its silhouette and winding bits.
-    pub facing: Option<&'a [u32]>,
-    /// ⌈N/32⌉ planes of one [`EdgeMasks`] an edge record.
-    pub masks: &'a [EdgeMasks],
-}
-
 impl Score {
-    /// Holds an extraction for `lights` lights against an exact one of the same mesh, positions and lights, as
-    /// [`rimline::internals::cpu::extract`] makes it with [`rimline::Predicate::Exact`].
-    ///
-    /// # Errors
-    /// [`ScoreError::Length`] when the masks are not of this mesh and as many lights.
-    pub fn of(
-        mesh: &Mesh,
-        lights: usize,
-        exact: &cpu::Extraction,
-        candidate: Candidate<'_>,
-    ) -> Result<Self, ScoreError> {
+    /// Holds an extraction for `lights` lights against an exact one, as [`cpu::extract`] makes it with
+    /// [`rimline::Predicate::Exact`]. The per-edge method finds no facing masks: what each edge decided about its faces is
+    /// then decided from its silhouette and winding bits. `None` if masks are not of this mesh and as many lights.
+    pub fn of(mesh: &Mesh, lights: usize, exact: &cpu::Extraction, found: &cpu::Extraction) -> Option<Self> {
         let (faces, edges) = (mesh.faces().len(), mesh.edges().len());
-        let check = |what, got, items: usize| match items * batches(lights) {
-            expected if got == expected => Ok(()),
-            expected => Err(ScoreError::Length { what, got, expected }),
-        };
-        check("exact facing masks", exact.facing.len(), faces)?;
-        check("exact edge masks", exact.masks.len(), edges)?;
-        check("facing masks", candidate.facing.map_or(faces * batches(lights), <[u32]>::len), faces)?;
-        check("edge masks", candidate.masks.len(), edges)?;
-
-        let mut score = Self { facing_bits: faces * lights, silhouette_bits: edges * lights, ..Self::default() };
+        let fits = |extraction: &cpu::Extraction| extraction.masks.len() == edges * batches(lights);
+        let has_facing = |extraction: &cpu::Extraction| extraction.facing.len() == faces * batches(lights);
+        let is_per_edge = found.facing.is_empty();
+        if !fits(exact) || !fits(found) || !has_facing(exact) || !(is_per_edge || has_facing(found)) {
+            return None;
+        }
+        let mut score = Self::default();
         for word in 0..batches(lights) {
             let live = low_bits(lights - 32 * word);
             let right = plane(&exact.facing, word, faces);
-            let masks = plane(candidate.masks, word, edges);
+            let masks = plane(&found.masks, word, edges);
             let count = |wrong: u32| (wrong & live).count_ones() as usize;
-            score.wrong_facing_bits += match candidate.facing {
-                Some(facing) => right
-                    .iter()
-                    .zip(plane(facing, word, faces))
-                    .map(|(right, found)| count(right ^ found))
-                    .sum::<usize>(),
-                None => wrong_at_edges(mesh, right, masks).into_iter().map(count).sum(),
-            };
+            let facing = right.iter().zip(plane(&found.facing, word, faces)).map(|(right, found)| right ^ found);
+            let at_edges = if is_per_edge { wrong_at_edges(mesh, right, masks) } else { Vec::new() };
+            score.wrong_facing_bits += facing.chain(at_edges).map(count).sum::<usize>();
             let differing = plane(&exact.masks, word, edges).iter().zip(masks);
             score.wrong_silhouette_bits +=
                 differing.map(|(right, found)| count(right.silhouette ^ found.silhouette)).sum::<usize>();
         }
         score.unclosed_vertices =
-            light_counts(mesh, candidate.masks, &[], lights).iter().map(|of| of.unclosed_vertices).sum();
-        Ok(score)
+            light_counts(mesh, &found.masks, &[], lights).iter().map(|of| of.unclosed_vertices).sum();
+        Some(score)
     }
 }
 

@@ -43,14 +43,12 @@ impl Gpu {
         Ok((Self { device, queue, pipelines, reported: Box::new(|| None) }, adapter.get_info().name))
     }
 
-    /// Waits until everything submitted is done.
     pub fn wait(&self) -> Result<(), Error> {
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;
         polled.map(drop).map_err(Error::device)
     }
 
-    /// Fails if the device reported an error.
     pub fn check(&self) -> Result<(), Error> {
         (self.reported)().map_or(Ok(()), |error| Err(Error::Device(error)))
     }
@@ -59,7 +57,6 @@ impl Gpu {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    /// A buffer with these contents.
     pub fn buffer<T: Pod>(&self, usage: BufferUsages, contents: &[T]) -> wgpu::Buffer {
         let bytes = bytemuck::cast_slice(contents);
         let buffer = self.empty(usage | BufferUsages::COPY_DST, bytes.len() as u64);
@@ -80,7 +77,6 @@ impl Gpu {
         read_back_vec(&self.device, &self.queue, buffer)
     }
 
-    /// The planes of some masks, one after the other.
     pub fn read_planes<T: Pod>(&self, buffers: &[wgpu::Buffer], items: usize) -> Result<Vec<T>, DeviceError> {
         let mut all = Vec::new();
         for buffer in buffers {
@@ -90,7 +86,6 @@ impl Gpu {
         Ok(all)
     }
 
-    /// A view of a new texture to draw to and to read.
     pub fn texture(&self, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureView {
         texture(&self.device, size, format)
     }
@@ -137,30 +132,25 @@ impl Gpu {
     }
 }
 
-/// Milliseconds of each pass.
 type Passes = Vec<(&'static str, f64)>;
 
 /// Times of a frame that was recorded and run.
 pub struct Timed {
-    /// Milliseconds of the CPU for recording.
     pub recording_ms: f64,
     /// By the clock, from the submission on.
     pub clock_ms: f64,
     /// The whole: from the first pass's beginning to the last one's end if they were timed, otherwise by the clock.
     pub whole_ms: f64,
-    /// The device timed its passes.
     pub has_stamps: bool,
     /// Passes, or parts that were run one by one.
     passes: Passes,
 }
 
 impl Timed {
-    /// The time of the passes whose name is chosen.
     pub fn of(&self, chosen: impl Fn(&str) -> bool) -> f64 {
         self.passes.iter().filter(|(name, _)| chosen(name)).map(|(_, ms)| ms).sum()
     }
 
-    /// Each pass as a metric.
     pub fn stages(&self) -> Sample {
         self.passes.iter().map(|&(name, ms)| (Metric::Stage(name), ms)).collect()
     }

@@ -34,8 +34,6 @@ mod error;
 #[cfg(feature = "measure")]
 pub mod gpu;
 #[cfg(feature = "measure")]
-mod host;
-#[cfg(feature = "measure")]
 pub mod record;
 #[cfg(feature = "measure")]
 pub mod row;
@@ -68,7 +66,7 @@ mod summary;
 mod text;
 
 #[cfg(feature = "measure")]
-pub use {error::Error, host::Host};
+pub use error::{Error, Host};
 
 #[cfg(feature = "report")]
 pub use {

@@ -4,7 +4,6 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use rimline::internals::cpu::Threads;
 
-/// The machine on which the figures were measured.
 #[derive(Clone, Debug)]
 pub(crate) struct Machine {
     pub(crate) os: String,
@@ -16,7 +15,6 @@ pub(crate) struct Machine {
     pub(crate) date: String,
 }
 
-/// The GPU.
 #[derive(Clone, Debug)]
 pub struct Adapter {
     pub name: String,
@@ -43,7 +41,6 @@ impl Machine {
 }
 
 impl Adapter {
-    /// Name, backend and driver in a line.
     pub(crate) fn line(&self) -> String {
         let Self { name, backend, driver, .. } = self;
         if driver.is_empty() { format!("{name} ({backend})") } else { format!("{name} ({backend}, {driver})") }

@@ -1,28 +1,19 @@
 //! A report as one HTML file: no script, nothing from elsewhere, light or dark as the reader's system has it.
 
 use std::fmt::Write as _;
-use std::io;
 
 use crate::chart::{Chart, PALETTE, ROLES, Target, escape};
 
-/// The whole page.
 pub(crate) struct Page {
     pub(crate) title: String,
     pub(crate) lead: String,
-    /// On which machine, with what, when.
-    pub(crate) facts: Vec<Fact>,
+    /// On which machine, with what, when: names and values.
+    pub(crate) facts: Vec<(&'static str, String)>,
     /// Notices that a reader must know first.
     pub(crate) notices: Vec<String>,
     pub(crate) sections: Vec<Section>,
 }
 
-/// A line of the page's head.
-pub(crate) struct Fact {
-    pub(crate) name: &'static str,
-    pub(crate) value: String,
-}
-
-/// A part of the page.
 pub(crate) struct Section {
     pub(crate) title: String,
     pub(crate) lead: String,
@@ -34,7 +25,6 @@ pub(crate) struct Figure {
     /// Also the name of its PNG file.
     pub(crate) id: &'static str,
     pub(crate) title: String,
-    /// How to read it.
     pub(crate) lead: String,
     pub(crate) chart: Option<Chart>,
     pub(crate) table: Table,
@@ -70,19 +60,15 @@ impl Table {
 const STYLE: &str = include_str!("style.css");
 
 impl Page {
-    pub(crate) fn html(&self) -> io::Result<String> {
-        let mut html = String::new();
-        let title = escape(&self.title);
-        let _ = write!(
-            html,
+    pub(crate) fn html(&self) -> String {
+        let (title, lead, palette) = (escape(&self.title), escape(&self.lead), palette());
+        let mut html = format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n\
-             <style>\n{}{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n<p class=\"lead\">{}</p>\n<dl>\n",
-            palette(),
-            escape(&self.lead)
+             <style>\n{palette}{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n<p class=\"lead\">{lead}</p>\n<dl>\n"
         );
-        for Fact { name, value } in &self.facts {
+        for (name, value) in &self.facts {
             let _ = writeln!(html, "<div><dt>{}</dt><dd>{}</dd></div>", escape(name), escape(value));
         }
         html.push_str("</dl>\n");
@@ -90,46 +76,34 @@ impl Page {
             let _ = writeln!(html, "<p class=\"notice\" role=\"note\">{}</p>", escape(notice));
         }
         html.push_str("</header>\n<main>\n");
-        for section in &self.sections {
-            let _ = writeln!(
-                html,
-                "<section>\n<h2>{}</h2>\n<p class=\"lead\">{}</p>",
-                escape(&section.title),
-                escape(&section.lead)
-            );
-            section.figures.iter().try_for_each(|figure| figure.write(&mut html))?;
+        for Section { title, lead, figures } in &self.sections {
+            let (title, lead) = (escape(title), escape(lead));
+            let _ = writeln!(html, "<section>\n<h2>{title}</h2>\n<p class=\"lead\">{lead}</p>");
+            figures.iter().for_each(|figure| figure.write(&mut html));
             html.push_str("</section>\n");
         }
-        html.push_str("</main>\n</body>\n</html>\n");
-        Ok(html)
+        html + "</main>\n</body>\n</html>\n"
     }
 }
 
 /// The keys' colours as variables, for a light and a dark ground, and rules that give the plots' fixed colours the
 /// variables' values.
 fn palette() -> String {
-    let list = |choose: fn(&(u32, u32)) -> u32| {
-        PALETTE.iter().enumerate().fold(String::new(), |mut list, (index, colour)| {
-            let _ = write!(list, "--key{index}: #{:06X}; ", choose(colour));
-            list
-        })
+    let list = |ground: usize| -> String {
+        (0..).zip(PALETTE).map(|(key, colours): (usize, _)| format!("--key{key}: {}; ", colours[ground])).collect()
     };
-    let mut css = format!(
-        ":root {{ {}}}\n@media (prefers-color-scheme: dark) {{ :root {{ {}}} }}\n",
-        list(|colour| colour.0),
-        list(|colour| colour.1)
-    );
-    let keys = (0..).zip(PALETTE).map(|(index, (light, _)): (usize, _)| (format!("key{index}"), light));
+    let mut css = format!(":root {{ {}}}\n@media (prefers-color-scheme: dark) {{ :root {{ {}}} }}\n", list(0), list(1));
+    let keys = (0..).zip(PALETTE).map(|(key, colours): (usize, _)| (format!("key{key}"), colours[0]));
     for (name, light) in ROLES.map(|(name, light)| (name.to_owned(), light)).into_iter().chain(keys) {
         for property in ["fill", "stroke"] {
-            let _ = writeln!(css, ".plot [{property}=\"#{light:06X}\"] {{ {property}: var(--{name}); }}");
+            let _ = writeln!(css, ".plot [{property}=\"{light}\"] {{ {property}: var(--{name}); }}");
         }
     }
     css
 }
 
 impl Figure {
-    fn write(&self, html: &mut String) -> io::Result<()> {
+    fn write(&self, html: &mut String) {
         let Self { id, title, lead, chart, table } = self;
         let title = escape(title);
         let _ = writeln!(html, "<figure id=\"{id}\">\n<h3>{title}</h3>\n<p>{}</p>", escape(lead));
@@ -139,8 +113,7 @@ impl Figure {
                 // The style sheet shows one of the two.
                 for (class, target) in [("wide", Target::Page), ("narrow", Target::Phone)] {
                     let label = format!("role=\"img\" aria-label=\"{title}; the table below has its figures\"");
-                    let begin = format!("<svg class=\"{class}\" {label} ");
-                    html.push_str(&chart.svg(target)?.replacen("<svg ", &begin, 1));
+                    html.push_str(&chart.svg(target, &format!("class=\"{class}\" {label}")));
                 }
                 html.push_str("</div>\n<details>\n<summary>The figures as a table</summary>\n");
                 table.write(html, &title);
@@ -149,21 +122,17 @@ impl Figure {
             None => table.write(html, &title),
         }
         html.push_str("</figure>\n");
-        Ok(())
     }
 }
 
 impl Table {
     fn write(&self, html: &mut String, caption: &str) {
-        let _ = write!(
+        let prose = if self.is_prose { " prose" } else { "" };
+        let head: String = self.head.iter().map(|head| format!("<th scope=\"col\">{}</th>", escape(head))).collect();
+        let _ = writeln!(
             html,
-            "<div class=\"table{}\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<thead><tr>",
-            if self.is_prose { " prose" } else { "" }
+            "<div class=\"table{prose}\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<thead><tr>{head}</tr></thead>\n<tbody>"
         );
-        for head in &self.head {
-            let _ = write!(html, "<th scope=\"col\">{}</th>", escape(head));
-        }
-        html.push_str("</tr></thead>\n<tbody>\n");
         for row in &self.rows {
             html.push_str("<tr>");
             for (at, cell) in row.iter().enumerate() {

@@ -15,7 +15,6 @@ struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
 @fragment fn nothing() {}
 ";
 
-/// A render pipeline.
 #[derive(Clone, Debug)]
 pub struct Drawing<'a> {
     pub label: &'a str,
@@ -75,7 +74,6 @@ impl Drawing<'_> {
     }
 }
 
-/// Adds colours.
 pub const ADDED: wgpu::BlendState = {
     let add = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::One,
@@ -96,7 +94,6 @@ pub fn group<'a>(
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
 }
 
-/// A view of a new texture to draw to and to read.
 pub fn texture(device: &wgpu::Device, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureView {
     use wgpu::TextureUsages;
     let texture = device.create_texture(&wgpu::TextureDescriptor {

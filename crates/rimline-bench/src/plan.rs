@@ -11,21 +11,17 @@ use crate::shadows::scene::{MODELS, PATHS, Path, fitted};
 use crate::shapes::Shape;
 use crate::skipping::scenes::SkipScene;
 use crate::stress;
+use crate::text::grouped;
 
 /// A choice of measurements. An empty list is nothing, `None` what is usual.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Less of everything.
     pub quick: bool,
-    /// Face counts of the closed meshes.
     pub meshes: Option<Vec<usize>>,
-    /// Names of scenes.
     pub scenes: Option<Vec<String>>,
-    /// Numbers of casters.
     pub casters: Option<Vec<usize>>,
     /// The approximate number of faces of a stress scene.
     pub scene_faces: Option<usize>,
-    /// Numbers of lights.
     pub lights: Option<Vec<usize>>,
     /// The largest number of counted runs.
     pub rounds: Option<usize>,
@@ -37,7 +33,6 @@ pub struct Options {
     pub model: Option<Model>,
 }
 
-/// Options that do not go together.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     #[error("there is nothing to measure; give --meshes or --scenes a value other than `none`, or --frames on a GPU")]
@@ -51,7 +46,6 @@ pub enum PlanError {
     CastersWithoutScene,
 }
 
-/// Rows to come.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub(crate) jobs: Vec<Job>,
@@ -69,8 +63,21 @@ pub(crate) enum Job {
     Casters(CasterMesh, usize),
     /// The approximate number of faces of a single caster that is held against an extractor.
     OneMesh(usize),
-    /// A scene with its number of casters.
     Skipping(SkipScene, usize),
+}
+
+impl Job {
+    pub(crate) fn title(&self) -> String {
+        match self {
+            Self::Extraction(Subject::Torus(faces), _) => format!("torus of {} faces", grouped(*faces)),
+            Self::Extraction(Subject::Scene(name, _), _) => (*name).to_owned(),
+            Self::Extraction(Subject::OfUser(model), _) => model.name.clone(),
+            Self::Shadows(name, _, path) => format!("shadows of {name}: {}", path.name),
+            Self::Casters(mesh, count) => format!("scene of {}", mesh.counted(*count)),
+            Self::OneMesh(faces) => format!("scene of one mesh of {} faces", grouped(*faces)),
+            Self::Skipping(scene, count) => scene.title(*count),
+        }
+    }
 }
 
 const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];
@@ -140,9 +147,7 @@ impl Plan {
             let bodies = match &options.model {
                 _ if count == 0 => Vec::new(),
                 Some(model) => vec![(model.name.clone(), Rc::new(fitted(&model.positions, model.mesh.faces())))],
-                None => {
-                    MODELS.iter().take(models).map(|model| (model.name.to_owned(), Rc::new(model.make()))).collect()
-                }
+                None => MODELS.iter().take(models).map(|(name, make)| ((*name).to_owned(), Rc::new(make()))).collect(),
             };
             let on_paths = |(name, shape): (String, Rc<Shape>)| {
                 PATHS.map(|path| Job::Shadows(name.clone(), Rc::clone(&shape), path))
@@ -167,14 +172,12 @@ impl Plan {
         if plan.rows() == 0 { Err(PlanError::Nothing) } else { Ok(plan) }
     }
 
-    /// How many rows there will be.
     pub fn rows(&self) -> usize {
         let rows = |job: &Job| if let Job::Extraction(_, lights) = job { lights.len() } else { 1 };
         self.jobs.iter().map(rows).sum()
     }
 }
 
-/// All names of scenes.
 fn names() -> impl Iterator<Item = &'static str> {
     stress::names().chain([CASTERS]).chain(SKIPPING)
 }

@@ -27,7 +27,6 @@ impl Random {
         low + unit * (high - low)
     }
 
-    /// A unit vector.
     pub fn direction(&mut self) -> [f32; 3] {
         loop {
             let v = [self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0)];

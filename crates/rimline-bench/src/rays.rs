@@ -13,7 +13,6 @@ pub struct Tracer<T> {
     tree: Bvh<f64, 3>,
 }
 
-/// A triangle and what is known of it.
 pub struct Triangle<T> {
     pub corners: [DVec3; 3],
     pub of: T,

@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 use crate::engine::{Contender, Metric, Rounds, Sample, Summary, interleave};
 use crate::{Error, Host};
 
-/// The subject of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     Extraction,
@@ -18,7 +17,6 @@ pub enum Section {
 }
 
 impl Section {
-    /// Name in the data.
     pub fn id(self) -> &'static str {
         match self {
             Self::Extraction => "extraction",
@@ -30,8 +28,8 @@ impl Section {
         }
     }
 
-    /// The variant with which all others are compared, and the whole whose time is compared.
-    fn compared_to(self) -> &'static [&'static str] {
+    /// The variants with which all others are compared.
+    pub(crate) fn compared_to(self) -> &'static [&'static str] {
         match self {
             Self::Extraction => &["gpu-per-edge-plane", "gpu-mask-local", "cpu-f32-one", "cpu-f32-all"],
             Self::Shadows => &["z-pass"],
@@ -51,12 +49,9 @@ pub struct Mark {
     pub hollow: bool,
 }
 
-/// One of the ways that are compared.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// Name in the data.
     pub id: String,
-    /// Name for people.
     pub name: String,
     pub mark: Mark,
 }
@@ -85,11 +80,10 @@ pub fn compare<V: Into<Variant>>(
     Ok(variants.into_iter().zip(samples).map(|(variant, samples)| Entry::new(variant.into(), &samples)).collect())
 }
 
-/// A variant with what was measured of it.
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub variant: Variant,
-    metrics: Vec<(Metric, Vec<f64>)>,
+    pub(crate) metrics: Vec<(Metric, Vec<f64>)>,
 }
 
 impl Entry {
@@ -110,21 +104,18 @@ impl Entry {
         entry
     }
 
-    /// The same with more values.
     #[must_use]
     pub fn with(mut self, metric: Metric, values: impl IntoIterator<Item = f64>) -> Self {
         self.metrics.push((metric, values.into_iter().collect()));
         self
     }
 
-    /// The same with the metrics of another.
     #[must_use]
     pub fn and(mut self, other: &Self) -> Self {
         self.metrics.extend(other.metrics.iter().cloned());
         self
     }
 
-    /// The same with a count.
     #[must_use]
     pub fn with_count(self, name: &'static str, count: usize) -> Self {
         self.with(Metric::Count(name), [count as f64])
@@ -152,24 +143,15 @@ impl Entry {
     pub fn count(&self, name: &'static str) -> f64 {
         self.values(Metric::Count(name)).iter().sum()
     }
-
-    /// The stages in the order of the frame.
-    pub fn stages(&self) -> impl Iterator<Item = &'static str> {
-        self.metrics.iter().filter_map(|(metric, _)| if let Metric::Stage(name) = metric { Some(*name) } else { None })
-    }
 }
 
-/// A scene, with all variants in turn.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub section: Section,
-    /// Name in the data.
     pub scene: String,
-    /// Name for people.
     pub title: String,
     /// Scenes of one kind.
     pub group: String,
-    /// Facts of the scene, by names of the data.
     pub facts: Vec<(&'static str, Value)>,
     pub entries: Vec<Entry>,
 }
@@ -196,7 +178,6 @@ impl Row {
         self.entries.iter().find(|entry| entry.variant.id == id)
     }
 
-    /// A metric of a variant.
     pub fn summary(&self, id: &str, metric: Metric) -> Option<Summary> {
         self.entry(id)?.summary(metric)
     }
@@ -207,7 +188,6 @@ impl Row {
         Summary::of(values.iter().zip(others).map(|(value, other)| value / other).filter(|ratio| ratio.is_finite()))
     }
 
-    /// JSON, as `bench.schema.json` describes it.
     pub(crate) fn json(&self) -> Value {
         let mut row =
             json!({ "section": self.section.id(), "scene": self.scene, "title": self.title, "group": self.group });
@@ -224,18 +204,20 @@ impl Row {
         for (metric, values) in &entry.metrics {
             match metric {
                 Metric::Time(name) => {
-                    found["times"][name] = with_rounds(values);
+                    found["times"][name] = summary_json(entry.summary(*metric));
+                    found["times"][name]["rounds"] = json!(values);
                     let ratios = self.section.compared_to().iter().filter(|to| *to != id).filter_map(|to| {
-                        let mut ratio = summary_json(&self.ratio(*metric, id, to)?);
+                        let mut ratio = summary_json(Some(self.ratio(*metric, id, to)?));
                         ratio["to"] = (*to).into();
                         ratio["time"] = (*name).into();
                         Some(ratio)
                     });
                     found["ratios"].as_array_mut().into_iter().for_each(|all| all.extend(ratios.clone()));
                 }
-                Metric::Stage(name) => found["stages"][name] = optional_json(entry.summary(*metric)),
+                Metric::Stage(name) => found["stages"][name] = summary_json(entry.summary(*metric)),
+                // A single count is a whole number in the data.
                 Metric::Count(name) => {
-                    found["counts"][name] = if let [one] = values[..] { whole(one) } else { json!(values) };
+                    found["counts"][name] = if let [one] = values[..] { json!(one as u64) } else { json!(values) };
                 }
             }
         }
@@ -243,25 +225,10 @@ impl Row {
     }
 }
 
-/// A count is a whole number in the data.
-fn whole(count: f64) -> Value {
-    json!(count as u64)
-}
-
-pub(crate) fn summary_json(summary: &Summary) -> Value {
-    let Summary { median, quartiles: [q1, q3], range: [low, high], count } = summary;
-    json!({ "median": median, "q1": q1, "q3": q3, "low": low, "high": high, "runs": count })
-}
-
-pub(crate) fn optional_json(summary: Option<Summary>) -> Value {
-    summary.as_ref().map_or(Value::Null, summary_json)
-}
-
-/// A summary with the values that it is of.
-fn with_rounds(values: &[f64]) -> Value {
-    let mut json = optional_json(Summary::of(values.iter().copied()));
-    json["rounds"] = json!(values);
-    json
+/// Null if there is none.
+pub(crate) fn summary_json(summary: Option<Summary>) -> Value {
+    let json = |Summary { median, quartiles: [q1, q3], range: [low, high], count }| json!({ "median": median, "q1": q1, "q3": q3, "low": low, "high": high, "runs": count });
+    summary.map_or(Value::Null, json)
 }
 
 /// 1048576 as `1,048,576`.

@@ -3,14 +3,12 @@
 use std::cell::OnceCell;
 
 use crate::casters::{self, Devices};
-use crate::extraction::Prepared;
 use crate::gpu::Gpu;
 use crate::machine::{Adapter, Machine};
 use crate::plan::{Job, Plan};
 use crate::results::Results;
 use crate::row::Row;
-use crate::text::grouped;
-use crate::{Error, Host, shadows, skipping};
+use crate::{Error, Host, extraction, shadows, skipping};
 
 /// The device, and a way to open another one on the same adapter, on which nothing was drawn.
 pub struct Opened<'a> {
@@ -31,49 +29,36 @@ impl Results {
     }
 
     /// Measures all rows. Rows from before an error are kept.
-    ///
-    /// # Errors
-    /// [`Error::Stopped`] if the host stops it, and errors of the device.
     pub fn measure(&mut self, plan: &Plan, opened: Option<&Opened<'_>>, host: &dyn Host) -> Result<(), Error> {
         let (rounds, size) = (plan.rounds, plan.frames.size);
         let (second, mut devices) = (OnceCell::new(), None);
         for job in &plan.jobs {
-            if let Job::Extraction(subject, lights) = job {
-                host.step(&format!("{}: edge records", subject.title()));
-                let prepared = Prepared::new(subject)?;
-                for &count in lights {
-                    let title = format!("{}, lights: {count}", subject.title());
-                    let gpu = opened.map(|opened| opened.gpu);
-                    self.row(&title, host, || prepared.measure(count, gpu, rounds, host))?;
+            let title = job.title();
+            match (job, opened) {
+                (Job::Extraction(subject, lights), _) => {
+                    host.step(&format!("{title}: edge records"));
+                    let (made, gpu) = (subject.make()?, opened.map(|opened| opened.gpu));
+                    for &count in lights {
+                        let title = format!("{title}, lights: {count}");
+                        self.row(&title, host, || extraction::measure(&made, count, gpu, rounds, host))?;
+                    }
                 }
-                continue;
-            }
-            let Some(Opened { gpu, another, .. }) = opened else { continue };
-            if let Job::Shadows(name, shape, path) = job {
-                let title = format!("shadows of {name}: {}", path.name);
-                self.row(&title, host, || shadows::measure(plan.frames, gpu, (name, shape), *path, host))?;
-                continue;
-            }
-            let devices = match &mut devices {
-                Some(devices) => devices,
-                none => {
-                    let stages = another()?;
-                    none.insert(Devices::new(second.get_or_init(|| stages), gpu)?)
+                (_, None) => {}
+                (Job::Shadows(name, shape, path), Some(Opened { gpu, .. })) => {
+                    self.row(&title, host, || shadows::measure(plan.frames, gpu, (name, shape), *path, host))?;
                 }
-            };
-            match job {
-                Job::Extraction(..) | Job::Shadows(..) => {}
-                &Job::Casters(mesh, count) => {
-                    let title = format!("scene of {}", mesh.counted(count));
-                    self.row(&title, host, || casters::measure(rounds, devices, (mesh, count), size, host))?;
-                }
-                &Job::OneMesh(faces) => {
-                    let title = format!("scene of one mesh of {} faces", grouped(faces));
-                    self.row(&title, host, || casters::measure_one_mesh(rounds, devices, faces, host))?;
-                }
-                &Job::Skipping(scene, count) => {
-                    let title = scene.title(count);
-                    self.row(&title, host, || skipping::measure(rounds, devices, (scene, count), size, host))?;
+                (_, Some(Opened { gpu, another, .. })) => {
+                    if devices.is_none() {
+                        let stages = another()?;
+                        devices = Some(Devices::new(second.get_or_init(|| stages), gpu)?);
+                    }
+                    let Some(devices) = &mut devices else { continue };
+                    self.row(&title, host, || match *job {
+                        Job::Casters(mesh, count) => casters::measure(rounds, devices, (mesh, count), size, host),
+                        Job::OneMesh(faces) => casters::measure_one_mesh(rounds, devices, faces, host),
+                        Job::Skipping(scene, count) => skipping::measure(rounds, devices, (scene, count), size, host),
+                        _ => Err(Error::Stopped),
+                    })?;
                 }
             }
         }

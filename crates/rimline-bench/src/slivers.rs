@@ -13,7 +13,6 @@ use crate::random::Random;
 /// A triangle in clip space, counter-clockwise if it is a front.
 pub type Triangle = [[f32; 4]; 3];
 
-/// Pixels of a side of the picture.
 pub const SIZE: u32 = 256;
 
 /// Corners of each end of the tube.
@@ -29,9 +28,7 @@ pub enum End {
 }
 
 impl End {
-    /// The tube stays within the picture.
     pub const INSIDE: Self = Self::Times(1.25);
-    /// The tube leaves the picture.
     pub const OUTSIDE: Self = Self::Times(30.0);
 }
 
@@ -99,9 +96,6 @@ const DRAWING: &str = "
 ";
 
 /// How many fronts and how many backs cover each pixel, row by row. Colours add them up, so OpenGL can do it, too.
-///
-/// # Errors
-/// The device fails.
 pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangle]) -> Result<Vec<[u8; 2]>, String> {
     let (needed, most) = (size_of_val(triangles) as u64, device.limits().max_buffer_size);
     if needed > most {
@@ -149,9 +143,6 @@ pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangl
 }
 
 /// Pixels that fronts and backs of a closed surface do not cover equally often.
-///
-/// # Errors
-/// The device fails, or draws nothing.
 pub fn unbalanced(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangle]) -> Result<usize, String> {
     let covered = coverage(device, queue, triangles)?;
     if covered.iter().all(|&[fronts, backs]| fronts == 0 && backs == 0) {
@@ -162,9 +153,6 @@ pub fn unbalanced(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Trian
 
 /// The small trial that tells whether a driver has the fault: pixels counted wrongly of two tubes that leave the picture,
 /// one to infinity.
-///
-/// # Errors
-/// Like [`unbalanced`].
 pub fn wrong_pixels(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<usize, String> {
     let tubes = [End::OUTSIDE, End::Infinity].map(|end| unbalanced(device, queue, &tube(end, 1)));
     tubes.into_iter().sum()

@@ -1,8 +1,7 @@
 //! The summary of a run: one line for each question that a person has.
 
 use crate::engine::Metric;
-use crate::extraction::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
-use crate::extraction::subject::{OF_USER, ORDINARY};
+use crate::extraction::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, OF_USER, ORDINARY, PER_EDGE};
 use crate::figures::usual_lights;
 use crate::row::{Row, Section};
 use crate::shadows::Z_PASS;
@@ -11,7 +10,6 @@ use crate::text::{grouped, lights_text, three_digits};
 const TIME: Metric = Metric::Time("time");
 const FRAME: Metric = Metric::Time("frame");
 
-/// Lines of a question and its answer.
 pub(crate) fn summary(rows: &[Row]) -> String {
     let of = |section: Section| rows.iter().filter(|row| row.section == section).collect::<Vec<_>>();
     let mut lines = Vec::new();
@@ -39,17 +37,14 @@ pub(crate) fn summary(rows: &[Row]) -> String {
 
 type Line = (String, String);
 
-/// The answers that there are.
 fn joined(answers: impl IntoIterator<Item = Option<String>>) -> String {
     answers.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// A ratio of two variants of a row.
 fn ratio(row: &Row, metric: Metric, id: &str, to: &str) -> Option<String> {
     Some(times(row.ratio(metric, id, to)?.median))
 }
 
-/// A ratio for people: `1.23×`.
 fn times(ratio: f64) -> String {
     if ratio < 10.0 { format!("{ratio:.2}×") } else { format!("{}×", three_digits(ratio)) }
 }

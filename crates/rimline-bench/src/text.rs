@@ -2,7 +2,6 @@
 
 pub(crate) use crate::row::grouped;
 
-/// Three figures that count.
 pub(crate) fn three_digits(number: f64) -> String {
     match number.abs() {
         _ if !number.is_finite() => "–".to_owned(),
@@ -31,17 +30,14 @@ fn short(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A ratio's tick.
 pub(crate) fn times(value: f64) -> String {
     format!("{}×", short(value))
 }
 
-/// `8 lights`.
 pub(crate) fn lights_text(lights: usize) -> String {
     if lights == 1 { "1 light".to_owned() } else { format!("{lights} lights") }
 }
 
-/// A dash where there is no number.
 pub(crate) fn or_dash(number: Option<f64>) -> String {
     number.map_or_else(|| "–".to_owned(), three_digits)
 }

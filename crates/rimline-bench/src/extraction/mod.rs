@@ -1,83 +1,96 @@
 //! Silhouettes from new positions: every method by turns, for a mesh and some lights.
 
-pub(crate) mod method;
 mod on_cpu;
 pub(crate) mod subject;
-
-use std::time::Instant;
 
 use rimline::Predicate;
 use rimline::gpu::ExtractorOptions;
 use rimline::internals::Method;
 use rimline::internals::cpu;
 use rimline::internals::layout::ExtractionStatistics;
-use rimline::mesh::Mesh;
 use serde_json::json;
 
 use crate::engine::{Contender, Rounds, times};
-use crate::error_metrics::{Candidate, Score};
+use crate::error_metrics::Score;
 use crate::gpu::{Gpu, Stopwatch};
 use crate::record::ExtractorRecorder;
-use crate::row::{Entry, Row, Section, Variant, compare};
+use crate::row::{Entry, Mark, Row, Section, Variant, compare};
 use crate::{Error, Host};
-use method::{CONTESTANTS, Runs};
-use subject::{Case, Made, Subject};
+use Runs::{OnCpu, OnGpu};
+use on_cpu::Algorithm::{self, Double, Plain, Reference};
+pub(crate) use on_cpu::share;
+use subject::{Case, Made};
+pub(crate) use subject::{OF_USER, ORDINARY};
 
-/// A subject with all that its numbers of lights share.
-pub(crate) struct Prepared {
-    made: Made,
-    topology_ms: f64,
-    topology_bytes: usize,
+/// Where and how a method runs; on the CPU on one thread or on all. Its times are those of positions that just changed:
+/// facing and edges, nothing kept.
+#[derive(Clone, Copy)]
+enum Runs {
+    OnGpu(Method, Predicate),
+    OnCpu(Algorithm, bool),
 }
 
-impl Prepared {
-    pub(crate) fn new(subject: &Subject) -> Result<Self, Error> {
-        let made = subject.make()?;
-        let faces = made.mesh.faces().to_vec();
-        let begin = Instant::now();
-        let again = Mesh::from_faces(made.positions.len(), faces)?;
-        let topology_ms = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Self { made, topology_ms, topology_bytes: again.edge_record_bytes() })
-    }
+pub(crate) const PER_EDGE: &str = "gpu-per-edge-plane";
+pub(crate) const GPU_FAST: &str = "gpu-mask-local";
+pub(crate) const GPU_EXACT: &str = "gpu-mask-exact";
+pub(crate) const CPU_FAST: &str = "cpu-f32-all";
+pub(crate) const CPU_EXACT: &str = "cpu-exact-all";
 
-    /// A row of times and errors of every method.
-    pub(crate) fn measure(
-        &self,
-        count: usize,
-        gpu: Option<&Gpu>,
-        rounds: Rounds,
-        host: &dyn Host,
-    ) -> Result<Row, Error> {
-        let Self { made: Made { name, class, mesh, positions, .. }, topology_ms, topology_bytes } = self;
-        let lights = self.made.lights(count);
-        let case = Case { positions, mesh, lights: &lights };
-        let exact = on_cpu::reference(&case);
-        let entries = match entries(&case, gpu, &exact, rounds, host) {
-            // A mesh that does not fit the GPU still fits the CPU.
-            Err(error) if error.is_too_large() => {
-                host.note(&format!("without the GPU: {error}"));
-                entries(&case, None, &exact, rounds, host)?
-            }
-            other => other?,
-        };
-        Ok(Row {
-            section: Section::Extraction,
-            scene: name.clone(),
-            title: name.clone(),
-            group: (*class).to_owned(),
-            facts: vec![
-                ("vertices", json!(positions.len())),
-                ("faces", json!(mesh.faces().len())),
-                ("edges", json!(mesh.edges().len())),
-                ("closed", json!(mesh.is_closed())),
-                ("topology_ms", json!(topology_ms)),
-                ("topology_bytes", json!(topology_bytes)),
-                ("lights", json!(lights.len())),
-                ("silhouette_bits", json!(mesh.edges().len() * lights.len())),
-            ],
-            entries,
-        })
-    }
+/// All of them, in the order in which they are shown: names in the data and for people, and marks, whose colour is by
+/// arithmetic, and whose shape is by method.
+const CONTESTANTS: [(&str, &str, Runs, usize, usize); 13] = [
+    (PER_EDGE, "GPU per edge, f32 plane form (2003)", OnGpu(Method::PerEdge, Predicate::Plane), 0, 2),
+    ("gpu-per-edge-local", "GPU per edge, f32 local form", OnGpu(Method::PerEdge, Predicate::Fast), 1, 4),
+    ("gpu-mask-plane", "GPU face masks, f32 plane form", OnGpu(Method::FaceMask, Predicate::Plane), 2, 1),
+    (GPU_FAST, "GPU face masks, f32 local form", OnGpu(Method::FaceMask, Predicate::Fast), 3, 3),
+    (GPU_EXACT, "GPU face masks, exact", OnGpu(Method::FaceMask, Predicate::Exact), 4, 0),
+    ("cpu-plain-one", "CPU plain loop, f32, 1 thread", OnCpu(Plain, false), 6, 2),
+    ("cpu-f32-one", "CPU f32, 1 thread", OnCpu(Reference(Predicate::Fast), false), 3, 3),
+    ("cpu-f64-one", "CPU f64, 1 thread", OnCpu(Double, false), 5, 1),
+    ("cpu-exact-one", "CPU exact, 1 thread", OnCpu(Reference(Predicate::Exact), false), 4, 0),
+    ("cpu-plain-all", "CPU plain loop, f32, all threads", OnCpu(Plain, true), 6, 2),
+    (CPU_FAST, "CPU f32, all threads", OnCpu(Reference(Predicate::Fast), true), 3, 3),
+    ("cpu-f64-all", "CPU f64, all threads", OnCpu(Double, true), 5, 1),
+    (CPU_EXACT, "CPU exact, all threads", OnCpu(Reference(Predicate::Exact), true), 4, 0),
+];
+
+/// A row of times and errors of every method.
+pub(crate) fn measure(
+    made: &Made,
+    count: usize,
+    gpu: Option<&Gpu>,
+    rounds: Rounds,
+    host: &dyn Host,
+) -> Result<Row, Error> {
+    let Made { name, class, mesh, positions, topology_ms, .. } = made;
+    let lights = made.lights(count);
+    let case = Case { positions, mesh, lights: &lights };
+    let exact = on_cpu::reference(&case);
+    let entries = match entries(&case, gpu, &exact, rounds, host) {
+        // A mesh that does not fit the GPU still fits the CPU.
+        Err(error) if error.is_too_large() => {
+            host.note(&format!("without the GPU: {error}"));
+            entries(&case, None, &exact, rounds, host)?
+        }
+        other => other?,
+    };
+    Ok(Row {
+        section: Section::Extraction,
+        scene: name.clone(),
+        title: name.clone(),
+        group: (*class).to_owned(),
+        facts: vec![
+            ("vertices", json!(positions.len())),
+            ("faces", json!(mesh.faces().len())),
+            ("edges", json!(mesh.edges().len())),
+            ("closed", json!(mesh.is_closed())),
+            ("topology_ms", json!(topology_ms)),
+            ("topology_bytes", json!(mesh.edge_record_bytes())),
+            ("lights", json!(lights.len())),
+            ("silhouette_bits", json!(mesh.edges().len() * lights.len())),
+        ],
+        entries,
+    })
 }
 
 fn entries(
@@ -88,22 +101,25 @@ fn entries(
     host: &dyn Host,
 ) -> Result<Vec<Entry>, Error> {
     let (mut found, mut contenders) = (Vec::<(Score, u32)>::new(), Vec::<(Variant, Contender<'_>)>::new());
-    for contestant in CONTESTANTS.iter().filter(|contestant| contestant.takes(case)) {
+    for (id, name, runs, colour, shape) in CONTESTANTS {
         if host.is_stopped() {
             return Err(Error::Stopped);
         }
-        let (extraction, contender) = match (contestant.runs, gpu) {
-            (Runs::Gpu(method, predicate), Some(gpu)) => {
+        let (extraction, contender) = match (runs, gpu) {
+            // The plain loop is for closed meshes and one light.
+            (OnCpu(Plain, _), _) if case.lights.len() > 1 || !case.mesh.is_closed() => continue,
+            (OnGpu(..), None) => continue,
+            (OnGpu(method, predicate), Some(gpu)) => {
                 (extraction(gpu, case, method, predicate)?, contender(gpu, case, method, predicate)?)
             }
-            (Runs::Gpu(..), None) => continue,
-            (Runs::Cpu(on_cpu, share), _) => (on_cpu::extraction(case, on_cpu), on_cpu::contender(case, on_cpu, share)),
+            (OnCpu(algorithm, is_shared), _) => {
+                (on_cpu::extraction(case, algorithm), on_cpu::contender(case, algorithm, is_shared))
+            }
         };
-        let facing = (!extraction.facing.is_empty()).then_some(extraction.facing.as_slice());
-        let candidate = Candidate { facing, masks: &extraction.masks };
-        let score = Score::of(case.mesh, case.lights.len(), exact, candidate).expect("masks of this mesh and lights");
+        let score = Score::of(case.mesh, case.lights.len(), exact, &extraction).expect("masks of this mesh and lights");
         found.push((score, extraction.statistics.undecided_pairs));
-        contenders.push((contestant.variant(), contender));
+        let mark = Mark { colour, shape, hollow: matches!(runs, OnCpu(..)) };
+        contenders.push((Variant { id: id.to_owned(), name: name.to_owned(), mark }, contender));
     }
     let entries = compare(rounds, contenders, host)?.into_iter().zip(found);
     let entry = |(entry, (score, undecided)): (Entry, (Score, u32))| {

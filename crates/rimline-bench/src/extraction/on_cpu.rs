@@ -6,18 +6,24 @@ use glam::{DVec3, Vec3};
 use rimline::internals::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
 
-use super::method::{OnCpu, Share};
 use super::subject::Case;
 use crate::engine::{Contender, Metric, clock, times};
 
-/// Runs a contestant again and again; memory is kept from run to run.
-pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> Contender<'a> {
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Algorithm {
+    /// The library's CPU references.
+    Reference(Predicate),
+    /// A plain loop over facing in `f64`, and the CPU reference of the edge stage.
+    Double,
+    /// The naive loop for one light and a closed mesh: a byte a face in `f32`, then a byte an edge.
+    Plain,
+}
+
+/// Runs a contestant again and again, on all threads if it is shared; memory is kept from run to run.
+pub(super) fn contender<'a>(case: &'a Case<'_>, algorithm: Algorithm, is_shared: bool) -> Contender<'a> {
     let Case { positions, mesh, lights } = case;
-    let threads = match share {
-        Share::OneThread => Threads::ONE,
-        Share::AllThreads => Threads::all(),
-    };
-    if on_cpu == OnCpu::Plain {
+    let threads = if is_shared { Threads::all() } else { Threads::ONE };
+    if algorithm == Algorithm::Plain {
         let (mut facing, mut silhouettes) = (vec![0; mesh.faces().len()], vec![0; mesh.edges().len()]);
         return Box::new(move || {
             let ms = clock(|| plain_loop(positions, mesh, lights[0], threads.count(), &mut facing, &mut silhouettes));
@@ -28,7 +34,7 @@ pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> 
     let (mut facing, mut silhouettes) = (Vec::new(), Vec::new());
     Box::new(move || {
         let facing_ms = clock(|| {
-            fill_facing(&mut facing, case, on_cpu, threads);
+            fill_facing(&mut facing, case, algorithm, threads);
         });
         let edges_ms = clock(|| {
             cpu::silhouettes_into(&mut silhouettes, mesh.edges(), &facing, mesh.faces().len(), lights.len(), threads);
@@ -41,9 +47,9 @@ pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> 
 }
 
 /// Bits of a contestant. For the plain loop these are the CPU reference's bits, because both use the same arithmetic.
-pub(super) fn extraction(case: &Case<'_>, on_cpu: OnCpu) -> cpu::Extraction {
+pub(super) fn extraction(case: &Case<'_>, algorithm: Algorithm) -> cpu::Extraction {
     let mut found = cpu::Extraction::default();
-    found.statistics = fill_facing(&mut found.facing, case, on_cpu, Threads::all());
+    found.statistics = fill_facing(&mut found.facing, case, algorithm, Threads::all());
     add_masks(case, found)
 }
 
@@ -66,16 +72,17 @@ pub(super) fn reference(case: &Case<'_>) -> cpu::Extraction {
     add_masks(case, found)
 }
 
-fn fill_facing(facing: &mut Vec<u32>, case: &Case<'_>, on_cpu: OnCpu, threads: Threads) -> cpu::FacingStatistics {
+fn fill_facing(facing: &mut Vec<u32>, case: &Case<'_>, by: Algorithm, threads: Threads) -> cpu::FacingStatistics {
     let Case { positions, mesh, lights } = case;
-    match on_cpu {
-        OnCpu::Reference(predicate) => cpu::facing_into(facing, positions, mesh.faces(), lights, predicate, threads),
-        OnCpu::Plain => fill_facing(facing, case, OnCpu::Reference(Predicate::Fast), threads),
-        OnCpu::Double => {
+    let predicate = match by {
+        Algorithm::Reference(predicate) => predicate,
+        Algorithm::Plain => Predicate::Fast,
+        Algorithm::Double => {
             fill_planes(facing, case, threads, double_mask);
-            cpu::FacingStatistics::default()
+            return cpu::FacingStatistics::default();
         }
-    }
+    };
+    cpu::facing_into(facing, positions, mesh.faces(), lights, predicate, threads)
 }
 
 /// Facing masks from `mask(corners, up to 32 lights)`; faces that name a vertex twice face nothing.
@@ -134,7 +141,12 @@ fn plain_loop(
 
 /// Cuts both slices into a run a thread, none shorter than the library's own, and works on them at the same time; the
 /// calling thread takes the first.
-fn share<T: Send, S: Sync>(threads: usize, results: &mut [T], items: &[S], work: impl Fn(&mut [T], &[S]) + Sync) {
+pub(crate) fn share<T: Send, S: Sync>(
+    threads: usize,
+    results: &mut [T],
+    items: &[S],
+    work: impl Fn(&mut [T], &[S]) + Sync,
+) {
     let run = items.len().div_ceil(threads).max(4096);
     let mut runs = results.chunks_mut(run).zip(items.chunks(run));
     let Some((first_results, first_items)) = runs.next() else { return };

@@ -11,7 +11,6 @@ use crate::Error;
 use crate::gpu::Gpu;
 use crate::pipelines::{self, Drawing};
 
-/// A triangle over the whole picture.
 const WHOLE: &str = "
 @vertex fn whole(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.5, 1.0);
@@ -58,7 +57,6 @@ impl FragmentCounter {
         Ok((found == expected).then_some(counter))
     }
 
-    /// The fragments of all lights together.
     pub fn count(
         &self,
         gpu: &Gpu,

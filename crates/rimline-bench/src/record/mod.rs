@@ -1,7 +1,6 @@
 //! Recording: settings of casters, lights and a camera; their silhouettes and volumes, by scenes and extractors; the
 //! surfaces that receive.
 
-mod extractor;
 mod fragments;
 mod scene;
 mod setting;
@@ -10,9 +9,8 @@ mod surfaces;
 use rimline::gpu::StageTimer;
 use wgpu::{LoadOp, Operations, StoreOp, TextureFormat, TextureView};
 
-pub use extractor::ExtractorRecorder;
 pub use fragments::FragmentCounter;
-pub use scene::{Counted, SceneRecorder, Until, made_anew};
+pub use scene::{Counted, Drawn, ExtractorRecorder, SceneRecorder, Until, made_anew};
 pub use setting::{Camera, Casters, IDENTITY, Setting};
 pub use surfaces::{Pass, Surface, Surfaces};
 

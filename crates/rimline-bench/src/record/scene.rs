@@ -1,26 +1,25 @@
-//! A scene of a setting.
+//! Scenes of settings, and extractors of meshes.
 
 use bytemuck::Zeroable as _;
 use glam::{Quat, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, DeformerOptions, FrameInputs, LightHandle, Measuring, MeshHandle, ModelHandle,
-    PositionBuffer, Receivers, Scene, SceneFrame, SceneOptions, SceneStatistics, ShadowError, ShadowPipelines,
-    ShadowStatistics, StageTimer, View,
+    Caster, CasterHandle, DeformerOptions, Extraction, Extractor, ExtractorOptions, FrameInputs, LightHandle,
+    Measuring, MeshHandle, ModelHandle, PositionBuffer, Receivers, Scene, SceneFrame, SceneOptions, SceneStatistics,
+    ShadowError, ShadowPipelines, ShadowStatistics, StageTimer, View,
 };
-use rimline::{Counting, Light, ShadowCamera};
-use wgpu::BufferUsages;
+use rimline::{Counting, Light, Mesh, ShadowCamera};
+use wgpu::{BufferUsages, LoadOp, TextureView};
 
-use super::{Casters, Setting};
+use super::{Casters, Pass, STENCIL, Setting, Surfaces, Target};
 use crate::Error;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, beside_draws};
 
 /// How far a frame is recorded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Until {
-    /// Silhouettes are extracted.
+#[derive(Clone, Copy, Debug)]
+pub enum Until<'a> {
     Extraction,
-    /// Volumes are prepared for a view.
-    Volumes,
+    /// Volumes are prepared for a view, in which these depths are seen, if they are drawn.
+    Volumes(Option<&'a TextureView>),
 }
 
 /// Options of a scene without clusters that makes its lists anew in each frame.
@@ -29,7 +28,6 @@ pub fn made_anew(max_lights: usize, counting: Counting) -> SceneOptions {
     SceneOptions { max_lights, counting, clusters_from: None, measuring, ..SceneOptions::default() }
 }
 
-/// Counters of a frame's stages.
 #[derive(Clone, Copy, Debug)]
 pub struct Counted {
     pub scene: SceneStatistics,
@@ -45,10 +43,8 @@ pub struct SceneRecorder<'a> {
     pub meshes: Vec<MeshHandle>,
     pub lights: Vec<LightHandle>,
     pub casters: Vec<CasterHandle>,
-    /// The casters that walk.
     model: Option<ModelHandle>,
     frame: Option<SceneFrame>,
-    /// Frames so far.
     frames: usize,
 }
 
@@ -107,17 +103,16 @@ impl<'a> SceneRecorder<'a> {
         Ok(self.model.is_some())
     }
 
-    /// Deforms casters of the pose that the frame needs.
     pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) -> Result<(), Error> {
         let views = [View::new(self.camera)];
         Ok(self.scene.deform(encoder, FrameInputs { views: &views, timer })?)
     }
 
-    /// Moves what the setting moves, and records all stages of the frame. `depth` is what the eye sees, if it is drawn.
-    pub fn encode_seen(
+    /// Moves what the setting moves, and records the compute stages of the frame.
+    pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        depth: Option<&wgpu::TextureView>,
+        until: Until<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), Error> {
         if let Casters::Rigid { placed, .. } = &self.setting.casters
@@ -135,26 +130,28 @@ impl<'a> SceneRecorder<'a> {
                 self.scene.set_light(handle, Light { xyz, ..light })?;
             }
         }
-        let version = self.setting.still_receivers();
-        let depth = depth.map(|depth| Receivers { depth, sky_receives: false, version });
-        let views = [View { depth, ..View::new(self.camera) }];
-        self.frame = Some(self.scene.encode(encoder, FrameInputs { views: &views, timer })?);
+        let view = if let Until::Volumes(depth) = until {
+            // Casters that do not move look the same in each frame.
+            let is_still = matches!(self.setting.casters, Casters::Rigid { .. }) && self.setting.drift == 0.0;
+            let version = is_still.then_some(0);
+            let depth = depth.map(|depth| Receivers { depth, sky_receives: false, version });
+            Some(View { depth, ..View::new(self.camera) })
+        } else {
+            None
+        };
+        self.frame = Some(self.scene.encode(encoder, FrameInputs { views: view.as_slice(), timer })?);
         Ok(())
     }
 
-    /// The last frame.
     pub fn frame(&self) -> Result<&SceneFrame, Error> {
         self.frame.as_ref().ok_or(Error::Shadow(ShadowError::NotEncoded))
     }
 
-    /// The counters of the last frame's stages.
     pub fn counted(&self, gpu: &Gpu) -> Result<Counted, Error> {
         let frame = self.frame()?;
-        let scene = gpu.read(frame.statistics())?.first().copied();
-        let shadows = frame.shadow_statistics().map(|buffer| gpu.read(buffer)).transpose()?;
-        let shadows = shadows.and_then(|shadows| shadows.first().copied());
-        let (none, nothing) = (SceneStatistics::zeroed(), ShadowStatistics::zeroed());
-        Ok(Counted { scene: scene.unwrap_or(none), shadows: shadows.unwrap_or(nothing) })
+        let scene = gpu.read(frame.statistics())?.pop().unwrap_or_else(SceneStatistics::zeroed);
+        let shadows = frame.shadow_statistics().map_or(Ok(Vec::new()), |buffer| gpu.read(buffer))?.pop();
+        Ok(Counted { scene, shadows: shadows.unwrap_or_else(ShadowStatistics::zeroed) })
     }
 
     /// Bytes of the last frame's buffers, topology not counted.
@@ -172,24 +169,83 @@ impl<'a> SceneRecorder<'a> {
         Ok(edges)
     }
 
-    /// Records the compute stages of a frame in which nothing moves.
-    pub fn encode(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        until: Until,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<(), Error> {
-        let views = [View::new(self.camera)];
-        let views = if until == Until::Volumes { &views[..] } else { &[] };
-        self.frame = Some(self.scene.encode(encoder, FrameInputs { views, timer })?);
-        Ok(())
-    }
-
     /// Draws the volumes of a light into a pass that counts.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), Error> {
         if let (Some(pipelines), Some(&light)) = (self.pipelines, self.lights.get(light)) {
             self.frame()?.draw(pass, pipelines, 0, light)?;
         }
         Ok(())
+    }
+}
+
+pub struct Drawn<'a> {
+    pub scene: SceneRecorder<'a>,
+    /// `None`: volumes are drawn over depths without any surface.
+    pub surfaces: Option<Surfaces>,
+    /// Depths and stencil.
+    pub depth: TextureView,
+    /// The same depths, for stages that skip what is not seen.
+    pub receivers: Option<TextureView>,
+}
+
+impl Drawn<'_> {
+    /// Records a part of a frame: its stages, the depth pass, the stencil pass of each light, or the light pass.
+    pub fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        part: &'static str,
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<(), Error> {
+        let Self { scene, surfaces, depth, receivers } = self;
+        match (part, surfaces) {
+            ("stages", _) => scene.encode(encoder, Until::Volumes(receivers.as_ref()), beside_draws(timer))?,
+            ("depth", Some(surfaces)) => surfaces.pass(encoder, depth, Pass::Depth, timer),
+            ("light", Some(surfaces)) => surfaces.pass(encoder, depth, Pass::Light, timer),
+            (_, surfaces) => {
+                // Depth is reversed: 0 is farthest.
+                let load = if surfaces.is_some() { LoadOp::Load } else { LoadOp::Clear(0.0) };
+                for light in 0..scene.lights.len() {
+                    let target = Target::counting(depth, load);
+                    scene.draw(&mut target.begin_timed(encoder, STENCIL, timer.as_deref_mut(), None), light)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An extractor with the positions and lights of its mesh.
+pub struct ExtractorRecorder {
+    pub extractor: Extractor,
+    positions: wgpu::Buffer,
+    lights: Vec<Light>,
+    extraction: Option<Extraction>,
+}
+
+impl ExtractorRecorder {
+    pub fn new(
+        gpu: &Gpu,
+        options: ExtractorOptions,
+        mesh: &Mesh,
+        positions: &[[f32; 3]],
+        lights: &[Light],
+    ) -> Result<Self, Error> {
+        let extractor = Extractor::new(&gpu.pipelines, mesh, options)?;
+        gpu.check()?;
+        let positions = gpu.buffer(BufferUsages::STORAGE, positions);
+        Ok(Self { extractor, positions, lights: lights.to_vec(), extraction: None })
+    }
+
+    pub fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) -> Result<(), Error> {
+        let positions = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
+        self.extraction = Some(self.extractor.encode_timed(encoder, positions, &self.lights, timer)?);
+        Ok(())
+    }
+
+    /// The number of silhouette edges of each light, of the last encode.
+    pub fn silhouette_edges(&self, gpu: &Gpu) -> Result<Vec<u64>, Error> {
+        let Some(extraction) = &self.extraction else { return Ok(Vec::new()) };
+        let counts: Vec<u32> = gpu.read(extraction.results()?.counts)?;
+        Ok(counts.into_iter().take(self.lights.len()).map(u64::from).collect())
     }
 }

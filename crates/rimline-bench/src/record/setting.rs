@@ -39,7 +39,6 @@ impl Camera {
     }
 }
 
-/// Casters, lights and a view. The same each time.
 pub struct Setting {
     pub casters: Casters,
     pub lights: Vec<Light>,
@@ -73,11 +72,6 @@ impl Setting {
     pub fn in_buffers(&self, shapes: Vec<Shape>) -> Self {
         Self::new(Casters::InBuffers(shapes), self.lights.clone(), self.camera)
     }
-
-    /// The version of what is seen: casters that do not move look the same in each frame.
-    pub fn still_receivers(&self) -> Option<u64> {
-        (matches!(self.casters, Casters::Rigid { .. }) && self.drift == 0.0).then_some(0)
-    }
 }
 
 pub enum Casters {
@@ -98,7 +92,6 @@ impl Casters {
         }
     }
 
-    /// Faces of all casters together.
     pub fn faces(&self) -> usize {
         match self {
             Self::Rigid { shapes, placed } => placed.iter().map(|(shape, _)| shapes[*shape].faces.len()).sum(),

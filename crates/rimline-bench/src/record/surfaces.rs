@@ -1,22 +1,13 @@
 //! Draws everything that is seen: casters and what stands around them.
 
 use rimline::gpu::StageTimer;
-use rimline::{Light, Matrix3x4, ShadowCamera};
+use rimline::{Matrix3x4, ShadowCamera};
 use wgpu::{BufferUsages, LoadOp, TextureFormat, VertexStepMode};
 
-use super::{Casters, DEPTH, IDENTITY, Setting, Target};
+use super::{Casters, IDENTITY, Setting, Target};
 use crate::gpu::Gpu;
 use crate::pipelines::{ADDED, Drawing, group};
 use crate::shapes::Shape;
-
-/// Layout of `Frame` in `surfaces.wgsl`.
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-struct Frame {
-    view_projection: [[f32; 4]; 4],
-    eye: [f32; 4],
-    light: [f32; 4],
-}
 
 const COLOR: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Half the width of the ground, in units of the scene.
@@ -62,8 +53,8 @@ pub enum Pass {
 
 pub struct Surfaces {
     frame: wgpu::Buffer,
-    /// For depths, and for light.
-    pipelines: [(wgpu::RenderPipeline, wgpu::BindGroup); 2],
+    /// For depths, and for light if there is any.
+    pipelines: Vec<(wgpu::RenderPipeline, wgpu::BindGroup)>,
     /// `None`: depths alone are drawn.
     color: Option<wgpu::TextureView>,
     all: Vec<Surface>,
@@ -71,19 +62,20 @@ pub struct Surfaces {
 
 impl Surfaces {
     /// Surfaces that are lit, in pictures of this size, or of depths alone.
-    pub fn new(gpu: &Gpu, lit: Option<u32>, surfaces: Vec<Surface>) -> Self {
-        let frame = gpu.empty(BufferUsages::STORAGE | BufferUsages::COPY_DST, size_of::<Frame>() as u64);
-        let pipelines = [Pass::Depth, Pass::Light].map(|pass| {
-            let pipeline = pipeline(gpu, pass, lit.is_some());
+    pub fn new(gpu: &Gpu, format: TextureFormat, lit: Option<u32>, all: Vec<Surface>) -> Self {
+        let frame = gpu.empty(BufferUsages::STORAGE | BufferUsages::COPY_DST, 80);
+        let passes = if lit.is_some() { &[Pass::Depth, Pass::Light][..] } else { &[Pass::Depth] };
+        let pipelines = passes.iter().map(|&pass| {
+            let pipeline = pipeline(gpu, format, pass, lit.is_some());
             let group = group(&gpu.device, &pipeline.get_bind_group_layout(0), [frame.as_entire_binding()]);
             (pipeline, group)
         });
-        let color = lit.map(|size| gpu.texture([size; 2], COLOR));
-        Self { frame, pipelines, color, all: surfaces }
+        let pipelines = pipelines.collect();
+        Self { frame, pipelines, color: lit.map(|size| gpu.texture([size; 2], COLOR)), all }
     }
 
     /// The surfaces that the eye sees of a setting. `deformed` are the positions of casters that walk.
-    pub fn of(gpu: &Gpu, setting: &Setting, deformed: Option<&wgpu::Buffer>) -> Self {
+    pub fn of(gpu: &Gpu, format: TextureFormat, setting: &Setting, deformed: Option<&wgpu::Buffer>) -> Self {
         let mut surfaces = Vec::new();
         match (&setting.casters, deformed) {
             (Casters::Rigid { shapes, placed }, _) => {
@@ -110,18 +102,15 @@ impl Surfaces {
             let ground = Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] };
             surfaces.push(Surface::new(gpu, &ground, &[IDENTITY]));
         }
-        let all = Self::new(gpu, None, surfaces);
-        all.set(gpu, &setting.camera, None);
+        let all = Self::new(gpu, format, None, surfaces);
+        all.look(gpu, &setting.camera);
         all
     }
 
-    /// The camera and the light of the passes to come.
-    pub fn set(&self, gpu: &Gpu, camera: &ShadowCamera, light: Option<Light>) {
-        let [x, y, z] = camera.origin;
-        let [u, v, w] = light.map_or([0.0; 3], |light| light.xyz);
-        let light = [u - x, v - y, w - z, 0.0];
-        let frame = Frame { view_projection: camera.view_projection, eye: [x, y, z, 0.0], light };
-        gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
+    /// The camera of the passes to come, as `Frame` in `surfaces.wgsl` has it.
+    pub fn look(&self, gpu: &Gpu, camera: &ShadowCamera) {
+        let frame = [&camera.view_projection.concat()[..], &camera.origin, &[0.0]].concat();
+        gpu.queue.write_buffer(&self.frame, 0, bytemuck::cast_slice(&frame));
     }
 
     /// Records a pass, timed as `depth` or `light`. Depth is reversed: 0 is farthest.
@@ -134,32 +123,30 @@ impl Surfaces {
     ) {
         let is_first = which == Pass::Depth;
         let black = LoadOp::Clear(wgpu::Color::BLACK);
+        let has_stencil = depth.texture().format().has_stencil_aspect();
         let target = Target {
             color: self.color.as_ref().map(|view| (view, if is_first { black } else { LoadOp::Load })),
             depth_stencil: Some(depth),
             depth: Some(if is_first { LoadOp::Clear(0.0) } else { LoadOp::Load }),
-            stencil: Some(if is_first { LoadOp::Clear(0) } else { LoadOp::Load }),
+            stencil: has_stencil.then_some(if is_first { LoadOp::Clear(0) } else { LoadOp::Load }),
         };
+        let Some((pipeline, group)) = self.pipelines.get(usize::from(!is_first)) else { return };
         let mut pass = target.begin_timed(encoder, if is_first { "depth" } else { "light" }, timer, None);
-        let (pipeline, group) = &self.pipelines[usize::from(!is_first)];
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[]);
         for Surface { positions, faces, corners, matrices, times, stride } in &self.all {
             pass.set_vertex_buffer(0, positions.slice(..));
             pass.set_vertex_buffer(1, matrices.slice(..));
             pass.set_index_buffer(faces.slice(..), wgpu::IndexFormat::Uint32);
-            if *stride == 0 {
-                pass.draw_indexed(0..*corners, 0, 0..*times);
-            } else {
-                for time in 0..*times {
-                    pass.draw_indexed(0..*corners, (time * stride) as i32, time..time + 1);
-                }
+            let draws = if *stride == 0 { 1 } else { *times };
+            for draw in 0..draws {
+                pass.draw_indexed(0..*corners, (draw * stride) as i32, draw..draw + times / draws);
             }
         }
     }
 }
 
-fn pipeline(gpu: &Gpu, pass: Pass, has_color: bool) -> wgpu::RenderPipeline {
+fn pipeline(gpu: &Gpu, format: TextureFormat, pass: Pass, has_color: bool) -> wgpu::RenderPipeline {
     let is_depth = pass == Pass::Depth;
     let rows = wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4];
     let position = wgpu::vertex_attr_array![0 => Float32x3];
@@ -169,30 +156,18 @@ fn pipeline(gpu: &Gpu, pass: Pass, has_color: bool) -> wgpu::RenderPipeline {
     ];
     let target = Some(wgpu::ColorTargetState { blend: (!is_depth).then_some(ADDED), ..COLOR.into() });
     // Each lit pixel counts up, so that faces that coincide add their light once.
-    let face = if is_depth {
-        wgpu::StencilFaceState::IGNORE
-    } else {
-        wgpu::StencilFaceState {
-            compare: wgpu::CompareFunction::Equal,
-            fail_op: wgpu::StencilOperation::Keep,
-            depth_fail_op: wgpu::StencilOperation::Keep,
-            pass_op: wgpu::StencilOperation::IncrementClamp,
-        }
-    };
-    let compare = if is_depth { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Equal };
-    let fragment = match pass {
-        _ if !has_color => "nothing",
-        Pass::Depth => "ambient",
-        Pass::Light => "lit",
-    };
+    let (compare, pass_op) = (wgpu::CompareFunction::Equal, wgpu::StencilOperation::IncrementClamp);
+    let counted = wgpu::StencilFaceState { compare, pass_op, ..wgpu::StencilFaceState::IGNORE };
+    let face = if is_depth { wgpu::StencilFaceState::IGNORE } else { counted };
+    let compare = if is_depth { wgpu::CompareFunction::Greater } else { compare };
     let drawing = Drawing {
         label: "surfaces",
         source: include_str!("surfaces.wgsl"),
-        entry_points: [Some("surface"), Some(fragment)],
+        entry_points: [Some("surface"), Some(if has_color { "lit" } else { "nothing" })],
         buffers: &buffers,
         depth_stencil: Some(wgpu::DepthStencilState {
             stencil: wgpu::StencilState { front: face, back: face, read_mask: !0, write_mask: !0 },
-            ..crate::pipelines::depth(DEPTH, compare, is_depth)
+            ..crate::pipelines::depth(format, compare, is_depth)
         }),
         targets: if has_color { std::slice::from_ref(&target) } else { &[] },
         ..Drawing::default()

@@ -1,41 +1,27 @@
-// Surfaces of one colour, in a light of its own brightness. Positions are taken relative to the eye.
+// Surfaces of one colour. Positions are taken relative to the eye.
 
 struct Frame {
   view_projection: mat4x4<f32>,
   eye: vec4<f32>,
-  // Relative to the eye.
-  light: vec4<f32>,
 }
 // In a uniform it would do as well, but not with the volumes' draws on Mesa's software Vulkan.
 @group(0) @binding(0) var<storage, read> frame: Frame;
-
-struct Surface {
-  @invariant @builtin(position) clip: vec4<f32>,
-  @location(0) q: vec3<f32>,
-}
 
 @vertex fn surface(
   @location(0) position: vec3<f32>,
   @location(1) x: vec4<f32>,
   @location(2) y: vec4<f32>,
   @location(3) z: vec4<f32>,
-) -> Surface {
+) -> @invariant @builtin(position) vec4<f32> {
   let at = vec4(position, 1.0);
   let q = vec3(dot(x, at), dot(y, at), dot(z, at)) - frame.eye.xyz;
   // Same arithmetic as `rimline_clip` of the library's include, because z-fail needs equal depths.
-  let clip = frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +
+  return frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +
     frame.view_projection[3];
-  return Surface(clip, q);
 }
 
 @fragment fn nothing() {}
 
-@fragment fn ambient() -> @location(0) vec4<f32> {
+@fragment fn lit() -> @location(0) vec4<f32> {
   return vec4<f32>(0.15);
-}
-
-@fragment fn lit(in: Surface) -> @location(0) vec4<f32> {
-  let towards = frame.light.xyz - in.q;
-  let normal = normalize(cross(dpdy(in.q), dpdx(in.q)));
-  return vec4<f32>(saturate(dot(normal, normalize(towards))) / (1.0 + 0.01 * dot(towards, towards)));
 }

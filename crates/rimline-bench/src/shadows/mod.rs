@@ -5,15 +5,14 @@ pub(crate) mod scene;
 mod truth;
 
 use rimline::Counting;
-use rimline::gpu::{ShadowFormat, ShadowPipelines, StageTimer};
+use rimline::gpu::{ShadowFormat, ShadowPipelines};
 use serde_json::json;
-use wgpu::{LoadOp, TextureAspect};
+use wgpu::TextureAspect;
 
 use crate::engine::{Contender, Metric, Rounds, times};
-use crate::gpu::{Gpu, Stopwatch, beside_draws};
+use crate::gpu::{Gpu, Stopwatch};
 use crate::record::{
-    Camera, Casters, DEPTH, IDENTITY, Pass, STENCIL, SceneRecorder, Setting, Surface, Surfaces, Target, Until,
-    made_anew,
+    Camera, Casters, DEPTH, Drawn, IDENTITY, STENCIL, SceneRecorder, Setting, Surface, Surfaces, made_anew,
 };
 use crate::row::{Row, Section, Variant, compare};
 use crate::shapes::Shape;
@@ -22,7 +21,6 @@ use scene::Path;
 use truth::Truth;
 
 pub(crate) const Z_PASS: &str = "z-pass";
-pub(crate) const AUTO: &str = "auto";
 
 /// The counting methods that are compared.
 const METHODS: [(&str, &str, Counting, usize, usize); 5] = [
@@ -30,18 +28,16 @@ const METHODS: [(&str, &str, Counting, usize, usize); 5] = [
     ("z-fail", "z-fail", Counting::ZFail, 0, 1),
     ("zp+paper", "ZP+ as published", Counting::ZpPlus2005, 1, 4),
     ("zp+", "ZP+ clipped", Counting::ZpPlus, 2, 3),
-    (AUTO, "auto", Counting::Auto, 4, 0),
+    ("auto", "auto", Counting::Auto, 4, 0),
 ];
 
 /// A caster, and a room that receives.
 pub(crate) struct Stage {
     pub(crate) caster: Shape,
     pub(crate) room: Shape,
-    /// Pixels across and down.
     pub(crate) size: u32,
 }
 
-/// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frames {
     /// The length of each path; 0 leaves all out.
@@ -71,8 +67,17 @@ pub(crate) fn measure(
     let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
     let pipelines = METHODS.map(|(_, _, counting, ..)| ShadowPipelines::new(&gpu.pipelines, &format, counting));
     let pipelines = pipelines.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let drawn = pipelines.iter().map(|pipelines| Drawn::new(gpu, &stage, &setting, pipelines));
+    let drawn = pipelines.iter().map(|pipelines| -> Result<_, Error> {
+        let scene = SceneRecorder::new(gpu, &setting, Some(pipelines), made_anew(1, pipelines.counting()))?;
+        let surfaces = [&stage.caster, &stage.room].map(|shape| Surface::new(gpu, shape, &[IDENTITY]));
+        let surfaces = Some(Surfaces::new(gpu, DEPTH, Some(stage.size), surfaces.into()));
+        Ok(Drawn { scene, surfaces, depth: gpu.texture([stage.size; 2], DEPTH), receivers: None })
+    });
     let mut drawn = drawn.collect::<Result<Vec<_>, _>>()?;
+    let look = |drawn: &mut Drawn<'_>, camera: &Camera| {
+        drawn.scene.camera = camera.shadow();
+        drawn.surfaces.iter().for_each(|surfaces| surfaces.look(gpu, &camera.shadow()));
+    };
     let mut wrong = vec![Vec::new(); METHODS.len()];
     let truth = Truth::new(&stage, light);
     // About four of each path are held against rays.
@@ -83,7 +88,11 @@ pub(crate) fn measure(
         let camera = plan.camera(path, frame);
         let seen = truth.seen(&camera);
         for (drawn, wrong) in drawn.iter_mut().zip(&mut wrong) {
-            wrong.push(seen.wrong(&drawn.counts(gpu, &camera)?) as f64);
+            look(drawn, &camera);
+            let counts = gpu.pixels(&drawn.depth.clone(), TextureAspect::StencilOnly, |encoder| {
+                ["stages", "depth", STENCIL].into_iter().try_for_each(|part| drawn.record(encoder, part, None))
+            })?;
+            wrong.push(seen.wrong(&counts) as f64);
         }
     }
     let mut contenders: Vec<(Variant, Contender<'_>)> = Vec::new();
@@ -92,7 +101,7 @@ pub(crate) fn measure(
         let run = move || {
             let mut sums = [0.0; 2];
             for frame in 0..plan.count {
-                drawn.look(gpu, &plan.camera(path, frame));
+                look(drawn, &plan.camera(path, frame));
                 let timed = stopwatch.frame(&["stages", "depth", STENCIL, "light"], |encoder, part, timer| {
                     drawn.record(encoder, part, timer)
                 })?;
@@ -118,53 +127,4 @@ pub(crate) fn measure(
         ],
         entries: entries.collect(),
     })
-}
-
-/// A caster in its room on the GPU, counted with one method.
-struct Drawn<'a> {
-    scene: SceneRecorder<'a>,
-    surfaces: Surfaces,
-    depth: wgpu::TextureView,
-}
-
-impl<'a> Drawn<'a> {
-    fn new(gpu: &Gpu, stage: &Stage, setting: &'a Setting, pipelines: &'a ShadowPipelines) -> Result<Self, Error> {
-        let scene = SceneRecorder::new(gpu, setting, Some(pipelines), made_anew(1, pipelines.counting()))?;
-        let surfaces = [&stage.caster, &stage.room].map(|shape| Surface::new(gpu, shape, &[IDENTITY]));
-        let surfaces = Surfaces::new(gpu, Some(stage.size), surfaces.into());
-        Ok(Self { scene, surfaces, depth: gpu.texture([stage.size; 2], DEPTH) })
-    }
-
-    fn look(&mut self, gpu: &Gpu, camera: &Camera) {
-        self.scene.camera = camera.shadow();
-        self.surfaces.set(gpu, &camera.shadow(), self.scene.setting.lights.first().copied());
-    }
-
-    /// The counts of a frame, row by row, the light pass left out.
-    fn counts(&mut self, gpu: &Gpu, camera: &Camera) -> Result<Vec<u8>, Error> {
-        self.look(gpu, camera);
-        gpu.pixels(&self.depth.clone(), TextureAspect::StencilOnly, |encoder| {
-            ["stages", "depth", STENCIL].into_iter().try_for_each(|part| self.record(encoder, part, None))
-        })
-    }
-
-    /// Records a part of a frame: its stages, or one of its passes.
-    fn record(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        part: &'static str,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<(), Error> {
-        let Self { scene, surfaces, depth } = self;
-        match part {
-            "stages" => scene.encode(encoder, Until::Volumes, beside_draws(timer))?,
-            "depth" => surfaces.pass(encoder, depth, Pass::Depth, timer),
-            "light" => surfaces.pass(encoder, depth, Pass::Light, timer),
-            _ => {
-                let target = Target::counting(depth, LoadOp::Load);
-                scene.draw(&mut target.begin_timed(encoder, STENCIL, timer, None), 0)?;
-            }
-        }
-        Ok(())
-    }
 }

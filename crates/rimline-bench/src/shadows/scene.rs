@@ -10,25 +10,12 @@ use crate::extraction::subject::extent;
 use crate::record::Camera;
 use crate::shapes::{self, Shape};
 
-/// A caster, not made yet; of about the sizes of the paper's three.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Model {
-    pub(crate) name: &'static str,
-    make: fn() -> Shape,
-}
-
-pub(crate) const MODELS: [Model; 3] = [
-    Model { name: "twisted torus", make: twisted_torus },
-    Model { name: "lumpy sphere", make: || shapes::blob(50, 0.5, 3) },
-    Model { name: "fine lumpy sphere", make: || shapes::blob(102, 0.7, 11) },
+/// Casters within 1.6 of the middle, of about the sizes of the paper's three.
+pub(crate) const MODELS: [(&str, fn() -> Shape); 3] = [
+    ("twisted torus", twisted_torus),
+    ("lumpy sphere", || shapes::blob(50, 0.5, 3)),
+    ("fine lumpy sphere", || shapes::blob(102, 0.7, 11)),
 ];
-
-impl Model {
-    /// Within 1.6 of the middle.
-    pub(crate) fn make(self) -> Shape {
-        (self.make)()
-    }
-}
 
 /// A torus whose section has four lobes that turn on their way round.
 fn twisted_torus() -> Shape {
@@ -45,10 +32,8 @@ fn twisted_torus() -> Shape {
     shape
 }
 
-/// Half the room's width.
 const ROOM: f32 = 24.0;
 
-/// The room's walls, seen from inside.
 pub(crate) fn room() -> Shape {
     let mut shape = shapes::cube();
     shape.positions.iter_mut().for_each(|position| *position = position.map(|c| c * ROOM));
@@ -56,10 +41,8 @@ pub(crate) fn room() -> Shape {
     shape
 }
 
-/// Where cameras go.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Path {
-    /// Name in the data.
     pub(crate) id: &'static str,
     pub(crate) name: &'static str,
     light: Vec3,
@@ -144,12 +127,12 @@ mod tests {
 
     #[test]
     fn models_are_closed_and_no_camera_is_in_them_or_outside_the_room() {
-        for model in MODELS {
-            let shape = model.make();
+        for (name, make) in MODELS {
+            let shape = make();
             let mesh = shape.mesh().expect("shapes are meshes");
-            assert!(mesh.is_closed(), "{}", model.name);
+            assert!(mesh.is_closed(), "{name}");
             let reach = shape.positions.iter().map(|&p| Vec3::from(p).length()).fold(0.0, f32::max);
-            assert!(reach < 1.85, "{}: {reach}", model.name);
+            assert!(reach < 1.85, "{name}: {reach}");
         }
         for path in PATHS {
             for step in 0..=1000 {

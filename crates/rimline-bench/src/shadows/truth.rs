@@ -2,9 +2,10 @@
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;
-use rimline::internals::cpu;
+use rimline::internals::cpu::{self, Threads};
 
 use super::Stage;
+use crate::extraction::share;
 use crate::rays::Tracer;
 use crate::record::Camera;
 use crate::shapes::Shape;
@@ -16,7 +17,6 @@ pub(super) struct Truth {
     size: u32,
 }
 
-/// Properties of a triangle.
 struct Face {
     /// It faces the light, exactly.
     faces_light: bool,
@@ -52,20 +52,16 @@ impl Truth {
         let view = camera.shadow();
         let inverse = DMat4::from_cols_array_2d(&view.view_projection.map(|column| column.map(f64::from))).inverse();
         let origin = DVec3::from_array(view.origin.map(f64::from));
-        let pixel = |x: u32, y: u32| self.pixel(self.ray(&inverse, origin, [x, y]));
-        let row = |y: u32| (0..self.size).map(move |x| pixel(x, y));
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let rows: Vec<u32> = (0..self.size).collect();
-        let pixels = std::thread::scope(|scope| {
-            let share = rows.chunks(rows.len().div_ceil(threads).max(1));
-            let runs: Vec<_> =
-                share.map(|rows| scope.spawn(|| rows.iter().flat_map(|&y| row(y)).collect::<Vec<_>>())).collect();
-            runs.into_iter().flat_map(|run| run.join().unwrap_or_default()).collect()
+        let numbers: Vec<u32> = (0..self.size * self.size).collect();
+        let mut pixels = vec![None; numbers.len()];
+        share(Threads::all().count(), &mut pixels, &numbers, |pixels, numbers| {
+            for (pixel, number) in pixels.iter_mut().zip(numbers) {
+                *pixel = self.pixel(self.ray(&inverse, origin, [number % self.size, number / self.size]));
+            }
         });
         Seen { pixels, size: self.size }
     }
 
-    /// From the near plane on.
     fn ray(&self, inverse: &DMat4, origin: DVec3, [x, y]: [u32; 2]) -> (DVec3, DVec3) {
         let ndc = |pixel: u32| (f64::from(pixel) + 0.5) / f64::from(self.size) * 2.0 - 1.0;
         // Depth is 1 on the near plane, 0.5 twice as far.
@@ -110,7 +106,7 @@ mod tests {
 
     #[test]
     fn there_is_shadow_and_a_wrong_count_is_seen() {
-        let stage = Stage { caster: MODELS[0].make(), room: room(), size: 40 };
+        let stage = Stage { caster: MODELS[0].1(), room: room(), size: 40 };
         for path in PATHS {
             let seen = Truth::new(&stage, path.light()).seen(&path.camera(0.3));
             let right: Vec<u8> = seen.pixels.iter().map(|pixel| u8::from(*pixel == Some(false))).collect();

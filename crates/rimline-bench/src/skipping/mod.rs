@@ -1,37 +1,38 @@
 //! How much work each level of skipping leaves out of a frame: its stages, its stencil passes, its volumes' fragments.
 
-mod city;
-mod crowd;
-mod house;
-pub(crate) mod levels;
 pub(crate) mod scenes;
 mod walk;
 
 use std::cell::RefCell;
 
+use rimline::gpu::{Measuring, SceneOptions};
 use serde_json::json;
-use wgpu::LoadOp;
 
 use crate::casters::Devices;
 use crate::engine::{Contender, Metric, Rounds, Sample, times};
 use crate::gpu::{Stopwatch, beside_draws};
-use crate::record::{Counted, DEPTH, FragmentCounter, Pass, STENCIL, SceneRecorder, Surfaces, Target};
+use crate::record::{Counted, DEPTH, Drawn, FragmentCounter, STENCIL, SceneRecorder, Surfaces, Until};
 use crate::row::{Row, Section, Variant, compare};
 use crate::{Error, Host};
 use scenes::SkipScene;
 
 /// Frames before one is counted, so that what does not change was computed before.
 const SETTLED: usize = 2;
-/// The stage that deforms, as the timer has it.
-const DEFORM: &str = "deform";
-/// The parts of a frame: deforming and compute stages by timestamps, the stencil passes of all lights, the whole frame
-/// by the clock, and time of the CPU for recording.
-pub(crate) const PARTS: [&str; 5] = ["deform", "compute", "stencil", "frame", "recording"];
 
-/// A counter of the stages, by its name in the data.
-type Counter = (&'static str, fn(&Counted) -> u32);
+/// Levels of skipping: names in the data and for people, and the work that is done without them. Clusters have an option
+/// of their own.
+const LEVELS: [(&str, &str, &[Measuring]); 7] = [
+    ("light-reach", "light reach", &[Measuring::CULLED_BY_RANGE]),
+    ("shadow-reach", "shadow reach", &[Measuring::CULLED_BY_VIEW]),
+    ("nothing-moved", "nothing moved", &[Measuring::CACHED_BITS, Measuring::CACHED_LISTS]),
+    ("clusters", "clusters", &[]),
+    ("hidden-receivers", "hidden receivers", &[Measuring::CULLED_BY_RECEIVERS]),
+    ("unneeded-figures", "unneeded figures", &[Measuring::CULLED_CASTERS]),
+    ("occluders", "occluders", &[Measuring::CULLED_BY_OCCLUDERS]),
+];
 
-pub(crate) const COUNTERS: [Counter; 14] = [
+/// Counters of the stages, by their names in the data.
+const COUNTERS: [(&str, fn(&Counted) -> u32); 14] = [
     ("pairs", |counted| counted.scene.pairs),
     ("unreached-pairs", |counted| counted.scene.pairs_culled_by_range),
     ("occluded-pairs", |counted| counted.scene.pairs_culled_by_occluders),
@@ -48,6 +49,31 @@ pub(crate) const COUNTERS: [Counter; 14] = [
     ("capped-volumes", |counted| counted.shadows.near_capped),
 ];
 
+/// All levels off, all on, and each that matters to the scene off alone, with options for so many lights.
+fn choices(scene: &SkipScene, max_lights: usize) -> Vec<(Variant, SceneOptions)> {
+    let choice = |id: &str, name: &str, is_on: &dyn Fn(usize) -> bool| {
+        let mut options = SceneOptions { max_lights, ..SceneOptions::default() };
+        for (_, (id, _, bits)) in LEVELS.iter().enumerate().filter(|(level, _)| !is_on(*level)) {
+            bits.iter().for_each(|bit| options.measuring.set(*bit, true));
+            options.clusters_from = options.clusters_from.filter(|_| *id != "clusters");
+        }
+        (Variant::new(id, name, 4, 0), options)
+    };
+    let mut all = vec![choice("all-off", "all levels off", &|_| false), choice("all-on", "all levels on", &|_| true)];
+    for (number, (id, name, _)) in LEVELS.iter().enumerate() {
+        // Meshes of many faces take long to prepare.
+        let matters = match *id {
+            "occluders" => scene.name == "house",
+            "clusters" => true,
+            _ => !scene.is_one_mesh(),
+        };
+        if matters {
+            all.push(choice(&format!("without-{id}"), &format!("all but: {name}"), &|level| level != number));
+        }
+    }
+    all
+}
+
 /// Measures a scene with each choice of levels. Stages and whole frames take turns, so that a drift of the machine's speed
 /// hits both.
 pub(crate) fn measure(
@@ -63,33 +89,38 @@ pub(crate) fn measure(
     let Devices { stages, draws, pipelines } = devices;
     let gpu = draws.gpu;
     let depth = gpu.texture([size; 2], DEPTH);
+    let receivers = depth.texture().create_view(&wgpu::TextureViewDescriptor {
+        aspect: wgpu::TextureAspect::DepthOnly,
+        ..wgpu::TextureViewDescriptor::default()
+    });
     let counter = FragmentCounter::new(gpu, size, setting.lights.len())?;
     let (mut recorders, mut counts) = (Vec::new(), Vec::new());
-    for choice in scene.choices() {
-        let options = choice.options(setting.lights.len());
-        let mut drawn = SceneRecorder::new(gpu, &setting, Some(pipelines), options)?;
-        let surfaces = Surfaces::of(gpu, &setting, drawn.positions()?);
+    for (variant, options) in choices(&scene, setting.lights.len()) {
+        let recorder = SceneRecorder::new(gpu, &setting, Some(pipelines), options)?;
+        let surfaces = Some(Surfaces::of(gpu, DEPTH, &setting, recorder.positions()?));
+        let (depth, receivers) = (depth.clone(), Some(receivers.clone()));
+        let mut drawn = Drawn { scene: recorder, surfaces, depth, receivers };
         let mut timed = SceneRecorder::new(stages.gpu, &setting, None, options)?;
         for _ in 0..=SETTLED {
             if host.is_stopped() {
                 return Err(Error::Stopped);
             }
-            frame(&mut drawn, &surfaces, &depth, draws)?;
+            frame(&mut drawn, draws)?;
             stages_alone(&mut timed, stages)?;
         }
-        let counter = counter.as_ref().map(|counter| counter.count(gpu, |pass, light| drawn.draw(pass, light)));
-        counts.push((drawn.counted(gpu)?, counter.transpose()?));
-        recorders.push((choice, timed, drawn, surfaces));
+        let counter = counter.as_ref().map(|counter| counter.count(gpu, |pass, light| drawn.scene.draw(pass, light)));
+        counts.push((drawn.scene.counted(gpu)?, counter.transpose()?));
+        recorders.push((variant, timed, drawn));
     }
     let (stages, draws) = (RefCell::new(stages), RefCell::new(draws));
-    let contenders = recorders.iter_mut().map(|(choice, timed, drawn, surfaces)| -> (Variant, Contender<'_>) {
-        let (stages, draws, depth) = (&stages, &draws, &depth);
+    let contenders = recorders.iter_mut().map(|(variant, timed, drawn)| -> (Variant, Contender<'_>) {
+        let (stages, draws) = (&stages, &draws);
         let run = move || {
             let mut sample = stages_alone(timed, &mut stages.borrow_mut())?;
-            sample.extend(frame(drawn, surfaces, depth, &mut draws.borrow_mut())?);
+            sample.extend(frame(drawn, &mut draws.borrow_mut())?);
             Ok(sample)
         };
-        (Variant::new(&choice.id, &choice.name, 4, 0), Box::new(run))
+        (variant.clone(), Box::new(run))
     });
     let entries = compare(rounds, contenders.collect(), host)?.into_iter().zip(&counts).map(|(entry, counted)| {
         let (counted, fragments) = counted;
@@ -119,76 +150,42 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
     recorder.begin()?;
     let timed = stopwatch.timed(|encoder, mut timer| {
         recorder.deform(encoder, timer.as_deref_mut())?;
-        recorder.encode_seen(encoder, None, timer)
+        recorder.encode(encoder, Until::Volumes(None), timer)
     })?;
+    let [deform, compute] = [true, false].map(|deforms| timed.of(|name| (name == "deform") == deforms));
     // Without timestamps all that is known is their sum.
-    if !timed.has_stamps {
-        let mut sample = times([("deform", 0.0), ("compute", timed.clock_ms)]);
-        sample.push((Metric::Stage("all stages"), timed.clock_ms));
-        return Ok(sample);
-    }
-    let [deform, compute] = [true, false].map(|deforms| timed.of(|name| (name == DEFORM) == deforms));
-    let mut sample = timed.stages();
-    sample.extend(times([("deform", deform), ("compute", compute)]));
+    let compute = if timed.has_stamps { compute } else { timed.clock_ms };
+    let mut sample = times([("deform", deform), ("compute", compute)]);
+    sample.extend(if timed.has_stamps { timed.stages() } else { vec![(Metric::Stage("all stages"), compute)] });
     Ok(sample)
 }
 
 /// Runs a frame: deforms, draws depths, then runs stages and stencil passes. Depths are the caller's in any case, so
 /// they are not timed.
-fn frame(
-    recorder: &mut SceneRecorder<'_>,
-    surfaces: &Surfaces,
-    depth: &wgpu::TextureView,
-    stopwatch: &mut Stopwatch<'_>,
-) -> Result<Sample, Error> {
+fn frame(drawn: &mut Drawn<'_>, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
     let [mut recording_ms, mut frame_ms] = [0.0; 2];
-    if recorder.begin()? {
-        let deformed = stopwatch.timed(|encoder, timer| recorder.deform(encoder, beside_draws(timer)))?;
+    if drawn.scene.begin()? {
+        let deformed = stopwatch.timed(|encoder, timer| drawn.scene.deform(encoder, beside_draws(timer)))?;
         (recording_ms, frame_ms) = (deformed.recording_ms, deformed.clock_ms);
     }
-    stopwatch.by_clock(|encoder| {
-        surfaces.pass(encoder, depth, Pass::Depth, None);
-        Ok(())
-    })?;
-    let depths = depth.texture().create_view(&wgpu::TextureViewDescriptor {
-        aspect: wgpu::TextureAspect::DepthOnly,
-        ..wgpu::TextureViewDescriptor::default()
-    });
-    let rest = stopwatch.frame(&["stages", STENCIL], |encoder, part, mut timer| {
-        if part == "stages" {
-            return recorder.encode_seen(encoder, Some(&depths), beside_draws(timer));
-        }
-        (0..recorder.lights.len()).try_for_each(|light| {
-            let target = Target::counting(depth, LoadOp::Load);
-            recorder.draw(&mut target.begin_timed(encoder, STENCIL, timer.as_deref_mut(), None), light)
-        })
-    })?;
+    stopwatch.by_clock(|encoder| drawn.record(encoder, "depth", None))?;
+    let rest = stopwatch.frame(&["stages", STENCIL], |encoder, part, timer| drawn.record(encoder, part, timer))?;
     let (stencil, frame_ms) = (rest.of(|name| name == STENCIL), frame_ms + rest.clock_ms);
     Ok(times([("stencil", stencil), ("frame", frame_ms), ("recording", recording_ms + rest.recording_ms)]))
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
-    use crate::shapes::Shape;
-
-    /// Positive where faces are counter-clockwise seen from outside.
-    pub(super) fn volume(shape: &Shape) -> f64 {
-        let corner = |vertex: u32| DVec3::from(shape.positions[vertex as usize].map(f64::from));
-        let signed = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(corner);
-            a.dot(b.cross(c)) / 6.0
-        };
-        shape.faces.iter().map(signed).sum()
-    }
 
     #[test]
-    fn counters_have_distinct_names() {
-        let mut ids: Vec<&str> = COUNTERS.iter().map(|counter| counter.0).collect();
-        ids.sort_unstable();
-        ids.dedup();
-        assert_eq!(ids.len(), COUNTERS.len());
+    fn each_level_is_off_alone_once() {
+        let house = SkipScene::named("house", true).remove(0);
+        let all: Vec<String> = choices(&house, 5).iter().map(|(_, options)| format!("{options:?}")).collect();
+        assert_eq!(all.len(), LEVELS.len() + 2);
+        // A switch that changes nothing is none.
+        assert!((1..all.len()).all(|at| !all[..at].contains(&all[at])), "{all:?}");
+        let defaults = SceneOptions { max_lights: 5, ..SceneOptions::default() };
+        assert_eq!(all[1], format!("{defaults:?}"));
     }
 }

@@ -15,7 +15,6 @@ fn root(faces: usize, each: usize) -> u32 {
     (if is_low { low } else { low + 1 }).max(1) as u32
 }
 
-/// A lumpy body of about unit radius.
 pub(crate) fn blob(faces: usize) -> Shape {
     shapes::blob(subdivisions(faces), 0.3, 5)
 }
@@ -73,7 +72,6 @@ pub(crate) fn tilted_plate(faces: usize) -> Shape {
     shapes::plane_grid(side, side).placed(tilt)
 }
 
-/// The tilt of [`tilted_plate`].
 pub(crate) fn tilt([x, _, z]: [f32; 3]) -> [f32; 3] {
     [x + 0.1 * z, 0.3 * x - 0.7 * z, z - 0.2 * x]
 }
@@ -93,7 +91,6 @@ pub(crate) fn lattice_plate(faces: usize) -> Shape {
     plate
 }
 
-/// Half the lattice's width.
 pub(crate) const LATTICE: f32 = 2_097_152.0;
 
 /// A point of the lattice plate for two whole numbers up to [`LATTICE`] either way: nothing is rounded.

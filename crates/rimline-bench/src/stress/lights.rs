@@ -5,31 +5,37 @@ use super::bodies::{LATTICE, on_lattice_plane, tilt};
 use crate::random::Random;
 use rimline::Light;
 
-/// Makes any number of lights for a scene, each by its index alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Placing {
     /// All around a point, about as far from it as said: points, directions of that length, other weights.
-    Around { centre: [f32; 3], radius: f32 },
+    Around {
+        centre: [f32; 3],
+        radius: f32,
+    },
     /// Around the origin, and as much nearer to y = 0 as a body so thin.
-    Flat { thickness: f32, radius: f32 },
+    Flat {
+        thickness: f32,
+        radius: f32,
+    },
     /// In the plane of the rounded plate, every so many; the others around it.
-    OnTilted { every: usize },
+    OnTilted {
+        every: usize,
+    },
     /// In the plane of the plate on a lattice, exactly, every so many.
-    OnLattice { every: usize },
+    OnLattice {
+        every: usize,
+    },
     /// In the planes of faces, exactly where they are on a lattice, but for every fourth.
     InFacePlanes,
-    /// At vertices.
     OnVertices,
     /// On edges: their middles, quarters and extensions, and their directions.
     OnEdges,
-    /// On faces and in their planes.
     OnFaces,
     /// w from 1e-30 to 1e30, of both signs.
     AnyWeight,
 }
 
 impl Placing {
-    /// Around the origin.
     pub(crate) const fn around(radius: f32) -> Self {
         Self::Around { centre: [0.0; 3], radius }
     }
@@ -117,7 +123,6 @@ fn on_edge(scene: &Scene, random: &mut Random, index: usize) -> Light {
     weighted(index / 4 % 2 * 2, std::array::from_fn(|i| a[i] + part * along[i]))
 }
 
-/// The corners of a random face.
 fn face(scene: &Scene, random: &mut Random) -> [[f32; 3]; 3] {
     let corners = scene.faces.get(random.below(scene.faces.len())).copied().unwrap_or_default();
     corners.map(|v| scene.positions.get(v as usize).copied().unwrap_or_default())

@@ -22,9 +22,7 @@ use lights::Placing;
 pub struct Scene {
     /// Name of the scene for [`scene`], such as `translation-1e6`.
     pub name: &'static str,
-    /// Kind of difficulty. Several scenes that differ in degree have the same.
     pub class: &'static str,
-    /// Vertex positions, all finite. Equal positions are meant as one vertex.
     pub positions: Vec<[f32; 3]>,
     /// Triangles, as indices into `positions`. Some scenes have faces without area, or several at one place.
     pub faces: Vec<[u32; 3]>,
@@ -33,9 +31,6 @@ pub struct Scene {
 
 impl Scene {
     /// The scene's faces and edge records, vertices at the same place welded; to be used with `positions` as they are.
-    ///
-    /// # Errors
-    /// [`MeshError`] as for [`Mesh::new`]; a scene of this module gives none.
     pub fn mesh(&self) -> Result<Mesh, MeshError> {
         Mesh::new(&self.positions, &self.faces, Weld::Position)
     }
@@ -78,50 +73,37 @@ impl Entry {
     }
 }
 
-/// Declares [`SCENES`]: classes, their scenes' names, and how one of a number of faces is made.
+/// Declares [`SCENES`]: classes, and how a scene of a number of faces is made. Some are of degrees, which end their names.
 macro_rules! scenes {
-    ($($class:literal { $($name:literal: $make:expr,)* })*) => {
-        const SCENES: &[Entry] = &[$($(Entry { class: $class, name: $name, make: $make },)*)*];
+    ($($class:literal {
+        $(each $degrees:ident $prefix:literal: $($degree:literal)+,)*
+        $($name:literal: $make:expr,)*
+    })*) => {
+        const SCENES: &[Entry] = &[$(
+            $($(Entry {
+                class: $class,
+                name: concat!($prefix, stringify!($degree)),
+                make: |faces| $degrees(faces, $degree),
+            },)+)*
+            $(Entry { class: $class, name: $name, make: $make },)*
+        )*];
     };
 }
 
 scenes! {
     // Far from the origin, where neighbouring floats lie far apart.
-    "translation" {
-        "translation-1e0": |faces| translated(faces, 1e0),
-        "translation-1e1": |faces| translated(faces, 1e1),
-        "translation-1e2": |faces| translated(faces, 1e2),
-        "translation-1e3": |faces| translated(faces, 1e3),
-        "translation-1e4": |faces| translated(faces, 1e4),
-        "translation-1e5": |faces| translated(faces, 1e5),
-        "translation-1e6": |faces| translated(faces, 1e6),
-        "translation-1e7": |faces| translated(faces, 1e7),
-    }
+    "translation" { each translated "translation-": 1e0 1e1 1e2 1e3 1e4 1e5 1e6 1e7, }
     // Where determinants underflow and overflow.
-    "scale" {
-        "scale-1e-30": |faces| of_scale(faces, 1e-30),
-        "scale-1e-20": |faces| of_scale(faces, 1e-20),
-        "scale-1e-10": |faces| of_scale(faces, 1e-10),
-        "scale-1e0": |faces| of_scale(faces, 1e0),
-        "scale-1e10": |faces| of_scale(faces, 1e10),
-        "scale-1e20": |faces| of_scale(faces, 1e20),
-        "scale-1e30": |faces| of_scale(faces, 1e30),
-    }
+    "scale" { each scaled_body "scale-": 1e-30 1e-20 1e-10 1e0 1e10 1e20 1e30, }
     "subnormal" {
         "subnormal-thickness": |faces| flattened(faces, 1e-39),
-        "subnormal-body": |faces| of_scale(faces, 1e-39),
-        "subnormal-last-bits": |faces| of_scale(faces, 1e-43),
+        "subnormal-body": |faces| scaled_body(faces, 1e-39),
+        "subnormal-last-bits": |faces| scaled_body(faces, 1e-43),
     }
     // The longest edge is so many times the height above it.
     "slivers" {
-        "slivers-1e2": |faces| slivers(faces, 1e2),
-        "slivers-1e4": |faces| slivers(faces, 1e4),
-        "slivers-1e6": |faces| slivers(faces, 1e6),
-        "slivers-1e8": |faces| slivers(faces, 1e8),
-        "needles-1e2": |faces| needles(faces, 1e2),
-        "needles-1e4": |faces| needles(faces, 1e4),
-        "needles-1e6": |faces| needles(faces, 1e6),
-        "needles-1e8": |faces| needles(faces, 1e8),
+        each slivers "slivers-": 1e2 1e4 1e6 1e8,
+        each needles "needles-": 1e2 1e4 1e6 1e8,
     }
     // Lights in the plane of all faces: some of the lights or all, and the positions rounded or exactly on a plane.
     "plate" {
@@ -141,25 +123,11 @@ scenes! {
         "lights-1e20": |faces| Scene::new(bodies::blob(faces), Placing::around(1e20)),
     }
     // A sphere so far from lights about the origin, as from eyes.
-    "afar" {
-        "afar-1e2": |faces| afar(faces, 1e2),
-        "afar-1e4": |faces| afar(faces, 1e4),
-        "afar-1e6": |faces| afar(faces, 1e6),
-    }
+    "afar" { each afar "afar-": 1e2 1e4 1e6, }
     // A limb, bent until it folds into itself.
-    "bent" {
-        "bent-60": |faces| Scene::new(bodies::bent_limb(faces, 60), Placing::around(4.0)),
-        "bent-120": |faces| Scene::new(bodies::bent_limb(faces, 120), Placing::around(4.0)),
-        "bent-150": |faces| Scene::new(bodies::bent_limb(faces, 150), Placing::around(4.0)),
-        "bent-179": |faces| Scene::new(bodies::bent_limb(faces, 179), Placing::around(4.0)),
-    }
+    "bent" { each bent "bent-": 60 120 150 179, }
     // A plate with lights in its plane, each vertex moved off it at random, by up to so much.
-    "noise" {
-        "noise-1e-2": |faces| rough(faces, 1e-2),
-        "noise-1e-4": |faces| rough(faces, 1e-4),
-        "noise-1e-6": |faces| rough(faces, 1e-6),
-        "noise-1e-8": |faces| rough(faces, 1e-8),
-    }
+    "noise" { each rough "noise-": 1e-2 1e-4 1e-6 1e-8, }
     // Faults that a modelling program should have refused.
     "topology" {
         "degenerate-faces": |faces| Scene::new(bodies::with_degenerate_faces(faces), Placing::around(3.0)),
@@ -175,7 +143,7 @@ fn translated(faces: usize, by: f32) -> Scene {
     Scene::new(moved(body, [by; 3]), Placing::Around { centre: [by; 3], radius: 20.0 })
 }
 
-fn of_scale(faces: usize, scale: f32) -> Scene {
+fn scaled_body(faces: usize, scale: f32) -> Scene {
     Scene::new(scaled(bodies::blob(faces), scale), Placing::around(2.5 * scale))
 }
 
@@ -188,6 +156,10 @@ fn flattened(faces: usize, thickness: f32) -> Scene {
 fn afar(faces: usize, distance: f32) -> Scene {
     let centre = [0.8, 0.2, -0.6].map(|c| c * distance);
     Scene::new(moved(bodies::sphere(faces), centre), Placing::around(1.0))
+}
+
+fn bent(faces: usize, degrees: u32) -> Scene {
+    Scene::new(bodies::bent_limb(faces, degrees), Placing::around(4.0))
 }
 
 fn rough(faces: usize, amplitude: f32) -> Scene {

@@ -9,28 +9,18 @@ use rimline::mesh::{Mesh, MeshError};
 
 use crate::random::Random;
 
-mod noise;
-mod open;
-
-pub use open::{moebius, plane_grid, three_sheets};
-
 /// The most rings, segments, subdivisions and the like: with it in every direction, face and vertex indices still fit.
 pub const MAX_COUNT: u32 = 1 << 13;
 
-/// Vertices and faces of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
     /// Vertex positions; no two are meant as the same point.
     pub positions: Vec<[f32; 3]>,
-    /// Triangles, as indices into `positions`.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl Shape {
     /// The shape's faces and edge records.
-    ///
-    /// # Errors
-    /// [`MeshError`] as for [`Mesh::from_faces`]; a shape from this module never gives one.
     pub fn mesh(&self) -> Result<Mesh, MeshError> {
         Mesh::from_faces(self.positions.len(), self.faces.clone())
     }
@@ -51,7 +41,6 @@ impl Shape {
         Self { positions, faces }
     }
 
-    /// Several shapes as one, with vertices and faces in this order.
     pub fn joined<'a>(shapes: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut joined = Self::default();
         for shape in shapes {
@@ -87,7 +76,6 @@ fn permutation(count: usize, random: &mut Random) -> Vec<u32> {
 
 /// A closed torus around the Y axis: `rings` cross-sections of `segments` vertices each, at least 3 of both, and
 /// `2·rings·segments` faces. `major` is the radius of the circle that the tube's centre runs along, `minor` the tube's.
-#[must_use]
 pub fn torus(rings: u32, segments: u32, major: f32, minor: f32) -> Shape {
     let (rings, segments) = (rings.clamp(3, MAX_COUNT), segments.clamp(3, MAX_COUNT));
     let mut shape = Shape::default();
@@ -111,7 +99,6 @@ pub fn torus(rings: u32, segments: u32, major: f32, minor: f32) -> Shape {
 
 /// A closed unit sphere of meridians and parallels around the Z axis, as modelling tools make it: `2·segments·(rings −
 /// 1)` faces, at least 3 segments and 2 rings.
-#[must_use]
 pub fn globe(segments: u32, rings: u32) -> Shape {
     let (segments, rings) = (segments.clamp(3, MAX_COUNT), rings.clamp(2, MAX_COUNT));
     let mut shape = Shape { positions: vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], faces: Vec::new() };
@@ -136,7 +123,6 @@ pub fn globe(segments: u32, rings: u32) -> Shape {
 
 /// A closed unit sphere: an octahedron whose faces are split into `subdivisions²` triangles each (at least 1), moved
 /// out to radius 1. `8·subdivisions²` faces of much the same size, and no poles.
-#[must_use]
 pub fn sphere(subdivisions: u32) -> Shape {
     let n = subdivisions.clamp(1, MAX_COUNT) as i32;
     let (mut shape, mut known) = (Shape::default(), HashMap::new());
@@ -172,20 +158,18 @@ pub fn sphere(subdivisions: u32) -> Shape {
 /// `1 + amplitude`: a closed, lumpy body whose silhouettes have cusps and loops. `amplitude` is taken as at most 0.9,
 /// a negative one or NaN as 0; `seed` chooses the lumps. No function of the platform's is called, so all platforms
 /// give the same bits.
-#[must_use]
 pub fn blob(subdivisions: u32, amplitude: f32, seed: u32) -> Shape {
     // Not clamp, which would keep a NaN.
     let amplitude = if amplitude > 0.0 { amplitude.min(0.9) } else { 0.0 };
     let mut shape = sphere(subdivisions);
     for position in &mut shape.positions {
-        let radius = 1.0 + amplitude * noise::smooth(*position, seed);
+        let radius = 1.0 + amplitude * smooth(*position, seed);
         *position = position.map(|axis| axis * radius);
     }
     shape
 }
 
 /// A closed cube from −1 to 1 on each axis: 8 vertices, 12 faces.
-#[must_use]
 pub fn cube() -> Shape {
     let sign = |vertex: u32, bit: u32| if vertex >> bit & 1 == 1 { 1.0 } else { -1.0 };
     let mut shape =
@@ -199,7 +183,6 @@ pub fn cube() -> Shape {
 
 /// A closed cone whose apex and base centre are hubs of `n` faces each, at least 3: base radius 1 at y = 0, apex at
 /// y = 1. `2·n` faces. The hubs are what adjacency by short lists per vertex stumbles over.
-#[must_use]
 pub fn fan(n: u32) -> Shape {
     let n = n.clamp(3, MAX_COUNT * MAX_COUNT);
     let mut shape = Shape { positions: vec![[0.0, 1.0, 0.0], [0.0; 3]], faces: Vec::new() };
@@ -210,6 +193,104 @@ pub fn fan(n: u32) -> Shape {
         shape.faces.extend([[0, next, here], [1, here, next]]);
     }
     shape
+}
+
+/// An open grid of `n` by `m` squares, at least 1 each, from −1 to 1 in X and Z at y = 0, facing +Y: `2·n·m` faces and
+/// `2·(n + m)` boundary edges.
+pub fn plane_grid(n: u32, m: u32) -> Shape {
+    let (n, m) = (n.clamp(1, MAX_COUNT), m.clamp(1, MAX_COUNT));
+    let coordinate = |step: u32, steps: u32| 2.0 * step as f32 / steps as f32 - 1.0;
+    let mut shape = Shape::default();
+    for i in 0..=n {
+        shape.positions.extend((0..=m).map(|j| [coordinate(i, n), 0.0, coordinate(j, m)]));
+    }
+    for i in 0..n {
+        let (here, there) = (i * (m + 1), (i + 1) * (m + 1));
+        for j in 0..m {
+            shape.quad([here + j, here + j + 1, there + j + 1, there + j]);
+        }
+    }
+    shape
+}
+
+/// A Möbius strip of `segments` quads around (at least 3) and `strips` across (at least 1), centre line of radius 1
+/// around the Y axis. It has one side and no consistent orientation: the `strips` edges across the seam are
+/// inconsistent records, and `2·segments` edges are boundaries.
+pub fn moebius(segments: u32, strips: u32) -> Shape {
+    let (segments, strips) = (segments.clamp(3, MAX_COUNT), strips.clamp(1, MAX_COUNT));
+    let row = strips + 1;
+    let mut shape = Shape::default();
+    for i in 0..segments {
+        let (sin_u, cos_u) = turn(i, segments);
+        // Half a turn of the cross-section on one way round.
+        let (sin_half, cos_half) = turn(i, 2 * segments);
+        for j in 0..row {
+            let across = 0.8 * (j as f32 / strips as f32 - 0.5);
+            let radius = 1.0 + across * cos_half;
+            shape.positions.push([radius * cos_u, across * sin_half, radius * sin_u]);
+        }
+    }
+    for i in 0..segments {
+        // Past the seam a row meets the first one end for end.
+        let next = |j: u32| {
+            if i + 1 < segments { (i + 1) * row + j } else { strips - j }
+        };
+        for j in 0..strips {
+            shape.quad([i * row + j, i * row + j + 1, next(j + 1), next(j)]);
+        }
+    }
+    shape
+}
+
+/// Three sheets that meet on one line, the Y axis, of `segments` edges (at least 1): non-manifold. Two sheets run up
+/// the line and one down, so each of its edges has one consistent and one boundary record. `6·segments` faces.
+pub fn three_sheets(segments: u32) -> Shape {
+    let segments = segments.clamp(1, MAX_COUNT);
+    let row = segments + 1;
+    let height = |step: u32| 2.0 * step as f32 / segments as f32 - 1.0;
+    let mut shape = Shape { positions: (0..row).map(|step| [0.0, height(step), 0.0]).collect(), faces: Vec::new() };
+    for sheet in 1..=3 {
+        let (sin, cos) = turn(sheet, 3);
+        shape.positions.extend((0..row).map(|step| [cos, height(step), sin]));
+        for low in 0..segments {
+            let far = sheet * row + low;
+            if sheet == 3 {
+                shape.quad([low, far, far + 1, low + 1]);
+            } else {
+                shape.quad([low, low + 1, far + 1, far]);
+            }
+        }
+    }
+    shape
+}
+
+/// Smooth noise between −1 and 1: two octaves of value noise, the coarse one with two lattice cells to the unit.
+fn smooth(point: [f32; 3], seed: u32) -> f32 {
+    let coarse = value(point.map(|axis| 2.0 * axis), seed);
+    let fine = value(point.map(|axis| 4.0 * axis), seed.wrapping_add(1));
+    (2.0 * coarse + fine) / 3.0
+}
+
+/// Random values at integer points, blended between them with first derivatives 0 there.
+fn value(point: [f32; 3], seed: u32) -> f32 {
+    let cell = point.map(f32::floor);
+    let blend: [f32; 3] = std::array::from_fn(|axis| {
+        let t = point[axis] - cell[axis];
+        t * t * (3.0 - 2.0 * t)
+    });
+    let corner = |offset: [i32; 3]| at_lattice(std::array::from_fn(|axis| cell[axis] as i32 + offset[axis]), seed);
+    let along_x = |y, z| mix(corner([0, y, z]), corner([1, y, z]), blend[0]);
+    let along_y = |z| mix(along_x(0, z), along_x(1, z), blend[1]);
+    mix(along_y(0), along_y(1), blend[2])
+}
+
+fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a * (1.0 - t) + b * t
+}
+
+fn at_lattice(point: [i32; 3], seed: u32) -> f32 {
+    let mix = |state: u64, axis: i32| Random::new(state).next_u64() ^ u64::from(axis as u32);
+    Random::new(point.into_iter().fold(u64::from(seed), mix)).between(-1.0, 1.0)
 }
 
 /// Sine and cosine of `step` of `steps` to the full turn, `step` up to twice `steps`: by + − × ÷ in f64 alone and rounded
