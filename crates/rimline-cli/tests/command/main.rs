@@ -82,8 +82,16 @@ fn main() {
         .into_iter()
         .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)))
         .collect();
-    let on_files =
-        [cases::trials(), clipping::trials(), data::trials(), drawings::raster::trials(), info::trials(), outlines::trials(), shadow::trials(), verify::trials()];
+    let on_files = [
+        cases::trials(),
+        clipping::trials(),
+        data::trials(),
+        drawings::raster::trials(),
+        info::trials(),
+        outlines::trials(),
+        shadow::trials(),
+        verify::trials(),
+    ];
     trials.extend(on_files.into_iter().flatten());
     let conclusion = libtest_mimic::run(&Arguments::from_args(), trials);
     rimline_testkit::device::Gpu::close();
