@@ -29,11 +29,15 @@ fn at_a_cube(light: [f32; 3], methods: &[Counting], is_on: bool) -> Result<usize
         for position in eyes.into_iter().take(count) {
             let cube = Body { mirror, ..Body::caster(component(shapes::cube(), [0.0; 3], 1.0, is_inwards)) };
             let beside = Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.75, 0.5, 0.0]);
-            let bodies = vec![cube, beside, Body::room([0.0; 3], 8.0)];
-            // Positions relative to the eye are rounded by more than the light is off.
-            let eye = Eye::new(position, DVec3::new(0.3, -0.2, 0.1) - position, 0.05);
-            let eye = Eye { is_relative: is_on, ..eye };
-            let traced = Traced::of(Frame { bodies, eye, lights: vec![Light::point(light)], size: 64 }, 0);
+            let room = Body::room([0.0; 3], 8.0);
+            // Beside it, the light would be off by less than positions relative to the eye are rounded by.
+            let eye = if is_on {
+                Eye { is_relative: true, ..Eye::new(position, DVec3::new(0.3, -0.2, 0.1) - position, 0.05) }
+            } else {
+                Eye::new(position, -position, 0.05)
+            };
+            let (bodies, size) = if is_on { (vec![cube, beside, room], 64) } else { (vec![cube, room], 96) };
+            let traced = Traced::of(Frame { bodies, eye, lights: vec![Light::point(light)], size }, 0);
             shadowed += traced.shadowed();
             let renderer = Renderer { placing, ..Renderer::new(&gpu) };
             for &counting in methods {

@@ -4,6 +4,7 @@
 //! The stages are `sides` and `cap_faces`.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use rimline::internals::cpu::{self, Threads};
@@ -207,13 +208,11 @@ fn volumes_close() -> Outcome {
 /// Polygons by labels, with how often each counts.
 type Polygons = Vec<(Vec<Label>, i64)>;
 
-/// With light caps of a caster that is not in the depth buffer, too. Every face casts, or back-facing ones of closed casters
-/// for every other light.
-fn closes(seed: u64, in_depth: bool) -> Outcome {
-    let (gpu, mut random) = Gpu::seeded(seed)?;
-    let open_segments = |polygons: &[_]| open_segments(polygons, if in_depth { is_inner } else { is_before_dark_caps });
+/// Strips of sides, by positions and whether the first end has the lower index; and of near caps and light caps, by positions
+/// and indices.
+fn probes(gpu: &Gpu) -> Result<[Arc<Probe>; 2], String> {
     let of_sides = Probe::of(
-        &gpu,
+        gpu,
         &SIDES,
         [3, 5],
         "let is_ordered = input_position(2u).x != 0.0;
@@ -222,7 +221,7 @@ fn closes(seed: u64, in_depth: bool) -> Outcome {
     }",
     )?;
     let of_caps = Probe::of(
-        &gpu,
+        gpu,
         &CAP_FACES,
         [4, 9],
         "let face = CapFace(input_position(0u), input_position(1u), input_position(2u), vec3<u32>(input_position(3u)));
@@ -233,6 +232,15 @@ fn closes(seed: u64, in_depth: bool) -> Outcome {
       out[5u + vertex] = seen_light_cap_vertex(pair.view, pair.light, face, true, vertex);
     }",
     )?;
+    Ok([of_sides, of_caps])
+}
+
+/// With light caps of a caster that is not in the depth buffer, too. Every face casts, or back-facing ones of closed casters
+/// for every other light.
+fn closes(seed: u64, in_depth: bool) -> Outcome {
+    let (gpu, mut random) = Gpu::seeded(seed)?;
+    let open_segments = |polygons: &[_]| open_segments(polygons, if in_depth { is_inner } else { is_before_dark_caps });
+    let [of_sides, of_caps] = probes(&gpu)?;
     let (mut caps, mut sides, mut noticed, mut would_be_cut) = (0, 0, 0, 0);
     for number in 0..if is_long() { 600 } else { 24 } {
         let mut scene = scene(&mut random, number, 24);
