@@ -46,13 +46,32 @@ impl Fit {
     }
 }
 
-/// Maps with a contour in each tile that winds through nearly all cells: a loop, or joined to its neighbours.
-fn winding(random: &mut Random, is_loop: bool) -> Map {
+/// The samples of a tile, of which some are near. A contour winds through nearly all cells.
+const SPIRAL: [&str; 16] = [
+    "................",
+    ".###############",
+    "...............#",
+    ".#############.#",
+    ".#...........#.#",
+    ".#.#########.#.#",
+    ".#.#.......#.#.#",
+    ".#.#.#####.#.#.#",
+    ".#.#.#...#.#.#.#",
+    ".#.#.#.###.#.#.#",
+    ".#.#.#.....#.#.#",
+    ".#.#.#######.#.#",
+    ".#.#.........#.#",
+    ".#.###########.#",
+    ".#.............#",
+    ".###############",
+];
+
+/// Maps with a spiral in each tile: a loop, or joined to its neighbours.
+fn spirals(random: &mut Random, is_loop: bool) -> Map {
     // The sample 0 of the lattice lies before texel 0.
     Map::new([142, 110], false, |texel| {
-        let [x, y] = [texel % 142 + 1, texel / 142 + 1].map(|at| at % 16);
-        let is_inner = (1..15).contains(&x) && (1..16).contains(&y);
-        let is_near = is_inner && (y % 2 == 1 || x == [1, 14][y as usize / 2 % 2]) || (!is_loop && [x, y] == [0, 1]);
+        let [x, y] = [texel % 142 + 1, texel / 142 + 1].map(|at| (at % 16) as usize);
+        let is_near = SPIRAL[y].as_bytes()[x] == b'#' || (!is_loop && [x, y] == [0, 1]);
         if is_near { random.between(0.2, 0.4) } else { random.between(0.7, 0.9) }
     })
 }
@@ -202,8 +221,8 @@ fn long() -> Result<(), String> {
     for is_loop in [false, true] {
         for (sideways, depth) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.01), (0.5, 1.0)] {
             let fit = Fit { threshold: 0.25, sideways, depth, slope_bias: 1.0 };
-            let quads = walls_of(&gpu, &winding(&mut random, is_loop), None, fit.options())?;
-            let name = format!("winding walls, loops {is_loop}, sideways {sideways}, depth {depth}");
+            let quads = walls_of(&gpu, &spirals(&mut random, is_loop), None, fit.options())?;
+            let name = format!("walls of spirals, loops {is_loop}, sideways {sideways}, depth {depth}");
             println!("{} {name}", quads.len());
             golden("depth_map", &name, &words(&(quads.len() as u32, quads)))?;
         }
