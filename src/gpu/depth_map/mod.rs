@@ -45,14 +45,14 @@ mod meeting;
 mod merge;
 mod mesh_depth;
 pub(crate) mod metric;
-mod near;
+pub(crate) mod near;
 mod options;
 pub(crate) mod pipelines;
 mod recording;
 mod scene_depth;
 mod statistics;
 mod texture;
-mod view;
+pub(crate) mod view;
 mod volumes;
 mod written;
 
