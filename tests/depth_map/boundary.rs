@@ -1,12 +1,16 @@
-//! The boundary between light and shadow of a depth map, in `f64`, written independently: no code and no constant of the
-//! library. Segments cross its triangles where determinants of homogeneous points say so.
+//! The boundary between light and shadow of a depth map, in `f64`, without code of the library. Segments cross its
+//! triangles where determinants of homogeneous points say so.
 
 use std::collections::HashMap;
 
 use glam::{DMat4, DVec3, DVec4, Mat4};
 use rimline::{DepthDirection, ShadowCamera};
+use wgpu::TextureFormat;
 
+use crate::cube::{Cube, merged, on_rays, parted};
 use crate::maps::Map;
+use crate::picture::{EVERY_CELL, differences};
+use crate::rules::{CELL, Rule, TRIANGLES, cast, entries, is_split, rank};
 
 struct Triangle {
     corners: [DVec4; 3],
@@ -39,60 +43,36 @@ fn determinant(a: DVec4, b: DVec4, c: DVec4, d: DVec4) -> f64 {
 
 /// The device depth of a sample, `None` where it casts nothing.
 pub(crate) fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
-    let [width, height] = map.size.map(i64::from);
-    if x < 0 || y < 0 || x >= width || y >= height {
-        return None;
-    }
-    let depth = f64::from(map.depths[(y * width + x) as usize]);
-    let is_far = depth.is_nan() || if map.is_reversed { depth < f64::from(f32::MIN_POSITIVE) } else { depth >= 1.0 };
-    (!is_far).then(|| depth.clamp(0.0, 1.0))
+    cast(map, x, y).map(f64::from)
 }
 
-/// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too.
+/// The triangles of a map, and which of them are drawn if edges are marked where depths differ by more than the
+/// threshold, or everywhere if it is negative. Without `has_border` the map is one of a cube.
 fn triangles(
-    is_reversed: bool,
-    threshold: f64,
-    spreads: bool,
-    positions: impl Iterator<Item = [i64; 2]>,
-    sample: &dyn Fn([i64; 2]) -> Option<f64>,
+    map: &Map,
+    (threshold, bits): (f32, usize),
+    has_border: bool,
     vertex: &dyn Fn([i64; 2]) -> DVec4,
 ) -> Vec<Triangle> {
-    let is_marked = |a: [i64; 2], b: [i64; 2]| match (sample(a), sample(b)) {
-        (None, None) => false,
-        (Some(a), Some(b)) => (a - b).abs() > threshold,
-        _ => true,
-    };
-    // How far apart two depths are among all numbers of 32 bits.
-    let rank = |at: [i64; 2]| match sample(at) {
-        Some(depth) => {
-            let unit = if depth < f64::from(f32::MIN_POSITIVE) { 0 } else { i64::from((depth as f32).to_bits()) };
-            if is_reversed { 0x3f80_0000 - unit } else { unit }
-        }
-        None => 0x7fff_ffff,
-    };
+    let method = if threshold < 0.0 { EVERY_CELL } else { differences(threshold) };
+    let rule = Rule::new(method, bits, map.is_reversed, TextureFormat::R32Float);
+    let entries = entries(map, &[], &rule, has_border).0;
+    let drawn: HashMap<_, _> = entries.into_iter().map(|entry| (entry & CELL, entry)).collect();
+    let (border, [width, height]) = (i64::from(has_border), map.size.map(i64::from));
     let mut triangles = Vec::new();
-    for [x, y] in positions {
-        let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
-        let is_cut_from_b = (rank(a) - rank(d)).abs() > (rank(b) - rank(c)).abs();
-        // The corner between the edges, and the two ends of the diagonal.
-        // The half with b or, where that is on the cut, with a is the first.
-        let halves = if is_cut_from_b { [[a, b, c], [d, b, c]] } else { [[b, a, d], [c, a, d]] };
-        let is_beside_edge = |at: &[i64; 2]| {
-            let [x, y] = *at;
-            sample(*at).is_some()
-                && [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]].iter().any(|&there| is_marked(*at, there))
-        };
-        let are_drawn = halves.map(|[between, p, q]| {
-            is_marked(between, p) || is_marked(between, q) || spreads && [between, p, q].iter().any(is_beside_edge)
-        });
-        for ([between, p, q], is_drawn) in halves.into_iter().zip(are_drawn) {
-            let corners = [between, p, q].map(vertex);
+    for [x, y] in (-border..height - 1 + border).flat_map(|y| (-border..width - 1 + border).map(move |x| [x, y])) {
+        let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+        let is_split = is_split(corners.map(|[x, y]| rank(map, cast(map, x, y))));
+        let entry = drawn.get(&(((y + 1) * (width + 1) + x + 1) as u32)).copied().unwrap_or(0);
+        let [a, b, c, d] = corners.map(vertex);
+        let halves = if is_split { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] };
+        for (corners, bit) in halves.into_iter().zip(TRIANGLES) {
             if corners.iter().all(|corner| corner.w == 0.0) {
                 continue;
             }
             let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
             let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
-            triangles.push(Triangle { corners, plane, is_drawn });
+            triangles.push(Triangle { corners, plane, is_drawn: entry & bit != 0 });
         }
     }
     triangles
@@ -136,54 +116,35 @@ pub(crate) fn names(cameras: &[ShadowCamera; 6], side: u32) -> impl Fn(usize, [i
 }
 
 impl Boundary {
-    /// The boundary of a map, moved by parts of a texel. Edges are marked where depths differ by more than the
-    /// threshold, or everywhere if it is negative.
-    pub(crate) fn edited(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64, by: Option<[f64; 2]>) -> Self {
-        let [right, down] = by.unwrap_or([0.0; 2]);
-        let position = positions(camera, map.size, [right, down]);
+    /// The boundary of a map, moved by parts of a texel.
+    pub(crate) fn edited(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f32, by: Option<[f64; 2]>) -> Self {
+        let position = positions(camera, map.size, by.unwrap_or([0.0; 2]));
         let vertex = |at: [i64; 2]| {
             if let Some(depth) = sample(map, at[0], at[1]) {
                 return position(at, depth).extend(1.0);
             }
             (position(at, 0.5) - position(at, near(camera))).normalize().extend(0.0)
         };
-        let [width, height] = map.size.map(i64::from);
-        let cells = (-1..height).flat_map(|y| (-1..width).map(move |x| [x, y]));
-        let sample = |[x, y]: [i64; 2]| sample(map, x, y);
-        let triangles = triangles(map.is_reversed, threshold, by.is_some(), cells, &sample, &vertex);
-        Self { triangles, light }
+        Self { triangles: triangles(map, (threshold, 1 + usize::from(by.is_some())), true, &vertex), light }
     }
 
-    /// The boundary of six maps around a light. Samples whose rays are the same are one.
-    pub(crate) fn cube(maps: &[Option<Map>; 6], cameras: &[ShadowCamera; 6], light: DVec3, threshold: f64) -> Self {
-        let side = maps.iter().flatten().map(|map| map.size[0]).max().unwrap_or(3);
-        let is_reversed = cameras[0].depth == DepthDirection::Reversed;
-        let position = cameras.each_ref().map(|camera| positions(camera, [side; 2], [0.0; 2]));
-        let name = names(cameras, side);
-        // The nearest depth of each ray, and the first sample that it has.
-        let mut rays: HashMap<[i64; 3], (Option<f64>, DVec4)> = HashMap::new();
-        let side = i64::from(side);
-        let all = || (0..6).flat_map(move |face| (0..side * side).map(move |at| (face, [at % side, at / side])));
-        for (face, at) in all() {
-            let depth = maps[face].as_ref().and_then(|map| sample(map, at[0], at[1]));
-            let there = rays.entry(name(face, at)).or_insert((depth, DVec4::ZERO));
-            there.0 = match (there.0, depth) {
-                (Some(a), Some(b)) => Some(if is_reversed { a.max(b) } else { a.min(b) }),
-                (a, b) => a.or(b),
+    /// The boundary of six maps around a light. Samples whose rays are the same are one: the nearest.
+    pub(crate) fn cube(cube: &Cube, threshold: f32) -> Self {
+        let (side, is_reversed) = (cube.side, cube.cameras[0].depth == DepthDirection::Reversed);
+        let rays = on_rays(&cube.cameras, side);
+        let of_face = |(face, depths): (u32, Vec<f32>)| {
+            let map = Map { size: [side; 2], is_reversed, depths };
+            let vertex = |[x, y]: [i64; 2]| {
+                let (first, at) = rays[&(face, [x as u32, y as u32])][0];
+                let camera = &cube.cameras[first as usize];
+                let position = |depth| positions(camera, [side; 2], [0.0; 2])(at.map(i64::from), depth);
+                let far = || (position(near(camera)) - cube.light).normalize().extend(0.0);
+                sample(&map, x, y).map_or_else(far, |depth| position(depth).extend(1.0))
             };
-        }
-        for (face, at) in all() {
-            if let Some((depth, vertex)) = rays.get_mut(&name(face, at)).filter(|ray| ray.1 == DVec4::ZERO) {
-                let far = || (position[face](at, near(&cameras[face])) - light).normalize().extend(0.0);
-                *vertex = depth.map_or_else(far, |depth| position[face](at, depth).extend(1.0));
-            }
-        }
-        let of_face = |face: usize| {
-            let cells = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| [x, y]));
-            let ray = |at: [i64; 2]| rays[&name(face, at)];
-            triangles(is_reversed, threshold, false, cells, &|at| ray(at).0, &|at| ray(at).1)
+            triangles(&map, (threshold, 1), false, &vertex)
         };
-        Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
+        let faces = parted(side, &merged(cube, &[]).0);
+        Self { triangles: (0..).zip(faces).flat_map(of_face).collect(), light: cube.light.extend(1.0) }
     }
 
     fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {

@@ -1,7 +1,6 @@
 //! Depth maps of tests: random ones, and ones that are hard to take.
 
 use rimline::DepthDirection;
-use rimline::internals::layout::DepthMapShape;
 use rimline_testkit::random::Random;
 use wgpu::TextureFormat;
 
@@ -32,24 +31,6 @@ impl Map {
         let clamped = |depth: &f32| if depth.is_nan() { 0.5 } else { depth.clamp(0.0, 1.0) };
         let is_plain = format == TextureFormat::R32Float;
         Self { depths: self.depths.iter().map(|d| if is_plain { *d } else { clamped(d) }).collect(), ..*self }
-    }
-
-    /// The shape of the map with these options. A negative threshold marks every cell.
-    pub(crate) fn shape(&self, threshold: f32, capacity: u32) -> DepthMapShape {
-        let cells = (self.size[0] + 1) * (self.size[1] + 1);
-        DepthMapShape {
-            size: self.size,
-            cells,
-            blocks: cells.div_ceil(256),
-            capacity: capacity.min(cells),
-            every_cell: u32::from(threshold < 0.0),
-            threshold: threshold.max(0.0).to_bits(),
-            is_reversed: u32::from(self.is_reversed),
-            faces: 1,
-            has_objects: 0,
-            spread: 0,
-            unused: 0,
-        }
     }
 }
 

@@ -9,6 +9,7 @@ use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapFrame, DepthMapMethod, DepthMapOptions, DepthMapPipelines,
     DepthMapStatistics, DepthMapVolumes,
 };
+use rimline::internals::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
@@ -164,22 +165,10 @@ impl Encoded {
         eye: &ShadowCamera,
         options: DepthMapOptions,
     ) -> Result<Self, String> {
-        Self::then(gpu, pipelines, maps, eye, options, |_, _| Ok(()))
-    }
-
-    fn then(
-        gpu: &Gpu,
-        pipelines: &DepthMapPipelines,
-        maps: &Maps,
-        eye: &ShadowCamera,
-        options: DepthMapOptions,
-        record: impl FnOnce(&mut wgpu::CommandEncoder, &DepthMapFrame) -> Result<(), String>,
-    ) -> Result<Self, String> {
         let mut volumes = Volumes::new(pipelines, maps.lights.len(), maps.size, options)?;
         let (frame, statistics) = gpu.submit(|encoder| {
             let frame = volumes.encode(encoder, maps, eye)?;
             let statistics = frame.statistics(encoder).map_err(text)?;
-            record(encoder, &frame)?;
             Ok((frame, statistics))
         })?;
         Ok(Self { volumes, frame, statistics: gpu.read(&statistics, 1)?[0] })
@@ -189,6 +178,12 @@ impl Encoded {
     pub(crate) fn list(&self, gpu: &Gpu) -> Result<Vec<u32>, String> {
         let count = self.statistics.found.min(self.statistics.capacity);
         gpu.read(self.volumes.cells(), 1 + count as usize)
+    }
+
+    /// Whether its near cap is skipped (0), skipped by the GPU (1), or drawn (2).
+    pub(crate) fn cap_kind(&self) -> usize {
+        let is_skipped = *self.frame.near_cap() == DepthMapNearCap::Skipped;
+        if self.has_cap() { 2 } else { usize::from(!is_skipped) }
     }
 
     /// Whether a near cap is drawn.
@@ -224,11 +219,12 @@ impl<'a> Target<'a> {
         let side = (depths.len() / samples as usize).isqrt() as u32;
         let target = sampled(gpu, [side; 2], (format, samples), depths)?;
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let encoded = Encoded::then(gpu, &pipelines, maps, &eye, options, |encoder, frame| {
+        let encoded = Encoded::new(gpu, &pipelines, maps, &eye, options)?;
+        let stencils = gpu.submit(|encoder| {
             let pass = depth_pass(&view, (None, Some(wgpu::LoadOp::Load)));
-            frame.draw(&mut encoder.begin_render_pass(&pass), &pipelines).map_err(text)
+            encoded.frame.draw(&mut encoder.begin_render_pass(&pass), &pipelines).map_err(text)?;
+            Stencils::of(gpu, encoder, &target)
         })?;
-        let stencils = gpu.submit(|encoder| Stencils::of(gpu, encoder, &target))?;
         Ok((stencils.read(gpu)?, encoded))
     }
 }

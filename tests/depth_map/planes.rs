@@ -66,22 +66,19 @@ impl Plane {
 
 /// Pixels on planes and behind them, and wrong ones.
 #[derive(Debug, Default)]
-struct Tally {
-    seen: [usize; 2],
-    wrong: [usize; 2],
-}
+struct Tally([[usize; 2]; 2]);
 
 impl Tally {
     fn add(&mut self, is_behind: bool, [dark, all]: [usize; 2]) {
-        let kind = usize::from(is_behind);
-        self.seen[kind] += all;
-        self.wrong[kind] += if is_behind { all - dark } else { dark };
+        let [seen, wrong] = &mut self.0[usize::from(is_behind)];
+        *seen += all;
+        *wrong += if is_behind { all - dark } else { dark };
     }
 
     fn check(&self, least: usize) -> Result<(), String> {
         println!("{self:?}");
-        let is_tried = self.seen.iter().all(|&seen| seen > least);
-        if is_tried && self.wrong == [0; 2] { Ok(()) } else { Err(format!("{self:?}")) }
+        let is_right = self.0.iter().all(|&[seen, wrong]| seen > least && wrong == 0);
+        if is_right { Ok(()) } else { Err(format!("{self:?}")) }
     }
 }
 
@@ -110,8 +107,8 @@ fn grazing() -> Result<(), String> {
         // Along the plane, and away from the light.
         let along = (forward - forward.dot(normal) * normal).normalize();
         let foot = f64::from(random.between(-6.0, 6.0)) * along;
-        // The bias is a texel's diagonal at most, which along the light is as much times the tangent, and four steps.
-        let behind = 2.5 * texel * angle.tan() + 0.01;
+        // The bias is half of a texel's diagonal at most, which along the light is as much times the tangent, and four steps.
+        let behind = 0.75 * texel * angle.tan() + 0.01;
         for (is_below, method) in [(false, EVERY_CELL), (false, AUTOMATIC), (true, EVERY_CELL), (true, AUTOMATIC)] {
             let half_width = Some(half_width * f64::from(random.between(0.3, 1.5)));
             // The eye looks at the plane, or from below at what lies behind it.

@@ -163,14 +163,7 @@ impl Marks {
 /// Bits of an entry: its cell, the cell is split from its sample (1, 0), and its two triangles are drawn.
 pub(crate) const CELL: u32 = (1 << 29) - 1;
 const SPLIT: u32 = 1 << 29;
-const TRIANGLES: [u32; 2] = [1 << 30, 1 << 31];
-
-/// The corners of the six vertices of a cell, from its first sample: `None` where a triangle is omitted.
-pub(crate) fn corners(entry: u32) -> [Option<[u32; 2]>; 6] {
-    let [a, b, c, d] = [[0, 0], [1, 0], [0, 1], [1, 1]];
-    let triangles = if entry & SPLIT == 0 { [a, b, d, a, d, c] } else { [a, b, c, b, d, c] };
-    std::array::from_fn(|vertex| (entry & TRIANGLES[vertex / 3] != 0).then_some(triangles[vertex]))
-}
+pub(crate) const TRIANGLES: [u32; 2] = [1 << 30, 1 << 31];
 
 /// The entries row by row, and how many edges were continued. Without `has_border` the map is one of a cube: there are
 /// no edges to samples around it. Cells have the numbers of those with a border.

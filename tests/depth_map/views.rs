@@ -3,23 +3,21 @@
 
 use std::cell::OnceCell;
 
-use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
+use glam::{DVec2, DVec3, DVec4};
 use rimline::ShadowCamera;
-use rimline::gpu::depth_map::DepthMetric;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 use wgpu::TextureFormat;
 
-use crate::distances::Measured;
 use crate::maps::Map;
 use crate::parity::{clip, device_depth, middle};
 use crate::picture::{Maps, REVERSED, STANDARD, look};
 use crate::scene::{Eye, Rays};
 use crate::worlds::World;
 
-/// Pixels along the side of what the eye sees, and of a map if nothing else is said.
-pub(crate) const SIDE: u32 = 96;
+/// Pixels along the side of what the eye sees, and texels of a map.
+const SIDE: u32 = 96;
 /// The distance between what casts and what is next to it as the light sees it, to tell a border from a fold.
 const APART: f64 = 0.15;
 /// The distance that shadow rays begin over a surface.
@@ -144,7 +142,7 @@ fn seen(world: &World, rays: &Rays, side: u32) -> Vec<Seen> {
 }
 
 /// Device depths of what is seen.
-pub(crate) fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
+fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
     let far = if camera.depth == REVERSED { 0.0 } else { 1.0 };
     seen.iter().map(|seen| seen.map_or(far, |(position, _)| device_depth(camera, position))).collect()
 }
@@ -158,23 +156,6 @@ pub(crate) struct Receiver {
     near: [OnceCell<Near>; 8],
 }
 
-/// How the map of a light is made.
-#[derive(Clone, Copy)]
-pub(crate) struct MapOf {
-    /// Texels along the side.
-    pub(crate) side: u32,
-    /// The near and the far plane, if they are others.
-    pub(crate) planes: Option<(f64, Option<f64>)>,
-    /// The angle by which it is turned around the light's direction.
-    pub(crate) turn: f64,
-}
-
-impl Default for MapOf {
-    fn default() -> Self {
-        Self { side: SIDE, planes: None, turn: 0.0 }
-    }
-}
-
 /// A world that casts, a light and an eye, and what both see, pixel by pixel.
 pub(crate) struct View<'a> {
     pub(crate) world: &'a World,
@@ -183,16 +164,12 @@ pub(crate) struct View<'a> {
     pub(crate) eye: ShadowCamera,
     pub(crate) eye_seen: Vec<Seen>,
     pub(crate) receivers: Vec<Receiver>,
-    /// Whether the near rectangle cuts a body, in its middle or its borders.
-    pub(crate) is_cut: bool,
 }
 
 impl<'a> View<'a> {
     /// The eye sees the world `drawn`, in `pixels` along a side.
     pub(crate) fn new((world, drawn): (&'a World, &World), sun: Sun, eye: ShadowCamera, pixels: u32) -> Self {
         let rays = Rays::new(&eye, pixels);
-        let mut corners = (0..=pixels).flat_map(|y| (0..=pixels).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
-        let is_cut = corners.any(|position| drawn.is_inside(rays.at(position).0));
         let eye_seen = seen(drawn, &rays, pixels);
         let receivers = (0..).zip(&eye_seen).filter_map(|(pixel, seen)| {
             let seen = (*seen)?;
@@ -200,33 +177,27 @@ impl<'a> View<'a> {
             (!sun.is_back_facing(seen)).then(|| Receiver { pixel, seen, is_lit: sun.is_lit(world, seen), near })
         });
         let receivers = receivers.collect();
-        Self { world, sun, light_seen: OnceCell::new(), eye, eye_seen, receivers, is_cut }
+        Self { world, sun, light_seen: OnceCell::new(), eye, eye_seen, receivers }
     }
 
     /// `None` if the near rectangle is in a body: what is seen there is no surface.
     pub(crate) fn random(random: &mut Random, world: &'a World) -> Option<Self> {
-        Self::lit(random, world, MapOf::default())
-    }
-
-    /// The same with another map.
-    pub(crate) fn lit(random: &mut Random, world: &'a World, MapOf { side, planes, turn }: MapOf) -> Option<Self> {
         let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
         let towards = DVec3::new(between(-0.7, 0.7), 1.0, between(-0.7, 0.7)).normalize();
         let is_parallel = between(0.0, 1.0) < 0.4;
         let depth = if between(0.0, 1.0) < 0.5 { REVERSED } else { STANDARD };
         let position = towards * 9.0;
         let (far, half_width) = if is_parallel { (Some(20.0), Some(5.0)) } else { (Some(30.0), None) };
-        let (near, far) =
-            planes.map_or((1.0, far), |(near, given)| (near, if is_parallel { given.or(far) } else { given }));
-        let mut camera = Eye { depth, far, half_width, ..look(position, -towards, near) }.camera();
-        let turned = DMat4::from_rotation_z(turn) * Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
-        camera.view_projection = turned.as_mat4().to_cols_array_2d();
-        let sun = Sun::new(if is_parallel { towards } else { position }, is_parallel, vec![camera], side);
+        let camera = Eye { depth, far, half_width, ..look(position, -towards, 1.0) }.camera();
+        let sun = Sun::new(if is_parallel { towards } else { position }, is_parallel, vec![camera], SIDE);
         let position = DVec3::new(between(-5.0, 5.0), between(0.6, 5.0), between(-5.0, 5.0));
         let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.5), between(-1.0, 1.0)) - position;
         let near = if between(0.0, 1.0) < 0.3 { 1.0 } else { 0.1 };
         let eye = Eye { is_relative: false, ..look(position, forward, near) }.camera();
-        Some(Self::new((world, world), sun, eye, SIDE)).filter(|view| !view.is_cut)
+        let near = Rays::new(&eye, SIDE);
+        let mut corners = (0..=SIDE).flat_map(|y| (0..=SIDE).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
+        let is_cut = corners.any(|position| world.is_inside(near.at(position).0));
+        (!is_cut).then(|| Self::new((world, world), sun, eye, SIDE))
     }
 
     /// The points that the light sees in each map.
@@ -235,35 +206,23 @@ impl<'a> View<'a> {
         self.light_seen.get_or_init(|| rays.iter().map(|rays| seen(self.world, rays, *side)).collect())
     }
 
-    pub(crate) fn map(&self, face: usize) -> Map {
-        let (camera, seen) = (&self.sun.cameras[face], &self.light_seen()[face]);
-        Map { size: [self.sun.side; 2], is_reversed: camera.depth == REVERSED, depths: depths(camera, seen) }
-    }
-
     pub(crate) fn maps(&self, gpu: &Gpu, format: TextureFormat) -> Result<Maps, String> {
         self.moved_maps(gpu, format, 0)
     }
 
     /// The maps with all texels moved by so many: negative controls.
     pub(crate) fn moved_maps(&self, gpu: &Gpu, format: TextureFormat, by: usize) -> Result<Maps, String> {
-        let map = |face| {
-            let mut map = self.map(face);
-            map.depths.rotate_right(by);
-            Some(map)
+        let map = |(camera, seen): (&ShadowCamera, &Vec<Seen>)| {
+            let mut depths = depths(camera, seen);
+            depths.rotate_right(by);
+            Some(Map { size: [self.sun.side; 2], is_reversed: camera.depth == REVERSED, depths })
         };
-        let maps: Vec<_> = (0..self.sun.cameras.len()).map(map).collect();
+        let maps: Vec<_> = self.sun.cameras.iter().zip(self.light_seen()).map(map).collect();
         Maps::all(gpu, (&maps, self.sun.side), format, &self.sun.cameras)
     }
 
     pub(crate) fn eye_depths(&self) -> Vec<f32> {
         depths(&self.eye, &self.eye_seen)
-    }
-
-    /// Distances in place of a map's depths.
-    pub(crate) fn distances(&self, metric: DepthMetric) -> Vec<f32> {
-        let measured = Measured::new(&self.sun.cameras[0]);
-        let distance = |(position, _): (DVec3, DVec3)| measured.distance(metric, position) as f32;
-        self.light_seen()[0].iter().map(|seen| seen.map_or(f32::INFINITY, distance)).collect()
     }
 
     /// Kind of boundary around a receiver within a texel, and as much as bits of the stencil move it.

@@ -1,6 +1,6 @@
-//! Casters in the tests of shadows: distance fields with analytic forms, and meshes; each on a ground.
+//! Casters in the tests of shadows: analytic ones and meshes, each on a ground.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rimline_testkit::rays;
 use rimline_testkit::shapes::Shape;
 
@@ -25,34 +25,12 @@ pub(crate) enum World {
     Mesh(rays::Tracer<()>),
     /// Triangles alone, without a ground.
     Bare(rays::Tracer<()>),
-    /// Plates of an irregular pattern at height 1.
-    Plates,
-}
-
-/// Whether a plate is over a position.
-fn has_plate(x: f64, z: f64) -> bool {
-    (x * 1.3).sin() + (z * 1.7 + 0.4 * x).cos() + 0.6 * (2.9 * x - 1.1 * z).sin() > 0.7
 }
 
 impl World {
     pub(crate) fn mesh(shape: &Shape, scale: f64, centre: DVec3) -> Self {
         let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from)) * scale + centre;
         Self::Mesh(rays::Tracer::build(shape.faces.iter().map(|face| (face.map(corner), ()))))
-    }
-
-    fn distance(&self, p: DVec3) -> f64 {
-        match *self {
-            Self::Sphere { centre, radius } => (p - centre).length() - radius,
-            Self::Torus { centre, major, minor } => {
-                let q = p - centre;
-                glam::DVec2::new(glam::DVec2::new(q.x, q.z).length() - major, q.y).length() - minor
-            }
-            Self::Cuboid { centre, half } => {
-                let q = (p - centre).abs() - half;
-                q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
-            }
-            Self::Mesh(_) | Self::Bare(_) | Self::Plates => f64::INFINITY,
-        }
     }
 
     fn has_ground(&self) -> bool {
@@ -62,53 +40,30 @@ impl World {
     /// Whether a point is in the body, or below the ground.
     pub(crate) fn is_inside(&self, point: DVec3) -> bool {
         let is_in_body = match self {
+            Self::Sphere { centre, radius } => point.distance(*centre) <= *radius,
+            Self::Torus { centre, major, minor } => of_torus(point - centre, [*major, *minor]) <= 0.0,
+            Self::Cuboid { centre, half } => (point - centre).abs().cmple(*half).all(),
             // Meshes are closed. The direction is no axis of theirs.
             Self::Mesh(tracer) | Self::Bare(tracer) => {
                 let direction = DVec3::new(0.48, 0.6, 0.64);
                 tracer.meetings((point, direction)).filter(|(t, _)| *t > 0.0).count() % 2 == 1
             }
-            _ => self.distance(point) <= 0.0,
         };
         (point.y <= 0.0 && self.has_ground()) || is_in_body
     }
 
     /// Where a ray meets the shape first, and the normal there.
     fn shape(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
-        if let Self::Mesh(tracer) | Self::Bare(tracer) = self {
-            let (t, triangle) = tracer.nearest((from, direction))?;
-            let [a, b, c] = triangle.corners;
-            return Some((t, (b - a).cross(c - a).normalize()));
-        }
-        match *self {
-            Self::Sphere { centre, radius } => sphere(from - centre, direction, radius),
-            Self::Cuboid { centre, half } => cuboid(from - centre, direction, half),
-            Self::Plates => {
-                let t = (1.0 - from.y) / direction.y;
-                let at = from + t * direction;
-                (t > 0.0 && has_plate(at.x, at.z)).then_some((t, DVec3::Y))
+        match self {
+            Self::Sphere { centre, radius } => sphere(from - centre, direction, *radius),
+            Self::Torus { centre, major, minor } => torus(from - centre, direction, [*major, *minor]),
+            Self::Cuboid { centre, half } => cuboid(from - centre, direction, *half),
+            Self::Mesh(tracer) | Self::Bare(tracer) => {
+                let (t, triangle) = tracer.nearest((from, direction))?;
+                let [a, b, c] = triangle.corners;
+                Some((t, (b - a).cross(c - a).normalize()))
             }
-            _ => self.march(from, direction),
         }
-    }
-
-    /// The same for a torus, by steps of its distance between where the ray enters and leaves a sphere around it.
-    fn march(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
-        let Self::Torus { centre, major, minor } = *self else { return None };
-        let [enter, leave] = through(from - centre, direction, major + minor + 1e-6)?;
-        let mut t = enter.max(0.0);
-        for _ in 0..2000 {
-            if t > leave {
-                break;
-            }
-            let distance = self.distance(from + t * direction);
-            if distance < 1e-9 {
-                let at = from + t * direction;
-                let slope = |axis: DVec3| self.distance(at + 1e-5 * axis) - self.distance(at - 1e-5 * axis);
-                return Some((t, DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize()));
-            }
-            t += distance;
-        }
-        None
     }
 
     /// Where a ray meets anything first, and the normal there, against the ray. The direction has length 1.
@@ -121,6 +76,31 @@ impl World {
         let found = [ground, shape].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         found.map(|(t, normal)| (t, if normal.dot(direction) > 0.0 { -normal } else { normal }))
     }
+}
+
+/// The distance from a torus around the origin.
+fn of_torus(at: DVec3, [major, minor]: [f64; 2]) -> f64 {
+    DVec2::new(DVec2::new(at.x, at.z).length() - major, at.y).length() - minor
+}
+
+/// Where a ray meets a torus around the origin, and the normal there: by steps of its distance between where the ray
+/// enters and leaves a sphere around it.
+fn torus(from: DVec3, direction: DVec3, radii: [f64; 2]) -> Option<(f64, DVec3)> {
+    let [enter, leave] = through(from, direction, radii[0] + radii[1] + 1e-6)?;
+    let mut t = enter.max(0.0);
+    for _ in 0..2000 {
+        let at = from + t * direction;
+        let distance = of_torus(at, radii);
+        if t > leave {
+            break;
+        }
+        if distance < 1e-9 {
+            let slope = |axis: DVec3| of_torus(at + 1e-5 * axis, radii) - of_torus(at - 1e-5 * axis, radii);
+            return Some((t, DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize()));
+        }
+        t += distance;
+    }
+    None
 }
 
 /// Where a line enters and leaves a sphere around the origin. The direction has length 1.

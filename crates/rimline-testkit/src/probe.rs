@@ -1,8 +1,8 @@
 //! Functions of a stage's WGSL, called by a compute shader that writes down what they return.
 
-use rimline::internals::stages::Stage;
-
 use crate::device::Gpu;
+use crate::dispatch::storage_layout;
+use crate::passes::bind;
 
 /// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a
 /// `vec4<f32>`, and of `index`.
@@ -16,36 +16,22 @@ pub struct Probe {
 pub enum Bound<'a> {
     Uniform(&'a wgpu::Buffer),
     Storage(&'a wgpu::Buffer),
-    Floats(&'a wgpu::TextureView),
-    Integers(&'a wgpu::TextureView),
 }
 
 impl<'a> Bound<'a> {
     fn ty(self) -> wgpu::BindingType {
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let texture = |sample_type| wgpu::BindingType::Texture {
-            sample_type,
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
         match self {
             Self::Uniform(_) => buffer(wgpu::BufferBindingType::Uniform),
             Self::Storage(_) => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
-            Self::Floats(_) => texture(wgpu::TextureSampleType::Float { filterable: false }),
-            Self::Integers(_) => texture(wgpu::TextureSampleType::Uint),
         }
     }
 
     fn resource(self) -> wgpu::BindingResource<'a> {
         match self {
             Self::Uniform(buffer) | Self::Storage(buffer) => buffer.as_entire_binding(),
-            Self::Floats(view) | Self::Integers(view) => wgpu::BindingResource::TextureView(view),
         }
     }
-}
-
-fn layout_entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
 }
 
 impl Probe {
@@ -84,15 +70,15 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
             label,
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let stage_entries: Vec<_> = bound.iter().map(|&(binding, bound)| layout_entry(binding, bound.ty())).collect();
-        let written = |read_only| wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
+        let entry = |&(binding, bound): &(u32, Bound<'_>)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: bound.ty(),
+            count: None,
         };
-        let probed = [layout_entry(0, written(true)), layout_entry(1, written(false))];
-        let layouts = [&stage_entries[..], &probed[..]]
-            .map(|entries| gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries }));
+        let entries = &*bound.iter().map(entry).collect::<Vec<_>>();
+        let of_stage = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries });
+        let layouts = [of_stage, storage_layout(gpu, &[(0, true), (1, false)])];
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1])],
@@ -109,36 +95,19 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
         Self { pipeline, layouts }
     }
 
-    /// The vertices that a call of a stage's function gives for the inputs 0, 1, and so on. A probe is made once for a
-    /// device.
-    pub fn vertices(
-        gpu: &Gpu,
-        stage: &Stage,
-        call: &str,
-        bound: &[(u32, Bound<'_>)],
-        count: usize,
-    ) -> Result<Vec<[f32; 4]>, String> {
-        let probe = gpu.kept(call, || Ok(Self::new(gpu, &stage.wgsl(), ("vec4<f32>", call), bound)))?;
-        let inputs: Vec<_> = (0..count).map(|index| [index as f32, 0.0, 0.0, 0.0]).collect();
-        Ok(probe.run(gpu, bound, &inputs)?.into_iter().map(|vertex| vertex.map(f32::from_bits)).collect())
-    }
-
     /// Four words for each input. There are at most 65,535 times 64 of them.
     pub fn run(&self, gpu: &Gpu, bound: &[(u32, Bound<'_>)], inputs: &[[f32; 4]]) -> Result<Vec<[u32; 4]>, String> {
         let (given, found) = (gpu.storage(inputs), gpu.storage(&vec![[0_u32; 4]; inputs.len()]));
-        let group = |layout: &wgpu::BindGroupLayout, bound: &[(u32, Bound<'_>)]| {
-            let entries: Vec<_> = bound
-                .iter()
-                .map(|(binding, bound)| wgpu::BindGroupEntry { binding: *binding, resource: bound.resource() })
-                .collect();
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
-        };
-        let stage_entries = group(&self.layouts[0], bound);
-        let probed = group(&self.layouts[1], &[(0, Bound::Storage(&given)), (1, Bound::Storage(&found))]);
+        let entries = bound.iter();
+        let entries = entries.map(|&(binding, bound)| wgpu::BindGroupEntry { binding, resource: bound.resource() });
+        let entries = &*entries.collect::<Vec<_>>();
+        let of_stage =
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &self.layouts[0], entries });
+        let probed = bind(gpu, &self.layouts[1], [&given, &found].map(wgpu::Buffer::as_entire_binding));
         gpu.submit(|encoder| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &stage_entries, &[]);
+            pass.set_bind_group(0, &of_stage, &[]);
             pass.set_bind_group(1, &probed, &[]);
             pass.dispatch_workgroups((inputs.len() as u32).div_ceil(64), 1, 1);
             Ok(())

@@ -138,11 +138,6 @@ impl Contours {
         Ok(Self { mark: ObjectStage::new(shared, &CONTOUR_MARKS, "contour_marks", &[]), stages, shape, buffers })
     }
 
-    /// The buffers of marks, crossings and counts.
-    pub(super) fn drawn_buffers(&self) -> [&wgpu::Buffer; 3] {
-        [&self.buffers.marks, &self.buffers.crossings, &self.buffers.counts]
-    }
-
     /// The stages, bound.
     pub(super) fn steps(&self, shared: &Pipelines, bound: &Bound<'_>) -> Vec<Step> {
         let device = shared.device();

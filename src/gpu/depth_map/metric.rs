@@ -119,10 +119,7 @@ fn stretch(rays: &[DVec3; 3]) -> f64 {
 }
 
 /// The parameters that convert distances of a metric to device depths, for a map of `size` texels.
-///
-/// # Errors
-/// [`DepthMapError`] if the camera is refused.
-pub fn metric_view(
+pub(super) fn metric_view(
     light: &ShadowCamera,
     size: [u32; 2],
     metric: DepthMetric,

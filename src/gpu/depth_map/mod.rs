@@ -45,14 +45,14 @@ mod meeting;
 mod merge;
 mod mesh_depth;
 pub(crate) mod metric;
-pub(crate) mod near;
+mod near;
 mod options;
 pub(crate) mod pipelines;
 mod recording;
 mod scene_depth;
 mod statistics;
 mod texture;
-pub(crate) mod view;
+mod view;
 mod volumes;
 mod written;
 

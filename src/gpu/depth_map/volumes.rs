@@ -213,10 +213,4 @@ impl DepthMapVolumes {
     pub fn cells(&self) -> &wgpu::Buffer {
         self.contours.as_ref().map_or(&self.buffers.cells, |contours| &contours.buffers.walls)
     }
-
-    /// Marks of edges that contours cross, the crossings, and counts of walls: the buffers that draws of walls read.
-    #[doc(hidden)]
-    pub fn contour_buffers(&self) -> Option<[&wgpu::Buffer; 3]> {
-        self.contours.as_ref().map(Contours::drawn_buffers)
-    }
 }
