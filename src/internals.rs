@@ -49,11 +49,30 @@ pub mod colors {
     pub use crate::gltf::colors::{split, welded};
 }
 
-/// Internals of depth maps: the decision on near caps before the map is read, and the error of converted distances.
+/// Internals of depth maps: the decision on near caps before the map is read, the input of draws, and the error of converted
+/// distances.
 #[cfg(feature = "depth-map")]
 pub mod depth_map {
+    use crate::ShadowCamera;
+    use crate::gpu::depth_map::DepthMapError;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     pub use crate::gpu::depth_map::metric::metric_steps;
+    pub use crate::gpu::depth_map::view::Placing;
+    use crate::gpu::depth_map::view::depth_map_view;
+    use crate::layout::DepthMapView;
+
+    /// The input of the vertex stages for a map of `size` texels with depths in `format`. `eye` has the format of its depth
+    /// buffer.
+    ///
+    /// # Errors
+    /// [`DepthMapError`] if a camera is refused.
+    pub fn map_view(
+        (light, size, format): (&ShadowCamera, [u32; 2], wgpu::TextureFormat),
+        eye: (&ShadowCamera, wgpu::TextureFormat),
+        placing: &Placing,
+    ) -> Result<DepthMapView, DepthMapError> {
+        depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
+    }
 }
 
 /// Checks of lists of lights, and the number of their batches.

@@ -86,7 +86,7 @@ fn wave(lobes: u32, [x, y]: [f64; 2]) -> f64 {
 }
 
 /// Bodies with smooth rims over ground or nothing, some behind others.
-fn smooth(random: &mut Random, size: [u32; 2], is_reversed: bool) -> Map {
+pub(crate) fn smooth(random: &mut Random, size: [u32; 2], is_reversed: bool) -> Map {
     let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
     let [width, height] = size.map(f64::from);
     let bodies: Vec<_> = (0..5)
@@ -150,7 +150,12 @@ fn walls(
 }
 
 /// Walls of a map of floats.
-fn walls_of(gpu: &Gpu, map: &Map, numbers: Option<&[u32]>, options: DepthMapOptions) -> Result<Vec<Quad>, String> {
+pub(crate) fn walls_of(
+    gpu: &Gpu,
+    map: &Map,
+    numbers: Option<&[u32]>,
+    options: DepthMapOptions,
+) -> Result<Vec<Quad>, String> {
     Ok(walls(gpu, (map, &texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?), numbers, options)?.1)
 }
 

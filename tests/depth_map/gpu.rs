@@ -26,6 +26,7 @@ mod shadows;
 #[allow(dead_code, reason = "only its frames are used here")]
 mod shells;
 mod stages;
+mod vertices;
 mod views;
 mod worlds;
 
@@ -45,6 +46,7 @@ fn main() {
         near_contours::TESTS,
         near_rectangles::TESTS,
         planes::TESTS,
+        vertices::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

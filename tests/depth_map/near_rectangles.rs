@@ -29,7 +29,7 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// A rounding of WGSL: one unit in the last place, of a number anywhere in its binade.
-const ROUNDING: f64 = 1.0 / 8_388_608.0;
+pub(crate) const ROUNDING: f64 = 1.0 / 8_388_608.0;
 
 /// From the light to the farthest positions near the boundary.
 const SCENE: f64 = 16.0;

@@ -162,7 +162,7 @@ impl Marks {
 
 /// Bits of an entry: its cell, the cell is split from its sample (1, 0), and its two triangles are drawn.
 pub(crate) const CELL: u32 = (1 << 29) - 1;
-const SPLIT: u32 = 1 << 29;
+pub(crate) const SPLIT: u32 = 1 << 29;
 pub(crate) const TRIANGLES: [u32; 2] = [1 << 30, 1 << 31];
 
 /// The entries row by row, and how many edges were continued. Without `has_border` the map is one of a cube: there are

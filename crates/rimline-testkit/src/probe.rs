@@ -16,20 +16,30 @@ pub struct Probe {
 pub enum Bound<'a> {
     Uniform(&'a wgpu::Buffer),
     Storage(&'a wgpu::Buffer),
+    Floats(&'a wgpu::TextureView),
+    Integers(&'a wgpu::TextureView),
 }
 
 impl<'a> Bound<'a> {
     fn ty(self) -> wgpu::BindingType {
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
         match self {
             Self::Uniform(_) => buffer(wgpu::BufferBindingType::Uniform),
             Self::Storage(_) => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            Self::Floats(_) => texture(wgpu::TextureSampleType::Float { filterable: false }),
+            Self::Integers(_) => texture(wgpu::TextureSampleType::Uint),
         }
     }
 
     fn resource(self) -> wgpu::BindingResource<'a> {
         match self {
             Self::Uniform(buffer) | Self::Storage(buffer) => buffer.as_entire_binding(),
+            Self::Floats(view) | Self::Integers(view) => wgpu::BindingResource::TextureView(view),
         }
     }
 }

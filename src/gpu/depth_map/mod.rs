@@ -52,7 +52,7 @@ mod recording;
 mod scene_depth;
 mod statistics;
 mod texture;
-mod view;
+pub(crate) mod view;
 mod volumes;
 mod written;
 

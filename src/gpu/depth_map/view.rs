@@ -65,13 +65,13 @@ pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<D
 
 /// How the boundary of a map is moved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placing {
+pub struct Placing {
     /// Rows of the lattice before the first texel.
-    pub(super) border: f64,
+    pub border: f64,
     /// The offset across and down, in texels.
-    pub(super) jitter: [f64; 2],
+    pub jitter: [f64; 2],
     /// The bias away from the light, in multiples of the depth difference over a texel in each direction.
-    pub(super) slope_bias: f64,
+    pub slope_bias: f64,
 }
 
 /// The light's matrix, moved by the jitter.
@@ -104,7 +104,7 @@ pub(super) fn near_columns(
 
 /// The view of a map of `size` texels, for an eye whose depth buffer has the format `format`. Depths of the map were rounded
 /// to `formats`, and have the further error `off`.
-pub(super) fn depth_map_view(
+pub(crate) fn depth_map_view(
     (light, size): (&ShadowCamera, [u32; 2]),
     (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
