@@ -64,7 +64,8 @@ fn making() -> Result<(), String> {
         refusal("one of two", beside(7, 6..8), is(DepthMapError::Counted { bit: 6, count_bits: 7 })),
         refusal("no bit of the stencil", beside(7, 8..9), is(DepthMapError::Bits(8..9))),
     ])?;
-    same("bits", &[beside(4, 4..8).map_err(text)?.bits()], &[4..8])?;
+    let bits = beside(4, 4..8).map_err(text)?.bits();
+    same("bits", &[bits.start, bits.end], &[4, 8])?;
     let (one, two) = (of_bits(7..8).map_err(text)?, of_bits(6..8).map_err(text)?);
     let made = |size, options| DepthMapVolumes::new(&one, size, options);
     refused([[0, 5], [5, 0], [u32::MAX, u32::MAX], [1 << 15, 1 << 15]].map(|size| {

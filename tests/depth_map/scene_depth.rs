@@ -133,7 +133,7 @@ impl Casters {
             let (mut words, mut of_buffer) = (vec![3.0_f32; 5], Vec::new());
             for number in 0..count / 2 {
                 let (shape, rows, stride) = (random.below(3), rows(random, spread, number), 3 + random.below(3));
-                let world = in_world(&self.shapes[shape].0, &rows).into_iter().map(|at| at.as_vec3());
+                let world = in_world(&self.shapes[shape].0, &rows).into_iter().map(DVec3::as_vec3);
                 let (world, offset): (Vec<_>, _) = (world.collect(), 4 * words.len() as u64);
                 for position in &world {
                     words.extend(position.to_array());
