@@ -74,7 +74,7 @@ impl Given {
     }
 
     /// Rows of inputs, and good ones before and after.
-    fn refused(&self, mut rows: Vec<(&str, MaskInputs<'_>, Expected)>) -> Result<(), String> {
+    fn refused<'a>(&'a self, mut rows: Vec<(&'a str, MaskInputs<'a>, Expected)>) -> Result<(), String> {
         let masks = &mut ShadowMasks::new(&self.gpu.pipelines).map_err(text)?;
         rows.insert(0, ("all good", self.good(), Expected::Taken));
         rows.push(("all good again", self.good(), Expected::Taken));

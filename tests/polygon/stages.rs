@@ -8,7 +8,7 @@ use rimline::{Mesh, Predicate};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{Found, compare, extract, extract_with, text};
-use rimline_testkit::polygons::{PolygonSet, random_set};
+use rimline_testkit::polygons::random_set;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same};
 

@@ -13,7 +13,7 @@ pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
     "`rimline extract --device cpu` needs none. To use a GPU, install its current driver"
 };
 
-/// What is wrong with an input.
+/// The fault of an input.
 pub(crate) type Cause = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.

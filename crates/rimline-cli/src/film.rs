@@ -46,7 +46,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     settle(&mut props.inputs, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
-    let identity = folder::identity(&format!("{:?} {} {:?} {frames}", args.scene, args.fps, args.orbit));
+    let options = format!("{:?} {} {:?} {frames}", args.scene, args.fps, args.orbit);
+    let identity = folder::identity(&options, props.files(scene));
     film.start(frames, &Inputs::new(props.files(scene)), scene.view.size, identity)?;
 
     progress.step("opening the device");

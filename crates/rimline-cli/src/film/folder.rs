@@ -1,6 +1,6 @@
 //! A film as numbered pictures in a folder.
 
-use std::io::{self, Write as _};
+use std::io::{self, BufRead as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::Film;
@@ -29,11 +29,23 @@ pub(super) struct Frames {
 /// The keyword of a picture's text that names its film.
 const FILM: &str = "rimline film";
 
-/// A name for the film of these options: a hash, FNV-1a, of all that decides the pictures.
-pub(super) fn identity(options: &str) -> String {
-    let hash = options
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+/// A name for the film of these options and inputs: a hash, FNV-1a, of all that decides the pictures.
+pub(super) fn identity<P: AsRef<Path>>(options: &str, files: impl IntoIterator<Item = P>) -> String {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut take = |bytes: &[u8]| {
+        hash = bytes.iter().fold(hash, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    };
+    take(options.as_bytes());
+    // A pipe cannot be read again, and a file that is missing, such as a picture that a model names, decides nothing.
+    let readable = files.into_iter().filter(|file| file.as_ref().is_file());
+    for file in readable.filter_map(|file| std::fs::File::open(file).ok()) {
+        let mut reader = io::BufReader::with_capacity(1 << 16, file);
+        while let Ok(bytes @ [_, ..]) = reader.fill_buf() {
+            take(bytes);
+            let count = bytes.len();
+            reader.consume(count);
+        }
+    }
     format!("{hash:016x}")
 }
 
@@ -88,7 +100,7 @@ impl Film for Frames {
         let kept: Vec<PathBuf> = (0..count).filter(|&frame| self.has(frame)).map(|frame| self.file(frame)).collect();
         if let Some(file) = kept.iter().find(|file| !is_of(file, &self.identity, size)) {
             return Err(Failure::usage(format!(
-                "{} is of a film with other options or another size, so --resume would mix two; give the options \
+                "{} is of a film with other options, models or another size, so --resume would mix two; give those \
                  of that film, or leave --resume out, which draws all pictures anew, or choose another folder",
                 file.display()
             )));

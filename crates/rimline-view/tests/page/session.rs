@@ -68,12 +68,14 @@ fn follow(viewer: &mut Viewer, browser: &mut Browser) -> Result<(), String> {
 
 fn session() -> Result<(), String> {
     let mut browser = Browser::open("")?;
-    let write = |name: &str, content: &str| {
+    let write = |name: &str, content: &[u8]| {
         let path = browser.folder().join(name);
         fs::write(&path, content).map(|()| path).map_err(say)
     };
-    let (block, plate) = (write("block.obj", BLOCK)?, write("plate.obj", PLATE)?);
-    let bad = write("bad.glb", "this is no model")?;
+    let (block, plate) = (write("block.obj", BLOCK.as_bytes())?, write("plate.obj", PLATE.as_bytes())?);
+    let bad = write("bad.glb", b"this is no model")?;
+    let gltf = write("pair.gltf", PAIR.as_bytes())?;
+    let buffer = write("a pair.bin", &PAIR_POSITIONS.map(f32::to_le_bytes).concat())?;
     browser.wait_for("said", |said| said.starts_with("Ready"))?;
 
     // One by the dialog, one dropped.
@@ -123,9 +125,6 @@ fn session() -> Result<(), String> {
     );
     let message = viewer.message.as_ref().map(|message| message.text.as_str());
     expect(message == Some(said.as_str()), format!("`{said}` instead of {message:?}"))?;
-    let gltf = write("pair.gltf", PAIR)?;
-    let buffer = browser.folder().join("a pair.bin");
-    fs::write(&buffer, PAIR_POSITIONS.map(f32::to_le_bytes).concat()).map_err(say)?;
     browser.drop_files(&[&buffer, &gltf])?;
     browser.wait_for("said", |said| said == "pair.gltf: 2 faces")?;
     browser.press("g")?;
