@@ -237,6 +237,9 @@ fn facts(setting: &Setting, faces: usize, [scene, other]: &[Vec<u64>; 2]) -> Vec
     ]
 }
 
+/// Records a frame up to some stage.
+type Recorded<'a> = dyn FnMut(&mut CommandEncoder, Until<'_>, Option<&mut StageTimer>) -> Result<(), Error> + 'a;
+
 /// GPU times of the stages of a scene that computes everything, of one in which nothing changed, and of what they are
 /// held against, in turn: of extraction, and of all stages if volumes are prepared. Returns the silhouette edges of the
 /// scene, too.
@@ -256,19 +259,18 @@ fn stages(
     stopwatch.by_clock(|encoder| scene.encode(encoder, Until::Extraction, None))?;
     let edges = scene.silhouette_edges(gpu)?;
     let watch = RefCell::new(stopwatch);
-    let timed =
-        |record: &mut dyn FnMut(&mut CommandEncoder, Until<'_>, Option<&mut StageTimer>) -> Result<(), Error>| {
-            let mut stopwatch = watch.borrow_mut();
-            let timed = stopwatch.timed(|encoder, timer| record(encoder, until, timer))?;
-            let [extraction, all] = if timed.has_stamps {
-                [timed.of(|name| EXTRACTION.contains(&name)), timed.of(|_| true)]
-            } else {
-                [stopwatch.by_clock(|encoder| record(encoder, Until::Extraction, None))?[1], timed.clock_ms]
-            };
-            let mut sample = times([("extraction", extraction), ("stages", all)]);
-            sample.truncate(if let Until::Extraction = until { 1 } else { 2 });
-            Ok(sample)
+    let timed = |record: &mut Recorded<'_>| {
+        let mut stopwatch = watch.borrow_mut();
+        let timed = stopwatch.timed(|encoder, timer| record(encoder, until, timer))?;
+        let [extraction, all] = if timed.has_stamps {
+            [timed.of(|name| EXTRACTION.contains(&name)), timed.of(|_| true)]
+        } else {
+            [stopwatch.by_clock(|encoder| record(encoder, Until::Extraction, None))?[1], timed.clock_ms]
         };
+        let mut sample = times([("extraction", extraction), ("stages", all)]);
+        sample.truncate(if let Until::Extraction = until { 1 } else { 2 });
+        Ok(sample)
+    };
     let contenders: Vec<(Variant, Contender<'_>)> = vec![
         (variant("scene"), Box::new(|| timed(&mut |encoder, until, timer| scene.encode(encoder, until, timer)))),
         (variant("scene-still"), Box::new(|| timed(&mut |encoder, until, timer| still.encode(encoder, until, timer)))),

@@ -22,7 +22,8 @@ pub const CHARTS: [&str; 7] = [
 
 /// The sections of a report that the rows are enough for.
 pub(crate) fn sections(rows: &[Row]) -> Vec<Part> {
-    let makers: [(&[Section], fn(&[&Row]) -> Part); 5] = [
+    type Maker = (&'static [Section], fn(&[&Row]) -> Part);
+    let makers: [Maker; 5] = [
         (&[Section::Extraction], extraction),
         (&[Section::Shadows], shadows),
         (&[Section::Casters, Section::OneMesh], casters),

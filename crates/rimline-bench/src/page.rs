@@ -79,7 +79,9 @@ impl Page {
         for Section { title, lead, figures } in &self.sections {
             let (title, lead) = (escape(title), escape(lead));
             let _ = writeln!(html, "<section>\n<h2>{title}</h2>\n<p class=\"lead\">{lead}</p>");
-            figures.iter().for_each(|figure| figure.write(&mut html));
+            for figure in figures {
+                figure.write(&mut html);
+            }
             html.push_str("</section>\n");
         }
         html + "</main>\n</body>\n</html>\n"
@@ -90,7 +92,9 @@ impl Page {
 /// variables' values.
 fn palette() -> String {
     let list = |ground: usize| -> String {
-        (0..).zip(PALETTE).map(|(key, colours): (usize, _)| format!("--key{key}: {}; ", colours[ground])).collect()
+        (0..).zip(PALETTE).fold(String::new(), |list, (key, colours): (usize, _)| {
+            list + &format!("--key{key}: {}; ", colours[ground])
+        })
     };
     let mut css = format!(":root {{ {}}}\n@media (prefers-color-scheme: dark) {{ :root {{ {}}} }}\n", list(0), list(1));
     let keys = (0..).zip(PALETTE).map(|(key, colours): (usize, _)| (format!("key{key}"), colours[0]));
@@ -128,7 +132,8 @@ impl Figure {
 impl Table {
     fn write(&self, html: &mut String, caption: &str) {
         let prose = if self.is_prose { " prose" } else { "" };
-        let head: String = self.head.iter().map(|head| format!("<th scope=\"col\">{}</th>", escape(head))).collect();
+        let head =
+            self.head.iter().fold(String::new(), |list, head| list + "<th scope=\"col\">" + &escape(head) + "</th>");
         let _ = writeln!(
             html,
             "<div class=\"table{prose}\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<thead><tr>{head}</tr></thead>\n<tbody>"

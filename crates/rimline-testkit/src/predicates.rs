@@ -82,7 +82,9 @@ pub fn for_every_class(
         for index in 0..batches {
             let batch = class.batch(&mut random);
             let signs = batch.signs();
-            signs.iter().for_each(|sign| counts[(sign + 1) as usize] += 1);
+            for sign in &signs {
+                counts[(sign + 1) as usize] += 1;
+            }
             run(&format!("{}, batch {index}", class.name), &batch, &signs)?;
         }
         println!("{}: {counts:?} negative, zero, positive", class.name);

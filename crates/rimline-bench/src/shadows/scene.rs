@@ -10,8 +10,11 @@ use crate::extraction::subject::extent;
 use crate::record::Camera;
 use crate::shapes::{self, Shape};
 
+/// A caster's name and shape.
+type Model = (&'static str, fn() -> Shape);
+
 /// Casters within 1.6 of the middle, of about the sizes of the paper's three.
-pub(crate) const MODELS: [(&str, fn() -> Shape); 3] = [
+pub(crate) const MODELS: [Model; 3] = [
     ("twisted torus", twisted_torus),
     ("lumpy sphere", || shapes::blob(50, 0.5, 3)),
     ("fine lumpy sphere", || shapes::blob(102, 0.7, 11)),

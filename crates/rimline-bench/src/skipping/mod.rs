@@ -31,8 +31,10 @@ const LEVELS: [(&str, &str, &[Measuring]); 7] = [
     ("occluders", "occluders", &[Measuring::CULLED_BY_OCCLUDERS]),
 ];
 
+type Counter = (&'static str, fn(&Counted) -> u32);
+
 /// Counters of the stages, by their names in the data.
-const COUNTERS: [(&str, fn(&Counted) -> u32); 14] = [
+const COUNTERS: [Counter; 14] = [
     ("pairs", |counted| counted.scene.pairs),
     ("unreached-pairs", |counted| counted.scene.pairs_culled_by_range),
     ("occluded-pairs", |counted| counted.scene.pairs_culled_by_occluders),
