@@ -118,7 +118,7 @@ fn compare_frames(gpu: &Gpu, settings: &[Setting], has_plain: bool) -> Result<()
         }
         let frame = |sums: &[f64; 5]| sums[1..4].iter().sum::<f64>();
         let base = sums[0].1;
-        for (name, of) in sums {
+        for (name, of) in &*sums {
             let ratios = [base[3] / of[3], frame(&base) / frame(of), frame(&base) / (frame(of) + of[0])];
             let [search, stages, depth, volumes, fragments] = of;
             println!(

@@ -109,6 +109,8 @@ fn needed((name, set): Limit) -> Result<[u64; 5], String> {
     Ok(found)
 }
 
+type Used = fn(&Watched) -> Result<(), String>;
+
 /// Everything that a subject can do, on a device with the very limits that errors name; sizes of bindings and buffers apart, which
 /// meshes need more of. With one less of any limit there is an error, and none for subjects that need no more.
 fn named() -> Result<(), String> {
@@ -138,7 +140,7 @@ fn named() -> Result<(), String> {
         }
     }
     let on = |limits| Watched::new(wgpu::Features::empty(), limits);
-    let uses: [fn(&Watched) -> Result<(), String>; 5] = [extractions, shadows, queries, deformations, depth_maps];
+    let uses: [Used; 5] = [extractions, shadows, queries, deformations, depth_maps];
     for (used, limits) in uses.into_iter().zip(least) {
         used(&on(limits)?)?;
     }

@@ -175,7 +175,8 @@ fn arrays_of_constants_are_refused_before_they_are_listed() {
         refused(&source(count), "elements");
     }
     // The length may be anything, so the error states no number of elements.
-    let chain: String = (1..40).map(|n| format!("const N{n} = N{0} * N{0} * N{0};\n", n - 1)).collect();
+    let chain: Vec<String> = (1..40).map(|n| format!("const N{n} = N{0} * N{0} * N{0};\n", n - 1)).collect();
+    let chain = chain.concat();
     for source in [
         source("1 << 30"),
         displace(&format!("const N = {} 1;", "array<u32, N> + ".repeat(30)), ""),

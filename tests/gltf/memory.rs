@@ -113,8 +113,11 @@ const BOMBS: &[Bomb] = &[
     ("names_of_lights", names_of_lights, "(its light)"),
 ];
 
+/// A name and a maker of a file.
+type Made = (&'static str, fn() -> Maker);
+
 /// Lists of many small things, of which the JSON itself takes most, and a file of nearly everything.
-const LISTS: &[(&str, fn() -> Maker)] = &[
+const LISTS: &[Made] = &[
     ("everything", everything),
     ("objects_of_twelve", || repeated("extras", (0..12).map(|n| (n.to_string(), json!(0))).collect())),
     ("small_lists", || repeated("extras", json!([0]))),

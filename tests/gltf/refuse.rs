@@ -27,7 +27,7 @@ pub(crate) fn tests() -> Vec<Trial> {
     tests
 }
 
-fn ends_with<T: std::fmt::Debug>(found: Result<T, &GltfError>, parts: &str) -> Outcome {
+fn ends_with<T: std::fmt::Debug>(found: &Result<T, &GltfError>, parts: &str) -> Outcome {
     let is_right = found.as_ref().is_err_and(|error| says(&error.to_string(), parts));
     ensure(is_right, || format!("{found:?}, expected {parts:?}"))
 }
@@ -35,7 +35,7 @@ fn ends_with<T: std::fmt::Debug>(found: Result<T, &GltfError>, parts: &str) -> O
 fn refused(mut maker: Maker, &(_, change, parts): &Row) -> Outcome {
     maker.load()?;
     change.apply(&mut maker);
-    ends_with(maker.load().as_ref(), parts)
+    ends_with(&maker.load().as_ref(), parts)
 }
 
 /// The file loads with a warning and has its pose at rest. The animation is refused once it is asked for.
@@ -51,7 +51,7 @@ fn not_played(&(_, change, parts): &Row) -> Outcome {
     let Err(GltfError::DamagedAnimation { index: 0, source }) = error else {
         return Err(format!("asked for: {error:?}").into());
     };
-    ends_with(Err::<(), _>(&*source), parts)?;
+    ends_with(&Err::<(), _>(&*source), parts)?;
     let info = &asset.animations()[0];
     ensure(info.fault.as_ref() == Some(&*source) && info.channels == 0, || format!("{info:?}"))?;
     ensure(asset.lights(Some(0), 0.0).is_err(), || "lights of a damaged animation".to_owned())?;
@@ -72,7 +72,7 @@ fn not_lit(&(_, change, parts): &Row) -> Outcome {
     let each = asset.each_light(None, 0.0)?;
     ensure(matches!(each[..], [Err(GltfError::DamagedLight { node: 0, .. }), Ok(_)]), || format!("{each:?}"))?;
     ensure(asset.light_names() == [None, Some("good")], || format!("{:?}", asset.light_names()))?;
-    ends_with(asset.lights(None, 0.0).as_ref(), parts)
+    ends_with(&asset.lights(None, 0.0).as_ref(), parts)
 }
 
 fn control() -> Outcome {
@@ -93,7 +93,7 @@ fn too_many_vertices() -> Outcome {
     let instancing = json!({ "attributes": { "TRANSLATION": line } });
     maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": instancing });
     let options = LoadOptions { memory_limit: u64::MAX, ..Weld::Keep.into() };
-    ends_with(Asset::from_slice(&maker.glb(), None, options).as_ref(), "nodes|4356000000 vertices|split")
+    ends_with(&Asset::from_slice(&maker.glb(), None, options).as_ref(), "nodes|4356000000 vertices|split")
 }
 
 /// A name that leads to something without an end, or to no file at all.

@@ -86,7 +86,8 @@ fn survives() -> Result<(), String> {
     for (samples, part) in
         [1, 4].into_iter().flat_map(|samples| (0..if is_long() { 16 } else { 1 }).map(move |part| (samples, part)))
     {
-        let rows: [([TextureFormat; 2], [u32; 2], &dyn Fn([u32; 2]) -> bool); 5] = [
+        type Row<'a> = ([TextureFormat; 2], [u32; 2], &'a dyn Fn([u32; 2]) -> bool);
+        let rows: [Row<'_>; 5] = [
             ([Depth24Plus, Depth32FloatStencil8], [part, 16], &exact),
             ([Depth24Plus, Depth24PlusStencil8], [part, 16], &next),
             ([Depth16Unorm, Depth32FloatStencil8], [0, 16], &exact),

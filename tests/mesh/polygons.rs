@@ -153,7 +153,9 @@ fn triangles_of_planar_polygons_cover_them() -> Outcome {
             }
         }
         if random.below(2) == 0 {
-            loops.iter_mut().for_each(|points| points.reverse());
+            for points in &mut loops {
+                points.reverse();
+            }
         }
         let mut set = PolygonSet::default();
         set.push_points(&loops);
@@ -219,7 +221,9 @@ fn polygons_of_three_corners_are_triangles() {
         let faces: Vec<[u32; 3]> =
             (0..=random.below(9)).map(|_| [(); 3].map(|()| random.below(vertices) as u32)).collect();
         let mut set = PolygonSet { positions: positions.clone(), ..Default::default() };
-        faces.iter().for_each(|face| set.push(&[face.to_vec()]));
+        for face in &faces {
+            set.push(&[face.to_vec()]);
+        }
         for weld in [Weld::Position, Weld::Keep] {
             assert_eq!(set.mesh(weld), Mesh::new(&positions, &faces, weld), "seed {seed}");
         }

@@ -134,7 +134,9 @@ fn expected(
         let faces_light = facing & 1 != 0;
         if !is_excluded && (every || !faces_light) {
             let sign = if faces_light { 1 } else { -1 };
-            [[a, b], [b, c], [c, a]].into_iter().for_each(|edge| add(&mut chain, edge, sign));
+            for edge in [[a, b], [b, c], [c, a]] {
+                add(&mut chain, edge, sign);
+            }
         }
     }
     Ok((chain, excluded.iter().filter(|mask| **mask & 1 != 0).count()))

@@ -52,13 +52,13 @@ fn at_angle(random: &mut Random, axis: [f32; 3], angle: f64) -> DVec3 {
 
 /// A box with a point at a corner, on a side, or within.
 fn box_around(random: &mut Random, point: [f32; 3], size: f32) -> [[f32; 3]; 2] {
-    let mut ends = [point; 2];
-    for axis in 0..3 {
+    let [mut low, mut high] = [point; 2];
+    for (low, high) in low.iter_mut().zip(&mut high) {
         let sides = [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]][random.below(3)];
-        ends[0][axis] -= sides[0] * random.between(0.0, size);
-        ends[1][axis] += sides[1] * random.between(0.0, size);
+        *low -= sides[0] * random.between(0.0, size);
+        *high += sides[1] * random.between(0.0, size);
     }
-    ends
+    [low, high]
 }
 
 /// A cone and the ends of a box.

@@ -28,6 +28,9 @@ pub(crate) fn roomy(max_lights: usize) -> SceneOptions {
     }
 }
 
+/// A change of what was found, and its name.
+type Flip<'a> = (&'a str, &'a dyn Fn(&mut Found));
+
 fn controls() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut scene = RandomScene::filled(gpu, 1601, roomy(40), [20, 10])?;
@@ -49,7 +52,7 @@ fn controls() -> Result<(), String> {
     let (by_range, range_bit) = by_rule(Culled::ByRange).ok_or("no such pair")?;
     let (by_cone, cone_bit) = by_rule(Culled::ByCone).ok_or("no such pair")?;
     // Each flips a bit, twice.
-    let flips: [(&str, &dyn Fn(&mut Found)); 7] = [
+    let flips: [Flip<'_>; 7] = [
         ("a facing bit", &|found| found.groups[at].facing[slot] ^= bit),
         ("a bit of a light in a plane", &|found| found.groups[at].excluded[slot] ^= bit),
         ("a winding bit", &|found| found.groups[at].lists[list][0] ^= cpu::WINDING),

@@ -45,7 +45,7 @@ fn others() -> Result<(), String> {
                 let half_width = is_orthographic.then(|| f64::from(random.between(0.3, 3.0)));
                 // Nearer planes leave too little of standard depth's precision.
                 let near = if is_orthographic { frame.eye.near } else { frame.eye.near.max(0.1) };
-                frame.eye = Eye { depth, far, near, half_width, ..frame.eye };
+                frame.eye = Eye { near, depth, far, half_width, ..frame.eye };
                 let traced = Traced::of(frame, seed);
                 let what =
                     |error| format!("{depth:?}, far plane {far:?}, {half_width:?}, {}, {seed}: {error}", class.name);

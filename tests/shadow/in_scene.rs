@@ -146,7 +146,9 @@ fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting)
     options.measuring.set(Measuring::CULLED_BY_OCCLUDERS, true);
     if let Some((levels, has_clusters)) = renderer.levels {
         options.measuring.set(Measuring::CULL_NOTHING, true);
-        levels.iter().for_each(|&level| options.measuring.set(level, false));
+        for &level in levels {
+            options.measuring.set(level, false);
+        }
         options.clusters_from = has_clusters.then_some(1);
     }
     options
@@ -189,8 +191,12 @@ impl InScene {
                 }
                 (_, Some(mirror)) => {
                     // Mirroring twice is nothing.
-                    positions.iter_mut().for_each(|p| *p = (glam::Vec3::from(*p) * mirror).to_array());
-                    faces.iter_mut().for_each(|face| face.swap(1, 2));
+                    for p in &mut positions {
+                        *p = (glam::Vec3::from(*p) * mirror).to_array();
+                    }
+                    for face in &mut faces {
+                        face.swap(1, 2);
+                    }
                     CasterPositions::Rigid(rows(mirror.to_array()).into())
                 }
                 (_, None) => CasterPositions::Buffer { buffer: gpu.storage(&positions), offset: 0, stride: 12 },

@@ -77,7 +77,7 @@ impl Rig {
             let mut of_triangles: Vec<u32> = (0..faces.len() as u32).collect();
             if let Some(set) = &body.polygons {
                 let mesh = set.mesh(Weld::Position).map_err(text)?;
-                of_triangles = mesh.polygons().ok_or("no polygons")?.triangle_polygons().to_vec();
+                of_triangles = mesh.polygons().ok_or("no polygons")?.triangle_polygons();
             }
             for (face, polygon) in faces.iter().zip(of_triangles) {
                 let [a, b, c] = face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));

@@ -208,7 +208,7 @@ fn scores_count_what_is_wrong() {
     let mut masks = exact.masks.clone();
     masks[edges + at].winding ^= 1;
     masks[edges + at].silhouette ^= 1;
-    let open = Score { wrong_facing_bits: 1, wrong_silhouette_bits: 1, unclosed_vertices: 2, ..clean };
+    let open = Score { wrong_facing_bits: 1, wrong_silhouette_bits: 1, unclosed_vertices: 2 };
     assert_eq!(of(&[], &masks), Some(open));
     assert_eq!(of(&[], &masks[..edges]), None, "masks of too few lights");
 }

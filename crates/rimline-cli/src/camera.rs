@@ -97,7 +97,7 @@ impl View {
     }
 
     fn camera(&self, eye: Vec3, scale: [f64; 2], near: f64, far: Option<f64>) -> Camera {
-        let [right, up, forward] = [self.right, self.up, self.forward].map(|axis| axis.as_vec3());
+        let [right, up, forward] = [self.right, self.up, self.forward].map(DVec3::as_vec3);
         let (scale, near, far) = (scale.map(|scale| scale as f32), near as f32, far.map(|far| far as f32));
         Camera { eye, right, up, forward, scale, near, far }
     }

@@ -193,14 +193,14 @@ impl Many {
         let text = files::read_text(file)?;
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let of_line = |(index, (line, text)): (usize, (usize, &str))| {
-            let given = self.options(text).map_err(|problem| self.wrong(Some(line), problem))?;
+            let given = self.options(text).map_err(|problem| self.wrong(Some(line), &problem))?;
             self.job(&mut cli, (index, Some(line)), self.common.clone().into_iter().chain(given).collect())
         };
         lines.enumerate().map(of_line).collect()
     }
 
     /// An error in a line of the file of jobs, or in the command line.
-    fn wrong(&self, line: Option<usize>, problem: String) -> Failure {
+    fn wrong(&self, line: Option<usize>, problem: &str) -> Failure {
         let position =
             line.zip(self.args.jobs.as_ref()).map(|(line, file)| format!("{}: line {line}: ", file.display()));
         Failure::usage(format!("{}{problem}", position.unwrap_or_default()))
@@ -248,7 +248,7 @@ impl Many {
     ) -> Result<Job, Failure> {
         let files: Vec<PathBuf> = options.remove(FILE).into_iter().flatten().flatten().map(PathBuf::from).collect();
         if files.len() > 1 && COMMANDS.contains(&(self.command.get_name(), true)) {
-            return Err(self.wrong(line, format!("a job of `{}` has one file", self.command.get_name())));
+            return Err(self.wrong(line, &format!("a job of `{}` has one file", self.command.get_name())));
         }
         let first = files.first().map_or(Path::new(""), PathBuf::as_path);
         let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
@@ -265,7 +265,7 @@ impl Many {
                 if let Some(word) = words(&name).find(|word| !PATTERNS.contains(word)) {
                     let known = PATTERNS.join(", ");
                     return Err(
-                        self.wrong(line, format!("--{option} has `{word}`, which stands for nothing; write {known}"))
+                        self.wrong(line, &format!("--{option} has `{word}`, which stands for nothing; write {known}"))
                     );
                 }
             }
@@ -290,12 +290,12 @@ impl Many {
         {
             Ok(cli) => cli.command,
             Err(error) if line.is_none() => crate::refuse(&error),
-            Err(error) => return Err(self.wrong(line, problem(&error))),
+            Err(error) => return Err(self.wrong(line, &problem(&error))),
         };
         let results = match &command {
             Command::Draw(args) => vec![args.out.clone()],
             Command::Extract(args) => vec![args.out.clone()],
-            Command::Lines(args) => lines::files(args).map_err(|error| self.wrong(line, error.to_string()))?,
+            Command::Lines(args) => lines::files(args).map_err(|error| self.wrong(line, &error.to_string()))?,
             Command::Shadow(args) => shadow::files(args),
             _ => Vec::new(),
         };

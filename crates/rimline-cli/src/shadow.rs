@@ -69,13 +69,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         )));
     }
     given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
-    if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
-        return Err(Failure::usage(format!(
-            "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, as those of \
-             an .obj are without --polygons, or leave out --hide-covered",
-            body.input.file.display()
-        )));
-    }
+    check_covered(args, &set)?;
     from_depth.as_ref().map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))?;
     files.begin_lights(args, &inputs, set.shaded_lights.len())?;
 
@@ -144,6 +138,15 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         return print(&report.json(scene, &times));
     }
     say(&report.text(&files.names, scene.view.size, &times))
+}
+
+fn check_covered(args: &ShadowArgs, set: &ShadowScene<'_>) -> Result<(), Failure> {
+    let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) else { return Ok(()) };
+    Err(Failure::usage(format!(
+        "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, as those of an .obj are \
+         without --polygons, or leave out --hide-covered",
+        body.input.file.display()
+    )))
 }
 
 /// Runs the stages of extraction and shadow volumes with a triangle, so that shaders are compiled before stages are timed.

@@ -110,6 +110,9 @@ pub(super) struct Canvas<'a> {
     finished: wgpu::Texture,
 }
 
+/// Faces, and a normal and a base colour, if there are any, for each of their corners.
+type Drawn<'a> = (&'a [[u32; 3]], &'a [u32], Option<&'a [[u32; 3]]>);
+
 impl<'a> Canvas<'a> {
     pub(super) fn new(factory: &'a PipelineFactory, (frame, bounds): (&'a Frame, &'a Bounds), size: [u32; 2]) -> Self {
         factory.set_frame(bytemuck::bytes_of(frame));
@@ -134,7 +137,7 @@ impl<'a> Canvas<'a> {
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &ModelPipelines,
         positions: &wgpu::Buffer,
-        (faces, normals, colors): (&[[u32; 3]], &[u32], Option<&[[u32; 3]]>),
+        (faces, normals, colors): Drawn<'_>,
     ) -> wgpu::Buffer {
         let Self { factory, .. } = *self;
         let corners = 3 * faces.len() as u32;

@@ -26,9 +26,12 @@ pub(crate) const TESTS: [Test; 11] = [
     ("lights come, go and change their kind", lights_come_and_go),
 ];
 
+/// A pixel, the point of the ground there, and counts of faces.
+type Seen = ([u32; 2], Vec3, Vec<i32>);
+
 /// Every third pixel of each axis that shows the ground, with the point there and the faces of all models between each
 /// light and the points at these offsets.
-fn ground(viewer: &Viewer, lights: &[Light], offsets: &[[f32; 2]]) -> Result<Vec<([u32; 2], Vec3, Vec<i32>)>, String> {
+fn ground(viewer: &Viewer, lights: &[Light], offsets: &[[f32; 2]]) -> Result<Vec<Seen>, String> {
     let [width, height] = viewer.size();
     let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| [x, y]));
     let pixels: Vec<_> = pixels.filter_map(|at| Some((at, on_ground(viewer, at)?))).collect();
