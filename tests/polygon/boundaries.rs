@@ -76,7 +76,8 @@ fn boundaries_are_seen_as_their_winding_numbers_say() -> Outcome {
         }
     }
     println!("{seen:#?}\n{by_light:#?}\nclose pairs decide {decided}");
-    let are_enough = decided >= 2 * count as usize && seen.len() >= 6 && seen.values().all(|&count| count >= 12);
+    let pairs: usize = seen.values().sum();
+    let are_enough = 3 * decided >= 2 * pairs && seen.len() >= 6 && seen.values().all(|&count| count >= 12);
     if are_enough { Ok(()) } else { Err(format!("too few of a kind: {seen:?}, {decided}")) }
 }
 
