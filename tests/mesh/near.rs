@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use num_bigint::BigInt;
 use rimline::mesh::{PolygonLoops, Weld, WeldDistance};
 use rimline::{Geometry, GeometryOptions, Influences, Mesh};
-use rimline_testkit::oracle::decode;
 use rimline_testkit::random::Random;
+use rimline_testkit::shadow_oracle::decode;
 
 /// A finite float in multiples of 2⁻¹⁴⁹.
 fn integer(value: f32) -> BigInt {

@@ -2,7 +2,7 @@
 
 use num_bigint::{BigInt, Sign};
 use rimline::Light;
-use rimline_testkit::oracle::decode;
+use rimline_testkit::shadow_oracle::decode;
 
 /// A homogeneous point in integers.
 pub(crate) type Point = [BigInt; 4];

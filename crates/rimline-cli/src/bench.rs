@@ -128,7 +128,7 @@ fn adapter(gpu: &Gpu, measured: &Measured) -> Result<Adapter, Error> {
     Ok(Adapter {
         name: info.name.clone(),
         backend: device::backend_name(info.backend).to_owned(),
-        kind: crate::devices::kind_name(info.device_type).to_owned(),
+        kind: crate::device::kind_name(info.device_type).to_owned(),
         driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
         has_timestamps: gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
         copy_gb_per_s: measured.copy_bandwidth()?,

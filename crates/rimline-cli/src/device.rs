@@ -517,3 +517,14 @@ impl<T, E: Into<GpuError>> On<T> for Result<T, E> {
         self.map_err(|error| error.into().on(gpu))
     }
 }
+
+/// The kind of a device, in words.
+pub(crate) fn kind_name(kind: DeviceType) -> &'static str {
+    match kind {
+        DeviceType::DiscreteGpu => "discrete GPU",
+        DeviceType::IntegratedGpu => "integrated GPU",
+        DeviceType::VirtualGpu => "virtual GPU",
+        DeviceType::Cpu => "software",
+        DeviceType::Other => "other",
+    }
+}

@@ -40,16 +40,6 @@ fn limits(limits: &wgpu::Limits) -> [(&'static str, &'static str, u64); 6] {
     }
 }
 
-pub(crate) fn kind_name(kind: wgpu::DeviceType) -> &'static str {
-    match kind {
-        wgpu::DeviceType::DiscreteGpu => "discrete GPU",
-        wgpu::DeviceType::IntegratedGpu => "integrated GPU",
-        wgpu::DeviceType::VirtualGpu => "virtual GPU",
-        wgpu::DeviceType::Cpu => "software",
-        wgpu::DeviceType::Other => "other",
-    }
-}
-
 fn feature_name(feature: wgpu::Features) -> String {
     feature.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join("+")
 }
@@ -61,7 +51,7 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
         let _ = writeln!(text, "  {name:<26}{value}");
     };
     line("backend", device::backend_name(info.backend));
-    line("type", kind_name(info.device_type));
+    line("type", device::kind_name(info.device_type));
     line("driver", format!("{} {}", info.driver, info.driver_info).trim());
     let lacking = device::lacks(adapter).map(|lacking| format!("no, it lacks {lacking}"));
     line("usable", lacking.as_deref().unwrap_or("yes"));
@@ -101,7 +91,7 @@ fn to_json(adapter: &wgpu::Adapter) -> Value {
     json!({
         "name": info.name,
         "backend": device::backend_name(info.backend),
-        "type": kind_name(info.device_type),
+        "type": device::kind_name(info.device_type),
         "driver": info.driver,
         "driver_info": info.driver_info,
         "usable": device::lacks(adapter).is_none(),

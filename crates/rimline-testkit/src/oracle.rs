@@ -9,18 +9,6 @@ use rimline::{Light, Mesh};
 
 use crate::shadow_oracle::{Homogeneous, Vector, cross, least, minus, scaled, sign};
 
-/// A finite f32 as `mantissa · 2^exponent`; zero has the highest exponent there is, so that it never sets a scale.
-pub fn decode(value: f32) -> (i32, i32) {
-    let bits = value.to_bits();
-    let (exponent, fraction) = ((bits >> 23 & 0xff) as i32, (bits & 0x7f_ffff) as i32);
-    let (mantissa, exponent) = match (exponent, fraction) {
-        (0, 0) => (0, i32::MAX),
-        (0, _) => (fraction, -149),
-        _ => (fraction | 1 << 23, exponent - 150),
-    };
-    (if bits >> 31 == 0 { mantissa } else { -mantissa }, exponent)
-}
-
 /// A face's exact normal `(b − a) × (c − a)` and first corner, as integers; made once for all lights.
 pub struct ExactFace {
     normal: Vector,

@@ -5,9 +5,19 @@
 use num_bigint::{BigInt, Sign};
 use rimline::Light;
 
-use super::oracle::decode;
-
 pub type Vector = [BigInt; 3];
+
+/// A finite f32 as `mantissa · 2^exponent`; zero has the highest exponent there is, so that it never sets a scale.
+pub fn decode(value: f32) -> (i32, i32) {
+    let bits = value.to_bits();
+    let (exponent, fraction) = ((bits >> 23 & 0xff) as i32, (bits & 0x7f_ffff) as i32);
+    let (mantissa, exponent) = match (exponent, fraction) {
+        (0, 0) => (0, i32::MAX),
+        (0, _) => (fraction, -149),
+        _ => (fraction | 1 << 23, exponent - 150),
+    };
+    (if bits >> 31 == 0 { mantissa } else { -mantissa }, exponent)
+}
 
 /// The value times a power of two that makes an integer of it.
 pub fn scaled(value: f32, exponent: i32) -> BigInt {

@@ -214,9 +214,6 @@ pub(super) fn too_coarse(format: TextureFormat, near: f32, farthest: f32, pixel:
     })
 }
 
-/// The most that the stencil counts to; 256 looks like 0.
-pub(super) const MOST: u32 = 255;
-
 /// Tells the user where shadows may be wrong. Counts may wrap: no count exceeds `count_bound`, and `may_wrap` counts
 /// lights, or samples, whose counts may exceed what the stencil holds. All casters count into one stencil. Pieces of
 /// twisted polygons may have no room.

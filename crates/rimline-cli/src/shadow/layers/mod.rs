@@ -13,9 +13,11 @@ use rimline::{Counting, Light, ShadowCamera, wgpu};
 use rimline_picture::{COMMON, Pass, depth_state};
 
 use super::casting::{CastInputs, PosedModel, set_lights};
-use super::shadows::MOST;
 use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
+
+/// The most that the stencil counts to; 256 looks like 0.
+const MOST: u32 = 255;
 
 pub(super) struct Layers {
     /// At most so many faces lie over each other, if the stencil counts them.

@@ -297,8 +297,8 @@ fn json_has_its_schema() -> Outcome {
             ("/chains/0/closed", serde_json::json!(0)),
             ("/view", serde_json::json!({ "eye": [0.0, 0.0, 1.0, 0.0] })),
         ] {
-            let place = drawing.pointer_mut(pointer).ok_or("nothing is there")?;
-            let right = std::mem::replace(place, wrong);
+            let value = drawing.pointer_mut(pointer).ok_or("nothing is there")?;
+            let right = std::mem::replace(value, wrong);
             ensure!(schema::validate(&schema, &drawing).is_err(), "a wrong {pointer} passed");
             *drawing.pointer_mut(pointer).ok_or("nothing is there")? = right;
         }
