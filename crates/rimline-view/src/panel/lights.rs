@@ -15,7 +15,11 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     for (number, lamp) in viewer.lamps.iter_mut().enumerate() {
         ui.horizontal(|ui| {
             ui.checkbox(&mut lamp.is_on, "").on_hover_text("on or off (T)");
-            ui.color_edit_button_rgb(&mut lamp.color);
+            // egui rounds a colour each time that it is shown, and what the user did not change stays.
+            let mut color = lamp.color;
+            if ui.color_edit_button_rgb(&mut color).changed() {
+                lamp.color = color;
+            }
             let kind = if matches!(lamp.kind, LampKind::Point(_)) { "point" } else { "direction" };
             if ui.selectable_label(selected == Some(number), format!("{}  {kind}", number + 1)).clicked() {
                 selected = Some(number);

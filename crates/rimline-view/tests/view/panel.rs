@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use egui::{Event as Heard, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use glam::Vec3;
 use rimline_testkit::harness::Test;
-use rimline_view::{Event, Handle, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
+use rimline_view::{Event, Handle, LampKind, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
 
 use crate::support::{Outcome, handle, hold, say, viewer};
 
@@ -87,7 +88,22 @@ fn a_still_panel_asks_for_no_repaint() -> Outcome {
     let pictures = stage.renderer.pictures();
     hold(stage.renderer.counters().scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
     stage.settle()?;
-    hold(stage.renderer.pictures() == pictures, "a picture was drawn")
+    hold(stage.renderer.pictures() == pictures, "a picture was drawn")?;
+    // Nothing that is shown changes by that.
+    let lamps = &mut stage.viewer.lamps;
+    for (lamp, color) in lamps.iter_mut().zip([[1.0, 0.93, 0.8], [0.42, 0.62, 1.0], [1.0, 0.5, 0.28]]) {
+        lamp.color = color;
+    }
+    (lamps[0].kind, lamps[0].radius) = (LampKind::Sun(Vec3::new(0.36, 0.48, 0.8)), Some(0.05));
+    (lamps[1].range, lamps[1].cone) = (Some(3.3), Some((Vec3::NEG_Y, 0.7)));
+    let before = (stage.viewer.lamps.clone(), stage.viewer.orbit);
+    for number in 0..before.0.len() {
+        stage.viewer.selected = Some(number);
+        stage.settle()?;
+        let after = (stage.viewer.lamps.clone(), stage.viewer.orbit);
+        hold(after == before, format!("light {number} was shown: {before:?} became {after:?}"))?;
+    }
+    Ok(())
 }
 
 fn the_pointer_drags_a_light() -> Outcome {
