@@ -82,6 +82,7 @@ fn bounds() -> Result<(), String> {
         _ => [0, 1, 2],
     };
     let faces: Vec<[u32; 3]> = (0..chunks * CHUNK).rev().map(face).collect();
+    let none = gpu.storage(&vec![[0_u32, 1, 7]; faces.len()]);
     // Words that grow with the coordinates: the lowest corner, inverted, and the highest; then whether there is a hole.
     let key = |c: f32| if c.is_sign_negative() { !c.to_bits() } else { c.to_bits() | 0x8000_0000 };
     let words = |low: [f32; 3], high: [f32; 3]| [&low.map(|c| !key(c))[..], &high.map(key), &[1]].concat();
@@ -108,17 +109,18 @@ fn bounds() -> Result<(), String> {
     let stage = Dispatch::stage(gpu, &BOUNDS);
     let (shape, table) = (uniform(gpu, &shape), gpu.storage(&words));
     let (positions, faces) = (gpu.storage(&interleaved(&positions, 28, 32)), gpu.storage(&faces));
-    let mut run = |is_dirty: u32, is_lit: u32| {
+    let mut run = |faces: &wgpu::Buffer, is_dirty: u32, is_lit: u32| {
         choices[CHOICE_WORDS * choice_count as usize - 1] = is_dirty;
         lit[batches as usize - 1] = is_lit;
         let (choices, lit, found) = (gpu.storage(&choices), gpu.storage(&lit), gpu.storage(&[0_u32; 7]));
-        stage.run(gpu, &[&shape, &table, &positions, &faces, &found, &choices, &lit], 1)?;
+        stage.run(gpu, &[&shape, &table, &positions, faces, &found, &choices, &lit], 1)?;
         gpu.read::<u32>(&found, 7)
     };
-    same("box", &run(1, 1)?, &expected)?;
+    same("box", &run(&faces, 1, 1)?, &expected)?;
     must_fail("without the last face", &same("box", &without_last, &expected))?;
-    same("a box that is not read", &run(0, 1)?, &[0; 7])?;
-    same("a caster without a light", &run(1, 0)?, &[0; 7])
+    same("no finite face", &run(&none, 1, 1)?, &[0, 0, 0, 0, 0, 0, 1])?;
+    same("a box that is not read", &run(&faces, 0, 1)?, &[0; 7])?;
+    same("a caster without a light", &run(&faces, 1, 0)?, &[0; 7])
 }
 
 /// Casters of one group: their shape, and the words of a table with them, with their choices, and with the first of them for
