@@ -66,14 +66,16 @@ fn compact_scan() -> Result<(), String> {
     must_fail("counts", &same("places", &counts, &before))
 }
 
-/// Small faces, some that are not finite, and behind them one that is larger than all others. Only the last choices say
-/// that the box is needed, and only the last batch has a light.
+/// Small faces, some that are not finite, and behind them one that is larger than all others; or none that is finite, or
+/// tiny numbers, which no device may flush to zero. Only the last choices say that the box is needed, and only the last
+/// batch has a light.
 fn bounds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let chunks = 64 * stated("BOUND_CHUNKS");
     let large = [[-2.0, -3.0, -4.0], [5.0, 6.0, 7.0], [9.0, f32::MIN_POSITIVE, -8.0]];
     let hole = [[f32::NAN, 50.0, 0.0], [f32::INFINITY, 0.0, 60.0]];
-    let positions = [&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]][..], &large, &hole].concat();
+    let tiny = [[1e-40, -2e-40, 0.0], [3e-40, -1e-40, -0.0], [2e-40, 2e-40, 1e-40]];
+    let positions = [&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]][..], &large, &hole, &tiny].concat();
     let face = |left: u32| match left {
         0 => [3, 4, 5],
         // One names a vertex twice.
@@ -82,11 +84,13 @@ fn bounds() -> Result<(), String> {
         _ => [0, 1, 2],
     };
     let faces: Vec<[u32; 3]> = (0..chunks * CHUNK).rev().map(face).collect();
-    let none = gpu.storage(&vec![[0_u32, 1, 7]; faces.len()]);
+    let [none, tiny] = [[0_u32, 1, 7], [8, 9, 10]].map(|face| gpu.storage(&vec![face; faces.len()]));
     // Words that grow with the coordinates: the lowest corner, inverted, and the highest; then whether there is a hole.
     let key = |c: f32| if c.is_sign_negative() { !c.to_bits() } else { c.to_bits() | 0x8000_0000 };
-    let words = |low: [f32; 3], high: [f32; 3]| [&low.map(|c| !key(c))[..], &high.map(key), &[1]].concat();
-    let [expected, without_last] = [words([-2.0, -3.0, -8.0], [9.0, 6.0, 7.0]), words([0.0; 3], [1.0; 3])];
+    let words =
+        |low: [f32; 3], high: [f32; 3], hole: u32| [&low.map(|c| !key(c))[..], &high.map(key), &[hole]].concat();
+    let [expected, without_last] = [words([-2.0, -3.0, -8.0], [9.0, 6.0, 7.0], 1), words([0.0; 3], [1.0; 3], 1)];
+    let of_tiny = words([1e-40, -2e-40, -0.0], [3e-40, 2e-40, 1e-40], 0);
     let choice_count = stated("BOUND_PLACES");
     let (batches, views) = (32, choice_count / 32);
     let caster =
@@ -119,6 +123,7 @@ fn bounds() -> Result<(), String> {
     same("box", &run(&faces, 1, 1)?, &expected)?;
     must_fail("without the last face", &same("box", &without_last, &expected))?;
     same("no finite face", &run(&none, 1, 1)?, &[0, 0, 0, 0, 0, 0, 1])?;
+    same("tiny numbers", &run(&tiny, 1, 1)?, &of_tiny)?;
     same("a box that is not read", &run(&faces, 0, 1)?, &[0; 7])?;
     same("a caster without a light", &run(&faces, 1, 0)?, &[0; 7])
 }
