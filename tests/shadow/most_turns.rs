@@ -297,13 +297,11 @@ fn stencil_crossings() -> Result<(), String> {
     let positions: Vec<[f32; 3]> = (0..1024).map(in_bin).collect();
     // Less than half a turn, of which the two ways would be equal.
     let edge = |number: u32| [number % 1024, (number + 1 + random.below(511) as u32) % 1024];
-    let edges: Vec<[u32; 2]> = (0..4096).map(edge).collect();
-    let named: Vec<u32> = (0..most).map(|_| random.below(4096) as u32).collect();
-    let bins_of = |named: &[u32]| {
+    let edges: Vec<[u32; 2]> = (0..most).map(edge).collect();
+    let bins_of = |edges: &[[u32; 2]]| {
         let mut bins = vec![0_u32; 1025];
-        for &edge in named {
-            let [p, q] = edges[edge as usize].map(|bin| bin as usize);
-            let (low, high) = (p.min(q), p.max(q));
+        for &[p, q] in edges {
+            let (low, high) = (p.min(q) as usize, p.max(q) as usize);
             let runs = if high - low < 512 { vec![[low, high]] } else { vec![[0, low], [high, 1023]] };
             for [first, last] in runs {
                 bins[first] = bins[first].wrapping_add(1);
@@ -314,13 +312,13 @@ fn stencil_crossings() -> Result<(), String> {
     };
     let mut sides = vec![0; 64];
     sides[..2].copy_from_slice(&[most / 3, most - most / 3]);
-    sides.extend(named.iter().map(|edge| edge | if edge % 2 == 0 { WINDING } else { 0 }));
+    sides.extend((0..most).map(|edge| edge | if edge % 2 == 0 { WINDING } else { 0 }));
     let [row_0, row_1, row_2] = ROWS;
     let (low, high, flags, position_stride) = ([8.0, 0.0, 8.0], [12.0, 4.0, 12.0], RIGID, 3);
     let caster =
-        SceneCaster { row_0, row_1, row_2, low, high, flags, position_stride, edges: 4096, ..Zeroable::zeroed() };
-    let (shape, table) = group(&[caster], |_| CHOSEN, 4096 / CHUNK);
-    let shape = ShadowShape { edges: 4096, side_capacity: most, ..shape };
+        SceneCaster { row_0, row_1, row_2, low, high, flags, position_stride, edges: most, ..Zeroable::zeroed() };
+    let (shape, table) = group(&[caster], |_| CHOSEN, most / CHUNK);
+    let shape = ShadowShape { edges: most, side_capacity: most, ..shape };
     let (shape, draw, table) = (uniform(&gpu, &shape), uniform(&gpu, &ShadowDraw::zeroed()), gpu.storage(&table));
     let (boxes, positions) = (gpu.storage(&[0_u32; 8]), gpu.storage(&positions));
     let (ends, sides, pencils) = (gpu.storage(&edges), gpu.storage(&sides), gpu.storage(&[pencil]));
@@ -328,8 +326,8 @@ fn stencil_crossings() -> Result<(), String> {
     let buffers = [&shape, &draw, &table, &boxes, &positions, &ends, &sides, &pencils, &bin_rows];
     Dispatch::stage(&gpu, &STENCIL_CROSSINGS).run(&gpu, &buffers, 1)?;
     let found = gpu.read::<u32>(&bin_rows, 1025)?;
-    same("bins", &found, &bins_of(&named))?;
-    must_fail("without a turn", &same("bins", &found, &bins_of(&named[64..])))
+    same("bins", &found, &bins_of(&edges))?;
+    must_fail("without a turn", &same("bins", &found, &bins_of(&edges[64..])))
 }
 
 /// The maximum of batches of casters that rows of a light have room for.
