@@ -1,6 +1,6 @@
 //! Other cameras than a perspective one with reversed depth and without a far plane.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, Vec3};
 use rimline::{Counting, DepthDirection, Light};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
@@ -9,8 +9,8 @@ use rimline_testkit::{OneCasterOptions, is_long, shapes};
 use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::rays::{Tracer, Truth};
-use crate::render::{Counted, Renderer};
-use crate::scene::{Body, Eye, Frame, Rays};
+use crate::render::{Counted, Placing, Renderer};
+use crate::scene::{Body, Eye, Frame, Rays, vector};
 use crate::trials::{Test, Traced, every, seed};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -83,32 +83,50 @@ fn others() -> Result<(), String> {
 
 /// The camera's direction leads from most lights to a caster: to a vertex of a grid or the middle of an edge, without
 /// rounding, so that products are zero and the order of the indices decides which one of the faces there has the
-/// direction; or to anywhere on a grid or a ball. A dark cap too many or too few is wrong all over the picture.
+/// direction; or to anywhere on a grid or a ball. A dark cap too many or too few is wrong all over the picture. Then the
+/// world is turned, the caster is mirrored, by itself or in a scene, and from half of the lights the opposite direction
+/// leads to it.
 fn dark_caps() -> Result<(), String> {
+    use DepthDirection::{Reversed, Standard};
     let (gpu, mut random) = (Gpu::shared_with_depth_features()?, Random::new(106));
     let mut grid = shapes::plane_grid(8, 8);
     grid.positions.iter_mut().for_each(|position| *position = [position[0], position[2], -2.0]);
     let ball = shapes::blob(6, 0.3, 5).placed(|[x, y, z]| [x, y, z - 3.5]);
     let mut shadowed = 0;
-    for depth in [DepthDirection::Reversed, DepthDirection::Standard] {
-        for (caster, is_tie) in [(&grid, true), (&grid, false), (&ball, false)] {
+    for (depth, is_turned) in [(Reversed, false), (Standard, false), (Reversed, true), (Standard, true)] {
+        let turn = if is_turned {
+            DQuat::from_axis_angle(vector(&mut random).normalize(), f64::from(random.between(0.5, 6.0)))
+        } else {
+            DQuat::IDENTITY
+        };
+        let turned = |p: [f32; 3]| (turn * DVec3::from(p.map(f64::from))).as_vec3().to_array();
+        let mirror = is_turned.then_some(Vec3::new(1.0, -1.0, 1.0));
+        let placing = if is_turned && depth == Standard { Placing::Scene } else { Placing::Alone };
+        // Ties hold only where nothing is rounded.
+        for (caster, is_tie) in [(&grid, true), (&grid, false), (&ball, false)].into_iter().skip(usize::from(is_turned))
+        {
             let mut coordinate =
                 || if is_tie { random.below(15) as f32 / 8.0 - 0.875 } else { random.between(-1.2, 1.2) };
-            let light = |_| Light::point([coordinate(), coordinate(), -1.0]);
+            let light = |number: usize| {
+                let z = if is_turned && number % 2 == 1 { -5.0 } else { -1.0 };
+                Light::point(turned([coordinate(), coordinate(), z]))
+            };
             let lights: Vec<Light> = (0..32).map(light).collect();
-            let eye = Eye::new(DVec3::ZERO, DVec3::NEG_Z, 0.125);
+            let eye = Eye::new(DVec3::ZERO, turn * DVec3::NEG_Z, 0.125);
             let eye = Eye { depth, far: Some(40.0), half_width: Some(4.0), ..eye };
-            let bodies = vec![Body::caster(caster.clone()), Body::room([0.0; 3], 8.0)];
+            let body = Body { mirror, ..Body::caster(caster.clone().placed(turned)) };
+            let bodies = vec![body, Body::room([0.0; 3], 8.0)];
             let traced = Traced::of(Frame { bodies, eye, lights, size: 32 }, 106);
             for range in [f32::INFINITY, 20.0] {
                 let options = OneCasterOptions { end_at_range: range < 40.0, ..OneCasterOptions::default() };
-                let counted =
-                    Renderer { options, range, ..Renderer::new(&gpu) }.count(&traced.frame, Counting::ZFail)?;
+                let renderer = Renderer { options, range, placing, ..Renderer::new(&gpu) };
+                let counted = renderer.count(&traced.frame, Counting::ZFail)?;
                 for (light, stencil) in counted.stencils.iter().enumerate() {
                     let wrong = Compared { light, ..traced.compared() }.counts(stencil, &every(&counted, light));
                     if !wrong.pixels.is_empty() || wrong.compared < 100 {
                         let (count, at) = (wrong.pixels.len(), traced.frame.lights[light]);
-                        return Err(format!("{depth:?}, tie {is_tie}, range {range}, {at:?}: {count} wrong pixels"));
+                        let how = format!("{depth:?}, turned {is_turned}, tie {is_tie}, range {range}, {at:?}");
+                        return Err(format!("{how}: {count} wrong pixels"));
                     }
                     shadowed += traced.truths.iter().filter(|truths| truths[light].is_shadowed()).count();
                 }

@@ -1,12 +1,11 @@
 //! Proxies: casters of a scene that are not in the depth buffer.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rimline::{Counting, Light};
 use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::is_long;
 use rimline_testkit::random::Random;
-use rimline_testkit::shapes;
+use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Eye, Frame, vector};
@@ -15,6 +14,7 @@ use crate::trials::{RIGHT, Test, Traced};
 pub(crate) const TESTS: &[Test] = &[
     ("proxies_shadow_the_receivers_in_them", around_receivers),
     ("proxies_within_what_is_drawn_cast_by_every_method", within_hulls),
+    ("only_proxies_of_a_group_have_light_caps_with_z_pass", mixed_group),
 ];
 
 fn proxy(random: &mut Random) -> Body {
@@ -92,4 +92,25 @@ fn around_receivers() -> Result<(), String> {
 
 fn within_hulls() -> Result<(), String> {
     check(4501, within)
+}
+
+/// Two casters of one group whose volumes end, so that faces of both are listed, and the eye sees through both. The shadow of
+/// one is wrong once the scene takes it to be in the depth buffer, for it then has no light caps.
+fn mixed_group() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
+    let renderer = Renderer { options, range: 40.0, placing: Placing::Scene, ..Renderer::new(gpu) };
+    // Rigid casters read the positions of one page.
+    let seen_through = |x: f32| {
+        let body = Body::caster(shapes::cube()).moved([x, 0.0, 0.0]);
+        Body { is_drawn: false, in_depth: false, mirror: Some(Vec3::new(-1.0, 1.0, 1.0)), ..body }
+    };
+    let bodies = vec![seen_through(-1.5), seen_through(1.5), Body::room([0.0; 3], 8.0)];
+    let position = DVec3::new(0.0, 3.0, 7.0);
+    let (eye, lights) = (Eye::new(position, -position, 0.1), vec![Light::point([0.1, 7.0, 0.5])]);
+    let mut traced = Traced::of(Frame { bodies, eye, lights, size: 96 }, 4801);
+    let (_, counted) = traced.check(&renderer, Counting::Auto, true)?;
+    same("volumes that end", &[counted.statistics[0].ended], &[2])?;
+    traced.frame.bodies[1].in_depth = true;
+    must_fail("no light caps", &traced.check(&renderer, Counting::Auto, true))
 }

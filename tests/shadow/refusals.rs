@@ -6,8 +6,8 @@ use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
 use rimline::gpu::depth_map::{DepthMapError, DepthMapPipelines};
 use rimline::gpu::{
-    Caster, DeviceError, FrameInputs, LightMask, PositionBuffer, Receivers, Scene, SceneFrame, SceneOptions,
-    ShadowError, ShadowFormat, ShadowPipelines, StencilCounts, View,
+    Caster, DeviceError, DrawArguments, Extractor, ExtractorOptions, FrameInputs, LightMask, PositionBuffer, Receivers,
+    Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StencilCounts, View,
 };
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -15,12 +15,13 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text, views};
 use rimline_testkit::passes::{self, draw_small};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
-use rimline_testkit::{IDENTITY, OneCaster, OneCasterOptions, same, shapes};
+use rimline_testkit::{IDENTITY, OneCaster, OneCasterOptions, must_fail, same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
     ("pipelines_must_fit_the_volumes_that_they_draw", pipelines),
     ("counts_own_one_to_eight_bits", count_bits),
+    ("no_lights_draw_nothing", no_lights),
     ("scenes_refuse_cameras_lights_and_faces", recording),
     ("frames_of_scenes_refuse_what_does_not_go_with_them", drawing),
     ("receivers_that_cannot_be_read_are_refused", unreadable),
@@ -185,6 +186,27 @@ fn count_bits() -> Result<(), String> {
         refusal("a bit of counts", shared, is(DepthMapError::Counted { bit: 5, count_bits: 6 })),
         refusal("counts of other bits", drawn, is(ShadowError::OtherCountBits { volumes: 8, pipelines: 7 })),
     ])
+}
+
+/// No lights are not refused: no silhouette is drawn then, also where lights were before. Scenes: `tests/scene/zero.rs`.
+fn no_lights() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::torus(16, 8, 1.0, 0.4);
+    let (mesh, buffer) = (shape.mesh().map_err(text)?, gpu.storage(&shape.positions));
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let options = ExtractorOptions { max_lights: 4, ..Default::default() };
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+    let mut silhouettes = |lights: &[Light]| {
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, positions, lights).map_err(text))?;
+        let draws: Vec<DrawArguments> = gpu.read(extractor.results().draw_arguments, 4)?;
+        let instances: Vec<u32> = draws.iter().map(|draw| draw.instance_count).collect();
+        Ok::<_, String>((instances, extraction.batches()))
+    };
+    let (before, _) = silhouettes(&[Light::point([0.0, 4.0, 1.0]), Light::directional([1.0, 2.0, 0.0])])?;
+    let (none, batches) = silhouettes(&[])?;
+    same("batches", &[batches], &[0])?;
+    same("silhouettes of no lights", &none, &[0; 4])?;
+    must_fail("silhouettes of two lights", &same("before", &before, &[0; 4]))
 }
 
 fn recording() -> Result<(), String> {

@@ -1,6 +1,6 @@
 //! Each class of frames, by every method that claims to be right there; and what must be wrong.
 //!
-//! The stages `caps` and `list_sides` have no other test against an oracle.
+//! The stages `caps` and `list_sides` have no other test against an oracle, but for the most turns of their loops.
 
 use rimline::Counting;
 use rimline::internals::layout::ShadowLight;
