@@ -64,6 +64,7 @@ pub(crate) const SQUARE: &[Row] = &[
     ("matrix_length", Set(&[("nodes[0].matrix", "[1, 2]")]), "nodes[0].matrix|2 elements, expected 16"),
     ("mode", Set(&[("meshes[0].primitives[0].mode", "7")]), "meshes[0].primitives[0].mode|found 7"),
     ("component", Set(&[("accessors[0].componentType", "5130")]), "accessors[0].componentType|5130"),
+    ("count_fraction", Set(&[("accessors[0].count", "1.5")]), "accessors[0].count|1.5"),
     ("huge_count", Set(&[("accessors[0].count", "18446744073709551615")]), "accessors[0]|bufferViews[0]"),
     ("huge_offset", Set(&[("accessors[0].byteOffset", "18446744073709551615")]), "accessors[0]|bufferViews[0]"),
     ("one_byte_over", Set(&[("accessors[0].byteOffset", "1")]), "needs 49 bytes|has 48"),
@@ -80,6 +81,7 @@ pub(crate) const SQUARE: &[Row] = &[
         "nodes[0].extensions.KHR_node_visibility.visible|true or false|\"no\"",
     ),
     ("no_center", Set(&[("extensions.CESIUM_RTC", "{}")]), "extensions.CESIUM_RTC.center is missing"),
+    ("short_center", Set(&[("extensions.CESIUM_RTC.center", "[1, 2]")]), "CESIUM_RTC.center has 2 elements"),
     ("sparse_order", Make(|m| m.sparse(0, &[2, 1], &[0.0; 6])), "accessors[0]|sparse index 1 is 1"),
     ("sparse_twice", Make(|m| m.sparse(0, &[1, 1], &[0.0; 6])), "accessors[0]|sparse index 1 is 1|must increase"),
     ("sparse_range", Make(|m| m.sparse(0, &[2, 4], &[0.0; 6])), "accessors[0]|sparse index 1 is 4"),
@@ -219,6 +221,7 @@ pub(crate) const UNUSED: &[Row] = &[
     ("skin_of_no_mesh", Set(&[ONLY_SCENE, ("nodes[1].skin", "4")]), "nodes[1].skin is 4"),
     ("another_scene", Set(&[ONLY_SCENE, ("scenes[1].nodes", "[9]")]), "scenes[1].nodes[0] is 9"),
     ("view", Set(&[("bufferViews[2]", "{'buffer': 9, 'byteLength': 1}")]), "bufferViews[2].buffer is 9"),
+    ("accessor", Set(&[("accessors[2].componentType", "5130")]), "accessors[2].|type"),
     (
         "joints_without_a_skin",
         Set(&[(ATTRIBUTES, "{'POSITION': 0, 'JOINTS_0': 0}")]),
