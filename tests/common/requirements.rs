@@ -67,7 +67,7 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
     Ok(error.filter(|error| !(is_of_mesh && error.is_memory())))
 }
 
-/// Of the limits that are too low, the first is named.
+/// The first of the limits that are too low is named.
 fn presets() -> Result<(), String> {
     use wgpu::Limits;
     for (limits, expected) in [

@@ -28,7 +28,7 @@ fn run() -> Outcome {
     files.retain(|file| file.len() < 1_000_000);
     let (small, large): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| file.len() < 20_000);
     let [small, large] = [small, large].map(|of| of.iter().map(|file| mutate::split_gltf(file)).collect::<Vec<_>>());
-    let (first, cases, mut accepted) = (0x005e_ed0f_61f7_u64, if is_long() { 100_000 } else { 2000 }, 0);
+    let (first, cases, mut accepted) = (0x005e_ed0f_61f7, if is_long() { 100_000_u64 } else { 2000 }, 0);
     for case in 0..cases {
         let mut random = Random::new(first + case);
         // Large files take time.
