@@ -7,20 +7,21 @@ use rimline::gpu::{
     ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
 use rimline::internals::Method;
-use rimline::{Counting, Displacement, Predicate};
+use rimline::{Counting, Displacement, Light, Predicate};
 use rimline_testkit::shapes;
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::storage_layout;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::random_model;
-use rimline_testkit::on_gpu::{Found, compare, read, text};
+use rimline_testkit::on_gpu::{Found, compare, interleaved, limited, read, repeated_torus, text};
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("each_shared_pipeline_is_made_once", once),
     ("displacements_share_by_source_and_layout", displacements),
+    ("shared_pipelines_keep_windows_apart", windows),
     ("threads_share_pipelines_and_nothing_changes", threads),
 ];
 
@@ -153,6 +154,46 @@ fn displacements() -> Result<(), String> {
         };
         same(&format!("{what}, refused"), &[refused], &[adds.is_none()])?;
         count.added(what, adds.unwrap_or(0))?;
+    }
+    Ok(())
+}
+
+/// Positions in one binding and in several, by an extractor and a query of shared pipelines, and by those of their own.
+fn windows() -> Result<(), String> {
+    let gpu = limited(16 << 10, 1 << 20, 64)?;
+    let shared = Pipelines::new(&gpu.device);
+    // With more room than that, lists would not fit a binding.
+    let lists = Some(lists(2000, true));
+    let options = ExtractorOptions { masks: true, lists, for_volumes: true, ..Default::default() };
+    let light = [Light::point([3.0, 2.0, 1.0])];
+    for [rings, segments] in [[20, 16], [60, 40], [20, 16]] {
+        let shape = repeated_torus(rings, segments, 0);
+        let mesh = shape.mesh().map_err(text)?;
+        let made = |pipelines: &Pipelines| {
+            let query = ShadowQueryOptions { max_points: 300, ..Default::default() };
+            let extractor = Extractor::new(pipelines, &mesh, options).map_err(text)?;
+            Ok::<_, String>((extractor, ShadowQuery::new(pipelines, &mesh, query).map_err(text)?))
+        };
+        let (mut sharing, mut alone) = (made(&shared)?, made(&Pipelines::new(&gpu.device))?);
+        // No more than four bindings.
+        for stride in
+            [12_u64, 60, 12, 24].into_iter().filter(|stride| shape.positions.len() as u64 * stride <= 64 << 10)
+        {
+            let buffer = gpu.storage(&interleaved(&shape.positions, 0, stride));
+            let bound = PositionBuffer { buffer: &buffer, offset: 0, stride };
+            let found = |(extractor, query): &mut (Extractor, ShadowQuery)| {
+                gpu.submit(|encoder| {
+                    extractor.encode(encoder, bound, &light).map_err(text)?;
+                    query.encode_at(encoder, bound, bound, 270, &light).map_err(text)
+                })?;
+                Ok::<_, String>((read(&gpu, extractor, &mesh, 1)?, gpu.read::<i32>(query.occluder_counts(), 270)?))
+            };
+            let what = format!("{rings}·{segments} at {stride} bytes");
+            let ((by_sharing, counts), (by_alone, counts_alone)) = (found(&mut sharing)?, found(&mut alone)?);
+            compare(&what, &by_sharing, &by_alone, 2000, true)?;
+            same(&format!("{what}, counts"), &counts, &counts_alone)?;
+            must_fail("no silhouette", &same(&what, &by_sharing.counts, &[0]))?;
+        }
     }
     Ok(())
 }

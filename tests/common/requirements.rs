@@ -1,5 +1,7 @@
 //! A device that has less than the stages need: one typed error that names it, and no error of the device.
 
+use std::collections::BTreeSet;
+
 use rimline::gpu::depth_map::{DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
@@ -17,7 +19,10 @@ use rimline_testkit::{must_fail, same};
 
 use crate::watched::{Watched, camera, caster, depth_stencil, packed};
 
-pub(crate) const TESTS: &[Test] = &[("limits_one_too_low_are_typed_errors_and_those_that_they_name_are_enough", named)];
+pub(crate) const TESTS: &[Test] = &[
+    ("small_presets_are_one_typed_error", presets),
+    ("limits_one_too_low_are_typed_errors_and_those_that_they_name_are_enough", named),
+];
 
 /// Objects that a caller creates on its own device, each without the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +65,27 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
     let is_of_mesh = matches!(subject, Subject::Extract | Subject::Query | Subject::Deform);
     let error = error.map_err(|error| format!("{subject:?}: {error}"))?;
     Ok(error.filter(|error| !(is_of_mesh && error.is_memory())))
+}
+
+/// The first of the limits that are too low is named.
+fn presets() -> Result<(), String> {
+    use wgpu::Limits;
+    for (limits, expected) in [
+        (Limits::downlevel_defaults(), "max_storage_buffers_per_shader_stage"),
+        (Limits::downlevel_webgl2_defaults(), "max_compute_workgroups_per_dimension"),
+    ] {
+        let watched = Watched::new(wgpu::Features::empty(), limits.clone())?;
+        for subject in SUBJECTS {
+            match refusal(&watched, subject)? {
+                // Depth maps need four storage buffers, as many as these limits have.
+                None if subject == Subject::DepthMap && limits.max_storage_buffers_per_shader_stage == 4 => {}
+                Some(DeviceError::Limit { limit, .. }) => same(&format!("{subject:?}"), &[limit], &[expected])?,
+                other => return Err(format!("{subject:?}: {other:?}")),
+            }
+        }
+        watched.quiet(expected)?;
+    }
+    Ok(())
 }
 
 /// A limit's name, and how it is set.
@@ -118,16 +144,16 @@ fn named() -> Result<(), String> {
     for limit @ (name, set) in LIMITS {
         let all = needed(limit)?;
         println!("{name}: {all:?}");
-        let most = all.into_iter().max().unwrap_or_default();
-        if most > 1 {
-            let watched = with(set, most - 1)?;
+        let tried: BTreeSet<u64> = all.into_iter().filter(|&needed| needed > 1).map(|needed| needed - 1).collect();
+        for there in tried {
+            let watched = with(set, there)?;
             for (needed, subject) in all.into_iter().zip(SUBJECTS) {
                 let found = refusal(&watched, subject)?.map(|error| match error {
                     DeviceError::Limit { limit, needed, there, .. } => Ok((limit, needed, there)),
                     error => Err(error),
                 });
-                let expected = (needed == most).then_some(Ok((name, needed, most - 1)));
-                same(&format!("{subject:?}, {name}"), &[found], &[expected])?;
+                let expected = (needed > there).then_some(Ok((name, needed, there)));
+                same(&format!("{subject:?}, {name} of {there}"), &[found], &[expected])?;
             }
             watched.quiet(name)?;
         }

@@ -40,6 +40,8 @@ fn kinds() -> Vec<Kind> {
         ("a camera", plain, &[Camera], 13),
         ("not exact", SceneOptions { measuring: Measuring::FAST, clusters_from: None, ..plain }, &[Camera], 12),
         ("z-pass", SceneOptions { counting: Counting::ZPass, ..plain }, &[Camera], 13),
+        // The case of each side.
+        ("zp+ of 2005", SceneOptions { counting: Counting::ZpPlus2005, ..plain }, &[Camera], 14),
         ("bounds of counts", SceneOptions { stencil: bounded, ..plain }, &[Camera], 16),
         ("receivers", plain, &[Camera, Seen], 15),
         // Needs and deform.

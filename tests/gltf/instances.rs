@@ -43,12 +43,15 @@ fn instances() -> Outcome {
 
 fn mirrored() -> Outcome {
     let mut maker = Maker::square();
-    for (scale, faces) in [([1, 1, 1], [[0, 1, 2], [0, 2, 3]]), ([-1, 1, 1], [[0, 2, 1], [0, 3, 2]])] {
-        maker.json["nodes"][0]["scale"] = json!(scale);
+    let faces = |maker: &Maker| -> Result<_, Failed> {
         let asset = maker.load()?;
-        same(&asset.model().mesh(&asset.pose(None, 0.0)?)?.faces().to_vec(), &faces.to_vec(), "faces")?;
-    }
-    Ok(())
+        Ok(asset.model().mesh(&asset.pose(None, 0.0)?)?.faces().to_vec())
+    };
+    same(&faces(&maker)?, &vec![[0, 1, 2], [0, 2, 3]], "upright")?;
+    maker.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
+    same(&faces(&maker)?, &vec![[0, 2, 1], [0, 3, 2]], "mirrored")?;
+    maker.push("nodes", json!({ "children": [0], "scale": [1, -1, 1] }));
+    same(&faces(&maker)?, &vec![[0, 1, 2], [0, 2, 3]], "mirrored twice")
 }
 
 fn names(asset: &Asset) -> Vec<&str> {

@@ -1,4 +1,4 @@
-//! glTF loading: good and bad files of the catalogue and of the shared models, and hand-made files.
+//! glTF loading: good and bad files of the catalogue and of the shared models, hand-made files, and mutated ones.
 //!
 //! Tests on the shared models are ignored where the folder is not there: `RIMLINE_ASSETS`, else `../shared/assets` beside the crate.
 
@@ -10,6 +10,7 @@ mod colors;
 mod details;
 mod good;
 mod instances;
+mod mutate;
 mod origin;
 mod outside;
 mod refuse;
@@ -37,6 +38,7 @@ fn main() {
         refuse::tests(),
         outside::tests(),
         details::tests(),
+        mutate::tests(),
         origin::tests(),
         colors::tests(),
         cameras::tests(),

@@ -10,7 +10,7 @@ use peak_alloc::PeakAlloc;
 use rimline::gltf::{Asset, GltfError, LoadOptions};
 use rimline::mesh::Weld;
 use rimline_models::maker::{F32, Maker, U8, U32, everything, flat};
-use rimline_testkit::{harness, shapes};
+use rimline_testkit::{harness, is_long, shapes};
 use serde_json::{Value, json};
 
 #[global_allocator]
@@ -37,6 +37,7 @@ fn main() {
         Trial::test("buffers_that_name_one_file", one_file_many_times),
         Trial::test("a_sparse_file_of_a_terabyte", hole),
         Trial::test("mutated_files_within_a_limit", mutated),
+        Trial::test("by_default_too", by_default).with_ignored_flag(!is_long()),
     ]);
     trials.extend(harness::on_models("within_each_limit: ", |path: &Path| {
         within_limits(&std::fs::read(path)?, path.parent(), 16)
@@ -119,12 +120,18 @@ type Made = (&'static str, fn() -> Maker);
 /// Lists of many small things, of which the JSON itself takes most, and a file of nearly everything.
 const LISTS: &[Made] = &[
     ("everything", everything),
+    ("empty_objects", || repeated("extras", json!({}))),
+    ("small_objects", || repeated("extras", json!({ "": 0 }))),
     ("objects_of_twelve", || repeated("extras", (0..12).map(|n| (n.to_string(), json!(0))).collect())),
     ("small_lists", || repeated("extras", json!([0]))),
+    ("numbers", || repeated("extras", json!(0))),
     ("strings", || repeated("extras", json!(""))),
     ("nodes", || repeated("nodes", json!({}))),
     ("children", children),
+    ("samplers", samplers),
     ("accessors", || repeated("accessors", json!({ "componentType": F32, "type": "VEC3", "count": 0 }))),
+    ("meshes", || repeated("meshes", json!({ "primitives": [{ "attributes": {} }] }))),
+    ("images", || repeated("images", json!({}))),
     ("targets", || repeated("meshes", json!({ "primitives": [{ "attributes": {}, "targets": [{}, {}, {}] }] }))),
 ];
 
@@ -212,6 +219,14 @@ fn channels() -> Maker {
     maker
 }
 
+fn samplers() -> Maker {
+    let mut maker = Maker::square();
+    let sampler = json!({ "input": 0, "output": 0 });
+    let channel = json!({ "sampler": 0, "target": { "path": "scale" } });
+    maker.push("animations", json!({ "samplers": vec![sampler; 20_000], "channels": vec![channel; 20_000] }));
+    maker
+}
+
 /// Links of a list whose elements are two bytes of text each.
 fn children() -> Maker {
     let mut maker = Maker::new();
@@ -235,6 +250,17 @@ fn too_large(make: fn() -> Maker, part: &str) -> Outcome {
         }
         other => Err(format!("{other:?}").into()),
     }
+}
+
+/// With the default limit the same holds, for what takes the most: up to 4 GiB.
+fn by_default() -> Outcome {
+    for (name, make, _) in BOMBS {
+        let result = within(&make().glb(), None, LoadOptions::DEFAULT_MEMORY_LIMIT)?;
+        println!("{name}: {:?}", result.err());
+    }
+    let reproduction = instances(zeros(2_400_000), 880).glb();
+    let result = within(&reproduction, None, LoadOptions::DEFAULT_MEMORY_LIMIT)?;
+    ensure(matches!(result, Err(GltfError::TooLarge { .. })), || format!("{result:?}"))
 }
 
 /// The allocator notices what is used and given back, and the comparison a limit that was passed.

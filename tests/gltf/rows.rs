@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::maker::{Maker, U8, U32};
+use crate::maker::{Maker, U8, U16, U32};
 use Change::{Make, Set};
 
 /// A change of a good file.
@@ -56,12 +56,15 @@ pub(crate) const SQUARE: &[Row] = &[
     ("min_version", Set(&[("asset.minVersion", "'2.1'")]), "version 2.1"),
     ("no_asset", Set(&[("asset", "{}")]), "asset.version is missing"),
     ("negative_index", Set(&[("nodes[0].mesh", "-1")]), "nodes[0].mesh|an index|found -1"),
+    ("dangling_mesh", Set(&[("nodes[0].mesh", "5")]), "nodes[0].mesh is 5|1 meshes"),
+    ("dangling_scene", Set(&[("scene", "0")]), "scene is 0|0 scenes"),
     ("dangling_child", Set(&[("nodes[0].children", "[9]")]), "nodes[0].children[0] is 9|1 nodes"),
     ("nodes_no_list", Set(&[("nodes", "{}")]), "nodes|an array|an object"),
     ("cycle", Set(&[("nodes", "[{}, {'children': [2]}, {'children': [1]}]")]), "nodes[1]|ancestor"),
     ("matrix_length", Set(&[("nodes[0].matrix", "[1, 2]")]), "nodes[0].matrix|2 elements, expected 16"),
     ("mode", Set(&[("meshes[0].primitives[0].mode", "7")]), "meshes[0].primitives[0].mode|found 7"),
     ("component", Set(&[("accessors[0].componentType", "5130")]), "accessors[0].componentType|5130"),
+    ("count_fraction", Set(&[("accessors[0].count", "1.5")]), "accessors[0].count|1.5"),
     ("huge_count", Set(&[("accessors[0].count", "18446744073709551615")]), "accessors[0]|bufferViews[0]"),
     ("huge_offset", Set(&[("accessors[0].byteOffset", "18446744073709551615")]), "accessors[0]|bufferViews[0]"),
     ("one_byte_over", Set(&[("accessors[0].byteOffset", "1")]), "needs 49 bytes|has 48"),
@@ -78,12 +81,23 @@ pub(crate) const SQUARE: &[Row] = &[
         "nodes[0].extensions.KHR_node_visibility.visible|true or false|\"no\"",
     ),
     ("no_center", Set(&[("extensions.CESIUM_RTC", "{}")]), "extensions.CESIUM_RTC.center is missing"),
+    ("short_center", Set(&[("extensions.CESIUM_RTC.center", "[1, 2]")]), "CESIUM_RTC.center has 2 elements"),
+    ("sparse_order", Make(|m| m.sparse(0, &[2, 1], &[0.0; 6])), "accessors[0]|sparse index 1 is 1"),
     ("sparse_twice", Make(|m| m.sparse(0, &[1, 1], &[0.0; 6])), "accessors[0]|sparse index 1 is 1|must increase"),
     ("sparse_range", Make(|m| m.sparse(0, &[2, 4], &[0.0; 6])), "accessors[0]|sparse index 1 is 4"),
     ("sparse_count", Make(|m| m.sparse(0, &[0; 5], &[0.0; 15])), "accessors[0]|it replaces 5 elements of 4"),
     ("extension", Set(&[("extensionsRequired", "['ACME_fold']")]), "ACME_fold|not supported"),
     ("extension_prefix", Set(&[("extensionsRequired", "['KHR_material']")]), "KHR_material|not supported"),
     ("meshopt", Make(meshopt), "EXT_meshopt_compression|bufferViews[0]|decompress"),
+    // The plain data is left out, though the extension is not required.
+    (
+        "draco_without_data",
+        Set(&[
+            ("meshes[0].primitives[0].extensions.KHR_draco_mesh_compression", "{'bufferView': 0, 'attributes': {}}"),
+            ("accessors[0]", "{'componentType': 5126, 'type': 'VEC3', 'count': 4}"),
+        ]),
+        "KHR_draco_mesh_compression|meshes[0].primitives[0]|decompress",
+    ),
     // The GLB's binary chunk is buffer 0 and no other.
     (
         "no_data",
@@ -115,6 +129,7 @@ pub(crate) const SKINNED: &[Row] = &[
     ("indices_normalised", Set(&[("accessors[1].normalized", "true")]), "indices|expected"),
     ("weights_not_normalised", Set(&[("accessors[3].componentType", "5121")]), "WEIGHTS_0|expected"),
     ("no_skin_joints", Set(&[("skins[0].joints", "[]")]), "skins[0].joints is missing"),
+    ("dangling_joint", Set(&[("skins[0].joints", "[7]")]), "skins[0].joints[0] is 7"),
     (
         "joint_range",
         Set(&[("skins[0].joints", "[1]")]),
@@ -139,6 +154,7 @@ pub(crate) const ANIMATED: &[Row] = &[
     ("path", Set(&[("animations[0].channels[0].target", "{}")]), "channels[0].target.path is missing"),
     ("interpolation", Set(&[("animations[0].samplers[0].interpolation", "'X'")]), "samplers[0].interpolation"),
     ("channels_no_list", Set(&[("animations[0].channels", "{}")]), "animations[0].channels|an array"),
+    ("dangling_node", Set(&[("animations[0].channels[0].target.node", "99")]), "channels[0].target.node is 99"),
     (
         "times_order",
         Make(|m| times(m, &[0.0, 2.0, 1.0])),
@@ -187,6 +203,7 @@ pub(crate) const UNUSED: &[Row] = &[
         "accessors[2], used as meshes[0].primitives[0].attributes.COLOR_0|U8 Vec3, expected Vec3 or Vec4 of F32",
     ),
     ("skin", Set(&[("skins[0].joints", "[]")]), "skins[0].joints is missing"),
+    ("skin_reference", Set(&[("skins[0].joints", "[7]")]), "skins[0].joints[0] is 7"),
     ("skins_no_list", Set(&[("skins", "null")]), "skins|an array|null"),
     (
         "inverse_binds",
@@ -201,8 +218,10 @@ pub(crate) const UNUSED: &[Row] = &[
     ("mesh_of_another_scene", Make(other_scene), "meshes[1].primitives[0].attributes.JOINTS_0"),
     ("node_of_another_scene", Set(&[ONLY_SCENE, ("nodes[1].mesh", "9")]), "nodes[1].mesh is 9"),
     ("cycle_of_another_scene", Set(&[ONLY_SCENE, ("nodes[1].children", "[1]")]), "nodes[1]|ancestor"),
+    ("skin_of_no_mesh", Set(&[ONLY_SCENE, ("nodes[1].skin", "4")]), "nodes[1].skin is 4"),
     ("another_scene", Set(&[ONLY_SCENE, ("scenes[1].nodes", "[9]")]), "scenes[1].nodes[0] is 9"),
     ("view", Set(&[("bufferViews[2]", "{'buffer': 9, 'byteLength': 1}")]), "bufferViews[2].buffer is 9"),
+    ("accessor", Set(&[("accessors[2].componentType", "5130")]), "accessors[2].|type"),
     (
         "joints_without_a_skin",
         Set(&[(ATTRIBUTES, "{'POSITION': 0, 'JOINTS_0': 0}")]),
@@ -237,6 +256,7 @@ pub(crate) const UNUSED: &[Row] = &[
 pub(crate) const FEWER: &[(Row, usize)] = &[
     (("corners", Set(&[("accessors[1].count", "5")]), "5 corners|last 2 are left out"), 1),
     (("u8", Make(|m| set_indices(m, U8, &[0, 1, 255, 1, 2, 3], 4)), "index 2|value 255|as a restart"), 1),
+    (("u16", Make(|m| set_indices(m, U16, &[0, 1, 2, 65535, 1, 2], 4)), "index 3|value 65535|restart"), 1),
     (("u32", Make(|m| set_indices(m, U32, &[u32::MAX, 1, 2], 4)), "index 0|value 4294967295|restart"), 0),
 ];
 

@@ -13,6 +13,7 @@ use crate::{Outcome, check, ensure, same, test};
 pub(crate) fn tests() -> Vec<Trial> {
     vec![
         test("shape::strips_and_fans", strips_and_fans),
+        test("shape::primitives_share_vertices", sharing),
         test("shape::points_and_lines_are_skipped", skipping),
         test("shape::files_of_nothing", nothing),
         test("shape::component_types_of_positions", component_types),
@@ -42,6 +43,22 @@ fn strips_and_fans() -> Outcome {
         }
     }
     Ok(())
+}
+
+/// Primitives of one accessor have its vertices once; those of an equal one have their own.
+fn sharing() -> Outcome {
+    let mut maker = Maker::square();
+    let first = primitive(&mut maker).clone();
+    let (other, three) = (maker.floats("VEC3", &SQUARE), maker.indices(U16, &[0, 1, 3]));
+    maker.json["meshes"][0]["primitives"] = json!([
+        first,
+        { "attributes": { "POSITION": 0 }, "indices": three },
+        { "attributes": { "POSITION": other }, "indices": three },
+    ]);
+    let asset = maker.load()?;
+    let geometry = &asset.model().geometries()[0];
+    same(&geometry.faces().to_vec(), &vec![[0, 1, 2], [0, 2, 3], [0, 1, 3], [4, 5, 7]], "faces")?;
+    same(&geometry.source_vertices().to_vec(), &(0..8).collect(), "source vertices")
 }
 
 /// A file without content, lists without elements, and elements of nothing: a model of nothing, or an error.

@@ -247,10 +247,29 @@ fn sheets(count: usize) -> Vec<[f32; 3]> {
 #[test]
 fn hostile_clouds_weld_in_time() {
     let count = 200_000;
+    let mut random = Random::new(11);
+    let ball: Vec<[f32; 3]> = (0..count)
+        .map(|v| {
+            let d = random.direction();
+            if v % 2 == 0 { d.map(|c| c * 1.02) } else { d.map(|c| c * 0.019 * random.between(0.0, 1.0)) }
+        })
+        .collect();
+    let circle: Vec<[f32; 3]> = (0..count)
+        .map(|v| {
+            let turn = random.between(0.0, std::f32::consts::TAU);
+            if v % 2 == 0 {
+                [1.000_001 * turn.cos(), 1.000_001 * turn.sin(), 0.0]
+            } else {
+                [0.0, 0.0, 1e-3 * (turn - 3.0)]
+            }
+        })
+        .collect();
     let same = vec![[1.0, 2.0, 3.0]; count];
     let line: Vec<[f32; 3]> = (0..count).map(|v| [v as f32, 0.0, 0.0]).collect();
     for (name, cloud, distance, most) in [
         ("sheets", sheets(count), 1.0, 2),
+        ("a ball in a sphere", ball, 1.0, count),
+        ("a circle about a line", circle, 1.0, count),
         ("one position", same, 1e-3, 1),
         ("a chain of ties", line.clone(), 1.0, 1),
         ("a chain just apart", line, 1.0_f32.next_down(), count),

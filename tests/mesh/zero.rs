@@ -26,6 +26,12 @@ fn no_vertices_and_no_faces() {
         let one = PolygonLoops { polygon_loops: &[1], loop_sizes: &[3], loop_corners: &[0; 3] };
         let refused = Mesh::from_polygons(&[], one, weld);
         assert!(matches!(refused, Err(MeshError::CornerOutOfRange { vertices: 0, .. })), "{refused:?}");
+        let loops = PolygonLoops { polygon_loops: &[0], ..none };
+        let refused = Mesh::from_polygons_by_loop(&CORNERS, loops, weld);
+        assert_eq!(refused, Err(MeshError::PolygonWithoutLoops { polygon: 0 }));
+        let corners = PolygonLoops { polygon_loops: &[1], loop_sizes: &[0], loop_corners: &[] };
+        let refused = Mesh::from_polygons(&CORNERS, corners, weld);
+        assert!(matches!(refused, Err(MeshError::LoopTooSmall { corners: 0, .. })), "{refused:?}");
     }
     assert_eq!(Mesh::from_faces(0, Vec::new()), Err(MeshError::NoFaces));
 }

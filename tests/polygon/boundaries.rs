@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rimline::Light;
-use rimline::internals::cpu::{Boundary, Orientation, polygon_turns};
+use rimline::internals::cpu::{Boundary, Orientation, edge_pair, fits_half_space, polygon_turns};
 use rimline::mesh::Weld;
 use rimline_testkit::polygons::{PolygonSet, random_polygon};
 use rimline_testkit::random::Random;
@@ -130,6 +130,35 @@ fn cases_worked_by_hand() {
         (&loops(&[&fence]), Light::point([0.0, 0.0, 1.0]), Front),
     ] {
         assert_eq!(seen(boundary, light), expected, "{light:?}");
+    }
+    assert!(!fits_half_space(&fence, [0.0, 0.0, 0.0, 1.0]) && fits_half_space(&fence[..4], [0.0, 0.0, 0.0, 1.0]));
+}
+
+/// Edges on opposite sides of the light have lines of sight in common, but no direction. Edges in line meet where they overlap.
+#[test]
+fn pairs_of_edges_meet_as_seen_from_the_light() {
+    let across = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
+    let along = [[0.0, -2.0, 2.0], [0.0, 2.0, 2.0]];
+    let in_line = |from: f32, to: f32| [[from, 2.0 * from, 0.0], [to, 2.0 * to, 0.0]];
+    let (at_zero, beside) = ([0.0, 0.0, 0.0, 1.0], [1.0, 2.0, 3.0, 1.0]);
+    for (edge, other, light, meets) in [
+        (across, along, at_zero, true),
+        (across, along.map(|point| point.map(|c: f32| -c)), at_zero, false),
+        (across, along.map(|[x, y, z]| [x + 2.5, y, z]), at_zero, false),
+        (in_line(0.0, 3.0), in_line(1.0, 2.0), beside, true),
+        (in_line(0.0, 3.0), in_line(2.0, 1.0), beside, true),
+        (in_line(0.0, 3.0), in_line(-1.0, 4.0), beside, true),
+        (in_line(0.0, 3.0), in_line(2.0, 5.0), beside, true),
+        (in_line(0.0, 3.0), in_line(4.0, 5.0), beside, false),
+        (in_line(0.0, 3.0), in_line(-1.0, -2.0), beside, false),
+        // With an end in common.
+        (in_line(0.0, 3.0), in_line(3.0, 4.0), beside, false),
+        (in_line(0.0, 3.0), in_line(3.0, 1.0), beside, true),
+        (in_line(0.0, 3.0), in_line(0.0, 5.0), beside, true),
+        (in_line(0.0, 3.0), in_line(3.0, 0.0), beside, true),
+    ] {
+        assert_eq!(edge_pair(edge, other, light).meets, meets, "{edge:?}, {other:?}");
+        assert_eq!(edge_pair(other, edge, light).meets, meets, "{other:?}, {edge:?}");
     }
 }
 

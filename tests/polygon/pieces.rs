@@ -18,8 +18,11 @@ use rimline_testkit::{is_long, must_fail, polygon_oracle, same, shadow_oracle};
 
 use crate::lights::lights_for;
 
-pub(crate) const TESTS: &[Test] =
-    &[("pieces_wind_once_around_what_is_dark", wind), ("pieces_of_boundaries_in_planes_with_the_light", in_planes)];
+pub(crate) const TESTS: &[Test] = &[
+    ("pieces_wind_once_around_what_is_dark", wind),
+    ("pieces_of_boundaries_seen_edge_on_but_for_rounding", edge_on),
+    ("pieces_of_boundaries_in_planes_with_the_light", in_planes),
+];
 
 /// Whether a point is in a triangle, or next to it.
 fn is_on(point: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
@@ -286,6 +289,30 @@ fn wind() -> Result<(), String> {
     println!("{steps} steps between points, {dark} of them from light to dark or back");
     let are_enough = pairs > 1000 && quads.min(large).min(touching).min(around) > 20 && dark > 1000;
     if are_enough { Ok(()) } else { Err("too few of a kind".to_owned()) }
+}
+
+/// Planar polygons that were turned, so that they are planar but for rounding, and lights in their planes but for rounding.
+fn edge_on() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 207_000;
+    println!("seeds from {first}");
+    let (mut pairs, mut cut) = (0, 0);
+    for seed in first..first + if is_long() { 1_000 } else { 40 } {
+        let mut random = Random::new(seed);
+        let (mut set, mut lights) = (PolygonSet::default(), Vec::new());
+        for _ in 0..16 {
+            let (points, light) = edge_on_polygon(&mut random);
+            set.push_points(&[points]);
+            lights.push(Light::point(light));
+        }
+        let mesh = set.mesh(Weld::Position).map_err(text)?;
+        for polygon in twisted(gpu, &set, &mesh, &lights)? {
+            check_closed(&polygon.pieces).map_err(|error| format!("seed {seed}, {}: {error}", polygon.name))?;
+            pairs += 1;
+            cut += polygon.pieces.len() - polygon.edges.len();
+        }
+    }
+    if pairs > 400 && cut > 4000 { Ok(()) } else { Err(format!("{pairs} twisted, {cut} cuts")) }
 }
 
 /// Corners in planes with the light but for some, so that it sees edges in line. Turns are those of the moved light,
