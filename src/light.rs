@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The largest number of lights in one extraction.
+/// The largest number of lights in one extraction, scene or query.
 pub const MAX_LIGHTS: usize = 1024;
 
 /// A light as a homogeneous point `(x, y, z, w)`, in the space of the positions. For outlines the camera's eye is the
@@ -22,7 +22,7 @@ pub struct Light {
     pub xyz: [f32; 3],
     /// The homogeneous weight.
     pub w: f32,
-    /// How far the light reaches, in the unit of the positions: Bergeron's sphere of influence (1986). It must be
+    /// How far the light reaches, in world space: Bergeron's sphere of influence (1986). It must be
     /// positive. Every constructor sets it to infinity, which means no limit. It changes no facing or silhouette bit. A
     /// caster farther away throws no shadow volume; see also [`crate::gpu::SceneOptions::end_at_range`]. It has no
     /// meaning where `w` is 0.
@@ -37,8 +37,8 @@ pub struct Light {
 pub struct Cone {
     /// Where the light points, in world space, at any length above 0.
     pub axis: [f32; 3],
-    /// The cosine of the angle from the axis to where nothing is lit, −1 to 1. An angle of more than 90° has a negative
-    /// cosine.
+    /// The cosine of half the cone's angle, from the axis to where nothing is lit: −1 to 1. An angle of more than 90° has a
+    /// negative cosine.
     pub cosine: f32,
 }
 
@@ -88,11 +88,12 @@ impl Light {
     /// Moves this light from world space into the space of a mesh. `mesh_to_world` transforms the mesh to world space: four
     /// columns of three rows, and the last column is the translation.
     ///
-    /// With it a rigid instance can keep its positions in mesh space. The facing bits are then those of world space,
-    /// but for one rounding: the light's components are computed in `f64` and rounded once to `f32`. This holds for
-    /// mirrored transforms too, without turning the mesh's faces. Range and cone stay as they are, in world space.
+    /// With it a rigid instance can keep its positions in mesh space. The facing bits equal those of world space, but for
+    /// rounding: the light's components are computed in `f64` and rounded once to `f32`. If the transform mirrors, keep the
+    /// winding of the faces, too. Range and cone stay as they are, in world space.
     ///
-    /// Returns `None` when the transform is singular or the result is not finite. Such an instance casts nothing.
+    /// Returns `None` when the transform's determinant is 0 or not finite, or a component of the result is not finite. Such
+    /// an instance casts nothing.
     pub fn to_mesh_space(self, mesh_to_world: &[[f64; 3]; 4]) -> Option<Self> {
         MeshSpace::new(DAffine3::from_cols_array_2d(mesh_to_world))?.light(self)
     }
@@ -106,7 +107,7 @@ pub(crate) struct MeshSpace {
 }
 
 impl MeshSpace {
-    /// `None` for a singular transform.
+    /// `None` if the determinant is 0 or not finite.
     pub(crate) fn new(mesh_to_world: DAffine3) -> Option<Self> {
         let determinant = mesh_to_world.matrix3.determinant();
         let is_regular = determinant != 0.0 && determinant.is_finite();
@@ -145,7 +146,7 @@ pub enum LightError {
     /// The range is neither positive nor infinite.
     #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
     Range { index: usize, range: f32 },
-    /// The axis of a cone has no direction, or its cosine is none.
+    /// The axis of a cone has no direction, or its cosine is not in −1 to 1.
     #[error(
         "light {index} has a cone about ({}, {}, {}) of cosine {cosine}; the axis must be finite and not zero, and the cosine \
          -1 to 1",

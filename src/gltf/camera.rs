@@ -1,16 +1,15 @@
 //! Cameras of the scene.
 
-/// A camera of the file at one time.
+/// A camera of the file, posed at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneCamera {
-    /// The name of the camera, or that of its node.
+    /// The name of the camera, otherwise that of its node.
     pub name: Option<String>,
     /// The position in world space, relative to [`Asset::origin`](super::Asset::origin).
     pub eye: [f32; 3],
     /// The direction that it looks in, at length 1: the node's −Z.
     pub forward: [f32; 3],
-    /// The direction that is up in the picture, at length 1 and at right angles to `forward`. Scales of nodes have no
-    /// effect.
+    /// The direction that is up in the picture, at length 1 and at right angles to `forward`.
     pub up: [f32; 3],
     /// Its projection.
     pub projection: CameraProjection,
@@ -23,7 +22,7 @@ pub enum CameraProjection {
     Perspective {
         /// The vertical field of view, in radians: more than 0 and less than π.
         yfov: f32,
-        /// Width by height of the picture that the author had in mind.
+        /// Width by height of the picture that the author had in mind: more than 0.
         aspect_ratio: Option<f32>,
         /// More than 0.
         znear: f32,
@@ -32,7 +31,7 @@ pub enum CameraProjection {
     },
     /// With parallel rays.
     Orthographic {
-        /// Half of the width that is seen: not 0.
+        /// Half of the width that is seen: not 0. Negative mirrors.
         xmag: f32,
         /// Half of the height: not 0.
         ymag: f32,

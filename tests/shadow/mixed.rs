@@ -25,7 +25,11 @@ pub(crate) const TESTS: &[Test] =
 /// Texels of the map, each way.
 const MAP: u32 = 24;
 
-/// Cubes around each other above a floor, which is seen from the side. So shadows on it count from 0 to as many cubes.
+/// Where the light is, which the map sees from, too.
+const LIGHT: [f32; 3] = [0.3, 2.9, 0.4];
+
+/// Cubes around each other in a room. Shadows on its floor count from 0 to as many cubes. `is_one`: they are one caster,
+/// since the reference by rays knows few.
 fn shells(count: u32, is_one: bool) -> Frame {
     let mut frame = (CLASSES[0].frame)(&mut Random::new(7));
     let shell = |number: u32| Body::caster(shapes::cube()).scaled(0.3 + 0.9 * number as f32 / count as f32);
@@ -34,32 +38,33 @@ fn shells(count: u32, is_one: bool) -> Frame {
         frame.bodies = vec![Body::caster(Shape::joined(frame.bodies.iter().map(|body| &body.shape)))];
     }
     frame.bodies.push(Body::room([0.0; 3], 3.0));
-    frame.lights = vec![Light::point([0.3, 2.9, 0.4])];
+    frame.lights = vec![Light::point(LIGHT)];
     let position = DVec3::new(2.2, -1.3, 2.5);
     frame.eye = Eye::new(position, DVec3::new(-2.2, -1.6, -2.5), 0.1);
     frame.size = 64;
     frame
 }
 
-/// The same is seen, and nothing casts.
+/// The same picture without casters.
 fn without_casters(frame: &Frame) -> Frame {
     let mut without = frame.clone();
     without.bodies.iter_mut().for_each(|body| body.casts = false);
     without
 }
 
-/// The light's own camera, and a map of steps and holes at random.
+/// A map of random steps and holes, and the camera at the light that it is seen by.
 fn map(gpu: &Gpu, seed: u64) -> Result<(wgpu::Texture, rimline::ShadowCamera), String> {
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let position = DVec3::new(0.3, 2.9, 0.4);
+    let position = DVec3::from(LIGHT.map(f64::from));
     let eye = Eye::new(position, -position, 0.5);
     let depths: Vec<f32> =
         (0..MAP * MAP).map(|_| if random.below(3) == 0 { 0.0 } else { 0.5 / random.between(1.5, 5.5) }).collect();
     Ok((textures::texture(gpu, [MAP; 2], TextureFormat::R32Float, &depths)?, eye.camera()))
 }
 
-/// Whether the bits above `count_bits` are those of `parities`, and those below are `counts`, which did not wrap.
+/// Whether the bits above `count_bits` are those of `parities`, and those below are `counts` (of a run with 8 bits) modulo
+/// 2^`count_bits`.
 fn bits(count_bits: u32, found: &Counted, parities: &[u8], counts: &[u8]) -> Result<(), String> {
     let low = u8::try_from((1_u32 << count_bits) - 1).map_err(text)?;
     let found = &found.stencils[0];
@@ -70,7 +75,7 @@ fn bits(count_bits: u32, found: &Counted, parities: &[u8], counts: &[u8]) -> Res
     same("dark", &dark(&|at| found[at] != 0), &dark(&|at| parities[at] != 0 || counts[at] & low != 0))
 }
 
-/// In each way to draw meshes, with one, two and four bits of parity, drawn before the counts and after them.
+/// Alone and in a scene, by several ways to count, with one, two and four bits of parity, drawn before the counts and after.
 fn share() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (texture, light) = map(gpu, 1681)?;
@@ -105,7 +110,7 @@ fn share() -> Result<(), String> {
         }
         let found = mixed.count(&frame, counting)?;
         bits(count_bits, &found, &parities, &counts).map_err(|error| format!("{what}: {error}"))?;
-        // Counts that own the whole byte.
+        // Must fail: counts that use all 8 bits.
         let beside = Some(Beside { map, pipelines: &all, options, is_first: true });
         let whole = Renderer { beside, ..plain }.count(&frame, counting)?;
         must_fail(&what, &bits(count_bits, &whole, &parities, &counts))?;
@@ -124,7 +129,7 @@ fn batches() -> Result<(), String> {
     for (count_bits, count, count_batches) in [(4, 32, 6), (6, 64, 3), (8, 256, 3)] {
         let frame = shells(count, false);
         let truths = rays::trace(&shells(count, true), CENTRE);
-        // Without a bit that is left there is no map beside the meshes.
+        // With 8 bits of counts no bit is left for a map.
         let first_bit = count_bits.min(7);
         let format = ShadowFormat { depth: frame.eye.depth, count_bits: first_bit, ..Default::default() };
         let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, first_bit..8).map_err(text)?;
@@ -141,7 +146,7 @@ fn batches() -> Result<(), String> {
         let alone = |counted: &Counted| {
             counted.stencils[0].iter().map(|value| value & (0xff >> (8 - count_bits))).collect::<Vec<u8>>()
         };
-        // Pixels that are in the shadow of any shell by rays, and that a stencil has light for.
+        // Pixels that at least three shells shadow by rays, and that a stencil has light for.
         let lost = |stencil: &[u8]| {
             let is_lost = |(truths, value): &(&Vec<Truth>, &u8)| match truths[0] {
                 Truth::Surface(between) => between.count(&[false]) > 2 && **value == 0,

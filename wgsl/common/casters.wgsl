@@ -1,9 +1,9 @@
 // Casters of a scene (meshes that throw shadows), cones of lights, and functions on vectors, for all stages of scenes and of
 // shadow volumes. A page is a buffer with the topology of several meshes. A group is the casters of a page whose masks lie
-// together. A slot is the index of a face or edge in these masks. src/layout.rs has the same structs, and a test compares
-// them, CHUNK and LANES. src/gpu/scene/table.rs writes the casters in each encode (the recording of a frame).
-// `may_be_in_cone` returns false only for a box without a point in the cone: `cull_lights` and `needs` cull by it. Claim:
-// docs/numerics/scene.md, "Cones of lights".
+// together, because they read one buffer of positions. A slot is the index of a face or edge in these masks. src/layout.rs
+// has the same structs, and a test compares them, CHUNK and LANES, but not the flags. src/gpu/scene/table.rs writes the
+// casters in each encode (the recording of a frame). `may_be_in_cone` returns false only for a box without a point in the
+// cone: `cull_lights` and `needs` cull by it. Claim: docs/numerics/scene.md, "Cones of lights".
 
 // Slots of a chunk, which all belong to one caster.
 const CHUNK: u32 = 64u;
@@ -11,9 +11,9 @@ const CHUNK: u32 = 64u;
 const LANES: u32 = 8u;
 // Flags of a caster.
 const CLOSED: u32 = 1u; // Closed and consistently oriented: each edge has two faces that traverse it in opposite directions.
-const MIRRORED: u32 = 2u; // Its matrix mirrors.
+const MIRRORED: u32 = 2u; // Rigid, and its matrix mirrors.
 const RIGID: u32 = 4u; // Its lights are moved to its mesh space, and its box is known.
-const NON_FINITE: u32 = 8u; // A face has a vertex that is not finite.
+const NON_FINITE: u32 = 8u; // Rigid, and a face has a vertex that is not finite.
 const EXCLUDES: u32 = 16u; // The caller excludes faces.
 const UNCACHED: u32 = 32u; // Its bits are computed in each encode: its positions may have changed, or it has polygons.
 // The caller excludes faces of a caster of the group. The excluded masks of the group are then copied from the caller's in
@@ -53,7 +53,7 @@ struct SceneCaster {
   group: u32,
   first_caster: u32, // The first caster of the group.
   // For a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. For a deforming caster
-  // that a frame may not need its index among these, from 1. Otherwise 0.
+  // that a frame may not need: its index among such casters, from 1. Otherwise 0.
   clusters_or_deforming_index: u32,
 }
 
@@ -107,7 +107,7 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, term_bound: 
   let off_axis = middle - along * axis;
   var direction = middle;
   if (!(dot_3(off_axis, off_axis) > 0x1p-20 * dot_3(middle, middle))) {
-    // The middle is on the axis. Any plane will do.
+    // The middle is on the axis, or nearly: any plane that touches the cone will do.
     direction = select(vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(1.0, 0.0, 0.0), abs(axis.x) < 0.5);
   }
   let across = across_axis(across_axis(direction, axis), axis);

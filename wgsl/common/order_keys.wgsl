@@ -1,4 +1,5 @@
-// Integers with the order of floats, from the floats' bits, so that no device can flush or round what is compared.
+// Maps bits of floats to integers (keys) that compare like the floats, -0 below +0, so that no device flushes or rounds what
+// is compared. No finite float has the key 0: callers use it for "none".
 
 const SIGN_BIT: u32 = 0x80000000u;
 

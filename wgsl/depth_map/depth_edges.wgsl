@@ -1,12 +1,12 @@
 // Stage `depth_edges`: marks edges between neighbouring samples of a depth map, continues edges that dangle, and decides
 // about cells from the marks. An edge dangles if it ends in a cell without another marked edge. For detectors that look
-// beside an edge or continue edges, it replaces `depth_cells_count`. First in an encode, but after `depth_cube`.
+// beside an edge or continue edges, it replaces `depth_cells_count`. After `depth_cube`, before `depth_cells`.
 // `depth_edges_mark`, an invocation for 16 × 4 samples, reads depths and objects, and writes `edges`, `faint_edges` and
 // `sample_bits`. `depth_edges_continue`, an invocation for a word of 16 samples, runs up to 64 times; two buffers of marks
-// alternate. It only adds marks, so the order of cells does not matter. `depth_edges_count`, workgroups that loop over
-// blocks of cells, reads marks and `sample_bits`. It writes `cell_words` (cell_words.wgsl) for the later passes of
-// `depth_cells`. A word of marks has 16 samples of a row: in bits 0 to 15 the edges to their right, in bits 16 to 31 the
-// edges below them. Marks are exact (docs/numerics/depth-maps.md, "Exact decisions").
+// alternate. It reads only the marks of the pass before, so the order of cells does not matter. `depth_edges_count`,
+// workgroups that loop over blocks of cells, reads marks and `sample_bits`. It writes `cell_words` (cell_words.wgsl) for the
+// later passes of `depth_cells`. A word of marks has 16 samples of a row: in bits 0 to 15 the edges to their right, in bits
+// 16 to 31 the edges below them. Marks are exact (docs/numerics/depth-maps.md, "Exact decisions").
 
 #import depth_map/cell_words
 #import depth_map/edge_code
@@ -29,9 +29,9 @@ struct DepthEdgeRule {
   low_thresholds: vec2<u32>,
   // Bits of the factor by which a difference must be larger than the difference beside it.
   slopes: vec2<u32>,
-  // Bits of the error that two differences may have: the larger of a constant, and the depth with its exponent lowered by
-  // `noise_exponents`. 0: no share of the depth.
+  // The error that a difference may have is the larger of two depths. The bits of one that is constant:
   noise: u32,
+  // The other one is the larger depth of the difference, its exponent lowered by this. 0: there is only the constant.
   noise_exponents: u32,
 }
 
@@ -63,7 +63,7 @@ fn wide_product(a: u32, b: u32) -> vec2<u32> {
   return vec2<u32>(sum, (a >> 16u) * (b >> 16u) + (middle >> 16u) + select(0u, 1u, sum < low));
 }
 
-// Whether a sum of products of two floats is above 0, exactly.
+// Whether a sum of products of two floats is above 0, exactly. Products must be below 2^146, so that the sum fits WIDE words.
 fn is_positive(terms: array<vec2<u32>, TERMS>) -> bool {
   var factors = terms;
   var sum = array<u32, WIDE>();
@@ -121,8 +121,8 @@ fn noise_bits(large: u32) -> u32 {
   return max(edge_rule.noise, share);
 }
 
-// Bits of the depths at both ends of the step before an edge, or after it, by `keys_along`. They are equal if the step rises
-// the other way than the edge, or one of them is far.
+// Bits of the depths at both ends of the step before an edge, or after it, by `keys_along`. (0, 0) if the step rises the
+// other way than the edge, or one of its ends is far.
 fn adjacent_step(keys: vec4<u32>, is_after: bool) -> vec2<u32> {
   let beside = select(keys.xy, keys.zw, is_after);
   let same_way = (beside.x < beside.y) == (keys.y < keys.z);
@@ -334,8 +334,8 @@ fn mark_strip(strip: u32) {
   }
 }
 
-// The undecided edges of a strip that are marked. In a loop of its own, because some devices execute a loop's body for all
-// invocations if one needs it.
+// The undecided edges of a strip that are marked. This loop is its own, because some devices
+// execute a loop's body for all invocations if one needs it.
 fn resolve_undecided(corner: vec2<u32>, undecided: vec4<u32>, level: u32) -> vec4<u32> {
   var marked = vec4<u32>(0u);
   var remaining = undecided;
@@ -441,7 +441,7 @@ fn strip_words_from_marks(strip: u32) -> vec4<u32> {
       next = row_of_samples(first_sample, lower.marks, borders, i32(row) + 1);
     }
     let samples = samples_from(first_sample + vec2<i32>(0, i32(row)));
-    // Samples that cast and are at most RINGS - 1 edges from the end of a marked edge.
+    // Samples that cast, and are the end of a marked edge or, if RINGS is 2, beside one.
     var ring = lower.edge_ends;
     if (RINGS > 1u) {
       ring |= (ring << 1u) | (ring >> 1u) | upper.edge_ends | next.edge_ends;
@@ -497,8 +497,8 @@ fn depth_edges_count(
 // below it is split.
 @group(0) @binding(10) var<storage, read_write> sample_bits: array<u32>;
 
-// 0: triangles with a marked edge are drawn. Above 0: also those with a sample up to RINGS - 1 edges from the end of a
-// marked edge.
+// 0: triangles with a marked edge are drawn. 1: also those with a sample at the end of a marked edge. 2: also those with a
+// sample beside such an end.
 override RINGS: u32 = 2u;
 
 // The index of a word, and whether the word exists.
@@ -553,11 +553,11 @@ fn dangling_from(cell: vec2<i32>) -> u32 {
   return dangling;
 }
 
-// Where samples are on the border of a map of a cube. There other maps may have marked edges.
+// Where samples are on the border of a map of a cube. The next map may have marked edges there, so they count as ends.
 struct Borders {
   // The position in the map of the sample of bit 0.
   in_map: vec2<i32>,
-  // Samples of a row, 13 or more, that are in the first or last column of the map.
+  // Samples of a row, 13 or more, that are in the first or last column of the map, or outside it.
   columns: u32,
 }
 

@@ -1,14 +1,14 @@
 // The interface through which the stage `outline_edges` reads edges: those of an extraction, or of a group of a scene's
-// casters (casters that are drawn together). Either file below defines these functions. The first two return an edge and
-// remember its caster in a private variable; the others read that caster. `RimlineSilhouette` is that of the include for
-// callers' shaders (src/gpu/extract/include.rs).
+// casters (casters that are drawn together). Either file below defines these functions. In a scene the first two store the
+// caster of their edge in a private variable and the others read it, so call one of the first two before them.
+// `RimlineSilhouette` is in extract/results.wgsl.
 //
 // * `outlined_silhouette(instance) -> RimlineSilhouette`: the edge of an instance of the light's indirect draw.
 // * `outlined_record(slot) -> RimlineSilhouette`: the edge in a slot, which is an edge's index in an extraction.
-//   NO_EDGE as its kind: there is none, or the caster has no outline.
+//   Its kind is NO_EDGE if there is none, or, in a scene, if the caster has no outline.
 // * `outlined_faces(edge) -> vec2<u32>`: the two faces of an edge, packed as in `rimline_edge_faces`.
 // * `outlined_first_face() -> u32`: the index of the caster's first face in the bound faces.
-// * `outlined_position(vertex) -> vec3<f32>`: a vertex of the caster, along the axes of the world, from any origin.
+// * `outlined_position(vertex) -> vec3<f32>`: a vertex in world space, up to a translation.
 // * `outlined_offset(vertex) -> vec3<f32>`: a vertex less the camera's origin.
 // * `outlined_is_marked(edge) -> bool`: whether the caller marked the edge. Edges of scenes have no marks.
 

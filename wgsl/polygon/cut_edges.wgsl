@@ -1,12 +1,13 @@
 // Cut edges: lists the pieces of twisted polygons, whose boundaries cross themselves as seen from light L. A piece is a
-// part of an edge between two cuts, directed so that the polygon's shadow is on its left. Four passes for each batch, after
-// `polygon_masks`, for shadow volumes only; each reads in `pieces` what the previous one wrote. `cut_edges`: a
-// workgroup an entry of `polygon_masks`; finds the cuts of each edge. `cut_edges_rank`: a workgroup for 8 cuts; counts
-// the cuts of the edge before each. `cut_edges_before`: an invocation a cut; finds the cut right before.
-// `cut_edges_list`: likewise; writes the piece between both. Pieces come in any order; polygon/list_pieces.wgsl names
-// their readers. Cutting edges and dark sides are exact; orders are, except for those that `is_before` rounds. At each
-// point as many pieces begin as end, bit for bit, so crossing edges must agree on order and point. `Turns:` above a
-// loop is its most iterations. Claims: docs/numerics/twisted-polygons.md.
+// part of an edge between neighbouring cuts or ends, directed so that the polygon's shadow is on its left. Four passes for
+// each batch, after `polygon_masks`, for shadow volumes only; the later ones read in `pieces` what earlier ones wrote.
+// `cut_edges`, a workgroup for each entry of `polygon_masks`, finds the cuts of each edge. `cut_edges_rank`, a workgroup for
+// 8 cuts, counts the cuts of the edge before each. `cut_edges_before`, an invocation for each cut, finds the cut right
+// before. `cut_edges_list`, likewise, writes the piece between both. Pieces come in any order; polygon/list_pieces.wgsl
+// names their readers. Cutting edges and dark sides are exact; orders are, except where `is_before` rounds, and where
+// rounded fractions replace the ranks (`has_equal_ranks`). At each point as many pieces begin as end, bit for bit, so
+// crossing edges must agree on order and point. `Turns:` above a loop is its most iterations. Claims:
+// docs/numerics/twisted-polygons.md.
 
 #import common/exact_sign
 #import common/order_keys
@@ -18,10 +19,11 @@
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 
-// Bit 0: an odd number of the polygon's triangles lie, as seen from the light, beside the end of the edge on its left. An
-// element an invocation; for a large boundary, whose invocations share an edge, only the first.
+// Bit 0: the number of the polygon's triangles and overlapping edges that lie, as seen from the light, beside the end of the
+// edge on its left is odd. An element for each invocation; for a large boundary, whose invocations share an edge, the first.
 var<workgroup> parities: array<atomic<u32>, 64>;
-// The window of bits of the boundary's corners: EXPONENT_LIMIT minus its begin, and its end. Elements as for `parities`.
+// The window of bits of the boundary's corners: EXPONENT_LIMIT minus its begin, and its end, so that both
+// are maxima. Elements as for `parities`.
 var<workgroup> lowest_exponents: array<atomic<i32>, 64>;
 var<workgroup> highest_exponents: array<atomic<i32>, 64>;
 // The number of cuts that each invocation found, and the index in the light's list of the row of its edge.
@@ -40,7 +42,7 @@ struct Overlap {
   is_cut: bool,
   // It lies beside the end of the other edge, on the left by that edge's own direction.
   is_left_at_end: bool,
-  // Its upper end.
+  // The upper end of the edge that overlaps.
   end: vec3<u32>,
 }
 
@@ -74,7 +76,7 @@ struct FoundCuts {
   touching_second_end: u32,
   // The two bits of `tie` of each cut.
   ties: vec2<u32>,
-  // The window of bits of the corners of the tested edges: begin and end.
+  // The window of bits of the corners of its own edge and the tested ones: begin and end.
   span: vec2<i32>,
 }
 
@@ -139,8 +141,8 @@ fn is_triangle_beside_end(corners: array<vec3<u32>, 3>, e: Edge, signs: array<i3
   return signs[0] != 0 && all(sides == vec3<i32>(signs[0]));
 }
 
-// Finds the edges that cut the invocation's edge, and the parity of triangles beside its end on its left: it flips
-// `parities` for each. One loop runs over edges, then over triangles, so that `turn` is compiled once.
+// Finds the edges that cut the invocation's edge, and the parity of triangles and overlapping edges beside its end on
+// its left: it flips `parities` for each. One loop runs over edges, then over triangles, so that `turn` is compiled once.
 fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, BOUNDARY_LANES, work.is_large);
@@ -167,7 +169,7 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
     }
     var signs: array<i32, 7>;
     var tie = IN_LINE;
-    // Turns: CUT_TESTS in all.
+    // Turns: CUT_TESTS over all items.
     for (var test = 0u; test < select(7u, 4u, is_edge); test++) {
       // The second end decides for a side only if the first is on its line.
       if (!is_edge && test > 0u && test % 2u == 0u && signs[test - 1u] != 0) {
@@ -292,18 +294,18 @@ fn cut_edges_rank(
   workgroupBarrier();
   if (is_cut && lane % RANK_LANES == 0u) {
     pieces.words[stored.offset + RANK] = atomicLoad(&ranks[slot]);
-    // Bits of numbers that are not negative have their order, those of infinity and NaN included.
+    // Bits of floats that are not negative sort like the floats, with infinity and NaN last.
     pieces.words[stored.offset + FRACTION] = bitcast<u32>(abs(fraction_along(edge, stored.cut)));
   }
 }
 
-// Whether the ranks of a row are no order: two are equal, or they were not computed.
+// Whether the ranks do not order the row: two are equal, or they were not computed.
 fn has_equal_ranks(row: Row) -> bool {
   if (row.cut_count > MOST_ORDERED) {
     return true;
   }
   // A bit for each rank that occurred.
-  var occurred: array<u32, 8>;
+  var occurred: array<u32, MOST_ORDERED / 32u>;
   var is_twice = false;
   // Turns: MOST_ORDERED.
   for (var index = 0u; index < row.cut_count; index++) {
@@ -366,9 +368,9 @@ fn cut_point(edge: CutEdge, cut: Cut, corner: vec3<u32>) -> vec3<u32> {
   if (cut.cutting_edge == CORNER) {
     return corner;
   }
-  let is_touching = touching_end(edge.boundary, cut);
-  if (is_touching.w == 1u) {
-    return is_touching.xyz;
+  let touching = touching_end(edge.boundary, cut);
+  if (touching.w == 1u) {
+    return touching.xyz;
   }
   return crossing_point(edge.boundary, edge.index, cut.cutting_edge, edge.light);
 }

@@ -1,6 +1,6 @@
-// Cuts: where an edge of a twisted boundary is crossed by another as seen from light L. (Such a boundary crosses itself.)
-// First the records of cuts, then their order along the edge that they cut. Only the passes of cut_edges.wgsl import this
-// file. `Turns:` above a loop is its most iterations. Claim: docs/numerics/twisted-polygons.md, "Order of cuts".
+// Cuts: where an edge of a twisted boundary is crossed by another as seen from light L. First the records of cuts, then
+// their order along the edge that they cut. Only the passes of cut_edges.wgsl import this file. `Turns:` above a loop is its
+// most iterations. Claim: docs/numerics/twisted-polygons.md, "Order of cuts".
 
 #import common/order_keys
 #import extract/one_caster
@@ -40,8 +40,8 @@ fn unpack_cut(word: u32) -> Cut {
 
 // Words of a record. `cut_edges` writes the first five.
 // * CUT_POLYGON: the polygon, or NO_POLYGON if there was no room for the row.
-// * CUT_EDGE: the index of the edge that is cut. IS_ODD_AT_END: an odd number of triangles lie, as seen from the light,
-//   beside its end on its left. HOLDS_TURNS: fixed point holds the turns of the boundary.
+// * CUT_EDGE: the index of the edge that is cut. IS_ODD_AT_END: an odd number of triangles and overlapping edges lie, as
+//   seen from the light, beside its end on its left. HOLDS_TURNS: fixed point holds the turns of the boundary.
 // * CUT_WORD: the packed cut.
 // * ROW_FIRST, ROW_CUTS: the index in the light's list of the row's first record, and the number of its cuts without the
 //   end.

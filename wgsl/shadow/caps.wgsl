@@ -4,7 +4,7 @@
 // Dispatched after `counting_methods` for each group of casters, light batch and view; eight invocations share a chunk
 // of 64 face slots. Reads: choices, positions, facing masks, excluded masks. Excluded faces have no caps. Writes:
 // lists, in arbitrary order, for `shadow_arguments` and `cap_faces`; CHOICE_LISTED_NEAR_CAP of casters with near caps,
-// for which later stages clip sides. So every face that may have a near cap must be listed.
+// for which later stages clip sides. Culling may keep too many near caps, never too few.
 // docs/numerics/shadow-volumes.md, "Closed volumes" and "Slack of culling".
 
 #import common/casters
@@ -23,7 +23,7 @@
 @group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
-// Four counts for each light, then the lists.
+// Four counts for each of 32 lights, then the lists (draw_lists.wgsl).
 @group(0) @binding(9) var<storage, read_write> caps_listed: array<atomic<u32>>;
 
 // Whether all three corners are outside one plane of the pyramid of light and near rectangle.
@@ -40,13 +40,13 @@ fn is_outside_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec
 
 // The choices for a caster.
 struct CapChoices {
-  words: vec4<u32>, // CHOICE_CASTS, CHOICE_EVERY_FACE, CHOICE_NEAR_CAP. CHOICE_LISTED_NEAR_CAP is 0: this stage writes it.
+  words: vec4<u32>, // CHOICE_CASTS, CHOICE_EVERY_FACE, CHOICE_NEAR_CAP; the last is not used.
   excludes: u32, // CHOICE_EXCLUDES.
   lights: u32, // The lights for which faces of the caster may have caps that are to be listed.
   flags: u32, // The flags of the caster.
 }
 
-// The lights whose lists are dirty.
+// The lights whose lists must be made again.
 fn load_dirty_lights() -> u32 {
   return atomicLoad(
     &choices[CHOICE_WORDS * choice_index(shape.first_caster, draw.first_light / 32u, draw.view) + CHOICE_DIRTY]);
@@ -60,7 +60,8 @@ fn load_choices(caster: u32) -> CapChoices {
   }
   result.excludes = atomicLoad(&choices[offset + CHOICE_EXCLUDES]);
   result.flags = caster_flags(caster);
-  // Whether all casting lights may have light or dark caps. `has_far_caps` decides for each light.
+  // Whether light and dark caps are possible; if not, only lights with near caps matter. `has_far_caps` decides for each
+  // light.
   let can_have_far_caps = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 ||
     shape.end_at_range != 0u || (result.flags & PROXY) != 0u;
   result.lights = result.words[CHOICE_CASTS] & select(result.words[CHOICE_NEAR_CAP], 0xffffffffu, can_have_far_caps) &
@@ -68,7 +69,7 @@ fn load_choices(caster: u32) -> CapChoices {
   return result;
 }
 
-// The end of the caster's volume: `ShadowLight::end`.
+// The end of the caster's volume: `ShadowLight::end`. 0: at infinity.
 fn load_volume_end(caster: u32, light_index: u32) -> f32 {
   if (!has_measures()) {
     return 0.0;
@@ -77,7 +78,8 @@ fn load_volume_end(caster: u32, light_index: u32) -> f32 {
   return bitcast<f32>(atomicLoad(&choices[measures_offset + 2u * measure_index(caster, light_index, draw.view)]));
 }
 
-// Appends a face to a list of a light. If the list is full, only its count grows.
+// Appends a face to a list of a light. Two lists share a range, from both ends. If it overflows, only the counts are right,
+// and the reader tests all faces.
 fn list_cap(bit: u32, kind: u32, slot: u32) {
   let entry = atomicAdd(&caps_listed[4u * bit + kind], 1u);
   if (entry < cap_capacity(kind)) {

@@ -1,9 +1,10 @@
 // Bins of half planes, from which `stencil_bound` bounds stencil counts if the caller asks for a bound. A pencil is all half
 // planes that begin at one line through the light, its axis. Each half plane has a key, and bins are ranges of keys. A
-// stencil count belongs to the ray from the light to a position, which lies in one half plane. It is at most half of the
-// weights of sides that cross the half plane, plus the faces of casters that the axis may meet. `stencil_pencil` chooses a
-// pencil for each light and view, `stencil_crossings` and `piece_crossings` add sides to bins, `stencil_bound` reads the
-// bins. A side may be added to too many bins, never to too few. docs/numerics/receivers.md, "Bound on counts".
+// stencil count belongs to the ray from the light to a position, which lies in one half plane. The count is at most half of
+// the weights of the sides (quads of shadow volumes) that cross the half plane, plus the faces of casters that the axis may
+// meet. The weight of a side is how much the count changes across it. `stencil_pencil` chooses a pencil for each light and
+// view and counts faces, `stencil_crossings` and `piece_crossings` add sides to bins, `stencil_bound` reads the bins. A side
+// is added to all bins that it crosses, but for the rounding of keys. docs/numerics/receivers.md, "Bound on counts".
 //
 // Expects: `shape`, and, where sides are added, `bin_rows`, the rows of bins of all pencils.
 
@@ -21,12 +22,13 @@ struct StencilPencil {
 
 const PENCIL_PARALLEL: u32 = 0u; // The light is at infinity. The half planes are parallel.
 const PENCIL_FAN: u32 = 1u; // The light is outside the box of all casters, which lie in the direction `forward`.
-const PENCIL_AROUND: u32 = 2u; // The light is in the box of all casters. The axis is parallel to a coordinate axis.
+// The light is in the box of all casters, or as near as `box_slack`. The axis is parallel to a coordinate axis.
+const PENCIL_AROUND: u32 = 2u;
 const BINS: u32 = 1024u;
 // A row of words for each pencil and count batch. Word n is the weight that begins in bin n less the weight that ends in bin
 // n - 1. A word for the last end follows, then these:
 const AXIS_FACES: u32 = 1025u; // Faces of the casters that the axis may meet.
-const ALL_FACES: u32 = 1026u; // Faces of all casters.
+const ALL_FACES: u32 = 1026u; // Faces of all casters. Another word is not used.
 const ROW_WORDS: u32 = 1028u;
 
 // The offset of the row of a light in a view, for a count batch.
@@ -54,7 +56,7 @@ fn half_plane_key(pencil: StencilPencil, position: vec3<f32>) -> f32 {
   return pseudo_angle(u, v);
 }
 
-// The distance between a position and a box below which rounding leaves open whether the position is in the box.
+// Within this distance of a box, rounding errors leave open whether a position is inside.
 fn box_slack(position: vec3<f32>, low: vec3<f32>, high: vec3<f32>) -> f32 {
   let slack = 4e-6 * max(max(abs(low), abs(high)), abs(position));
   return 4.0 * max(max(slack.x, slack.y), slack.z);
@@ -91,7 +93,7 @@ fn add_edge(pencil: StencilPencil, row: u32, a: vec3<f32>, b: vec3<f32>, weight:
   let q = half_plane_key(pencil, b);
   let first = bin_of_key(pencil, min(p, q));
   let last = bin_of_key(pencil, max(p, q));
-  // The axis does not meet the edge, so the edge goes around it the shorter way.
+  // The axis does not meet the caster's box, so the edge spans less than half a turn: it goes around the shorter way.
   if (pencil.kind == PENCIL_AROUND && abs(p - q) > 2.0) {
     add_to_bins(row, 0u, first, weight);
     add_to_bins(row, last, BINS - 1u, weight);

@@ -4,7 +4,8 @@
 // count batch is casters that the stencil counts together.
 // Reads: rows of bins (shadow/half_plane_bins.wgsl), from `stencil_pencil`, `stencil_crossings` and `piece_crossings`.
 // Writes: statistics.
-// A bound may be too large, never too small. docs/numerics/receivers.md, "Bound on counts".
+// A bound may be too large and, but for the rounding of keys, never too small. docs/numerics/receivers.md, "Bound on
+// counts".
 
 #import shadow/half_plane_bins
 #import shadow/shadow

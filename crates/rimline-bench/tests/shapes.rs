@@ -3,7 +3,7 @@
 use rimline::mesh::EdgeCounts;
 use rimline_bench::shapes::{self, Shape};
 
-/// The signed volume, by the divergence theorem: positive where faces are counter-clockwise outside.
+/// The signed volume, by the divergence theorem: positive where faces are counter-clockwise, seen from outside.
 fn volume(shape: &Shape) -> f64 {
     let at = |v: u32| shape.positions[v as usize].map(f64::from);
     let six: f64 = shape
@@ -79,13 +79,14 @@ fn open_shapes_have_the_records_documented() {
 
     let sheets = shapes::three_sheets(6);
     assert_eq!(sheets.faces.len(), 36);
-    // Six edges on the line; each sheet has its far side, two ends, and inner edges of its own.
+    // Each of the six edges on the line has a consistent and a boundary record; each sheet has its far side, two ends, and
+    // inner edges of its own.
     let expected = EdgeCounts { consistent: 6 + 3 * (5 + 6), inconsistent: 0, boundary: 6 + 3 * (6 + 2) };
     assert_eq!(counts(&sheets), expected);
 }
 
 #[test]
-fn senseless_sizes_are_taken_as_the_least() {
+fn sizes_out_of_range_are_clamped() {
     assert_eq!(shapes::torus(0, 1, 1.0, 0.5), shapes::torus(3, 3, 1.0, 0.5));
     assert_eq!(shapes::sphere(0), shapes::sphere(1));
     assert_eq!(shapes::plane_grid(0, 0), shapes::plane_grid(1, 1));

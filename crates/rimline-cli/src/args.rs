@@ -288,7 +288,7 @@ pub(crate) struct DevicesArgs {
 
 const DEVICES_KEYS: &str = "\
 Keys of --json: adapters, a list of name, backend, type, driver, driver_info, usable, lacks, wrong_clipping (pixels of \
-a trial that the driver clips wrongly, null if not tried), limits (named \
+a trial that the driver clips wrongly, null if unknown), limits (named \
 as in WebGPU), optional_features (present, missing). The exit code is 3 if there is no GPU.";
 
 #[derive(Args, Debug)]

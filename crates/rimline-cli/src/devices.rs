@@ -1,4 +1,4 @@
-//! `rimline devices`: what there is to work with.
+//! `rimline devices` lists GPUs and what they can do. docs/formats.md describes its JSON.
 
 use std::fmt::Write as _;
 
@@ -25,7 +25,7 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The limits that decide how large a mesh and how many lights fit: JSON key, what it is called for people, value.
+/// Limits that decide what fits and what runs: JSON key, what it is called for people, value.
 fn limits(limits: &wgpu::Limits) -> [(&'static str, &'static str, u64); 6] {
     macro_rules! named {
         ($($limit:ident: $name:literal),*) => { [$((stringify!($limit), $name, u64::from(limits.$limit))),*] };
@@ -70,11 +70,11 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
 
 fn clipping(wrong: Option<usize>) -> String {
     match wrong {
-        None => "not tried".into(),
+        None => "unknown".into(),
         Some(0) => "right".into(),
         Some(wrong) => format!(
-            "wrong at {wrong} pixels of a trial: shadows of programs have specks unless they set ShadowFormat::trim, as \
-             `rimline shadow` does"
+            "wrong at {wrong} pixels of a trial: shadows have specks in programs that do not set `ShadowFormat::trim` (`rimline \
+             shadow` sets it)"
         ),
     }
 }

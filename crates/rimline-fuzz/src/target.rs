@@ -11,6 +11,7 @@ pub(crate) enum Target {
     Arguments,
 }
 
+/// Each target's name for `--target`, and the file extension of its cases.
 const TARGETS: [(Target, &str, &str); 7] = [
     (Target::Gltf, "gltf", "glb"),
     (Target::Npz, "npz", "npz"),
@@ -35,7 +36,7 @@ impl Target {
         TARGETS.iter().find(|(target, ..)| *target == self).map_or("", |(.., ending)| ending)
     }
 
-    /// Its cases are processes, which it ends itself.
+    /// Whether each case is a process, which the target itself ends when it is slow. The supervisor then waits longer.
     pub(crate) fn watches_itself(self) -> bool {
         self == Self::Arguments
     }

@@ -8,7 +8,7 @@ use crate::factory::{Pass, depth_state};
 use crate::resources::Resources;
 use crate::targets::Target;
 
-/// The fragment shaders of overlays, `volumes` and `edges`, behind the library's include for group 2.
+/// The shaders of overlays, `volumes` and `edges`, behind the library's include for group 2.
 pub const OVERLAY: &str = include_str!("overlay.wgsl");
 
 /// A pass that draws an overlay in front of the models. `groups` begin with the light.

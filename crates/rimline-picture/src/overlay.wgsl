@@ -1,4 +1,5 @@
-// The sides of shadow volumes, drawn as tinted glass, and the lines that they are made of.
+// A sketch of shadow volumes: a side of tinted glass from each silhouette edge to infinity, and its outline. It follows
+// scene.wgsl and the library's include. depth_overlay.wgsl of the command uses `Edge` and the fragment shaders.
 
 struct Edge {
   @builtin(position) clip: vec4<f32>,
@@ -26,12 +27,13 @@ fn tint() -> vec3<f32> {
 }
 
 @vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
-  // Many lines would hide everything.
+  // More than 100 lines are fainter, so that they do not hide everything.
   let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(rimline_info.first_light + shaded.silhouettes)));
   // Corners of a line strip: from infinity along one ray, along the edge, and out along the other.
   return Edge(corner(instance, vertex >= 2u, vertex == 0u || vertex == 3u), opacity);
 }
 
+// A corner of a side. Those of an edge that is not valid are one point.
 fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
   let edge = rimline_silhouette(rimline_info.first_light + shaded.silhouettes, instance);
   let a = rimline_position(edge.a);

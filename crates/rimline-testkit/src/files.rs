@@ -1,4 +1,4 @@
-//! Model files: those of the catalogue, made when they are asked for, and the good real ones beside the checkout.
+//! Model files: those of `rimline_models::catalogue`, generated when asked for, and names of real ones that can be read.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ pub struct Made {
     pub path: PathBuf,
 }
 
-/// Makes the file of this name.
+/// Generates the file of this name.
 pub fn made(name: &str) -> Result<Made, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let good = GOOD.iter().find(|good| good.name == name).map(|good| good.write(folder.path()));
@@ -19,7 +19,7 @@ pub fn made(name: &str) -> Result<Made, String> {
     Ok(Made { path: path.map_err(|error| format!("{name}: {error}"))?, _folder: folder })
 }
 
-/// Paths of the real ones within their folder.
+/// Paths of the real models that can be read, relative to the folder of real models (`assets`).
 pub const GOOD_FILES: [&str; 25] = [
     "22_vertex_color.glb",
     "AnimatedMorphCube.glb",

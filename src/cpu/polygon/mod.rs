@@ -1,5 +1,5 @@
-//! Polygons as a light sees them: front-facing, back-facing, in a plane with the light, or twisted;
-//! docs/numerics/polygons.md.
+//! The CPU reference of wgsl/polygon: how a light sees a polygon (`Orientation`: front-facing, back-facing, in a plane with
+//! the light, or twisted). It begins at `polygon_facing`. docs/numerics/polygons.md.
 
 pub(crate) mod corner_turn;
 pub(crate) mod edge_pair;

@@ -1,9 +1,10 @@
 // Silhouette edges as lines of even width on the screen: a quad an edge, read from the list by an indirect draw.
 //
 // Hidden lines: a fragment belongs to the nearest point of its edge, and it is that point that is seen or not. The survey
-// knows the faces that are seen around the point; the point is hidden where one of them covers it and lies strictly in
-// front. A face that holds the point, as the edge's own do and those that touch it there, hides nothing. Veils, made of the
-// survey, tell most hidden lines as a whole, and most hidden points, at a glance.
+// (model.wgsl) is a texture of the faces that are seen, one or two texels along a pixel. The point is hidden where a face
+// seen around it covers it and lies strictly in front, or where all faces there are in front. A face that contains the
+// point, as the edge's own do and those that touch it there, hides nothing. Veils (veil.wgsl), depths behind which
+// everything in a square of the picture is hidden, settle most hidden lines and points early.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
@@ -13,7 +14,7 @@
 
 struct Line {
   @builtin(position) clip: vec4<f32>,
-  // The ends in pixels, from the eye in world space, and one over their distances; of an orthographic camera 1.
+  // The ends in pixels; the ends in world space, less the eye; one over their depths along the view (1 if orthographic).
   @location(0) @interpolate(flat) a: vec2<f32>,
   @location(1) @interpolate(flat) b: vec2<f32>,
   @location(2) @interpolate(flat) from_a: vec3<f32>,
@@ -32,7 +33,7 @@ fn to_pixels(view: vec3<f32>) -> vec2<f32> {
   return (ndc * vec2<f32>(0.5, -0.5) + 0.5) * frame.size;
 }
 
-// Squares of the finest level are two to this texels wide.
+// The base-2 logarithm of the side of a square of the finest level, in texels: SQUARE in veil.wgsl and outline_picture.rs.
 const SQUARE_BITS = 3u;
 
 fn last_texel() -> vec2<i32> {
@@ -44,12 +45,12 @@ fn reach() -> i32 {
   return 3 * frame.survey_scale / 2;
 }
 
-// Less than the distance ahead, by more than rounding: `size` is that of what it was computed from.
+// Subtracts a bound on rounding errors from the depth `ahead`, which was computed from a vector with these magnitudes.
 fn certainly_ahead(ahead: f32, size: vec3<f32>) -> f32 {
   return ahead - 1e-5 * (size.x + size.y + size.z);
 }
 
-// All faces around the texels from `low` to `high` are far in front of what is `ahead`: all points there are hidden.
+// Whether all faces around the texels from `low` to `high` are in front of a depth, so that all points behind it are hidden.
 fn is_veiled(low: vec2<i32>, high: vec2<i32>, ahead: f32) -> bool {
   let from_texel = max(low - reach(), vec2<i32>(0));
   let to_texel = min(high + reach(), last_texel());
@@ -89,7 +90,7 @@ fn texel_at(at: vec2<f32>) -> vec2<i32> {
   var b = to_view(q);
   p -= frame.eye;
   q -= frame.eye;
-  // Cut off what is behind the eye.
+  // Clip at the near plane.
   if (a.z < frame.near && b.z < frame.near) {
     return nothing();
   }
@@ -132,8 +133,8 @@ fn position(face: u32, corner: u32) -> vec3<f32> {
 // of its sides' product, the last product by 3.
 const ERROR = 12.0 / 8388608.0;
 
-// The ray passes the edge on its inner side, certainly. At the contour many a face is seen edge-on, thinner than rounding
-// tells: it covers nothing there.
+// Whether the ray to `p` passes an edge on its inner side, certainly. At a contour many faces are seen edge-on, thinner than
+// rounding errors: they cover nothing there.
 fn is_within(corner: vec3<f32>, along: vec3<f32>, p: vec3<f32>, turn: f32) -> bool {
   let towards = ray(corner);
   let wall = cross(towards, along);
@@ -163,12 +164,13 @@ fn verdict(face: u32, point: vec3<f32>) -> u32 {
   let r = p - a;
   let turn = sign(dot(normal, ray(a)));
   let error = ERROR * (length(normal) * (1.0 + length(a)) + length(ab) * length(ac) * length(r));
-  // Not so where the point lies on the face's plane, or on the eye's side of it.
+  // False where the point lies on the face's plane, or on the eye's side of it.
   let is_behind = turn * dot(normal, r) > error;
   if (is_behind && is_within(a, ab, p, turn) && is_within(b, bc, p, turn) && is_within(c, -ac, p, turn)) {
     return HIDES;
   }
-  // Beside the point a plane that is nearly edge-on says little: then the face as a whole does, if it is far in front.
+  // Beside the point a plane that is nearly edge-on decides nothing: the face counts as in front if all of it is far in
+  // front.
   let farthest = max(max(dot(a, frame.forward), dot(b, frame.forward)), dot(c, frame.forward));
   let gap = dot(p, frame.forward) - farthest;
   let is_far_behind = gap > 2.0 * max(length(ab), max(length(ac), length(bc)));
@@ -246,7 +248,7 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   // One over the distance is linear on the screen.
   let along = seen_at * in.nearness.y / mix(in.nearness.x, in.nearness.y, seen_at);
   var is_drawn = coverage > 0.0;
-  // An invocation that is discarded may go on until the end, so it is not asked before.
+  // `discard` may not end an invocation, so a branch skips the costly test.
   if (is_drawn) {
     is_drawn = !is_hidden(in.from_a + along * (in.from_b - in.from_a), in.a + seen_at * span);
   }

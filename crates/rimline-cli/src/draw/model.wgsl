@@ -12,8 +12,9 @@ fn position_of(corner: u32) -> vec3<f32> {
   return vec3<f32>(positions[first], positions[first + 1u], positions[first + 2u]);
 }
 
-// Which face each place of the picture shows, and how deep. Not the depth buffer, which OpenGL's shaders cannot read as
-// WGSL does; in integers, since OpenGL need not draw onto floats; not multisampled, since Mesa's OpenGL then reads zeros.
+// The survey, for hidden lines (lines.wgsl): the face at each texel, and near plane / distance. Not the depth buffer, which
+// OpenGL's shaders cannot read as WGSL does; in integers, since OpenGL need not draw onto floats; not multisampled, since
+// Mesa's OpenGL then reads zeros.
 
 struct Seen {
   @builtin(position) clip: vec4<f32>,
@@ -79,11 +80,11 @@ struct Ground {
   let centre = vec2<f32>(0.0, -0.06);
   let glow = exp(-1.9 * dot(p - centre, p - centre));
   let colour = mix(vec3<f32>(0.72, 0.675, 0.61), vec3<f32>(0.915, 0.885, 0.84), glow);
-  // Half a step of noise, so that the gradient shows no bands.
+  // About half an 8-bit step of noise, so that the gradient shows no bands.
   return vec4<f32>(colour + (dither(at.xy) - 0.5) / 200.0, 1.0);
 }
 
-// The model as matte clay in a small studio: a warm key from the upper left, a cool fill from the right, a rim light
+// The model, almost matte, in a small studio: a warm key from the upper left, a cool fill from the right, a rim light
 // from behind, all of which move with the eye.
 
 struct Surface {
@@ -102,7 +103,7 @@ struct Surface {
   return Surface(to_clip(to_view(position)), unfold(normals[corner]), position, color);
 }
 
-fn resources(right: f32, up: f32, back: f32) -> vec3<f32> {
+fn direction(right: f32, up: f32, back: f32) -> vec3<f32> {
   return normalize(right * frame.right + up * frame.up - back * frame.forward);
 }
 
@@ -115,13 +116,13 @@ fn resources(right: f32, up: f32, back: f32) -> vec3<f32> {
   // Interpolated normals may lean away from the eye at the rim.
   n = normalize(n + max(0.0, 0.02 - dot(n, to_eye)) * to_eye);
 
-  let key_from = resources(-0.52, 0.68, 0.72);
+  let key_from = direction(-0.52, 0.68, 0.72);
   let key = saturate((dot(n, key_from) + 0.2) / 1.2);
-  let fill = saturate((dot(n, resources(0.95, 0.1, 0.5)) + 0.35) / 1.35);
+  let fill = saturate((dot(n, direction(0.95, 0.1, 0.5)) + 0.35) / 1.35);
   let sky = 0.5 + 0.5 * n.y;
-  let rim = pow(1.0 - saturate(dot(n, to_eye)), 3.0) * saturate(dot(n, resources(0.8, 0.5, -0.5)) + 0.15);
+  let rim = pow(1.0 - saturate(dot(n, to_eye)), 3.0) * saturate(dot(n, direction(0.8, 0.5, -0.5)) + 0.15);
 
-  // Fired clay; the inside of an open surface is glazed grey.
+  // Grey-blue; the inside of an open surface is brown.
   var clay = select(vec3<f32>(0.62, 0.44, 0.33), vec3<f32>(0.36, 0.49, 0.56), front);
   if (frame.is_colored != 0u) {
     clay = in.color;

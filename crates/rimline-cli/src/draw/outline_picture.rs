@@ -342,7 +342,7 @@ impl Survey {
 /// Bits of floats, as OpenGL need not draw onto floats.
 const VEIL: TextureFormat = TextureFormat::R32Uint;
 
-/// Places of the survey each way in a square of the finest level; as in `veil.wgsl`.
+/// The side of a square of the finest level, in texels of the survey; as in `veil.wgsl`, and `SQUARE_BITS` in `lines.wgsl`.
 const SQUARE: u32 = 8;
 
 pub(super) struct Veils {

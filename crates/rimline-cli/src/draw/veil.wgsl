@@ -1,12 +1,12 @@
-// Veils: how far away what lies behind everything seen in a part of the picture is certainly hidden there, whatever the
-// line. The coarsest question that lines ask, of squares of the survey and of larger ones: most lines of many bodies
-// end here.
+// Veils: for each square of the survey (model.wgsl), and for larger ones, the depth behind which everything in the square is
+// certainly hidden. `lines.wgsl` asks them first: most lines of scenes of many bodies end there.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 @group(1) @binding(2) var<storage, read> faces: array<u32>;
 
-// Places of the survey each way in a square of the finest level; as in `lines.wgsl` and `survey.rs`.
+// The side of a square of the finest level, in texels of the survey; SQUARE_BITS in lines.wgsl, SQUARE in
+// outline_picture.rs.
 const SQUARE = 8;
 // Bound on rounding errors, as a share of a distance.
 const SLACK = 1e-5;
@@ -62,7 +62,7 @@ fn veil_of(face: u32) -> f32 {
   return vec4<u32>(bitcast<u32>(largest));
 }
 
-// A level of veils from the next finer one, which is bound in the place of the survey.
+// A level of veils from the next finer one, which is bound instead of the survey.
 @fragment fn veil_level_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<u32> {
   let first = 2 * vec2<i32>(at.xy);
   var largest = 0u;

@@ -1,7 +1,7 @@
 //! The header of a .npy array: its element type, order and shape.
 //!
-//! The format is NumPy's NEP 1: a magic string, a version, a length, and a Python dictionary of three entries. It is read
-//! here, strictly and without recursion, because a file may say anything.
+//! The format is that of `numpy.lib.format`: a magic string, a version, a length, and a Python dictionary of three entries.
+//! Only these are accepted, and read without recursion, because a file may say anything.
 
 use std::fmt;
 use std::io::{self, Read};
@@ -9,7 +9,7 @@ use std::io::{self, Read};
 /// Type of an array's elements, as NumPy writes it: `<f4`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ElementType {
-    /// `f` float, `i` and `u` integer.
+    /// `f` float, `i` and `u` integer, `b` bool. Read from a file: any letter.
     pub kind: char,
     /// Bytes an element.
     pub size: usize,
@@ -58,12 +58,13 @@ impl fmt::Display for ElementType {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
-    /// The type as the file writes it, which may be anything.
+    /// The type as the file writes it: any string.
     pub(crate) descr: String,
-    /// `descr`, where it is one of the plain numeric types.
+    /// `descr`, where it is an order, a letter and a size. Callers check the letter and the size.
     pub(crate) element: Option<ElementType>,
     pub(crate) fortran_order: bool,
     pub(crate) shape: Vec<u64>,
+    /// Bytes from the file's begin to the data.
     pub(crate) length: u64,
 }
 
@@ -84,7 +85,7 @@ pub enum HeaderError {
 }
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
-/// Plain arrays need 128 bytes; NumPy itself refuses more than 10,000.
+/// Plain arrays usually take 128 bytes; NumPy itself refuses more than 10,000.
 const LONGEST: u32 = 1 << 16;
 
 impl Header {
@@ -141,7 +142,7 @@ impl Header {
         })
     }
 
-    /// The header of an array in C order, as NumPy 1.9 and later write it: its end at a multiple of 64 bytes.
+    /// The header of an array in C order, as NumPy 1.14 and later write it: its end at a multiple of 64 bytes.
     pub(super) fn bytes(element: ElementType, shape: &[usize]) -> Vec<u8> {
         let shape: String = match shape {
             [single] => format!("({single},)"),

@@ -1,4 +1,4 @@
-//! Lights that are dragged.
+//! Lights of the viewer.
 
 use glam::Vec3;
 use rimline::gltf::{SceneLight, SpotCone};
@@ -21,19 +21,20 @@ pub struct Lamp {
     pub kind: LampKind,
     /// Linear red, green and blue.
     pub color: [f32; 3],
-    /// Times the colour.
+    /// A factor of the colour.
     pub intensity: f32,
     /// The distance at which a light at a point ends. `None`: it does not.
     pub range: Option<f32>,
     /// The direction in which a spot shines, of length 1, and the angle from there to where it has faded, in radians.
     pub cone: Option<(Vec3, f32)>,
-    /// The radius of the sphere that it shines from, for a light at infinity at distance 1. `None`: it shines from one point.
+    /// The radius of the sphere that it shines from. A light at infinity has its sphere at distance 1. `None`: it shines
+    /// from one point.
     pub radius: Option<f32>,
     /// Whether it shines.
     pub is_on: bool,
 }
 
-/// Points of an area that shine in its place.
+/// Lights that stand for a light with an area.
 pub(crate) const AREA_SAMPLES: usize = 16;
 
 /// Colours of the first lights; then from the beginning again.
@@ -46,7 +47,7 @@ const COLORS: [[f32; 3]; 6] = [
     [0.75, 0.72, 1.0],
 ];
 
-/// Directions in which the first lights are, from the middle of the models: to the right, up, and towards the front.
+/// Directions in which the first lights are, from the middle of the models: +X is right, +Y up, +Z towards the front.
 const DIRECTIONS: [Vec3; 6] = [
     Vec3::new(-0.62, 1.25, 0.95),
     Vec3::new(1.25, 0.85, 0.35),
@@ -71,7 +72,7 @@ impl Lamp {
         }
     }
 
-    /// A light of a file, with `intensity` as its share of the brightest one's.
+    /// A light of a file, with `intensity` as its share of the brightest one's. Where a spot begins to fade is not kept.
     pub fn of_file(light: &SceneLight, intensity: f32) -> Self {
         let xyz = Vec3::from(light.light.xyz);
         let kind = if light.light.w == 0.0 { LampKind::Sun(xyz.normalize_or(Vec3::Y)) } else { LampKind::Point(xyz) };
@@ -99,7 +100,7 @@ impl Lamp {
         Some(SpotCone { direction: axis.into(), inner_angle: 0.8 * outer_angle, outer_angle })
     }
 
-    /// Lights at points that shine together as this one does: itself, or samples of its area.
+    /// The lights that stand for this one: itself, or samples of its area.
     pub fn sources(&self) -> Vec<Self> {
         let Some(radius) = self.radius else { return vec![self.clone()] };
         let area = AreaLight { light: self.light(), shape: AreaShape::Sphere { radius }, normal: [0.0, 1.0, 0.0] };
@@ -119,7 +120,7 @@ impl Lamp {
         Vec3::from(self.color) * self.intensity
     }
 
-    /// The point of its handle: the light itself, or for a light at infinity a point in its direction beside the models.
+    /// The point of its handle: the light itself, or for a light at infinity a point in its direction, at [`sun_distance`].
     pub fn handle(&self, bounds: &Bounds) -> Vec3 {
         match self.kind {
             LampKind::Point(at) => at,
@@ -127,7 +128,7 @@ impl Lamp {
         }
     }
 
-    /// The point that a spot is aimed at: on its axis, beside the middle of the models or at least a little ahead.
+    /// The point that a spot is aimed at: on its axis, nearest to the middle of the models, but at least a little ahead.
     pub fn target(&self, bounds: &Bounds) -> Option<Vec3> {
         let (LampKind::Point(at), Some((axis, _))) = (self.kind, self.cone) else { return None };
         Some(at + (bounds.centre() - at).dot(axis).max(0.25 * bounds.extent()) * axis)
@@ -140,7 +141,7 @@ impl Lamp {
         }
     }
 
-    /// Makes a light a spot that is aimed at the middle of the models, or lets it shine all around again.
+    /// Makes a light at a point a spot that is aimed at the middle of the models, or lets it shine all around again.
     pub fn set_spot(&mut self, is_spot: bool, bounds: &Bounds) {
         self.cone = is_spot.then_some((Vec3::NEG_Y, 25.0_f32.to_radians()));
         self.aim(bounds.centre());
