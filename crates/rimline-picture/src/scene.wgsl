@@ -1,5 +1,6 @@
-// Uniforms of all passes of a picture with shadows. World space is right-handed with +Y up; positions are relative to
-// the eye. Depth is reversed; of a perspective camera it is near / distance. Light is linear.
+// Uniforms of all passes of a picture with shadows. No shader branches on them alone: for each draw Mesa's software
+// Vulkan 22 compiles such a shader anew, and keeps every copy. World space is right-handed with +Y up; positions are
+// relative to the eye. Depth is reversed; of a perspective camera it is near / distance. Light is linear.
 
 struct Frame {
   // From positions less the eye, in units, to clip space. The shadow volumes' camera, whose clip space is a unit times as
@@ -106,14 +107,10 @@ fn arriving(q: vec3<f32>) -> Arriving {
   let l = shaded.light.xyz - shaded.light.w * q;
   let towards = normalize(l);
   let cone = saturate(shaded.cone_offset - shaded.cone_scale * dot(shaded.axis, towards));
-  var share = cone * cone;
-  var reached = cone > 0.0;
-  if (shaded.range > 0.0) {
-    let distance = length(l);
-    share *= falloff(distance);
-    reached = reached && distance < shaded.range;
-  }
-  return Arriving(towards, shaded.color * share, reached);
+  let has_range = shaded.range > 0.0;
+  let distance = length(l);
+  let share = cone * cone * select(1.0, falloff(distance), has_range);
+  return Arriving(towards, shaded.color * share, (cone > 0.0) & (!has_range | (distance < shaded.range)));
 }
 
 // Where in the picture a pixel drawn is.

@@ -53,10 +53,7 @@ fn position(vertex: u32) -> vec3<f32> {
   let slot = slots[face];
   let mask = facing[slot & ~(TURNED | OPPOSITE)] >> shaded.bit;
   let faces_light = (mask & 1u) ^ u32((slot & OPPOSITE) != 0u);
-  var color = vec3<f32>(0.0);
-  if (clay.is_colored != 0u) {
-    color = BRIGHTNESS * unpack_color(colors[corner]);
-  }
+  let color = BRIGHTNESS * unpack_color(colors[select(0u, corner, clay.is_colored != 0u)]);
   let is_turned = u32((slot & TURNED) != 0u);
   return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), faces_light, is_turned, color);
 }
@@ -73,10 +70,7 @@ fn shading_normal(in: Surface, front: bool, to_eye: vec3<f32>) -> vec3<f32> {
 }
 
 fn albedo(in: Surface, front: bool) -> vec3<f32> {
-  if (clay.is_colored != 0u) {
-    return in.color;
-  }
-  return select(clay.back, clay.front, front);
+  return select(select(clay.back, clay.front, front), in.color, clay.is_colored != 0u);
 }
 
 @fragment fn ambient_fragment(in: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
