@@ -361,7 +361,7 @@ fn of_cubes() -> Result<(), String> {
     let rounds = if is_long() { 1000 } else { 60 };
     for round in 0..rounds + 6 {
         let cube = cube_of(&mut random, SIDE);
-        let given = if round < rounds { &cube.maps[..] } else { &none };
+        let given = if round < rounds { &cube.maps[..] } else { &none[..] };
         let maps = Maps::all(&gpu, (given, SIDE), TextureFormat::R32Float, &cube.cameras)?;
         let of_round = if round < rounds { &mut caps } else { &mut without };
         let distance = 5.0 + cube.light.length();
