@@ -57,9 +57,10 @@ pub mod depth_map {
     use crate::gpu::depth_map::DepthMapError;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     pub use crate::gpu::depth_map::metric::metric_steps;
+    use crate::gpu::depth_map::near::{NearShadow, near_shadow};
     pub use crate::gpu::depth_map::view::Placing;
     use crate::gpu::depth_map::view::depth_map_view;
-    use crate::layout::DepthMapView;
+    use crate::layout::{DepthMapView, DepthNearBox};
 
     /// The input of the vertex stages for a map of `size` texels with depths in `format`. `eye` has the format of its depth
     /// buffer.
@@ -72,6 +73,20 @@ pub mod depth_map {
         placing: &Placing,
     ) -> Result<DepthMapView, DepthMapError> {
         depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
+    }
+
+    /// The samples that affect the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
+    /// cameras of one map of `size` texels, or of six. `has_walls`: the map's contours have walls.
+    pub fn near_box(
+        lights: &[ShadowCamera],
+        size: [u32; 2],
+        eye: (&ShadowCamera, wgpu::TextureFormat),
+        has_walls: bool,
+    ) -> Option<DepthNearBox> {
+        match near_shadow(lights, size, eye, has_walls) {
+            NearShadow::Samples(near) => Some(near),
+            NearShadow::Lit | NearShadow::Unknown => None,
+        }
     }
 }
 

@@ -22,6 +22,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_are_the_goldens", lists),
     ("contours_through_every_cell_are_the_goldens", long),
     ("lists_of_walls_of_few_workgroups_are_those_of_many", few_workgroups),
+    ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
     ("walls_are_closed_and_cross_jumps_once", closed),
     ("contours_lie_on_rims", on_rims),
@@ -220,6 +221,26 @@ fn lists() -> Result<(), String> {
     if all > 50_000 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
+/// A slope that ends three and a half of its steps before a plane. It goes on more steeply, but not behind the plane.
+fn before_those_behind() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let unit = |depth: f64| (depth * UNIT) as i32;
+    let map = Map::new([18, 40], false, |texel| match texel % 18 {
+        x @ ..9 => 0.25 + 0.01 * x as f32,
+        _ => 0.365,
+    });
+    let fit = Fit { threshold: 0.005, sideways: 0.25, depth: 0.01, slope_bias: 0.0 };
+    // Between the slope and the plane, away from the border of the map.
+    let inner =
+        |vertex: &[i32; 3]| (9 * 256..=10 * 256).contains(&vertex[0]) && (10 * 256..30 * 256).contains(&vertex[1]);
+    let walls = walls_of(&gpu, &map, None, fit.options())?.concat();
+    let depths: Vec<_> = walls.iter().filter(|vertex| inner(vertex)).map(|vertex| vertex[2]).collect();
+    // Four slopes are more than the jump, which would end at 0.37.
+    let is_right = |depth: Option<&i32>| depth.is_some_and(|&depth| (unit(0.364)..unit(0.366)).contains(&depth));
+    let is_slope = |depth: Option<&i32>| depth.is_some_and(|&depth| depth >= unit(0.329));
+    if is_right(depths.iter().max()) && is_slope(depths.iter().min()) { Ok(()) } else { Err(format!("{depths:?}")) }
+}
+
 /// Software Vulkan ends the loops of an invocation after 65,535 iterations, so invocations must not have more.
 fn long() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1646)?;
@@ -279,7 +300,7 @@ fn overflow() -> Result<(), String> {
 }
 
 /// The distance of a sample from the near plane, `None` where it casts nothing. Independent code.
-fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
+pub(crate) fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     let inside = x > 0 && y > 0 && x as u32 <= map.size[0] && y as u32 <= map.size[1];
     let depth = inside.then(|| f64::from(map.depths[((y - 1) as u32 * map.size[0] + (x - 1) as u32) as usize]))?;
     let is_far = depth.is_nan() || if map.is_reversed { depth < f64::from(f32::MIN_POSITIVE) } else { depth >= 1.0 };
@@ -288,21 +309,75 @@ fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     (!is_far).then(|| units.min(UNIT as i64 - 1))
 }
 
-/// Whether there is a jump between neighbours. `None` where that depends on slopes. Independent code.
-fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], step: [i32; 2]) -> Option<bool> {
+/// Whether the distances of five samples, from a rim inwards, are those of a conic that ends along a ray of the light:
+/// the squares of their differences from the rim's own are a quadratic polynomial. For maps of floats.
+fn is_round(map: &Map, z: &[i64]) -> bool {
+    let rises: Vec<_> = z.iter().map(|distance| z[0] - distance).collect();
+    let off = if map.is_reversed { (UNIT as i64 - z[0]) >> 21 } else { 128 };
+    if rises.windows(2).any(|pair| pair[0] >= pair[1]) || rises[1] < 1024.max(16 * off) {
+        return false;
+    }
+    // With eleven bits of the first difference.
+    let shift = (rises[1].ilog2() + 1).saturating_sub(11);
+    let rises: Vec<_> = rises.iter().map(|rise| rise >> shift).collect();
+    let differences: Vec<_> = rises.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let bend = differences[0] - 2 * differences[1] + differences[2];
+    if differences.iter().any(|&difference| difference > differences[0]) || bend <= 0 {
+        return false;
+    }
+    // The third difference of (rim + rise)² is 0, which is linear in the rim.
+    let cube = |of: [i64; 4]| of[3] - 3 * of[2] + 3 * of[1] - of[0];
+    let four = [rises[0], rises[1], rises[2], rises[3]];
+    let (squares, linear) = (cube(four.map(|rise| rise * rise)), 2 * cube(four));
+    if -squares * linear.signum() < 0 || squares.abs() / bend > 16 * differences[0] {
+        return false;
+    }
+    let rim = -squares / linear;
+    let further = [rises[1], rises[2], rises[3], rises[4]].map(|rise| (rim + rise) * (rim + rise));
+    cube(further).abs() <= differences[0] * differences[0] / 8
+}
+
+/// Whether there is a jump between neighbours: the whole rule, by independent code, which shares no constant with the stage.
+fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], step: [i32; 2]) -> bool {
     let there = |count: i32| [at[0] + count * step[0], at[1] + count * step[1]];
-    let difference = |first: i32| Some(distance(map, there(first + 1))? - distance(map, there(first))?);
-    let Some(jump) = difference(0) else {
-        return Some(distance(map, at).is_some() != distance(map, there(1)).is_some());
-    };
+    let values: Vec<_> = (-3..=4).map(|count| distance(map, there(count))).collect();
+    let difference = |first: usize| Some(values[first + 1]? - values[first]?);
+    let (Some(a), Some(b)) = (values[3], values[4]) else { return values[3].is_some() != values[4].is_some() };
     let number =
         |[x, y]: [i32; 2]| numbers.map(|numbers| numbers[((y - 1) as u32 * map.size[0] + (x - 1) as u32) as usize]);
     if number(at) != number(there(1)) {
-        return Some(true);
+        return true;
     }
-    // Three samples of a plane are no jump.
-    let is_plane = [-1, 1].into_iter().filter_map(difference).any(|beside| (jump - beside).abs() <= threshold);
-    (jump.abs() <= threshold || is_plane).then_some(false)
+    let jump = (b - a).abs();
+    if jump <= threshold {
+        return false;
+    }
+    // The sign makes the second sample the farther one.
+    let sign = if b > a { 1 } else { -1 };
+    let (nearer, farther) = if b > a { ([2, 1], [4, 5]) } else { ([4, 5], [2, 1]) };
+    let beside = |first: usize| difference(first).map(|difference| sign * difference);
+    if [nearer[0], farther[0]].into_iter().filter_map(beside).any(|beside| (jump - beside).abs() <= threshold) {
+        return false;
+    }
+    let slope = |[first, second]: [usize; 2]| match (beside(first), beside(second)) {
+        (Some(a), Some(b)) if a.signum() * b.signum() >= 0 && (a >= 0) == (b >= 0) => {
+            if a.abs() < b.abs() {
+                a
+            } else {
+                b
+            }
+        }
+        _ => 0,
+    };
+    let before = beside(nearer[0]).unwrap_or(0);
+    // The next edge rises more, or leads to nothing, and the surface is round up to here.
+    let towards = if b > a { [4, 3, 2, 1, 0] } else { [3, 4, 5, 6, 7] };
+    let round: Option<Vec<_>> = towards.into_iter().map(|at| values[at]).collect();
+    if beside(farther[0]).is_none_or(|after| after > jump) && round.is_some_and(|z| is_round(map, &z)) {
+        return false;
+    }
+    let is_alone = beside(farther[0]).is_some_and(|after| before.max(after) / 2 < jump / 4);
+    (jump > 16 * threshold || is_alone) && jump - slope(nearer).max(slope(farther)) > threshold
 }
 
 /// Whether the way from one sample to the next crosses a segment, neither through its end.
@@ -368,8 +443,8 @@ fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Qua
         }
         let found = crossings.get(&([x, y].map(i64::from), axis)).copied().unwrap_or(0);
         let is_marked = is_jump(map, numbers, threshold, [x, y], step);
-        if found > 1 || is_marked.is_some_and(|is_marked| found != usize::from(is_marked)) {
-            return Err(format!("{found} walls cross from {:?} along {axis}, a jump: {is_marked:?}", [x, y]));
+        if found != usize::from(is_marked) {
+            return Err(format!("{found} walls cross from {:?} along {axis}, a jump: {is_marked}", [x, y]));
         }
         crossed += found;
     }

@@ -4,7 +4,8 @@
 
 use glam::{DVec3, DVec4};
 use rimline::gpu::depth_map::DepthMapOptions;
-use rimline::internals::depth_map::DepthMapNearCap;
+use rimline::internals::depth_map::{DepthMapNearCap, near_box};
+use rimline::internals::layout::DepthNearBox;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -13,11 +14,14 @@ use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::boundary::{Boundary, sample};
+use crate::contours::distance;
 use crate::cube::cube_of;
 use crate::maps::Map;
 use crate::parity::{self, SIDE, any_eye, clip, either, light, map, seen, seen_depths, truth, unprojected};
-use crate::picture::{AUTOMATIC, Encoded, Maps, REVERSED, STANDARD, Target, by, contours, look, pipelines};
+use crate::picture::{AUTOMATIC, Encoded, Maps, REVERSED, STANDARD, Target, Volumes, by, contours, look, pipelines};
+use crate::rules::{cast, rank};
 use crate::scene::{Eye, Rays, vector};
+use rimline_testkit::textures::read;
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_of_all_widths_are_those_of_rays", widths),
@@ -255,9 +259,44 @@ fn beyond() -> Result<(), String> {
     Ok(())
 }
 
-/// Pictures by their near caps, skipped, skipped by the GPU, and drawn, and dark pixels.
+/// The samples of a box.
+fn samples(near: &DepthNearBox) -> impl Iterator<Item = [u32; 2]> {
+    let ([x, y], [across, down]) = (near.first, near.size);
+    (y..y + down).flat_map(move |y| (x..x + across).map(move |x| [x, y]))
+}
+
+/// Whether triangles between the samples may be nearer than the near rectangle. Texel 0 comes after a border.
+fn may_be_before(map: &Map, border: i64, near: &DepthNearBox) -> bool {
+    let depth = |[x, y]: [u32; 2]| cast(map, i64::from(x) - border, i64::from(y) - border);
+    samples(near).any(|at| depth(at).is_some_and(|depth| rank(map, Some(depth)) <= i64::from(near.key)))
+}
+
+/// Whether surfaces that go on up to contours may be. A sample moves nearer by the largest step to a neighbour that is
+/// farther away, in each direction.
+fn may_be_before_walls(map: &Map, near: &DepthNearBox) -> bool {
+    let nearest = |at: [i32; 2]| {
+        let distance_here = distance(map, at)?;
+        let nearing = |[x, y]: [i32; 2]| {
+            let beside = [[at[0] - x, at[1] - y], [at[0] + x, at[1] + y]];
+            beside
+                .into_iter()
+                .filter_map(|there| distance(map, there))
+                .map(|other| (other - distance_here).max(0))
+                .max()
+        };
+        Some(distance_here - nearing([1, 0]).unwrap_or(0) - nearing([0, 1]).unwrap_or(0))
+    };
+    let mut nearest = samples(near).filter_map(|at| nearest(at.map(|at| at as i32)));
+    nearest.any(|distance| distance <= i64::from(near.distance))
+}
+
+/// Whether surfaces before the near rectangle are in a box.
+type Before<'a> = dyn Fn(&Encoded, &DepthNearBox) -> Result<bool, String> + 'a;
+
+/// Pictures by their near caps, skipped, skipped by the GPU, and drawn; dark pixels; and, the negative control, pictures whose
+/// decision differs if surfaces are never nearer.
 #[derive(Clone, Copy, Debug, Default)]
-struct Caps([usize; 3], usize);
+struct Caps([usize; 3], usize, usize);
 
 impl Caps {
     /// An eye near the scene. Its near plane is near or far away from it.
@@ -266,13 +305,22 @@ impl Caps {
         (gpu, random): (&Gpu, &mut Random),
         distance: f64,
         (maps, options, bits): (&Maps, DepthMapOptions, u32),
+        may_be_before: &Before<'_>,
     ) -> Result<(), String> {
         let position = distance * f64::from(random.between(0.1, 1.0)) * vector(random);
         let near = [[0.01, 0.3], [0.3, 3.0]][random.below(2)];
         let eye = any_eye(random, position, near);
         let rays = Rays::new(&eye, SIDE);
         let depths = seen_depths(&eye, SIDE, &seen(random, &rays));
-        let (stencil, encoded) = both(gpu, &Target { bits: 0..bits, ..Target::new(eye, &depths) }, maps, options)?;
+        let target = Target { bits: 0..bits, ..Target::new(eye, &depths) };
+        let (stencil, encoded) = both(gpu, &target, maps, options)?;
+        let near = near_box(&maps.lights, maps.size, (&eye, target.format), options.method != AUTOMATIC);
+        let may_be_dark = near.map_or(Ok(false), |near| may_be_before(&encoded, &near))?;
+        let other = near.map(|near| DepthNearBox { key: 0, distance: i32::MIN, ..near });
+        self.2 += usize::from(may_be_dark != other.map_or(Ok(false), |near| may_be_before(&encoded, &near))?);
+        if let DepthMapNearCap::Indirect(draw) = encoded.frame.near_cap() {
+            same("the draw", &gpu.read::<u32>(draw, 4)?, &[if may_be_dark { 3 } else { 0 }, 1, 0, 0])?;
+        }
         self.0[encoded.cap_kind()] += 1;
         self.1 += stencil.iter().filter(|&&value| value != 0).count();
         Ok(())
@@ -280,7 +328,7 @@ impl Caps {
 
     fn check(self, what: &str, least: [usize; 3]) -> Result<(), String> {
         println!("{what}: {self:?}");
-        let is_tried = self.1 > 1000 && self.0.iter().zip(least).all(|(&known, least)| known >= least);
+        let is_tried = self.1 > 1000 && self.2 > 4 && self.0.iter().zip(least).all(|(&known, least)| known >= least);
         if is_tried { Ok(()) } else { Err(format!("{what}: {self:?}")) }
     }
 }
@@ -297,7 +345,10 @@ fn of_maps() -> Result<(), String> {
         let map = Map::new([across, down], small.is_reversed, texel);
         let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, camera)?;
         let (method, bits) = [(AUTOMATIC, 1), (AUTOMATIC, 2), (contours([0.005, 0.25, 0.02]), 1)][round % 3];
-        all[round % 3].add((&gpu, &mut random), [8.0, 24.0][round % 2], (&maps, by(method), bits))?;
+        let distance = [8.0, 24.0][round % 2];
+        all[round % 3].add((&gpu, &mut random), distance, (&maps, by(method), bits), &|_, near| {
+            Ok(if round % 3 == 2 { may_be_before_walls(&map, near) } else { may_be_before(&map, 1, near) })
+        })?;
     }
     all.into_iter().zip(["maps", "bits", "walls"]).try_for_each(|(caps, what)| caps.check(what, [10, 4, 10]))
 }
@@ -305,11 +356,23 @@ fn of_maps() -> Result<(), String> {
 fn of_cubes() -> Result<(), String> {
     const SIDE: u32 = 24;
     let (gpu, mut random) = Gpu::seeded(1696)?;
-    let mut caps = Caps::default();
-    for _ in 0..if is_long() { 1000 } else { 60 } {
+    let [mut caps, mut without] = [Caps::default(); 2];
+    let none: [Option<Map>; 6] = [const { None }; 6];
+    let rounds = if is_long() { 1000 } else { 60 };
+    for round in 0..rounds + 6 {
         let cube = cube_of(&mut random, SIDE);
-        let maps = Maps::all(&gpu, (&cube.maps, SIDE), TextureFormat::R32Float, &cube.cameras)?;
-        caps.add((&gpu, &mut random), 5.0 + cube.light.length(), (&maps, by(AUTOMATIC), 1))?;
+        let given = if round < rounds { &cube.maps[..] } else { &none[..] };
+        let maps = Maps::all(&gpu, (given, SIDE), TextureFormat::R32Float, &cube.cameras)?;
+        let of_round = if round < rounds { &mut caps } else { &mut without };
+        let distance = 5.0 + cube.light.length();
+        of_round.add((&gpu, &mut random), distance, (&maps, by(AUTOMATIC), 1), &|encoded, near| {
+            let Volumes::Cube(volumes) = &encoded.volumes else { return Err("no cube".to_owned()) };
+            let depths = read(&gpu, volumes.texture().texture())?;
+            // Six maps in one, without a border.
+            let is_reversed = cube.cameras[0].depth == REVERSED;
+            Ok(may_be_before(&Map { size: [3 * SIDE, 2 * SIDE], is_reversed, depths }, 0, near))
+        })?;
     }
+    same("dark pixels of cubes without maps", &[without.1], &[0])?;
     caps.check("cubes", [0, 5, 10])
 }

@@ -163,6 +163,8 @@ pub(crate) struct Tally {
     pub(crate) near_borders: usize,
     pub(crate) behind: usize,
     pub(crate) wrong: usize,
+    /// Lit and dark ones before the light's near plane, between its planes, and beyond its far plane.
+    zones: [[usize; 2]; 3],
 }
 
 impl Tally {
@@ -298,6 +300,12 @@ fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Res
             let is_set = |number: usize| stencil[number] >> bit & 1 == 1;
             let truth = truth(boundary, &seen, position, (1.0, way.threshold < 0.0));
             tally.add(truth, is_set(number));
+            if let Some((is_dark, _)) = truth {
+                let clip = clip(&scene.lights[0], seen(position).1);
+                let from_near = if scene.lights[0].depth == REVERSED { clip.w - clip.z } else { clip.z };
+                let zone = usize::from(from_near > 0.0) + usize::from(from_near > clip.w);
+                tally.zones[zone][usize::from(is_dark)] += 1;
+            }
             let next = number - number % within.len() + (number + 2) % within.len();
             others += usize::from(truth.is_some_and(|truth| truth.0 != is_set(next)));
         }
@@ -319,6 +327,11 @@ fn trials(gpu: &Gpu, seed: u64, count: u32, way: Way<'_>) -> Result<(Tally, usiz
     }
     // One texel casts little, and nothing casts before the near plane.
     tally.check(&format!("{way:?}"), if way.content == Content::Any { 50 } else { 2000 })?;
+    let [before, between, beyond] = tally.zones;
+    let has_all = before[0].min(beyond[0]) > 300 && before[1] == 0 && between[1].min(beyond[1]) > 50;
+    if way.content == Content::Within && !has_all {
+        return Err(format!("{way:?}: {tally:?}"));
+    }
     Ok((tally, others))
 }
 

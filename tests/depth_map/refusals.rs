@@ -32,7 +32,35 @@ pub(crate) const TESTS: &[Test] = &[
     ("the_limit_of_memory_holds_for_objects_of_cubes", memory),
     ("merges_and_conversions_that_cannot_be_made_or_recorded", made),
     ("depths_of_scenes_that_are_refused", scenes),
+    ("errors_tell_which_texture_is_wrong", sentences),
 ];
+
+/// Whole sentences: what is wrong, where, and what to do.
+fn sentences() -> Result<(), String> {
+    let map = || "map 2 of the cube".to_owned();
+    let found = [
+        DepthMapError::MapSize { map: map(), given: [9, 8], made: [4, 4] },
+        DepthMapError::Usage(map()),
+        DepthMapError::Samples { map: map(), samples: 4 },
+        DepthMapError::MapFormat { map: map(), format: TextureFormat::R32Sint, accepted: "R32Uint" },
+        DepthMapError::MipLevels { map: map(), levels: 3 },
+        DepthMapError::NoObjects { face: 4 },
+        DepthMapError::Option { name: "share", given: 1.5, range: "a share from 0 to 1" },
+    ]
+    .map(|error| error.to_string());
+    let expected = [
+        "map 2 of the cube has 9 × 8 texels, and 4 × 4 are needed; give textures of the size that was given to \
+         `new`, or call `new` again",
+        "map 2 of the cube lacks usage TEXTURE_BINDING; make the texture with it",
+        "map 2 of the cube has 4 samples a texel; resolve it, or render it with one",
+        "map 2 of the cube has R32Sint; take R32Uint",
+        "map 2 of the cube has 3 mip levels; give a texture of one, for example a copy of that level",
+        "map 4 of the cube has no texture of objects; give one for each map that is there, or none",
+        "`share` is 1.5; take a share from 0 to 1",
+    ]
+    .map(str::to_owned);
+    same("sentences", &found, &expected)
+}
 
 fn singular(camera: ShadowCamera) -> ShadowCamera {
     ShadowCamera { view_projection: [[0.0; 4]; 4], ..camera }
@@ -61,11 +89,12 @@ fn making() -> Result<(), String> {
         refusal("no bits", of_bits(3..3), is(DepthMapError::Bits(3..3))),
         refusal("stencil", DepthMapPipelines::new(&gpu.pipelines, &no_stencil, 0), is(stencil)),
         refusal("all count", beside(8, 7..8), is(DepthMapError::Counted { bit: 7, count_bits: 8 })),
+        refusal("the lowest counts", beside(8, 0..1), is(DepthMapError::Counted { bit: 0, count_bits: 8 })),
+        refusal("no bit beside", beside(4, 5..5), is(DepthMapError::Bits(5..5))),
         refusal("one of two", beside(7, 6..8), is(DepthMapError::Counted { bit: 6, count_bits: 7 })),
         refusal("no bit of the stencil", beside(7, 8..9), is(DepthMapError::Bits(8..9))),
     ])?;
-    let bits = beside(4, 4..8).map_err(text)?.bits();
-    same("bits", &[bits.start, bits.end], &[4, 8])?;
+    same("bits", &[beside(7, 7..8).map_err(text)?.bits(), beside(4, 4..8).map_err(text)?.bits()], &[7..8, 4..8])?;
     let (one, two) = (of_bits(7..8).map_err(text)?, of_bits(6..8).map_err(text)?);
     let made = |size, options| DepthMapVolumes::new(&one, size, options);
     refused([[0, 5], [5, 0], [u32::MAX, u32::MAX], [1 << 15, 1 << 15]].map(|size| {
@@ -94,8 +123,16 @@ fn making() -> Result<(), String> {
             by(DepthMapMethod::Differences { threshold: 0.5, dangling: Some(DanglingEdges { share: 2.0, cells: 1 }) }),
             "share",
         ),
+        (
+            by(DepthMapMethod::SecondDifferences {
+                low: 0.5,
+                high: 0.5,
+                dangling: Some(DanglingEdges { share: 0.5, cells: 65 }),
+            }),
+            "cells",
+        ),
     ];
-    for bad in [-0.1, f32::NAN] {
+    for bad in [-0.1, f32::INFINITY, f32::NAN] {
         rows.extend([
             (second(bad, 0.5), "low"),
             (by(differences(bad)), "threshold"),
@@ -131,6 +168,7 @@ fn making() -> Result<(), String> {
         refusal("the largest map", made([side; 2], walled), if is_taken { Expected::Taken } else { too_large }),
         refusal("enough", limited(bytes, walled), Expected::Taken),
         refusal("a byte less", limited(bytes - 1, walled), shows(&["Device(MemoryLimit {"])),
+        refusal("no memory", limited(0, walled), shows(&["Device(MemoryLimit {", "limit: 0"])),
         refusal("100 bytes", limited(100, DepthMapOptions::default()), shows(&["Device(MemoryLimit {", "limit: 100"])),
     ])
 }
@@ -165,14 +203,17 @@ fn encoding() -> Result<(), String> {
     let (half, map) = (TextureFormat::R16Float, || "the map".to_owned());
     let wrong_format = is(DepthMapError::MapFormat { map: map(), format: half, accepted });
     let wrong_size = is(DepthMapError::MapSize { map: map(), given: [9, 9], made: [8, 8] });
+    let levels = || is(DepthMapError::MipLevels { map: map(), levels: 2 });
     for (what, format, counts, usage, expected) in [
         ("good", (DEPTH, 8), ONE, DRAWN | READ, Expected::Taken),
         ("format", (half, 8), ONE, DRAWN | READ, wrong_format),
         ("size", (DEPTH, 9), ONE, DRAWN | READ, wrong_size),
         ("samples", (DEPTH, 8), [4, 1, 0], DRAWN | READ, is(DepthMapError::Samples { map: map(), samples: 4 })),
         ("usage", (DEPTH, 8), ONE, DRAWN, is(DepthMapError::Usage(map()))),
-        // The second level has the right size; the view does not say which is shown.
-        ("levels", (DEPTH, 16), [1, 2, 1], READ, is(DepthMapError::MipLevels { map: map(), levels: 2 })),
+        // The second level has the right size, and so has the first; the view does not say which is shown.
+        ("the second level", (DEPTH, 16), [1, 2, 1], READ, levels()),
+        ("the first of two levels", (DEPTH, 8), [1, 2, 0], READ, levels()),
+        ("the second of two levels", (DEPTH, 8), [1, 2, 1], READ, levels()),
     ] {
         refused([refusal(what, encode(&view(&gpu, format, counts, usage), None, standard, good)?, expected)])?;
     }
@@ -181,6 +222,8 @@ fn encoding() -> Result<(), String> {
     let (right, large) = (of(TextureFormat::R32Uint, 8, READ), of(TextureFormat::R32Uint, 9, READ));
     let unbound = of(TextureFormat::R32Uint, 8, wgpu::TextureUsages::COPY_DST);
     let signed = of(TextureFormat::R32Sint, 8, READ);
+    let two_levels = view(&gpu, (TextureFormat::R32Uint, 8), [1, 2, 0], READ);
+    let levels = DepthMapError::MipLevels { map: "the texture of objects".to_owned(), levels: 2 };
     let name = || "the texture of objects".to_owned();
     let format = DepthMapError::MapFormat { map: name(), format: TextureFormat::R32Sint, accepted: "R32Uint" };
     let size = DepthMapError::MapSize { map: name(), given: [9, 9], made: [8, 8] };
@@ -195,6 +238,7 @@ fn encoding() -> Result<(), String> {
         refusal("size of objects", encode(&map, Some(&large), good, good)?, is(size)),
         refusal("usage of objects", encode(&map, Some(&unbound), good, good)?, is(DepthMapError::Usage(name()))),
         refusal("format of objects", encode(&map, Some(&signed), good, good)?, is(format)),
+        refusal("levels of objects", encode(&map, Some(&two_levels), good, good)?, is(levels)),
         refusal("two aspects", encode(&aspects, None, standard, good)?, shows(&["Refused {"])),
         refusal("depth", encode(&map, None, good, standard)?, is(mismatch)),
         refusal("eye", encode(&map, None, good, singular(good))?, is(DepthMapError::Camera(CameraError::Singular))),
@@ -241,6 +285,7 @@ fn cubes() -> Result<(), String> {
     let most = gpu.device.limits().max_texture_dimension_2d;
     let walled = DepthMapCube::new(&one, 8, by(contours([0.01, 0.25, 0.01])));
     refused([
+        refusal("0", made(0), is(DepthMapError::Side(0))),
         refusal("2", made(2), is(DepthMapError::Side(2))),
         refusal("most", made(most), is(DepthMapError::Texture { size: [3 * most, 2 * most], max_side: most })),
         refusal("20,000", made(20_000), is(DepthMapError::Cells(20_000))),
@@ -276,6 +321,7 @@ fn cubes() -> Result<(), String> {
         refusal("right", given(cameras)?, Expected::Taken),
         // Cameras for 90°: the width of a map with very many texels.
         refusal("90°", given(of(position, 0.1, None, REVERSED, 1 << 20)?)?, apart(0, width)),
+        refusal("of 15 texels", given(of(position, 0.1, None, REVERSED, 15)?)?, apart(0, width)),
         refusal("position", with(1, of([1.0, 2.0, 3.001], 0.1, None, REVERSED, 16)?[1])?, apart(1, elsewhere)),
         refusal("near", with(5, of(position, 0.2, None, REVERSED, 16)?[5])?, apart(5, depths)),
         refusal("far", with(4, of(position, 0.1, Some(50.0), REVERSED, 16)?[4])?, apart(4, depths)),
@@ -292,17 +338,24 @@ fn cameras() -> Result<(), String> {
     let (range, far) = ("leave the normal range", "`near` 0.1; take a finite distance above `near`");
     let finite = "take finite coordinates";
     let rows = [
+        (position, 0.1, Some(50.0), 0, at_least),
+        (position, 0.1, Some(50.0), 1, at_least),
         (position, 0.1, Some(50.0), 2, at_least),
         (position, 0.1, Some(50.0), 3, ""),
         (position, 0.0, None, 16, near),
+        (position, -0.1, None, 16, near),
+        (position, inf, None, 16, near),
         (position, nan, None, 16, near),
         (position, f32::MIN_POSITIVE, None, 16, range),
         (position, 1e-33, None, 16, ""),
         (position, 0.1, Some(0.1), 16, far),
+        (position, 0.1, Some(0.05), 16, far),
+        (position, 0.1, Some(-1.0), 16, far),
         (position, 0.1, Some(inf), 16, far),
         (position, 0.1, Some(nan), 16, far),
         (position, 0.1, Some(0.2), 16, ""),
         ([nan, 0.0, 0.0], 0.1, None, 16, finite),
+        ([0.0, inf, 0.0], 0.1, None, 16, finite),
         ([1e30, 0.0, 0.0], 0.1, None, 16, ""),
     ];
     refused([REVERSED, STANDARD].into_iter().flat_map(|depth| {
@@ -352,6 +405,7 @@ fn made() -> Result<(), String> {
     let too_large = |size| is(DepthMapError::Texture { size, max_side: most });
     refused([
         refusal("no width", DepthMapMerge::new(&gpu.pipelines, [0, 4]), is(DepthMapError::Size(0, 4))),
+        refusal("no height", DepthMapMerge::new(&gpu.pipelines, [4, 0]), is(DepthMapError::Size(4, 0))),
         refusal("too wide", DepthMapMerge::new(&gpu.pipelines, [most + 1, 1]), too_large([most + 1, 1])),
         refusal("a conversion", DepthMapConversion::new(&gpu.pipelines, [4, 0]), is(DepthMapError::Size(4, 0))),
         refusal("too high", DepthMapConversion::new(&gpu.pipelines, [1, most + 1]), too_large([1, most + 1])),

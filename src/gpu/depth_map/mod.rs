@@ -45,7 +45,7 @@ mod meeting;
 mod merge;
 mod mesh_depth;
 pub(crate) mod metric;
-mod near;
+pub(crate) mod near;
 mod options;
 pub(crate) mod pipelines;
 mod recording;
