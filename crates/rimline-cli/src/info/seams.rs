@@ -226,7 +226,7 @@ mod tests {
                 let (along, to) = (b - a, p - a);
                 along.cross(to) == DVec3::ZERO && along.dot(to) > 0.0 && along.dot(to) < along.dot(along)
             };
-            let lattice = (0..216).map(|n| DVec3::new(f64::from(n % 6), f64::from(n / 6 % 6), f64::from(n / 36)));
+            let lattice = (0..216).map(|n: i32| DVec3::new(f64::from(n % 6), f64::from(n / 6 % 6), f64::from(n / 36)));
             let ends = lattice.filter(|p| edges.iter().flatten().any(|end| end == p));
             let right = ends.filter(|p| edges.iter().any(|edge| is_within(*p, *edge))).count();
             assert_eq!(t_junctions(&mesh, &positions), right, "{count} triangles");
