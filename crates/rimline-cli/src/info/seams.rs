@@ -203,3 +203,35 @@ fn is_between(p: DVec3, a: DVec3, b: DVec3, tolerance: f64) -> bool {
     let (length, aside) = (square.sqrt(), to - t * along);
     t * length > tolerance && (1.0 - t) * length > tolerance && aside.dot(aside) <= tolerance * tolerance
 }
+
+#[cfg(test)]
+mod tests {
+    use rimline_testkit::random::Random;
+
+    use super::*;
+
+    /// On a small lattice, where whole numbers tell.
+    #[test]
+    fn t_junctions_are_those_of_the_definition() {
+        let mut random = Random::new(32);
+        let mut all = 0;
+        for count in 6..60 {
+            let positions: Vec<[f32; 3]> =
+                (0..3 * count).map(|_| std::array::from_fn(|_| random.below(6) as f32)).collect();
+            let faces: Vec<[u32; 3]> = (0..count).map(|face| [0, 1, 2].map(|corner| 3 * face + corner)).collect();
+            let mesh = Mesh::new(&positions, &faces, Weld::Position).expect("there are faces");
+            let edges: Vec<[DVec3; 2]> =
+                boundary(&mesh).map(|edge| edge.vertices.map(|v| double(positions[v as usize]))).collect();
+            let is_within = |p: DVec3, [a, b]: [DVec3; 2]| {
+                let (along, to) = (b - a, p - a);
+                along.cross(to) == DVec3::ZERO && along.dot(to) > 0.0 && along.dot(to) < along.dot(along)
+            };
+            let lattice = (0..216).map(|n: i32| DVec3::new(f64::from(n % 6), f64::from(n / 6 % 6), f64::from(n / 36)));
+            let ends = lattice.filter(|p| edges.iter().flatten().any(|end| end == p));
+            let right = ends.filter(|p| edges.iter().any(|edge| is_within(*p, *edge))).count();
+            assert_eq!(t_junctions(&mesh, &positions), right, "{count} triangles");
+            all += right;
+        }
+        assert!(all > 100, "hardly any junctions: {all}");
+    }
+}

@@ -21,6 +21,10 @@ fn read_json(file: impl AsRef<Path>) -> Result<Value, String> {
     serde_json::from_slice(&read_file(file)?).map_err(|error| error.to_string())
 }
 
+fn schema() -> Result<Value, String> {
+    read_json(Path::new(env!("CARGO_MANIFEST_DIR")).join("../rimline-bench/bench.schema.json"))
+}
+
 fn list(value: &Value) -> Vec<Value> {
     value.as_array().cloned().unwrap_or_default()
 }
@@ -46,7 +50,7 @@ fn measure(folder: &Folder, options: &str) -> Result<(Run, Value), String> {
 
 /// The data are as the schema says, and what refers to a name refers to one that is there.
 fn check_data(data: &Value) -> Outcome {
-    validate(&read_json(Path::new(env!("CARGO_MANIFEST_DIR")).join("../rimline-bench/bench.schema.json"))?, data)?;
+    validate(&schema()?, data)?;
     let all = list(&data["rows"]);
     for row in &all {
         for found in list(&row["variants"]) {
@@ -123,7 +127,7 @@ fn report() -> Outcome {
     run.expect(0, &["10/10"])?;
     is_short(&run.stdout, &["Against the method of 2003", "Price of exactness", "Wrong silhouette bits", "auto"])?;
     ensure!(data == read_json(folder.path().join("a/report/data.json"))?, "the two files of data differ");
-    ensure!(rimline(&folder, "bench --schema")?.contains("rimline-bench"), "no schema is printed");
+    ensure!(folder.run("bench --schema").json()? == schema()?, "another schema than the repository's");
     let found = rows(&data, "extraction");
     // Two methods more where there is one light and the mesh is closed.
     let methods: Vec<usize> = found.iter().map(|row| list(&row["variants"]).len()).collect();
@@ -176,11 +180,6 @@ fn report() -> Outcome {
             ("/planned_rows", json!(11)),
         ],
     )
-}
-
-fn rimline(folder: &Folder, line: &str) -> Result<String, String> {
-    let run = folder.run(line);
-    run.expect(0, &[]).map(|()| run.stdout)
 }
 
 /// A person sees the machine, and a line for each question, with all of `parts`.
