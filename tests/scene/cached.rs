@@ -2,7 +2,7 @@
 //! `relist` the dirty lists of views.
 
 use rimline::gpu::{
-    Capacities, CasterPositions, FrameInputs, SceneOptions, SceneStatistics, ShadowError, ShadowStatistics,
+    Capacities, CasterPositions, FrameInputs, Measuring, SceneOptions, SceneStatistics, ShadowError, ShadowStatistics,
 };
 use rimline::{Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -121,6 +121,12 @@ fn lists() -> Result<(), String> {
             partly += u32::from(cached < all);
         }
     }
+    // Without caching a later frame computes what the first did.
+    let mut options = roomy(40);
+    options.measuring.set(Measuring::CACHED_BITS, true);
+    let mut scene = RandomScene::filled_rigid(gpu, 2701, options, [6, 8])?;
+    let [first, later] = [checked(gpu, &mut scene)?, checked(gpu, &mut scene)?].map(|checked| checked.found.statistics);
+    same("not cached", &[later], &[first])?;
     if partly < 10 { Err(format!("{partly} frames with some dirty lists")) } else { Ok(()) }
 }
 
