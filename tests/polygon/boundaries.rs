@@ -105,10 +105,18 @@ fn cases_worked_by_hand() {
     raised.reverse();
     let at = |angle: f32| [angle.to_radians().cos(), angle.to_radians().sin(), 0.0];
     let plain = loops(&[&[a, b, c, d]]);
+    let flat = |points: &[[f32; 2]]| loops(&[&points.iter().map(|&[x, y]| [x, y, 0.0]).collect::<Vec<_>>()]);
+    // From some sides it is twisted (Bergeron's figure 7).
+    let bent = loops(&[&[[-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, -1.0]]]);
     for (name, boundary, expected) in [
         ("a square", &plain, [Front, Back]),
         ("a bow tie", &loops(&[&[a, b, d, c]]), [Twisted; 2]),
         ("a hole", &loops(&[&large, &[d, c, b, a]]), [Front, Back]),
+        ("a hole around it", &loops(&[&[a, b, c, d], &[large[3], large[2], large[1], large[0]]]), [Back, Front]),
+        ("not planar", &bent, [Front, Back]),
+        // Touching in space counts as twisted.
+        ("out and back", &flat(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), [Twisted; 2]),
+        ("a corner on an edge", &flat(&[[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 0.0], [0.0, 2.0]]), [Twisted; 2]),
         ("winding number 2", &loops(&[&large, &[a, b, c, d]]), [Twisted; 2]),
         // All ends of edges have winding numbers 0 and 1 beside them.
         ("two triangles", &loops(&[&[90.0, 210.0, 330.0].map(at), &[270.0, 30.0, 150.0].map(at)]), [Twisted; 2]),
@@ -121,7 +129,12 @@ fn cases_worked_by_hand() {
     // Around the light, opposite directions are not the same.
     let mut fence = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0].map(at);
     fence.iter_mut().zip([0.1, -0.1].into_iter().cycle()).for_each(|(corner, height)| corner[2] = height);
+    assert!(!fits_half_space(&fence, [0.0, 0.0, 0.0, 1.0]) && fits_half_space(&fence[..4], [0.0, 0.0, 0.0, 1.0]));
     for (boundary, light, expected) in [
+        (&plain, Light::point([1.0, 0.0, 0.0]), InPlane),
+        (&bent, Light::point([9.0, 0.5, 0.0]), Twisted),
+        (&bent, Light::point([0.0; 3]), Twisted),
+        (&lifted, Light::directional([1.5, 0.0, 1.0]), Twisted),
         (&plain, Light::point([9.0, 2.0, 0.0]), InPlane),
         (&plain, Light::directional([1.0, 2.0, 0.0]), InPlane),
         (&lifted, ABOVE, Front),
@@ -159,6 +172,32 @@ fn pairs_of_edges_meet_as_seen_from_the_light() {
     ] {
         assert_eq!(edge_pair(edge, other, light).meets, meets, "{edge:?}, {other:?}");
         assert_eq!(edge_pair(other, edge, light).meets, meets, "{other:?}, {edge:?}");
+    }
+}
+
+/// Edges on opposite sides of the light have lines of sight in common, but no direction. Those in line meet where they
+/// overlap.
+#[test]
+fn edges_meet_in_common_directions() {
+    let meet = |e: [[f32; 3]; 2], f: [[f32; 3]; 2], light: [f32; 3]| {
+        let [x, y, z] = light;
+        let [one, other] = [(e, f), (f, e)].map(|(e, f)| edge_pair(e, f, [x, y, z, 1.0]).meets);
+        assert_eq!(one, other, "{e:?}, {f:?}");
+        one
+    };
+    let (across, along) = ([[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0]], [[0.0, -2.0, 2.0], [0.0, 2.0, 2.0]]);
+    assert!(meet(across, along, [0.0; 3]));
+    assert!(!meet(across, along.map(|point| point.map(|c: f32| -c)), [0.0; 3]));
+    assert!(!meet(across, along.map(|[x, y, z]| [x + 2.5, y, z]), [0.0; 3]));
+    let on_line = |[from, to]: [f32; 2]| [[from, 2.0 * from, 0.0], [to, 2.0 * to, 0.0]];
+    // The last of those that do not meet has an end in common.
+    for (others, expected) in [
+        (&[[1.0, 2.0], [2.0, 1.0], [-1.0, 4.0], [2.0, 5.0], [3.0, 1.0], [0.0, 5.0], [3.0, 0.0]][..], true),
+        (&[[4.0, 5.0], [-1.0, -2.0], [3.0, 4.0]], false),
+    ] {
+        for &other in others {
+            assert_eq!(meet(on_line([0.0, 3.0]), on_line(other), [1.0, 2.0, 3.0]), expected, "{other:?}");
+        }
     }
 }
 

@@ -19,6 +19,7 @@ use crate::limits::MOST_TRIANGLES;
 use crate::pieces::{Twisted, bits, check_closed, piece_counts, twisted};
 
 pub(crate) const TESTS: &[Test] = &[
+    ("pieces_of_coordinates_of_all_sizes", of_all_sizes),
     ("pieces_of_the_most_cuts_that_turns_order", most_ordered),
     ("pieces_of_few_edges_and_the_most_triangles", most_triangles),
     ("pieces_of_the_most_cuts_of_an_edge", most_cuts),
@@ -45,6 +46,20 @@ fn cuts_from_above(boundary: &Twisted) -> Vec<usize> {
         let side = orient2d(coord(a), coord(b), coord(c));
         i32::from(side > 0.0) - i32::from(side < 0.0)
     })
+}
+
+/// Corners in one plane with the light but for one, so that turns are those of the moved light, and integers decide them.
+fn of_all_sizes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for (count, pieces) in [(24, 100), (200, 5854)] {
+        let mut random = Random::new(62 + count as u64);
+        let mut coordinate = || random.between(-4.0, 4.0) * (-(random.below(100) as f32)).exp2();
+        let mut corners: Vec<_> = (0..count).map(|_| [coordinate(), 0.0, coordinate()]).collect();
+        corners[0][1] = 1.0;
+        let (boundary, _) = looped(gpu, corners, [1.0, 0.0, 0.0])?;
+        same(&format!("pieces of {count} corners"), &[boundary.pieces.len()], &[pieces])?;
+    }
+    Ok(())
 }
 
 /// Zigzag corners of all sizes in one plane with the light, but for the first, which is above what is farthest on both

@@ -35,12 +35,14 @@ fn refused_arguments() {
     assert!(matches!(refused(&vec![good; 1025]), LightError::TooMany { count: 1025, .. }));
     let two = [[0.0; 3]; 2];
     for lights in [&[good][..], &[]] {
-        let few = CpuError::TooFewPositions { given: 2, needed: 3 };
-        assert_eq!(with(&corners[..2], &two, None, lights), Err(few), "{} lights", lights.len());
+        for given in 0..3 {
+            let few = CpuError::TooFewPositions { given, needed: 3 };
+            assert_eq!(with(&corners[..given], &two, None, lights), Err(few), "{} lights", lights.len());
+        }
     }
     let no_such = CpuError::NoSuchFace { point: 1, face: 1, faces: 1 };
     assert_eq!(with(&corners, &two, Some(&[NO_FACE, 1]), &[good]), Err(no_such), "a face behind the last");
-    for given in [0, 3] {
+    for given in [0, 1, 3] {
         let error = CpuError::FaceForEachPoint { given, points: 2 };
         assert_eq!(with(&corners, &two, Some(&vec![0; given]), &[good]), Err(error));
     }
@@ -75,6 +77,16 @@ fn depths_are_those_of_brute_force() -> Outcome {
             let found = depths(&few, &points, None, &lights);
             same(&format!("{name}, seed {seed}"), &found, &plain)?;
             same(&format!("{name}, seed {seed}, on faces"), &depths(&few, &points, Some(&on_face), &lights), &right)?;
+            // The order of faces, vertices and corners changes nothing, and faces that are there twice count twice.
+            if name != "not finite" {
+                let mut other = few.shuffled(seed);
+                other.faces.iter_mut().step_by(2).for_each(|face| face.rotate_left(1));
+                other.faces.iter_mut().step_by(3).for_each(|face| face.swap(0, 2));
+                same(&format!("{name}, seed {seed}, shuffled"), &depths(&other, &points, None, &lights), &plain)?;
+                other.faces.extend_from_within(..);
+                let twice: Vec<i32> = plain.iter().map(|&depth| if depth < 0 { depth } else { 2 * depth }).collect();
+                same(&format!("{name}, seed {seed}, twice"), &depths(&other, &points, None, &lights), &twice)?;
+            }
             queries += 2 * found.len();
             deepest = deepest.max(found.iter().copied().max().unwrap_or(0));
             if right != plain {
@@ -102,8 +114,9 @@ fn half_of_a_sphere_is_lit() {
     assert!(found.iter().zip(&points).all(|(&depth, point)| depth == i32::from(point[2] < 0.0)), "the upper half");
     let lifted: Vec<_> = points.iter().map(|&point| zenith.lift(point, 1e-4)).collect();
     assert_eq!(depths(&shape, &lifted, None, &[zenith]), found);
-    let plain = lit(&depths(&shape, &points, None, &[zenith]));
-    assert!(plain < 1000, "negative control: {plain} lit");
+    let plain = depths(&shape, &points, None, &[zenith]);
+    assert!(lit(&plain) < 1000, "negative control: {} lit", lit(&plain));
+    assert_eq!(depths(&shape, &points, Some(&vec![NO_FACE; 2208]), &[zenith]), plain);
     let others: Vec<u32> = named.iter().map(|face| (face + 1104) % 2208).collect();
     assert!(lit(&depths(&shape, &points, Some(&others), &[zenith])) < 1104, "other faces");
 }

@@ -251,12 +251,14 @@ fn refusing() -> Result<(), String> {
     let (short, narrow) = (at(&points, 4, 12), at(&points, 0, 10));
     let (light, negative) = (Light::point([1.0, 2.0, 3.0]), Light::homogeneous([1.0, 1.0, 1.0, -1.0]));
     gpu.submit(|encoder| {
-        for (stride, offset) in [(16, 8), (16, 14), (16, 16), (20, u64::MAX - 3)] {
+        for (stride, offset) in [(12, 12), (16, 0), (16, 8), (16, 14), (16, 16), (20, 13), (20, 20), (20, u64::MAX - 3)]
+        {
             let made = query.encode_at(encoder, vertices, on_faces(stride, offset), 1, &[light]);
             refused([refusal("an offset", made, is(QueryError::FaceOffset { offset, stride }))])?;
         }
         let ten = query.encode_at(encoder, vertices, on_faces(16, 12), 10, &[light]);
         let nine = query.encode_at(encoder, vertices, on_faces(16, 12), 9, &[light]);
+        let faceless = query.encode_at(encoder, vertices, at(&with_faces, 0, 16), 10, &[light]);
         let mut encode =
             |positions, points, count, lights: &[Light]| query.encode_at(encoder, positions, points, count, lights);
         let negative_w = LightError::NegativeWeight { index: 0, w: -1.0 };
@@ -280,6 +282,7 @@ fn refusing() -> Result<(), String> {
             ),
             refusal("nine faces", ten, shows(&["Points(PositionsTooShort", "needed: 160", "bytes: 156"])),
             refusal("nine points", nine, Expected::Taken),
+            refusal("ten points that name no face", faceless, Expected::Taken),
             // Without a fault nothing is refused, and no lights are none.
             refusal("good", encode(vertices, good, 10, &[light; 2]), Expected::Taken),
             refusal("no light", encode(vertices, good, 10, &[]), Expected::Taken),

@@ -2,7 +2,7 @@
 //! `relist` the dirty lists of views.
 
 use rimline::gpu::{
-    Capacities, CasterPositions, FrameInputs, SceneOptions, SceneStatistics, ShadowError, ShadowStatistics,
+    Capacities, CasterPositions, FrameInputs, Measuring, SceneOptions, SceneStatistics, ShadowError, ShadowStatistics,
 };
 use rimline::{Light, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -22,6 +22,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("only_what_changed_is_computed", lists),
     ("buffers_with_a_version_are_cached", versions),
     ("stated_boxes_are_heeded", boxes),
+    ("faces_that_callers_exclude_are_not_cached", excluded),
+    ("lights_in_planes_of_cached_faces_are_known", zeros),
     ("late_frames_of_another_layout_spoil_nothing", late),
 ];
 
@@ -119,6 +121,12 @@ fn lists() -> Result<(), String> {
             partly += u32::from(cached < all);
         }
     }
+    // Without caching a later frame computes what the first did.
+    let mut options = roomy(40);
+    options.measuring.set(Measuring::CACHED_BITS, true);
+    let mut scene = RandomScene::filled_rigid(gpu, 2701, options, [6, 8])?;
+    let [first, later] = [checked(gpu, &mut scene)?, checked(gpu, &mut scene)?].map(|checked| checked.found.statistics);
+    same("not cached", &[later], &[first])?;
     if partly < 10 { Err(format!("{partly} frames with some dirty lists")) } else { Ok(()) }
 }
 
@@ -195,6 +203,47 @@ fn boxes() -> Result<(), String> {
         refusal("bounds of a rigid caster", scene.scene.set_bounds(rigid, None), is(ShadowError::NoBuffer)),
         refusal("its version", scene.scene.set_position_version(rigid, Some(1)), is(ShadowError::NoBuffer)),
     ])
+}
+
+/// Masks of callers are copied for each frame, and nothing of their group is cached.
+fn excluded() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::filled_rigid(gpu, 2901, roomy(8), [4, 5])?;
+    let (caster, light) = (scene.content.casters[2].handle, scene.content.lights[1].0);
+    read_frame(gpu, &mut scene)?;
+    scene.scene.set_excluded(caster, light, &[0]).map_err(text)?;
+    let (_, first) = read_frame(gpu, &mut scene)?;
+    let (_, second) = read_frame(gpu, &mut scene)?;
+    same("cached pairs", &[second.statistics.cached_pairs], &[0])?;
+    let masks = |found: &Found| found.groups.iter().flat_map(|group| group.excluded.clone()).collect::<Vec<_>>();
+    same("masks", &masks(&second), &masks(&first))?;
+    scene.scene.set_excluded(caster, light, &[]).map_err(text)?;
+    checked(gpu, &mut scene)?;
+    let statistics = checked(gpu, &mut scene)?.found.statistics;
+    same("pairs cached again", &[statistics.cached_pairs], &[statistics.pairs])
+}
+
+/// The counts of lists tell that a light is in the plane of a face with cached bits.
+fn zeros() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::filled(gpu, 3001, roomy(8), [0, 0])?;
+    let mesh = scene.add_mesh("cube", shapes::cube())?;
+    scene.insert_at(mesh, IDENTITY)?;
+    // A corner of a face lies in its plane.
+    let corner = shapes::cube().positions[0];
+    scene.put_light(Light::point(corner))?;
+    scene.set_all_lights()?;
+    let flags = |scene: &mut RandomScene| {
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        let results = frame.results().map_err(text)?;
+        let group = results.groups.first().ok_or("no group")?;
+        let (counts, record) = (gpu.read::<u32>(group.lists, 64)?, gpu.read::<u32>(group.record, 4)?);
+        Ok::<_, String>([record[3] != 0, counts[32] != 0])
+    };
+    let found = [flags(&mut scene)?, flags(&mut scene)?, flags(&mut scene)?];
+    same("computed, and cached", &found, &[[true, false], [false, true], [false, true]])?;
+    scene.set_light(0, Light::point([corner[0] + 7.3, corner[1] + 5.1, corner[2] + 9.7]))?;
+    same("moved away", &[flags(&mut scene)?, flags(&mut scene)?], &[[false; 2]; 2])
 }
 
 /// The late frame has larger masks and fewer casters: the words about its bits do not fit the new layout, but its masks

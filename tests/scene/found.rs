@@ -6,7 +6,7 @@ use rimline::internals::clusters::EdgeOrder;
 use rimline::internals::cpu;
 use rimline::internals::layout::{CHUNK, DrawArguments, SceneCaster};
 use rimline::internals::scene::SceneTable;
-use rimline::{Cone, Light, Mesh};
+use rimline::{Cone, Light, Matrix3x4, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::same;
@@ -42,6 +42,8 @@ pub(crate) struct GroupFound {
     /// For each light of the batch.
     pub(crate) counts: Vec<u32>,
     pub(crate) lists: Vec<Vec<u32>>,
+    pub(crate) capacity: u32,
+    pub(crate) edge_slots: u32,
     pub(crate) draws: Vec<DrawArguments>,
     pub(crate) statistics: ExtractionStatistics,
     /// Faces that facing left to exact facing.
@@ -75,6 +77,8 @@ impl Found {
                 excluded: gpu.read(group.excluded, (CHUNK * group.dispatch.face_chunks) as usize)?,
                 counts,
                 lists,
+                capacity: group.capacity,
+                edge_slots: CHUNK * group.dispatch.edge_chunks,
                 draws: gpu.read(group.draws, 32)?,
                 statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record[..5])),
                 undecided: record[5],
@@ -140,7 +144,7 @@ pub(crate) enum Culled {
     ByCone,
 }
 
-/// By a ball around the box that the caster's matrix moves.
+/// By the box for ranges, and for cones by a ball around the box that the caster's matrix moves.
 pub(crate) fn certainly_culled(content: &Content, caster: &TestCaster, light: Light) -> Option<Culled> {
     let Placed::Rigid(rows) = &caster.placed else { return None };
     let (mesh, positions) = content.mesh_and_positions(caster);
@@ -158,22 +162,31 @@ pub(crate) fn certainly_culled(content: &Content, caster: &TestCaster, light: Li
     let terms = [x, y, z].map(|row| row.abs().dot(low.abs().max(high.abs())));
     let size = (DVec3::from(terms) + shift.abs()).max(apex.abs()).max_element();
     let beyond = |distance: f64| distance > 1.001 * radius + 1e-3 * size;
-    // Ranges are measured where the matrix is a rotation times a scale, and the mesh is not too far from the light.
-    let (matrix, scale) = (DMat3::from_cols(x, y, z), x.length());
-    let gram = matrix.transpose() * matrix - DMat3::from_diagonal(DVec3::splat(scale * scale));
-    let is_turned = gram.to_cols_array().iter().all(|off| off.abs() < 1e-5 * scale * scale) && size < 1e7 * scale;
     let angle = |cone: Cone| {
         let axis = DVec3::from(cone.axis.map(f64::from)).normalize();
         away.normalize().dot(axis).clamp(-1.0, 1.0).acos() - f64::from(cone.cosine).acos()
     };
     let is_beside = |cone| beyond(away.length() * angle(cone).clamp(0.0, std::f64::consts::FRAC_PI_2).sin());
-    if light.w.abs() < 1e-6 || !(1e-6..1e15).contains(&size) {
+    if light.w.abs() < 1e-6 {
         None
-    } else if is_turned && beyond(away.length() - 1.003 * f64::from(light.range)) {
+    } else if light.range.is_finite() && is_out_of_range(rows, [low, high], apex, light.range) {
         Some(Culled::ByRange)
     } else {
-        light.cone.filter(|&cone| is_beside(cone)).map(|_| Culled::ByCone)
+        light.cone.filter(|&cone| (1e-6..1e15).contains(&size) && is_beside(cone)).map(|_| Culled::ByCone)
     }
+}
+
+/// Whether a box that the matrix moves is clearly out of range. The matrix must be a rotation times a scale.
+fn is_out_of_range(rows: &Matrix3x4, [low, high]: [DVec3; 2], apex: DVec3, range: f32) -> bool {
+    let column = |index: usize| DVec3::from(rows.map(|row| f64::from(row[index])));
+    let matrix = DMat3::from_cols(column(0), column(1), column(2));
+    let scale = column(0).length();
+    let gram = matrix.transpose() * matrix - DMat3::from_diagonal(DVec3::splat(scale * scale));
+    let is_turned = gram.to_cols_array().iter().all(|off| off.abs() < 1e-5 * scale * scale);
+    let position = matrix.inverse() * (apex - column(3));
+    let size = position.abs().max(low.abs()).max(high.abs()).max_element();
+    let distance = scale * (position - position.clamp(low, high)).length();
+    is_turned && size < 1e8 && distance > 1.003 * f64::from(range) + 1e-3 * scale * size
 }
 
 /// Counts of pairs of caster and light, for tests that must not be vacuous.

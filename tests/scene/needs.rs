@@ -328,7 +328,7 @@ fn most_views() -> Result<(), String> {
 /// Frames are dropped, swapped, of another pose or the same, of mirror images, with excluded faces or without. Models are
 /// deformed before some, for their views or for others, and something changes between `deform` and the encode.
 fn histories() -> Result<(), String> {
-    let (mut sum, mut late, mut between, mut noticed) = (Drawn::default(), 0, 0, 0);
+    let (mut sum, mut late, mut between, mut noticed, mut unexcluded) = (Drawn::default(), 0, 0, 0, 0);
     for seed in 4201..if is_long() { 4301 } else { 4213 } {
         let mut play = Play::new(seed, 24)?;
         play.excludes = seed % 4 == 0;
@@ -384,10 +384,21 @@ fn histories() -> Result<(), String> {
         let mut recorded = play.record(encoder(&play.gpu))?;
         walk(&mut recorded.moment.walkers, &mut play.random);
         noticed += u32::from(play.check(recorded).is_err());
+        // Another one: faces that the other scene does not exclude.
+        if play.excludes {
+            play.next.cameras = (0..2).map(|_| camera(&mut play.random)).collect();
+            let recorded = play.record(encoder(&play.gpu))?;
+            play.excludes = false;
+            unexcluded += u32::from(play.check(recorded).is_err());
+        }
     }
-    println!("{sum:?}, {late} late, {between} changes after a deform, {noticed} controls");
+    println!("{sum:?}, {late} late, {between} changes after a deform, {noticed} and {unexcluded} controls");
     let is_vacuous = sum.culled < 200 || sum.cached_pairs < 200 || sum.instances < 10_000 || late < 5 || noticed < 9;
-    if is_vacuous || sum.mirrored < 200 || between < 25 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+    if is_vacuous || sum.mirrored < 200 || between < 25 || unexcluded == 0 {
+        Err("too few of a kind".to_owned())
+    } else {
+        Ok(())
+    }
 }
 
 /// A frame before `deform` is stale. A `deform` whose encoder is dropped spoils one frame, and none after it.

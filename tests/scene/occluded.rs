@@ -99,8 +99,8 @@ impl Stage {
         self.lights.iter().zip(lights).try_for_each(|(&to, &light)| self.scene.set_light(to, light)).map_err(text)
     }
 
-    /// Fails unless the last caster is culled for all lights or for none, or if others have other bits than without
-    /// occluders.
+    /// Fails unless the last caster is culled for all lights that are not within it or for none, or if others have other bits
+    /// than without occluders.
     fn check(&mut self, gpu: &Gpu, bodies: &[Body], lights: &[Light], expected: bool) -> Result<(), String> {
         let (frame, found) = self.encode(gpu)?;
         let mut plain = Self::new(gpu, bodies, lights, false)?;
@@ -115,7 +115,10 @@ impl Stage {
                 same("lights that are culled without occluders", &[relevant & !plain_relevant], &[0])?;
                 culled += (plain_relevant & !relevant).count_ones();
                 if number + 1 == bodies.len() {
-                    same("relevant lights", &[relevant], &[if expected { 0 } else { plain_relevant }])?;
+                    let bits = (0..32).filter(|bit| 32 * batch + bit < lights.len() && is_within(32 * batch + bit));
+                    let within = bits.fold(0_u32, |mask, bit| mask | 1 << bit);
+                    same("lights within the caster", &[plain_relevant & within], &[within])?;
+                    same("relevant lights", &[relevant], &[if expected { within } else { plain_relevant }])?;
                 }
                 let masks = |found: &Found, group, index| -> Result<Vec<u32>, String> {
                     let caster = SceneTable(&found.table).caster(index);
@@ -138,12 +141,23 @@ fn similarity(random: &mut Random) -> DAffine3 {
     DAffine3 { matrix3: scale * turn, translation }
 }
 
-/// Copies of a light, in two batches and with other weights, moved.
-fn lights(light: Light, by: &DAffine3) -> Vec<Light> {
+/// Whether the light of this number is within the last caster, so that nothing is between them.
+const fn is_within(number: usize) -> bool {
+    number % 5 == 4
+}
+
+/// Copies of a light, in two batches and with other weights, moved. Near ones have ranges, and some do not reach the caster.
+/// Among them are other lights, within the caster.
+fn lights(light: Light, by: &DAffine3, caster: &Body) -> Vec<Light> {
+    let scale = by.matrix3.x_axis.length() as f32;
     let moved = by.matrix3 * DVec3::from(light.xyz.map(f64::from)) + f64::from(light.w) * by.translation;
     let weighted = |number: usize| {
+        if is_within(number) {
+            return Light::point(caster.rows.map(|row| row[3]));
+        }
         let factor = [1.0, 3.0, 0.25][number % 3];
-        Light::homogeneous((moved.extend(f64::from(light.w)) * factor).as_vec4().to_array())
+        let copy = Light::homogeneous((moved.extend(f64::from(light.w)) * factor).as_vec4().to_array());
+        if light.w == 0.0 { copy } else { copy.with_range([f32::INFINITY, 30.0 * scale, scale][number / 5 % 3]) }
     };
     (0..35).map(weighted).collect()
 }
@@ -190,7 +204,7 @@ fn known() -> Result<(), String> {
     let mut last: Option<(Vec<usize>, Stage)> = None;
     for (what, bodies, light, expected, may_move) in cases {
         let meshes: Vec<usize> = bodies.iter().map(|body| body.mesh).collect();
-        let given = lights(light, &DAffine3::IDENTITY);
+        let given = lights(light, &DAffine3::IDENTITY, &bodies[bodies.len() - 1]);
         let (_, stage) = match &mut last {
             Some(last) if last.0 == meshes => last,
             last => last.insert((meshes, Stage::new(&gpu, &bodies, &given, true)?)),
@@ -207,7 +221,8 @@ fn known() -> Result<(), String> {
             6
         } {
             let by = similarity(&mut random);
-            let (bodies, given) = (bodies.iter().map(|body| moved(body, &by)).collect::<Vec<_>>(), lights(light, &by));
+            let bodies: Vec<Body> = bodies.iter().map(|body| moved(body, &by)).collect();
+            let given = lights(light, &by, &bodies[bodies.len() - 1]);
             stage.move_to(&bodies, &given)?;
             stage.check(&gpu, &bodies, &given, expected).map_err(|error| what(format!("{by:?}: {error}")))?;
         }

@@ -5,13 +5,14 @@ use rimline::internals::cpu;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
-use rimline_testkit::{must_fail, shapes};
+use rimline_testkit::{must_fail, same, shapes};
 
 use crate::found::{Culled, Found, LitFace, certainly_culled, check_frame, checked, read_frame};
 use crate::random_scene::{RandomScene, TestCaster};
 
 pub(crate) const TESTS: &[Test] = &[
     ("comparators_notice_one_wrong_bit", controls),
+    ("lists_of_one_entry_overflow_and_are_counted", overflow),
     ("pools_grow_in_mid_run", growth),
     ("small_devices_cut_groups_and_dispatches", small_device),
     ("a_scene_that_grows_keeps_its_buffers_for_some_frames", headroom),
@@ -68,6 +69,37 @@ fn controls() -> Result<(), String> {
     }
     found.groups[at].lists[list].pop();
     must_fail("a missing entry", &check_frame(content, &frame, &found))
+}
+
+fn overflow() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for seed in 1701..1705 {
+        let capacities = Capacities { lists: Some(1), ..Capacities::default() };
+        let [whole, found] = [roomy(8), SceneOptions { capacities, ..roomy(8) }].map(|options| {
+            let mut scene = RandomScene::filled(gpu, seed, options, [6, 10])?;
+            read_frame(gpu, &mut scene).map(|(_, found)| found.groups)
+        });
+        let (whole, found) = (whole?, found?);
+        same("groups", &[found.len()], &[whole.len()])?;
+        let mut sum = 0;
+        for (found, whole) in found.iter().zip(&whole) {
+            same("counts", &found.counts, &whole.counts)?;
+            same("facing", &found.facing, &whole.facing)?;
+            let overflowed = whole.counts.iter().filter(|&&count| count > 1).count() as u32;
+            same("overflowed lists", &[found.statistics.overflowed_lists], &[overflowed])?;
+            same("capacity", &[found.capacity], &[1])?;
+            for (list, whole) in found.lists.iter().zip(&whole.lists) {
+                let is_right = list.len() == whole.len().min(1) && list.iter().all(|entry| whole.contains(entry));
+                same(&format!("{list:?} of {whole:?}"), &[is_right], &[true])?;
+            }
+            let instances: Vec<u32> = found.draws.iter().map(|draw| draw.instance_count).collect();
+            let expected = whole.counts.iter().map(|&count| if count > 1 { found.edge_slots } else { count });
+            same("instances", &instances, &expected.collect::<Vec<_>>())?;
+            sum += overflowed;
+        }
+        must_fail("no list overflowed", &same("overflowed lists", &[sum], &[0]))?;
+    }
+    Ok(())
 }
 
 /// Meshes that do not fit the first page, while frames are encoded. Regions of removed meshes are used again.

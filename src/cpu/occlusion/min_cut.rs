@@ -158,3 +158,45 @@ impl Flow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rimline_testkit::random::Random;
+
+    use super::*;
+
+    /// Against all choices: none costs less, and none of the same cost keeps fewer nodes.
+    #[test]
+    fn no_choice_costs_less_than_the_cut() {
+        let mut random = Random::new(5901);
+        let (mut mixed, mut swayed) = (0, 0);
+        for number in 0..2000 {
+            let nodes = 1 + random.below(10);
+            let mut cut = MinCut::new(nodes);
+            for _ in 0..random.below(4 * nodes) {
+                match random.below(4) {
+                    0 => cut.cost_of_keeping(Some(random.below(nodes))),
+                    1 => cut.cost_of_leaving_out(random.below(nodes)),
+                    _ => cut.cost_of_parting(random.below(nodes), random.below(nodes)),
+                }
+            }
+            let (inflow, outflow, pairs) = (cut.inflow.clone(), cut.outflow.clone(), cut.pairs.clone());
+            let cost = |choice: u32| {
+                let is_kept = |node: usize| choice >> node & 1 != 0;
+                let alone = (0..nodes).map(|node| if is_kept(node) { outflow[node] } else { inflow[node] });
+                let parted = pairs.iter().filter(|pair| is_kept(pair[0] as usize) != is_kept(pair[1] as usize));
+                (alone.sum::<u32>() + parted.count() as u32, choice.count_ones())
+            };
+            let chosen = |kept: &[bool]| (0..nodes).filter(|&node| kept[node]).fold(0_u32, |all, node| all | 1 << node);
+            let found = chosen(&cut.solve());
+            let least = (0..1_u32 << nodes).map(cost).min();
+            assert_eq!(Some(cost(found)), least, "cut {number}: {inflow:?}, {outflow:?}, {pairs:?}");
+            mixed += usize::from(found != 0 && found != (1 << nodes) - 1);
+            // Without a look at pairs.
+            let alone: Vec<bool> = inflow.iter().zip(&outflow).map(|(leaving, keeping)| leaving > keeping).collect();
+            swayed += usize::from(cost(chosen(&alone)).0 != cost(found).0);
+        }
+        println!("{mixed} cuts keep some nodes and not others; pairs matter for {swayed}");
+        assert!(mixed > 200 && swayed > 100, "{mixed}, {swayed}");
+    }
+}

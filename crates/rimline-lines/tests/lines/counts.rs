@@ -38,7 +38,10 @@ type Counted = ([f64; 2], u32);
 struct Found {
     points: usize,
     wrong: usize,
+    aside: usize,
     hidden: usize,
+    /// Points of lines that coincide with another one, which is drawn there.
+    coincide: usize,
 }
 
 /// Whether a line of the page passes a point, within a millionth of its length.
@@ -104,8 +107,8 @@ fn compare(shapes: &[Shape], view: &View, points: usize, random: &mut Random, li
             let expected = oracle.count(&exact, Some(point));
             let is_better = |count: u32| count == 0 || expected > 0;
             let mut others = drawing.spans.iter().filter(|span| is_better(span.faces_in_front));
-            // The line coincides with another one, which is drawn there.
             if others.any(|span| is_on(span.page, view.page(point))) {
+                found.coincide += 1;
                 continue;
             }
             let is_before = view.is_perspective() && depth < f64::from(NEAR * size_of(shapes)) * (1.0 + TOLERANCE);
@@ -113,6 +116,7 @@ fn compare(shapes: &[Shape], view: &View, points: usize, random: &mut Random, li
             continue;
         };
         if spans.iter().any(|(ends, _)| ends.iter().any(is_near)) {
+            found.aside += 1;
             continue;
         }
         let expected = oracle.count(&exact, (found.points % 16 != 0).then_some(point));
@@ -148,6 +152,7 @@ fn compare_meetings(shapes: &[Shape], view: &View, random: &mut Random) -> Found
         let along = f64::from(random.between(0.05, 0.95));
         let point = [0, 1, 2].map(|axis| span.ends[0][axis] + along * (span.ends[1][axis] - span.ends[0][axis]));
         if (span.ends[1][axis] - span.ends[0][axis]).abs() < TOLERANCE {
+            found.aside += 1;
             continue;
         }
         let share = ((point[axis] - low) / (high - low) * SHARES as f64) as i64;
@@ -220,6 +225,7 @@ fn counts_where_faces_meet_are_exact() {
         }
         for (number, view) in views([0.1; 3], size_of(&shapes), shapes[0].positions[0]).iter().enumerate() {
             let found = compare_meetings(&shapes, view, &mut random);
+            println!("{name}, view {number}: {found:?}");
             assert_eq!(found.wrong, 0, "{name}, view {number}: {found:?}");
             points += found.points;
         }
@@ -241,9 +247,12 @@ fn counts_are_exact() {
             println!("{name}, view {number}: {found:?}");
             assert_eq!(found.wrong, 0, "{name}, view {number}: {found:?}");
             total.points += found.points;
+            total.aside += found.aside;
             total.hidden += found.hidden;
+            total.coincide += found.coincide;
         }
     }
+    println!("{total:?}");
     // A wrong count does not go unnoticed.
     let view = View::orthographic([3.0, 2.0, 1.0], [0.0, 0.0, 1.0]).expect("a view");
     let found = compare(&[torus(24, 14)], &view, 50, &mut random, 1);

@@ -110,11 +110,13 @@ fn refusals() {
         (LineOptions { crease_degrees: 181.0, ..all }, "Crease {"),
         (LineOptions { near: Some(0.0), ..all }, "Near {"),
         (LineOptions { window, ..all }, "Window {"),
-        (LineOptions { memory_limit: Some(1000), ..all }, "Memory {"),
     ] {
         let refused = draw(&objects(&shapes), &aside(), &options, go_on).expect_err("refused");
         assert!(format!("{refused:?}").starts_with(error), "{refused:?}");
     }
+    let small = LineOptions { memory_limit: Some(1000), ..all };
+    let refused = draw(&objects(&shapes), &aside(), &small, go_on);
+    assert!(matches!(refused, Err(LinesError::Memory { limit: 1000, .. })), "{refused:?}");
     let cancelled = draw(&objects(&shapes), &aside(), &all, |_, _| ControlFlow::Break(()));
     assert_eq!(cancelled, Err(LinesError::Cancelled));
     assert_eq!(View::orthographic([0.0; 3], [0.0, 0.0, 1.0]), Err(LinesError::View));
