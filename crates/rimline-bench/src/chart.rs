@@ -167,7 +167,7 @@ impl Axis {
         let inside = |ticks: Vec<f64>| ticks.into_iter().filter(|tick| (self.low..=self.high).contains(tick)).collect();
         let steps: [&[f64]; 4] = [&[1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0], &[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]];
         match self.scale {
-            // In little more than an octave one of those of a decade may lie, or none.
+            // Within little more than an octave lies one number of a decade, or none.
             Scale::Log if self.high > 3.0 * self.low => {
                 let [first, last] = [self.low, self.high].map(|end| end.log10().floor() as i32);
                 let powers = |stride: usize| (first..=last).step_by(stride).map(|power| 10_f64.powi(power));
@@ -429,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_told_apart_and_do_not_touch() {
+    fn ticks_differ_and_do_not_touch() {
         let short = [[2.1, 2.3].as_slice(), &[8.0, 9.0], &[3.0], &[2.1e-5, 2.3e-5], &[-3.0, -2.9], &[0.0, 2.1]];
         let long = [[0.0, 4e-5, 3e5].as_slice(), &[4e-4, 2e-3], &[0.0, 1e-5, 1e-4]];
         let of_label = |label: &str| width(label) + 20.0;
