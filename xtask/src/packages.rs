@@ -127,5 +127,11 @@ mod tests {
         let expected =
             "sudo apt-get update && sudo apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1";
         assert_eq!(MANAGERS[0].one_command(MANAGERS[0].vulkan), expected);
+        for manager in &MANAGERS {
+            let command = manager.one_command(manager.vulkan);
+            assert!(command.starts_with("sudo ") && command.ends_with(manager.vulkan), "{command}");
+            assert!(command.contains("vulkan") && !command.contains('\n'), "{command}");
+        }
+        assert_eq!(MANAGERS[1].install("display", MANAGERS[1].xvfb), Ok(()), "nothing to install");
     }
 }

@@ -84,10 +84,17 @@ pub(crate) fn names(patterns: &[&str]) -> Result<Vec<String>, String> {
     Ok(output(&mut git)?.split('\0').filter(|name| !name.is_empty()).map(str::to_owned).collect())
 }
 
-/// The same with their texts. A file that is removed but not committed has none.
+/// The same with their texts. A file that is removed but not committed has none. Without any file a check would pass.
 pub(crate) fn files(patterns: &[&str]) -> Result<Vec<(String, String)>, String> {
-    let with_text = |name: String| Some((std::fs::read_to_string(root().join(&name)).ok()?, name));
-    Ok(names(patterns)?.into_iter().filter_map(with_text).map(|(text, name)| (name, text)).collect())
+    let mut files = Vec::new();
+    for name in names(patterns)? {
+        match std::fs::read_to_string(root().join(&name)) {
+            Ok(text) => files.push((name, text)),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+            Err(error) => return Err(format!("cannot read {name}: {error}")),
+        }
+    }
+    if files.is_empty() { Err(format!("no file is called {}", patterns.join(" or "))) } else { Ok(files) }
 }
 
 /// Whether a program is on the PATH.
@@ -102,4 +109,12 @@ fn announce(command: &Command) {
 
 fn cannot_start(command: &Command, error: &std::io::Error) -> String {
     format!("cannot run `{}`: {error}", shown(command))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn to_read_no_file_is_an_error() {
+        assert!(super::files(&["*.no-such-file"]).is_err());
+    }
 }

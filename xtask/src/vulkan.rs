@@ -35,8 +35,15 @@ fn has_loader() -> bool {
     // Not on an ordinary user's PATH on Debian.
     let lists = ["ldconfig", "/sbin/ldconfig", "/usr/sbin/ldconfig"];
     let mut known = lists.iter().filter_map(|ldconfig| process::output(Command::new(ldconfig).arg("-p")).ok());
-    let folders = env::var_os("LD_LIBRARY_PATH").unwrap_or_default();
-    known.any(|list| list.contains(LOADER)) || env::split_paths(&folders).any(|folder| folder.join(LOADER).exists())
+    let mut folders: Vec<PathBuf> =
+        env::var_os("LD_LIBRARY_PATH").map_or_else(Vec::new, |paths| env::split_paths(&paths).collect());
+    // Without a cache that ldconfig lists, the linker looks in these.
+    for folder in ["/usr/lib", "/usr/lib64", "/usr/local/lib", "/usr/local/lib64", "/lib", "/lib64"] {
+        folders.push(folder.into());
+        // Debian's directory for the architecture.
+        folders.extend(entries(Path::new(folder)).filter(|path| path.to_string_lossy().ends_with("-linux-gnu")));
+    }
+    known.any(|list| list.contains(LOADER)) || folders.iter().any(|folder| folder.join(LOADER).exists())
 }
 
 /// Whether some driver's manifest is installed that can work here: a software driver's, or any beside a GPU.

@@ -227,14 +227,18 @@ pub(crate) fn measure_one_mesh(
 
 /// Facts of a scene. `edges` are silhouette edges of each light: in the scene, and in what it is held against.
 fn facts(setting: &Setting, faces: usize, [scene, other]: &[Vec<u64>; 2]) -> Vec<(&'static str, Value)> {
-    let wrong_lights = scene.iter().zip(other).filter(|(scene, other)| scene != other).count();
     vec![
         ("faces", json!(faces)),
         ("casters", json!(setting.casters.count())),
         ("lights", json!(setting.lights.len())),
         ("silhouette_edges", json!(scene)),
-        ("wrong_lights", json!(wrong_lights)),
+        ("wrong_lights", json!(wrong_lights(scene, other))),
     ]
+}
+
+/// Lights whose silhouette edges are not as many as they should be.
+fn wrong_lights(scene: &[u64], other: &[u64]) -> usize {
+    scene.iter().zip(other).filter(|(scene, other)| scene != other).count()
 }
 
 /// Records a frame up to some stage.
@@ -385,7 +389,8 @@ mod tests {
     }
 
     #[test]
-    fn the_stages_of_extraction_are_stages() {
+    fn a_wrong_light_is_counted_and_the_stages_of_extraction_are_stages() {
+        assert_eq!((wrong_lights(&[7, 8, 9], &[7, 8, 9]), wrong_lights(&[7, 8, 9], &[7, 9, 9])), (0, 1));
         for name in EXTRACTION {
             assert!(rimline::internals::stages::STAGES.iter().any(|stage| stage.name == name), "{name}");
         }

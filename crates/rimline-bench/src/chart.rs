@@ -129,7 +129,7 @@ impl Axis {
                 let margin = (high / low).max(2.0).powf(0.07);
                 (low / margin, high * margin)
             }
-            Scale::Linear => (low.min(0.0), if high > low.min(0.0) { high * 1.08 } else { 1.0 }),
+            Scale::Linear => (low.min(0.0), if high > 0.0 { high * 1.08 } else { 1.0 }),
         };
         if has_zero {
             low /= (high / low).max(10.0).powf(0.12);
@@ -155,7 +155,8 @@ impl Axis {
         };
         let mut ticks = self.round_numbers().into_iter().map(labelled).find(fits).unwrap_or_default();
         if self.has_zero {
-            ticks.retain(|(at, _)| (at - ends[0]).abs() > 0.1 * (ends[1] - ends[0]).abs());
+            let room = |label: &str| (0.5 * (of_label("0") + of_label(label))).max(0.1 * (ends[1] - ends[0]).abs());
+            ticks.retain(|(at, label)| (at - ends[0]).abs() > room(label));
             ticks.insert(0, (ends[0], "0".to_owned()));
         }
         ticks
@@ -166,13 +167,14 @@ impl Axis {
         let inside = |ticks: Vec<f64>| ticks.into_iter().filter(|tick| (self.low..=self.high).contains(tick)).collect();
         let steps: [&[f64]; 4] = [&[1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0], &[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]];
         match self.scale {
-            Scale::Log => {
+            // Within little more than an octave lies one number of a decade, or none.
+            Scale::Log if self.high > 3.0 * self.low => {
                 let [first, last] = [self.low, self.high].map(|end| end.log10().floor() as i32);
                 let powers = |stride: usize| (first..=last).step_by(stride).map(|power| 10_f64.powi(power));
                 let all = steps.iter().map(|steps| powers(1).flat_map(|p| steps.iter().map(move |m| m * p)).collect());
                 all.chain((2..9).map(|stride| powers(stride).collect())).map(inside).collect()
             }
-            Scale::Linear => {
+            Scale::Log | Scale::Linear => {
                 let power = 10_f64.powf(((self.high - self.low) / 10.0).log10().floor());
                 let ticks = |step: f64| (0..40).map(|n| ((self.low / step).ceil() + f64::from(n)) * step).collect();
                 [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(|m| inside(ticks(m * power))).into()
@@ -242,7 +244,8 @@ impl Chart {
         let top = head + if wide || keys.is_empty() { 16.0 } else { 30.0 + of_keys };
         let body = match &self.body {
             Body::Plane { .. } if wide => 820.0,
-            Body::Plane { .. } => 640.0,
+            // So high that the title beside the plot does not reach the keys above.
+            Body::Plane { y, .. } => (width(&y.title) + 120.0).max(640.0),
             Body::Rows { rows, .. } => (LINE + 8.0) * rows.len() as f64 + 110.0,
         };
         let bottom = top + body.max(if wide { of_keys + 120.0 } else { 0.0 });
@@ -279,12 +282,15 @@ impl Chart {
         }
         for Series { mark, points, .. } in &self.series {
             let colour = colour(*mark);
+            let points = || points.iter().filter(|point| point.x.is_finite() && point.y.is_finite());
             if is_joined {
                 let dashes = if mark.hollow { DASHED } else { "" };
-                *svg += &line(points.iter().map(|point| at(point.x, point.y)), colour, 4, dashes);
+                *svg += &line(points().map(|point| at(point.x, point.y)), colour, 4, dashes);
             }
-            for Point { x, y, quartiles } in points {
-                *svg += &line(quartiles.map(|end| at(*x, end)), colour, 3, "");
+            for Point { x, y, quartiles } in points() {
+                if quartiles[0] < quartiles[1] {
+                    *svg += &line(quartiles.map(|end| at(*x, end)), colour, 3, "");
+                }
                 *svg += &marked(at(*x, *y), *mark);
             }
         }
@@ -310,7 +316,7 @@ impl Chart {
             *svg += &text([x, y], anchor, name, color);
             let mut end = 0.0;
             for (Series { mark, .. }, value) in self.series.iter().zip(values) {
-                let Some((length, quartiles)) = value else { continue };
+                let Some((length, quartiles)) = value.filter(|(length, _)| length.is_finite()) else { continue };
                 if is_stacked {
                     let (from, to) = (at(end), at(end + length));
                     let (top, of_bar, color) = (y - 0.38 * height, 0.76 * height, colour(*mark));
@@ -321,8 +327,10 @@ impl Chart {
                     );
                     end += length;
                 } else {
-                    *svg += &line(quartiles.map(|end| [at(end), y]), colour(*mark), 4, "");
-                    *svg += &marked([at(*length), y], *mark);
+                    if quartiles[0] < quartiles[1] {
+                        *svg += &line(quartiles.map(|end| [at(end), y]), colour(*mark), 4, "");
+                    }
+                    *svg += &marked([at(length), y], *mark);
                 }
             }
             if !remark.is_empty() {
@@ -414,6 +422,49 @@ mod tests {
         let axis = Axis::over("", Scale::Log, |value| value.to_string(), [1.0, 1e5]);
         assert!(axis.round_numbers().iter().any(|ticks| ticks.contains(&10.0)));
         assert!(axis.at(5.0, [0.0, 1.0]) < axis.at(70.0, [0.0, 1.0]));
+    }
+
+    fn axis(scale: Scale, values: &[f64]) -> Axis {
+        Axis::over("", scale, crate::text::tick, values.iter().copied())
+    }
+
+    #[test]
+    fn ticks_differ_and_do_not_touch() {
+        let short = [[2.1, 2.3].as_slice(), &[8.0, 9.0], &[3.0], &[2.1e-5, 2.3e-5], &[-3.0, -2.9], &[0.0, 2.1]];
+        let long = [[0.0, 4e-5, 3e5].as_slice(), &[4e-4, 2e-3], &[0.0, 1e-5, 1e-4]];
+        let of_label = |label: &str| width(label) + 20.0;
+        for (values, scale) in short.iter().chain(&long).flat_map(|&v| [(v, Scale::Linear), (v, Scale::Log)]) {
+            for ends in [[160.0, 690.0], [200.0, 1500.0]] {
+                let ticks = axis(scale, values).ticks(ends, of_label);
+                assert!(ticks.len() > 1, "{values:?}, {scale:?}: {ticks:?}");
+                for pair in ticks.windows(2) {
+                    let room = 0.5 * (of_label(&pair[0].1) + of_label(&pair[1].1));
+                    let is_apart = pair[1].0 - pair[0].0 >= room && pair[0].1 != pair[1].1;
+                    assert!(is_apart, "{values:?}, {scale:?}: {ticks:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_left_out() {
+        let values = [1.0, f64::NAN, 5.0, f64::INFINITY, f64::NEG_INFINITY];
+        let points: Vec<Point> = values.map(|y| Point { x: 2.0, y, quartiles: [f64::NAN, y] }).into();
+        let rows: Vec<Bar> =
+            values.map(|length| Bar { values: vec![Some((length, [f64::NAN; 2]))], ..Bar::default() }).into();
+        let plane = Body::Plane { y: axis(Scale::Log, &values), is_joined: true };
+        let dots = Body::Rows { rows: rows.clone(), is_stacked: false };
+        // The ground is a rectangle, too.
+        for (body, shape, count) in
+            [(plane, "<circle", 2), (dots, "<circle", 2), (Body::Rows { rows, is_stacked: true }, "<rect", 3)]
+        {
+            let mark = Mark { colour: 0, shape: 0, hollow: false };
+            let series = vec![Series { name: String::new(), mark, points: points.clone() }];
+            let chart = Chart { axis: axis(Scale::Log, &values), series, body, level: None };
+            let svg = chart.svg(Target::Phone, "");
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+            assert_eq!(svg.matches(shape).count(), count, "{svg}");
+        }
     }
 
     #[test]

@@ -398,6 +398,7 @@ fn skipping(rows: &[&Row]) -> Part {
 fn work(rows: &[&Row]) -> Figure {
     let mut table = Table::new(["Scene and levels"]);
     table.head.extend(WORKS.iter().map(|(name, ..)| format!("{name}, ms")));
+    table.head.push("together, ms".to_owned());
     let (mut bars, mut longest) = (Vec::new(), Vec::new());
     for row in rows {
         bars.push(Bar { name: row.title.clone(), ..Bar::default() });
@@ -409,18 +410,25 @@ fn work(rows: &[&Row]) -> Figure {
             let unit = *unit.get_or_insert((sum / 100.0).max(1e-9));
             longest.push(sum / unit);
             let name = &entry.variant.name;
-            let cells = amounts.iter().map(|ms| three_digits(*ms));
+            let cells = amounts.iter().chain([&sum]).map(|ms| three_digits(*ms));
             table.rows.push([format!("{}: {name}", row.title)].into_iter().chain(cells).collect());
             let values = amounts.iter().map(|ms| Some((ms / unit, [ms / unit; 2]))).collect();
             bars.push(Bar { name: name.clone(), values, remark: format!("{} ms", three_digits(sum)) });
         }
     }
-    let key = |(name, colour, _): (&str, usize, _)| {
+    // A legend of what no bar has would be a riddle.
+    let length = |bar: &Bar, key: usize| bar.values.get(key).copied().flatten().map_or(0.0, |(length, _)| length);
+    let shown: Vec<usize> = (0..WORKS.len()).filter(|&key| bars.iter().any(|bar| length(bar, key) > 0.0)).collect();
+    for bar in bars.iter_mut().filter(|bar| !bar.values.is_empty()) {
+        bar.values = shown.iter().map(|&key| bar.values[key]).collect();
+    }
+    let key = |&key: &usize| {
+        let (name, colour, _) = WORKS[key];
         let mark = Mark { colour, shape: 1, hollow: false };
         Series { name: name.to_owned(), mark, points: Vec::new() }
     };
     let axis = Axis::over("GPU time, percent of all levels off", Scale::Linear, tick, longest);
-    let (series, body) = (WORKS.map(key).into(), Body::Rows { rows: bars, is_stacked: true });
+    let (series, body) = (shown.iter().map(key).collect(), Body::Rows { rows: bars, is_stacked: true });
     let lead = "Medians of the compute stages and of the stencil passes. A scene's bar with all levels off is 100; the numbers \
                 after bars are milliseconds. Stages are timed on a device of their own, on which nothing is drawn.";
     let chart = Chart { axis, series, body, level: None };

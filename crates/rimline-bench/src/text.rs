@@ -26,8 +26,10 @@ pub(crate) fn tick(value: f64) -> String {
 }
 
 fn short(value: f64) -> String {
-    let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    let is_small = (f64::MIN_POSITIVE..0.001).contains(&value.abs());
+    let text = if is_small { format!("{value:.3e}") } else { format!("{value:.4}") };
+    let (number, power) = text.split_at(text.find('e').unwrap_or(text.len()));
+    number.trim_end_matches('0').trim_end_matches('.').to_owned() + power
 }
 
 pub(crate) fn times(value: f64) -> String {
@@ -50,6 +52,7 @@ mod tests {
     fn numbers_are_short_and_grouped() {
         assert_eq!([grouped(0), grouped(999), grouped(1_048_576)], ["0", "999", "1,048,576"]);
         assert_eq!([1.0, 0.5, 0.01, 20_000.0, 3e6].map(tick), ["1", "0.5", "0.01", "20 k", "3 M"]);
+        assert_eq!([0.0, 0.0012, 1.2e-4, 2e-5].map(tick), ["0", "0.0012", "1.2e-4", "2e-5"]);
         assert_eq!([1234.6, 12.34, 1.2, 0.1234, 0.0].map(three_digits), ["1,235", "12.3", "1.20", "0.123", "0"]);
     }
 }

@@ -109,5 +109,22 @@ pub(crate) fn extent(positions: &[[f32; 3]]) -> ([f32; 3], f32) {
     let bounds = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
     let (low, high) = finite.fold(bounds, |(low, high), position| (low.min(position), high.max(position)));
     let size = (0.5 * (high - low)).max_element();
-    if size > 0.0 && size.is_finite() { (low.midpoint(high).to_array(), size) } else { ([0.0; 3], 1.0) }
+    // glam's midpoint is of a sum, which may overflow.
+    let middle = std::array::from_fn(|axis| f32::midpoint(low[axis], high[axis]));
+    if size > 0.0 && size.is_finite() { (middle, size) } else { ([0.0; 3], 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extents_are_finite() {
+        let far = 2.0_f32.powi(127);
+        let positions = [[far, -1.0, 0.0], [f32::NAN; 3], [1.5 * far, 1.0, 0.0]];
+        assert_eq!(extent(&positions), ([1.25 * far, 0.0, 0.0], 0.25 * far));
+        for positions in [[[1.0; 3]].as_slice(), &[], &[[-3e38; 3], [3e38; 3]], &[[f32::INFINITY; 3]]] {
+            assert_eq!(extent(positions), ([0.0; 3], 1.0), "{positions:?}");
+        }
+    }
 }

@@ -190,4 +190,11 @@ mod tests {
         let defaults = SceneOptions { max_lights: 5, ..SceneOptions::default() };
         assert_eq!(all[1], format!("{defaults:?}"));
     }
+
+    #[test]
+    fn counters_have_distinct_names() {
+        for (at, (name, _)) in COUNTERS.iter().enumerate() {
+            assert!(COUNTERS[..at].iter().all(|(other, _)| other != name), "{name}");
+        }
+    }
 }

@@ -321,6 +321,16 @@ mod tests {
     }
 
     #[test]
+    fn buildings_have_the_faces_and_volumes_of_their_outlines() {
+        let Casters::Rigid { shapes, .. } = city(1, 0.0).casters else { panic!("buildings do not walk") };
+        let faces: Vec<usize> = shapes.iter().map(|shape| shape.faces.len()).collect();
+        assert_eq!(faces, [12, 20, 28, 92]);
+        for (shape, expected) in shapes.iter().zip([4.0, 4.0 - 0.81, 2.828, 3.106]) {
+            assert!((volume(shape) - expected).abs() < 1e-3, "{}", volume(shape));
+        }
+    }
+
+    #[test]
     fn the_eye_stands_in_a_street() {
         for buildings in [1, 2, 7, 100, 10_000] {
             let Setting { casters, camera, .. } = city(buildings, 0.0);

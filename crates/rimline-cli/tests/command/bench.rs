@@ -72,9 +72,60 @@ fn check_data(data: &Value) -> Outcome {
         ensure!(data["casters"]["lights"] == edges.len() && !edges.contains(&0), "silhouettes of {row}");
         ensure!(row["wrong_lights"] == 0 && !list(&row["gpu"]).is_empty(), "lights of {row} differ");
     }
+    for row in &casters {
+        let methods = [
+            "scene-still",
+            "scene-1-percent-moved",
+            "scene-all-moved",
+            "scene-light-moved",
+            "scene-new-caster",
+            "extractors",
+        ];
+        ensure!(list(&row["recording"]).iter().map(|recorded| &recorded["method"]).eq(methods), "methods of {row}");
+        ensure!(parts(row).eq(["extraction", "extraction-still", "stages", "draws", "frame"]), "parts of {row}");
+    }
+    ensure!(one_mesh.iter().all(|row| parts(row).eq(["extraction"])), "parts of {one_mesh:?}");
+    for row in all.iter().filter(|row| row["section"] == "shadows") {
+        let methods = ["z-pass", "z-fail", "zp+paper", "zp+", "auto"];
+        ensure!(names(row).eq(methods), "methods of {row}");
+    }
+    check_skipping(data)?;
     let count = all.len() + casters.len() + one_mesh.len();
     let is_complete = data["planned_rows"] == count;
     ensure!(data["complete"].as_bool() == Some(is_complete), "{count} rows, complete: {}", data["complete"]);
+    Ok(())
+}
+
+/// The parts of a frame that are timed, of a row of casters.
+fn parts(row: &Value) -> impl Iterator<Item = &Value> {
+    row["gpu"].as_array().into_iter().flatten().map(|part| &part["part"])
+}
+
+fn names(row: &Value) -> impl Iterator<Item = &Value> {
+    row["variants"].as_array().into_iter().flatten().map(|variant| &variant["variant"])
+}
+
+/// Each row has all choices of levels, and ratios of its times to all levels on.
+fn check_skipping(data: &Value) -> Outcome {
+    let levels = ["light-reach", "shadow-reach", "nothing-moved", "clusters", "hidden-receivers", "unneeded-figures"];
+    let has_timestamps = data["adapter"]["timestamps"] == true;
+    for row in rows(data, "skipping") {
+        let levels = if row["scene"] == "big" { &levels[3..4] } else { &levels[..] };
+        let without = levels.iter().map(|level| format!("without-{level}"));
+        let expected: Vec<String> = ["all-off", "all-on"].map(str::to_owned).into_iter().chain(without).collect();
+        ensure!(names(&row).eq(&expected), "variants of {row}");
+        let on = variant(&row, "all-on")?["counts"]["fragments"].as_u64();
+        for found in list(&row["variants"]) {
+            for time in ["compute", "deform", "frame", "recording", "stencil"] {
+                let is_timed = time != "deform" || (row["scene"] == "crowd" && has_timestamps);
+                ensure!(is_timed || found["times"][time]["median"] == 0.0, "{time} of {row}");
+                let is_divided = list(&found["ratios"]).iter().any(|ratio| ratio["time"] == time);
+                ensure!(is_divided == (is_timed && found["variant"] != "all-on"), "the ratio of {time} in {found}");
+            }
+            // Levels skip only unseen volumes, so no variant has fewer fragments than all levels on.
+            ensure!(found["counts"]["fragments"].as_u64() >= on, "levels add fragments: {found}");
+        }
+    }
     Ok(())
 }
 
@@ -122,16 +173,16 @@ fn check_report(folder: &Folder, report: &str) -> Result<String, String> {
 fn report() -> Outcome {
     let folder = folder();
     let options =
-        "--meshes 1024 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 --rounds 2 --frames 1";
+        "--meshes 1024,2048 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 --rounds 2 --frames 1";
     let (run, data) = measure(&folder, &format!("{options} --report @a/report"))?;
-    run.expect(0, &["10/10"])?;
+    run.expect(0, &["12/12"])?;
     is_short(&run.stdout, &["Against the method of 2003", "Price of exactness", "Wrong silhouette bits", "auto"])?;
     ensure!(data == read_json(folder.path().join("a/report/data.json"))?, "the two files of data differ");
     ensure!(folder.run("bench --schema").json()? == schema()?, "another schema than the repository's");
     let found = rows(&data, "extraction");
     // Two methods more where there is one light and the mesh is closed.
     let methods: Vec<usize> = found.iter().map(|row| list(&row["variants"]).len()).collect();
-    ensure!(methods == [13, 11, 13, 11, 11, 11] && data["complete"] == true, "methods a row: {methods:?}");
+    ensure!(methods == [13, 11, 13, 11, 13, 11, 11, 11] && data["complete"] == true, "methods a row: {methods:?}");
     ensure!(data["adapter"]["name"].is_string(), "no adapter");
     let errors = |is_chosen: fn(&str) -> bool| {
         let variants = found.iter().flat_map(|row| list(&row["variants"]));
@@ -156,6 +207,10 @@ fn report() -> Outcome {
         }
     }
     let html = check_report(&folder, "a/report")?;
+    // Without two meshes nothing would be a curve.
+    for chart in ["time_against_error", "speed_against_2003", "shadow_stencil"] {
+        folder.image(format!("a/report/{chart}.png"))?;
+    }
     let plate = html.split_once("<th scope=\"row\">plate</th><td>").map_or("", |(_, text)| text);
     ensure!(plate.split("</td>").next().is_some_and(|text| text.contains("Flat plates")), "a class is not explained");
     ensure!(!html.contains("was stopped"), "a complete run says that it was stopped");
@@ -177,6 +232,7 @@ fn report() -> Outcome {
             ("/rows/0/variants/0/counts/wrong_facing_bits", json!(-1)),
             ("/rows/0/variants/0/counts", json!({ "new_key": "none" })),
             ("/rows/0/section", json!("village")),
+            ("/rows/8/variants/0/variant", json!("zp+")),
             ("/planned_rows", json!(11)),
         ],
     )
@@ -226,13 +282,28 @@ fn scenes() -> Outcome {
         let [off, on] = [variant(row, "all-off")?, variant(row, "all-on")?];
         let count = |variant: &Value, key: &str| variant["counts"][key].as_u64();
         ensure!(count(off, "faces") == row["faces"].as_u64() && count(off, "kept-pairs") == Some(0), "{off}");
-        // Levels skip only unseen volumes, so no variant has fewer fragments than all levels on.
-        for variant in list(&row["variants"]) {
-            ensure!(count(&variant, "fragments") >= count(on, "fragments"), "levels add fragments: {variant}");
+        let number = |key: &str| row[key].as_u64();
+        let pairs = number("casters").zip(number("lights")).map(|(casters, lights)| casters * lights);
+        ensure!(count(off, "pairs") == pairs && number("pairs_in_range") <= pairs, "pairs of {off}");
+        if row["scene"] == "big" {
+            let [tested, spared] = ["faces", "spared-faces"].map(|key| count(on, key).unwrap_or(0));
+            ensure!(Some(tested + spared) == number("faces") && 2 * tested < spared, "{on}");
+            let all = ["faces", "spared-faces"].map(|key| count(variant(row, "without-clusters").ok()?, key));
+            ensure!(all == [number("faces"), Some(0)], "faces without clusters of {row}");
+            continue;
         }
-        // Where nothing moves nothing is tested.
-        let tested = ["faces", "edges"].map(|key| count(on, key));
-        ensure!((row["scene"] != "still" && row["scene"] != "city") || tested == [Some(0); 2], "{on}");
+        for (level, key) in [("nothing-moved", "kept-pairs"), ("unneeded-figures", "unneeded-figures")] {
+            let without = variant(row, &format!("without-{level}"))?;
+            ensure!([off, without].map(|one| count(one, key)) == [Some(0); 2], "{key} of {without}");
+        }
+        ensure!((count(on, "unneeded-figures") > Some(0)) == (row["view"] == "within"), "figures of {on}");
+        // Where nothing moves nothing is tested, and lamps may reach none of few figures.
+        if row["scene"] == "moving" {
+            ensure!(["skipped-volumes", "kept-pairs"].map(|key| count(on, key)) == [Some(0); 2], "{on}");
+        } else if row["scene"] != "crowd" {
+            let tested = ["faces", "edges", "kept-pairs"].map(|key| count(on, key));
+            ensure!(on["counts"]["fragments"] != 0 && tested == [Some(0), Some(0), pairs], "{on}");
+        }
     }
     let html = check_report(&folder, "report")?;
     ensure!(
@@ -246,7 +317,12 @@ fn scenes() -> Outcome {
             ("/casters/rows/0/recording/0/cpu_ms/median", json!("fast")),
             ("/casters/rows/1/gpu", Value::Null),
             ("/casters/rows/1/silhouette_edges/4", json!(0)),
-            ("/casters/one_mesh/0/gpu/0/part", json!("light")),
+            ("/casters/rows/1/recording/5/method", json!("scene-still")),
+            ("/casters/one_mesh/0/gpu/0/part", json!("frame")),
+            ("/rows/1/variants/0/variant", json!("all-on")),
+            ("/rows/1/variants/1/counts/fragments", json!(1_000_000_000)),
+            ("/rows/2/variants/0/ratios", json!([])),
+            ("/rows/2/variants/1/times/deform/median", json!(1.0)),
             ("/rows/3/variants/1/counts/faces", json!("none")),
         ],
     )
@@ -257,8 +333,13 @@ fn depth_maps() -> Outcome {
     let rounds = |ms: f64| json!({ "rounds": [ms, 2.0 * ms, 3.0 * ms] });
     let row = |faces: u64, ms: f64| {
         let names = ["volumes of the mesh", "of the map, automatic", "lookup", "another"];
-        let variant = |name| json!({ "variant": name, "times": { "frame": rounds(ms), "stencil": rounds(2.0 * ms) } });
-        json!({ "faces": faces, "size": 64, "group": "a device", "variants": names.map(variant) })
+        // Each has times of its own, so that none is taken for another.
+        let variant = |(times, name): (i32, &str)| {
+            let [frame, stencil] = [ms * f64::from(times), ms / f64::from(times)].map(rounds);
+            json!({ "variant": name, "times": { "frame": frame, "stencil": stencil } })
+        };
+        let variants: Vec<Value> = (1..).zip(names).map(variant).collect();
+        json!({ "faces": faces, "size": 64, "group": "a device", "variants": variants })
     };
     let good =
         json!({ "format": "rimline-depth-map-casters", "version": 2, "rows": [row(1000, 1.5), row(1_000_000, 40.0)] });
@@ -266,11 +347,18 @@ fn depth_maps() -> Outcome {
     let line = "--meshes none --scenes none --device cpu --depth-maps @times.json --report @report";
     let (_, data) = measure(&folder, line)?;
     let times = &variant(&data["rows"][1], "of the map, automatic")?["times"];
-    ensure!(times["frame"]["median"] == 80.0 && times["stencil"]["median"] == 160.0, "{times:#}");
+    ensure!(times["frame"]["median"] == 160.0 && times["stencil"]["median"] == 40.0, "{times:#}");
     let html = check_report(&folder, "report")?;
     ensure!(html.contains("a device") && html.contains("of the map, automatic"), "the section is not there");
     // Refused before anything is written.
-    for (pointer, wrong) in [("/rows/1/variants/0/times/frame/rounds/1", json!(-1.0)), ("/rows", json!([]))] {
+    let wrong_values = [
+        ("/rows/1/variants/0/times/frame/rounds/1", json!(-1.0)),
+        ("/rows/0/variants", Value::Null),
+        ("/rows", json!([])),
+        ("/format", json!("rimline-bench")),
+        ("", json!(3)),
+    ];
+    for (pointer, wrong) in wrong_values {
         let mut other = good.clone();
         *other.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
         folder.write("times.json", other.to_string())?;
