@@ -27,7 +27,8 @@ fn lamp_points() -> Vec<DVec3> {
     turned.map(|p| middle + p.x * right + p.y * up).collect()
 }
 
-/// Which pixels' centres a triangle covers; its corners in pixels. Nothing of it is behind the eye here.
+/// Which pixels' centres a triangle covers; its corners in pixels. Nothing of it is behind the eye here. Of a closed shape those
+/// that turn one way cover all that the others do, so these are left out.
 fn cover(corners: [DVec2; 3], mut mark: impl FnMut(usize)) {
     let low = corners[0].min(corners[1]).min(corners[2]);
     let high = corners[0].max(corners[1]).max(corners[2]);
@@ -35,11 +36,13 @@ fn cover(corners: [DVec2; 3], mut mark: impl FnMut(usize)) {
         let clamp = |at: f64| at.clamp(0.0, size as f64) as usize;
         clamp((low - 0.5).ceil())..clamp((high - 0.5).floor() + 1.0)
     };
-    let turn = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).signum();
+    if (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]) < 0.0 {
+        return;
+    }
     for y in range(low.y, high.y, SIZE[1]) {
         for x in range(low.x, high.x, SIZE[0]) {
             let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            let inside = |a: DVec2, b: DVec2| turn * (b - a).perp_dot(p - a) >= 0.0;
+            let inside = |a: DVec2, b: DVec2| (b - a).perp_dot(p - a) >= 0.0;
             let [a, b, c] = corners;
             if inside(a, b) && inside(b, c) && inside(c, a) {
                 mark(y * SIZE[0] + x);
@@ -93,29 +96,41 @@ fn expected() -> Expected {
         cover(face.map(|v| outline[v as usize]), |pixel| is_floor[pixel] = false);
     }
     let lamps = lamp_points();
-    let mut light = vec![0.0; floor.len()];
-    let mut reached = vec![0_u32; floor.len()];
-    for &lamp in &lamps {
-        let onto = |p: DVec3| lamp + (p - lamp) * (lamp.y / (lamp.y - p.y));
-        let shadow: Vec<DVec2> = positions.iter().map(|&p| to_pixels(onto(p))).collect();
-        let mut is_dark = vec![false; floor.len()];
-        for face in &shape.faces {
-            cover(face.map(|v| shadow[v as usize]), |pixel| is_dark[pixel] = true);
+    // The light at each pixel, and how many of its points come there.
+    let of_some = |some: &[DVec3]| {
+        let mut arrived = vec![(0.0, 0_u32); floor.len()];
+        for &lamp in some {
+            let onto = |p: DVec3| lamp + (p - lamp) * (lamp.y / (lamp.y - p.y));
+            let shadow: Vec<DVec2> = positions.iter().map(|&p| to_pixels(onto(p))).collect();
+            let mut is_dark = vec![false; floor.len()];
+            for face in &shape.faces {
+                cover(face.map(|v| shadow[v as usize]), |pixel| is_dark[pixel] = true);
+            }
+            for (pixel, point) in floor.iter().enumerate().filter(|(pixel, _)| !is_dark[*pixel]) {
+                let light = point.map_or(0.0, |point| (lamp - point).normalize().y) / lamps.len() as f64;
+                arrived[pixel] = (arrived[pixel].0 + light, arrived[pixel].1 + 1);
+            }
         }
-        for (pixel, point) in floor.iter().enumerate().filter(|(pixel, _)| !is_dark[*pixel]) {
-            reached[pixel] += 1;
-            light[pixel] += point.map_or(0.0, |point| (lamp - point).normalize().y) / lamps.len() as f64;
+        arrived
+    };
+    let (some, others) = lamps.split_at(lamps.len() / 2);
+    let mut arrived = of_some(&[]);
+    std::thread::scope(|scope| {
+        for half in [some, others].map(|half| scope.spawn(move || of_some(half))) {
+            for (sum, more) in arrived.iter_mut().zip(half.join().expect("no panic")) {
+                *sum = (sum.0 + more.0, sum.1 + more.1);
+            }
         }
-    }
-    let shade = |&light: &f64| {
+    });
+    let shade = |&(light, _): &(f64, u32)| {
         let albedo = [0.80, 0.79, 0.77];
         let (color, around) = ([0.95, 0.90, 0.82], [0.88, 0.95, 1.06]);
         std::array::from_fn(|c| {
             255.0 * (albedo[c] * (0.22 * around[c] + color[c] * light)).min(1.0_f64).powf(1.0 / 2.2)
         })
     };
-    let is_penumbra = reached.iter().map(|&count| count > 0 && (count as usize) < lamps.len()).collect();
-    Expected { pixels: light.iter().map(shade).collect(), is_floor, is_penumbra }
+    let is_penumbra = arrived.iter().map(|&(_, count)| count > 0 && (count as usize) < lamps.len()).collect();
+    Expected { pixels: arrived.iter().map(shade).collect(), is_floor, is_penumbra }
 }
 
 /// The largest difference between steps of neighbouring blocks' means and the steps that they should have, in the penumbra

@@ -222,8 +222,9 @@ fn staged(
 
 /// Excludes faces of all casters for two lights.
 fn exclude(scene: &mut Scene, casters: &[CasterHandle], lights: &[LightHandle]) -> Result<(), String> {
+    let faces: Vec<u32> = (0..40).collect();
     let mut pairs = casters.iter().flat_map(|&caster| lights[..2].iter().map(move |&light| (caster, light)));
-    pairs.try_for_each(|(caster, light)| scene.set_excluded(caster, light, &[0, 1, 2, 3, 9])).map_err(text)
+    pairs.try_for_each(|(caster, light)| scene.set_excluded(caster, light, &faces)).map_err(text)
 }
 
 fn number_of(culled: &[bool]) -> u32 {

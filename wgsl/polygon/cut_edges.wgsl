@@ -169,7 +169,7 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
     }
     var signs: array<i32, 7>;
     var tie = IN_LINE;
-    // Turns: CUT_TESTS over all items.
+    // Turns: CUT_TESTS in all.
     for (var test = 0u; test < select(7u, 4u, is_edge); test++) {
       // The second end decides for a side only if the first is on its line.
       if (!is_edge && test > 0u && test % 2u == 0u && signs[test - 1u] != 0) {
