@@ -5,8 +5,8 @@
 
 use super::memory::any_error;
 
-/// Passes of the load. Another program may delay one of two timestamps that are written at once, but hardly both times.
-const PASSES: u32 = 2;
+/// Passes of the load. Another program may delay one of two timestamps that are written at once, but hardly each time.
+const PASSES: u32 = 6;
 /// The least time of the load in milliseconds: a quarter of what 60,000 turns of eight dependent multiplications take
 /// at 6 GHz.
 pub(crate) const LEAST_MS: f64 = 0.1;
