@@ -226,7 +226,9 @@ fn list_sides() -> Result<(), String> {
     let mut found = sides[64..][..expected.len()].to_vec();
     found.sort_unstable_by_key(|side| side & !WINDING);
     same("sides", &found, &expected)?;
-    found.iter_mut().for_each(|side| *side ^= WINDING);
+    for side in &mut found {
+        *side ^= WINDING;
+    }
     must_fail("turned sides", &same("sides", &found, &expected))
 }
 
