@@ -307,3 +307,30 @@ impl ReceiverPipelines {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    /// Such branches made Mesa's software Vulkan compile shaders anew in each frame, and keep all of them: a megabyte a frame.
+    #[test]
+    fn nothing_branches_on_uniforms_alone() {
+        let sources = [
+            include_str!("common.wgsl"),
+            include_str!("scene.wgsl"),
+            include_str!("surface.wgsl"),
+            include_str!("ground.wgsl"),
+            include_str!("picture.wgsl"),
+            include_str!("overlay.wgsl"),
+        ];
+        let branches = |text: &str| {
+            let conditions = text.lines().filter_map(|line| line.trim_start().strip_prefix("if ("));
+            let is_of_uniforms = |condition: &&str| {
+                ["frame.", "shaded.", "clay."]
+                    .iter()
+                    .any(|uniform| condition.trim_start_matches('!').starts_with(uniform))
+            };
+            conditions.filter(is_of_uniforms).map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(branches("  if (shaded.range > 0.0) {\n  if (x > shaded.range) {"), ["shaded.range > 0.0) {"]);
+        assert_eq!(sources.iter().flat_map(|text| branches(text)).collect::<Vec<_>>(), [""; 0]);
+    }
+}

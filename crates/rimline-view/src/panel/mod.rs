@@ -168,7 +168,7 @@ fn take_key(event: &egui::Event, viewer: &mut Viewer) -> bool {
 }
 
 fn side_panel(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, history: &VecDeque<f32>) {
-    egui::Panel::right("panel").exact_size(292.0).resizable(false).frame(style::panel()).show(ui, |ui| {
+    egui::Panel::right("panel").exact_size(302.0).resizable(false).frame(style::panel()).show(ui, |ui| {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             title(ui, viewer);
             models::show(ui, viewer);

@@ -28,6 +28,8 @@ pub(super) fn set(context: &egui::Context) {
         visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(0x30, 0x36, 0x3e));
         style.visuals = visuals;
         style.spacing.item_spacing = egui::vec2(6.0, 5.0);
+        // The bar, which shows under the pointer, covers no button.
+        style.spacing.scroll.floating_allocated_width = 10.0;
         // A still picture is not to be drawn again because something fades.
         style.animation_time = 0.0;
     });
