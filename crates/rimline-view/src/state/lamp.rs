@@ -120,7 +120,7 @@ impl Lamp {
         Vec3::from(self.color) * self.intensity
     }
 
-    /// The point of its handle: the light itself, or for a light at infinity a point in its direction, at [`sun_distance`].
+    /// The point of its handle: the light itself, or for a light at infinity a point in its direction, near the models.
     pub fn handle(&self, bounds: &Bounds) -> Vec3 {
         match self.kind {
             LampKind::Point(at) => at,
