@@ -97,31 +97,20 @@ fn expected() -> Expected {
     }
     let lamps = lamp_points();
     // The light at each pixel, and how many of its points come there.
-    let of_some = |some: &[DVec3]| {
-        let mut arrived = vec![(0.0, 0_u32); floor.len()];
-        for &lamp in some {
-            let onto = |p: DVec3| lamp + (p - lamp) * (lamp.y / (lamp.y - p.y));
-            let shadow: Vec<DVec2> = positions.iter().map(|&p| to_pixels(onto(p))).collect();
-            let mut is_dark = vec![false; floor.len()];
-            for face in &shape.faces {
-                cover(face.map(|v| shadow[v as usize]), |pixel| is_dark[pixel] = true);
-            }
-            for (pixel, point) in floor.iter().enumerate().filter(|(pixel, _)| !is_dark[*pixel]) {
-                let light = point.map_or(0.0, |point| (lamp - point).normalize().y) / lamps.len() as f64;
-                arrived[pixel] = (arrived[pixel].0 + light, arrived[pixel].1 + 1);
-            }
+    let mut arrived = vec![(0.0, 0_u32); floor.len()];
+    for &lamp in &lamps {
+        let onto = |p: DVec3| lamp + (p - lamp) * (lamp.y / (lamp.y - p.y));
+        let shadow: Vec<DVec2> = positions.iter().map(|&p| to_pixels(onto(p))).collect();
+        let mut is_dark = vec![false; floor.len()];
+        for face in &shape.faces {
+            cover(face.map(|v| shadow[v as usize]), |pixel| is_dark[pixel] = true);
         }
-        arrived
-    };
-    let (some, others) = lamps.split_at(lamps.len() / 2);
-    let mut arrived = of_some(&[]);
-    std::thread::scope(|scope| {
-        for half in [some, others].map(|half| scope.spawn(move || of_some(half))) {
-            for (sum, more) in arrived.iter_mut().zip(half.join().expect("no panic")) {
-                *sum = (sum.0 + more.0, sum.1 + more.1);
-            }
+        for (pixel, point) in floor.iter().enumerate().filter(|(pixel, _)| !is_dark[*pixel]) {
+            let (light, count) = &mut arrived[pixel];
+            *light += point.map_or(0.0, |point| (lamp - point).normalize().y) / lamps.len() as f64;
+            *count += 1;
         }
-    });
+    }
     let shade = |&(light, _): &(f64, u32)| {
         let albedo = [0.80, 0.79, 0.77];
         let (color, around) = ([0.95, 0.90, 0.82], [0.88, 0.95, 1.06]);
