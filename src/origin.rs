@@ -74,7 +74,7 @@ impl Origin {
         if !(extent.is_finite() && farthest.is_finite()) {
             return Self::ZERO;
         }
-        // No finer than `f32` is there: what `f32` holds exactly stays exact.
+        // No finer than `f32` is there, so most of what `f32` holds stays exact: docs/numerics/origin.md.
         let grid = power_of_two_from(2.0 * extent).max(2.0 * half_step(farthest));
         let origin = Self::new(axes.map(|axis| (low[axis].midpoint(high[axis]) / grid).round_ties_even() * grid));
         if origin == Self::ZERO || half_step(farthest) <= SHARE * smallest_edge() {

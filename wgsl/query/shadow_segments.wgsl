@@ -96,7 +96,7 @@ fn misses_box(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bo
   let low = bitcast<vec3<f32>>(low_bits.xyz);
   let high = bitcast<vec3<f32>>(high_bits.xyz);
   // The box is before both ends along an axis, or beyond both. The signs of `to_low` and `to_high` are exact, or they are 0,
-  // so they need no margin.
+  // so they need no margin. (A device that flushes one operand flushes the other, too.)
   let light = batch.lights[segment.light];
   let to_low = low - segment.p;
   let to_high = high - segment.p;
