@@ -305,8 +305,8 @@ shared_structs! {
         slope_bias, noise_share, noise_constant: i32;
     }
 
-    /// The rule that marks edges of a depth map. Where a field has two values, the second applies next to the end of a marked
-    /// edge.
+    /// The rule that marks edges of a depth map. The second value of `low_thresholds` and of `slopes` applies next to the
+    /// end of a marked edge.
     struct DepthEdgeRule {
         words: [u32; 2];
         blocks, high_threshold: u32;

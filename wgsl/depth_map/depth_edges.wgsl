@@ -17,7 +17,7 @@
 // `is_marked_exact` decides by integers. So marks are exact and the same on every device. Change both functions only
 // together. Level 0 is the detector's own rule. Level 1 has lower thresholds, for edges that continue a dangling one.
 
-// How edges are marked. Pairs have a value for each level.
+// How edges are marked. Thresholds and factors in pairs have a value for each level.
 struct DepthEdgeRule {
   // Words of marks in a row of samples, and rows.
   words: vec2<u32>,
@@ -29,9 +29,9 @@ struct DepthEdgeRule {
   low_thresholds: vec2<u32>,
   // Bits of the factor by which a difference must be larger than the difference beside it.
   slopes: vec2<u32>,
-  // The error that a difference may have is the larger of two depths. The bits of one that is constant:
+  // A difference may be off by a constant or by a share of its larger depth, if that is more. The bits of the constant:
   noise: u32,
-  // The other one is the larger depth of the difference, its exponent lowered by this. 0: there is only the constant.
+  // The share is this depth with its exponent lowered by so much. 0: there is only the constant.
   noise_exponents: u32,
 }
 
@@ -102,7 +102,7 @@ fn lattice_size() -> vec2<u32> {
   return select(depth_map.size + 2u, vec2<u32>(3u, 2u) * depth_map.size, depth_map.faces > 1u);
 }
 
-// Whether a step to the right or down leads to another map of a cube.
+// Whether one or more steps to the right or down lead out of a map of a cube.
 fn leaves_map(sample: vec2<u32>, step: vec2<u32>) -> bool {
   return depth_map.faces > 1u && any(sample % depth_map.size + step >= depth_map.size);
 }
@@ -497,8 +497,8 @@ fn depth_edges_count(
 // below it is split.
 @group(0) @binding(10) var<storage, read_write> sample_bits: array<u32>;
 
-// 0: triangles with a marked edge are drawn. 1: also those with a sample at the end of a marked edge. 2: also those with a
-// sample beside such an end.
+// 0: triangles with a marked edge are drawn. 1: also those with a sample that casts, at the end of a marked edge. 2: also
+// those with a sample that casts, beside such an end.
 override RINGS: u32 = 2u;
 
 // The index of a word, and whether the word exists.

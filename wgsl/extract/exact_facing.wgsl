@@ -15,7 +15,7 @@
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
 // For each face the lights for which it is excluded: those in its plane (determinant 0), and all if a vertex is not finite.
-// An extractor without lists binds a short buffer.
+// An extractor that is not for volumes binds a short buffer.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 
 struct Face {

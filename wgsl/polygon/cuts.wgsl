@@ -184,7 +184,7 @@ fn ascending(e: Edge) -> Edge {
 }
 
 // Whether edge `f` is on the left of edge `e` on the same line, both in ascending direction. It is if it begins before `e`,
-// or ends behind it. Equal edges have the order of their indices.
+// or begins with it and ends behind it. Equal edges have the order of their indices.
 fn precedes(f: Edge, f_index: u32, e: Edge, e_index: u32) -> bool {
   if (any(f.a != e.a)) {
     return is_below(f.a, e.a);
@@ -254,7 +254,7 @@ struct EdgeTriple {
 
 // The result of ordering the cuts of three edges.
 struct CutOrder {
-  // The edge along which the order is decided, or `NONE` if all three seem to cross in one point.
+  // The edge along which the order is decided, or `NONE` if nothing decides: both cuts seem to lie in one point.
   deciding_edge: u32,
   // Whether the first of the two others comes after the second.
   is_after: bool,
@@ -296,8 +296,8 @@ struct EndTurns {
   exponents: array<vec4<i32>, 4>,
 }
 
-// The sign of the distance along the edge from one cut to the other, times the signs of the turns of its end at both. It is
-// 0 if the given light sees a distance, or if the moved light sees none either.
+// The sign of the distance along the edge from the cut of the second other edge to that of the first, times the signs of
+// the turns of its end b at both. It is 0 if the given light sees a distance, or if the moved light sees none either.
 fn order_for_moved_light(turns: EndTurns) -> i32 {
   // The cuts are at t/(t - t'), where t and t' are polynomials in the distance that the light moves. So is their difference.
   for (var power = 0u; power < 7u; power++) {
@@ -337,7 +337,8 @@ fn order_for_moved_light(turns: EndTurns) -> i32 {
 const ROUNDING: f32 = 0x1p-20;
 
 // The order of the cuts of three edges: by fractions, and, if these do not decide, as the moved light sees them. If 1 and 2
-// do not cross each other, only along edge 0. One loop, so that turns are compiled once.
+// do not cross each other, only as the moved light sees the cuts of edge 0: the caller compared fractions. One loop, so that
+// turns are compiled once.
 fn order_by_turns(triple: EdgeTriple, cut_edge: CutEdge, is_crossing: bool) -> CutOrder {
   let light = cut_edge.light;
   var fractions: array<vec2<f32>, 3>;

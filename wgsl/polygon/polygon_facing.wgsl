@@ -1,10 +1,11 @@
-// Facing of polygons, from the turns of their corners. A turn is 1 if the light sees three corners counter-clockwise, -1 if
-// clockwise, 0 if they and the light are in one plane. Three stages for each batch of up to 32 lights replace `facing`.
-// `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals. `polygon_turns`, an invocation a
-// record of `undecided`, decides other simple cases. `polygon_masks` runs after `polygon_pairs`, which decides the others
-// exactly. All triangles of a polygon have the same bits. All bits are those of exact arithmetic, or silhouettes would not
-// close: bounds must not shrink. The facing masks are complete after `polygon_masks`; then `edges` and others read them.
-// `Turns:` above a loop is its most iterations. Claim: docs/numerics/polygons.md, "Four turns".
+// Facing of polygons, from the turns of their corners. A turn is 1 if the light sees three corners counter-clockwise, -1
+// if clockwise, 0 if they and the light are in one plane. Here are three of the four stages that replace `facing`, for
+// each batch of up to 32 lights. `polygon_facing`, an invocation a polygon, decides convex triangles and quadrilaterals.
+// `polygon_turns`, an invocation a record of `undecided`, decides other simple cases. `polygon_masks` runs after
+// `polygon_pairs`, which decides the others exactly. All triangles of a polygon have the same bits. All bits are those of
+// exact arithmetic, or silhouettes would not close: bounds must not shrink. The facing masks are complete after
+// `polygon_masks`; then `edges` and others read them. `Turns:` above a loop is its most iterations. Claim:
+// docs/numerics/polygons.md, "Four turns".
 
 #import common/determinant
 #import common/extraction
@@ -14,7 +15,7 @@
 
 // f32 determinants at the four corners of a quadrilateral or triangle, for four lights at once, with a bound on their
 // errors. The turn at a corner is the sign of the determinant of the previous corner, it and the next. It is certain only if
-// the determinant exceeds `bound` and `is_certain` holds.
+// |determinant| exceeds `bound` and `is_certain` holds.
 
 // The position bits of the first vertex of an edge of `boundaries`.
 fn vertex_of(edge: u32) -> vec3<u32> {
@@ -133,7 +134,7 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
     return;
   }
   let boundary = boundary_of(id.x);
-  // The polygon walks each edge both ways, so no edge record names it. Its masks keep the zeros of a new buffer.
+  // The polygon walks each edge both ways. It has no triangles, so no masks, and no edge record names it.
   if (boundary.count == 0u) {
     return;
   }
@@ -349,10 +350,10 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
 
 // Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left undecided, is
 // in a plane with it, or is twisted. Dispatched after `polygon_pairs`, an invocation a record. It adds facing bits of the
-// polygon's triangles (first half of `facing_masks`) and writes their twisted masks (second half) and masks of excluding
-// lights. Twisted masks are cleared before, and excluding ones except for exclusions by the caller. It also adds to
+// polygon's triangles (first half of `facing_masks`), writes their twisted masks (second half), and adds to their excluded
+// masks. Twisted masks are cleared before each batch, and excluded ones except for exclusions by the caller. It also adds to
 // statistics. A polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces.
-// `edges` reads facing and twisted masks next; stages of shadow volumes read facing and excluding ones. It lists entries of
+// `edges` reads facing and twisted masks next; stages of shadow volumes read facing and excluded ones. It lists entries of
 // twisted boundaries for `cut_edges`, except for the quadrilaterals of `cut_quads`.
 
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
@@ -399,7 +400,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     for (var triangle = boundary.first_triangle; triangle < boundary.end_triangle; triangle++) {
       facing_masks[triangle] |= masks.facing;
       facing_masks[triangles + triangle] = masks.twisted;
-      // An extractor without lists binds a short buffer, and nobody reads the words written to it.
+      // An extractor that is not for volumes binds a short buffer, and nobody reads the words written to it.
       if (triangle < arrayLength(&excluded_masks)) {
         excluded_masks[triangle] |= masks.excluded;
       }

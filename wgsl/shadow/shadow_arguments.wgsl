@@ -5,8 +5,8 @@
 // polygons.
 // Reads: the counts of lists (shadow/draw_lists.wgsl), and choices. Writes: `shadow_draws` for sides and caps, `piece_draws`
 // for pieces.
-// The vertex shaders of sides.wgsl, cap_faces.wgsl and pieces.wgsl derive list entries from instance indices as they are
-// counted here: change both together.
+// The vertex shaders of sides.wgsl, cap_faces.wgsl and piece_volumes.wgsl derive list entries from instance indices as
+// they are counted here: change both together.
 
 #import common/extraction
 #import shadow/choices

@@ -55,6 +55,7 @@ fn load_side(instance: u32, kind: u32) -> SideInstance {
   result.light = light_for_caster(caster, view_light.light, draw.light);
   result.is_drawn = is_in_count_batch(caster, draw.count_batch);
   var winding = entry >= WINDING;
+  // A side of a list needs only the measures among the choices: the stage that listed it applied the others.
   if (is_overflowed || has_measures()) {
     result.light = with_stored_choices(caster, result.light, draw.light, draw.view);
   }

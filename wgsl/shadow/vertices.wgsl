@@ -1,4 +1,5 @@
-// Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and `pieces`.
+// Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and
+// `piece_volumes`.
 // A side is the quad from an edge away from the light. A light cap is a face, a dark cap is the same face at the far end
 // of the volume. A near cap is the part of a face between light and near plane, projected from the light onto that plane.
 // Shapes clipped at the near plane are polygons of up to five vertices, drawn as strips.

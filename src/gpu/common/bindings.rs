@@ -13,8 +13,8 @@ pub(crate) struct Bindings {
 }
 
 impl Bindings {
-    /// Reads the bindings from the source of a module. Source that does not parse has none; making its pipeline then
-    /// reports the error.
+    /// Reads the bindings from the source of a module: buffers, and the kinds of textures that stages have. Source that
+    /// does not parse has none; making its pipeline then reports the error.
     pub(crate) fn of(wgsl: &str) -> Self {
         let Ok(module) = naga::front::wgsl::parse_str(wgsl) else { return Self::default() };
         let mut found: Vec<(String, wgpu::BindGroupLayoutEntry)> = Vec::new();
@@ -58,7 +58,7 @@ impl Bindings {
 #[derive(Clone)]
 pub(crate) struct Resource<'a> {
     pub(crate) bound: BindingResource<'a>,
-    /// Where the entry of a uniform begins in its table.
+    /// Where the entry of a uniform begins in its table: the dynamic offset of a dispatch. 0 for all others.
     pub(crate) offset: u32,
 }
 
@@ -94,11 +94,11 @@ const fn texture_type(sample_type: wgpu::TextureSampleType, multisampled: bool) 
     wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled }
 }
 
-/// A texture that is not filtered. A depth texture is one, too.
+/// A texture of floats that is not filtered. The depth aspect of a texture can be bound to it, too.
 pub(crate) const fn float_texture(multisampled: bool) -> wgpu::BindingType {
     texture_type(wgpu::TextureSampleType::Float { filterable: false }, multisampled)
 }
-/// A texture of integers.
+/// A texture of unsigned integers.
 pub(crate) const UINT_TEXTURE: wgpu::BindingType = texture_type(wgpu::TextureSampleType::Uint, false);
 
 /// A buffer whose offset is not dynamic.

@@ -129,8 +129,9 @@ impl Default for DepthMapMethod {
 /// next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DanglingEdges {
-    /// Factor of the thresholds at the end of an edge, from 0 to 1. Thresholds are `threshold`, `low`, or differences beside
-    /// an edge, by the method. Default: 0.5. A lower one continues more edges.
+    /// Factor of the thresholds at the end of an edge, from 0 to 1. By the method, thresholds are `threshold`, or `low` and
+    /// the differences beside an edge, or these differences alone; `high` stays. Default: 0.5. A lower one continues more
+    /// edges.
     pub share: f32,
     /// Cells by which an edge is continued at most, from 1 to 64. Default: 8. Each costs a pass.
     pub cells: u32,

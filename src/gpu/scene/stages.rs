@@ -37,7 +37,7 @@ enum Items {
 }
 
 impl Items {
-    /// Whether polygons have other stages for it.
+    /// Whether groups of polygons have other stages for these items.
     fn is_of_triangles(self) -> bool {
         matches!(self, Self::Faces | Self::Undecided | Self::Edges)
     }
@@ -67,7 +67,7 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
 /// The steps of a structure, for after the upload of its table. There are none without casters or lights.
 ///
 /// # Errors
-/// [`DeviceError::Refused`] if a caller destroyed the buffer of a caster.
+/// [`DeviceError::BufferRefused`] if a caller destroyed the buffer of a caster.
 pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
     let Inputs { pipelines, options, views, .. } = *inputs;
     let (device, predicate) = (pipelines.device(), options.predicate());
@@ -105,7 +105,7 @@ fn clears(structure: &Structure) -> Vec<Step> {
     let counts = Step::Clear(buffers.work.clone(), 0..4 * WORK_WORDS * parts.len() as u64);
     let mut steps = vec![counts, Step::clear(&buffers.statistics)];
     for ((part, masks), buffers) in parts.iter().zip(exclusions).zip(buffers.groups.iter().flatten()) {
-        // In groups without exclusions `facing` clears the masks.
+        // In groups without exclusions `facing` clears the masks, and for polygons their first steps do.
         let excludes = structure.layout.groups.get(part.group).is_some_and(|group| group.excludes);
         let (excluded, bytes) = (buffers.excluded.clone(), part.sizes.masks);
         match masks {

@@ -5,17 +5,18 @@ use crate::cpu::Threads;
 use crate::layout::CHUNK;
 use crate::mesh::{INCONSISTENT_BIT, Mesh, NO_FACE};
 
-/// Bits of the index at which the clusters of a chunk of edges begin. The upper two bits are a [`Spared`].
-const INDEX_BITS: u32 = 30;
+/// Low bits of a chunk's word: the offset in the words at which the clusters of its faces begin. The upper two bits are a
+/// [`SkipRule`].
+const OFFSET_BITS: u32 = 30;
 
-/// When a chunk of edges has no silhouette edge for a light.
+/// When a chunk of edges has no silhouette edge for a light, so that the stage `chunks` skips it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Spared {
-    /// It may always have one: there are boundaries or inconsistent records.
+pub(super) enum SkipRule {
+    /// Never: it has boundaries or inconsistent records.
     Never = 0,
-    /// All its clusters are decided: each record is within a cluster.
+    /// If all its clusters are decided. Each record is within a cluster.
     Decided = 1,
-    /// All its clusters are decided, and have the same facing.
+    /// If all its clusters are decided and have the same facing.
     SameFacing = 2,
 }
 
@@ -29,7 +30,8 @@ pub struct Arranged {
     /// The slots of its faces, packed as in [`EdgeRecords::packed_faces`](crate::mesh::EdgeRecords::packed_faces).
     pub edge_faces: Vec<[u32; 2]>,
     /// Twelve words for each cluster, its [`ClusterBound`](super::ClusterBound). Then, for each chunk of edge slots and for
-    /// their end, the word where the clusters of its faces begin, with `Spared` in the upper two bits. Then these clusters.
+    /// their end, the offset in these words at which the clusters of its faces begin, with the rule by which it is skipped in
+    /// the upper two bits. Then the indices of these clusters.
     pub words: Vec<u32>,
 }
 
@@ -75,49 +77,50 @@ fn gather<T: Copy + Default + Send + Sync>(items: &[T], indices: &[u32], threads
 /// Bounds, and the clusters of each chunk of edge slots.
 fn words(clusters: &Clusters, edge_faces: &[[u32; 2]], threads: Threads) -> Vec<u32> {
     let mut chunks: Vec<_> = edge_faces.chunks(CHUNK as usize).collect();
-    // For each range of chunks the number of clusters of each, then the clusters.
-    let runs = threads.share(&mut chunks, |_, chunks| {
-        let (mut counts, mut all, mut names) = (Vec::with_capacity(chunks.len()), Vec::new(), Vec::new());
+    // For each range of chunks the rule and the number of clusters of each, then the clusters.
+    let ranges = threads.share(&mut chunks, |_, chunks| {
+        let (mut rules, mut all, mut indices) = (Vec::with_capacity(chunks.len()), Vec::new(), Vec::new());
         for records in chunks {
-            let spared = clusters_of(records, &mut names);
-            counts.push((spared, names.len() as u32));
-            all.extend_from_slice(&names);
+            let rule = clusters_of(records, &mut indices);
+            rules.push((rule, indices.len() as u32));
+            all.extend_from_slice(&indices);
         }
-        (counts, all)
+        (rules, all)
     });
     let mut words: Vec<u32> = bytemuck::cast_slice(clusters.bounds()).to_vec();
-    let mut index = (words.len() + chunks.len() + 1) as u32;
-    for (counts, _) in &runs {
-        for &(spared, count) in counts {
-            words.push(index | (spared as u32) << INDEX_BITS);
-            index += count;
+    let mut offset = (words.len() + chunks.len() + 1) as u32;
+    for (rules, _) in &ranges {
+        for &(rule, count) in rules {
+            words.push(offset | (rule as u32) << OFFSET_BITS);
+            offset += count;
         }
     }
-    words.push(index);
-    words.extend(runs.into_iter().flat_map(|(_, names)| names));
+    words.push(offset);
+    words.extend(ranges.into_iter().flat_map(|(_, indices)| indices));
     words
 }
 
-/// The clusters of some edge records, each once, in order.
-fn clusters_of(records: &[[u32; 2]], names: &mut Vec<u32>) -> Spared {
-    names.clear();
-    let mut spared = Spared::Decided;
+/// Writes the indices of the clusters of a chunk's edge records, each once, ascending. There are none if the chunk is never
+/// skipped.
+fn clusters_of(records: &[[u32; 2]], indices: &mut Vec<u32>) -> SkipRule {
+    indices.clear();
+    let mut rule = SkipRule::Decided;
     for &[face_0, face_1] in records {
         if face_1 == NO_FACE || face_0 & INCONSISTENT_BIT != 0 {
-            names.clear();
-            return Spared::Never;
+            indices.clear();
+            return SkipRule::Never;
         }
         let [first, second] = [face_0, face_1].map(|slot| slot / CLUSTER_FACES as u32);
         if first != second {
-            spared = Spared::SameFacing;
+            rule = SkipRule::SameFacing;
         }
         for cluster in [first, second] {
-            // Records of a cluster follow each other, and a chunk has few.
-            if names.last() != Some(&cluster) && !names.contains(&cluster) {
-                names.push(cluster);
+            // Records of a cluster follow each other, and a chunk has few clusters.
+            if indices.last() != Some(&cluster) && !indices.contains(&cluster) {
+                indices.push(cluster);
             }
         }
     }
-    names.sort_unstable();
-    spared
+    indices.sort_unstable();
+    rule
 }
