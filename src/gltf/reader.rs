@@ -207,8 +207,8 @@ impl<'a> Reader<'a> {
             );
         }
         let buffer = checked(&self.buffers[view.buffer])?.as_deref();
-        let start = (view.offset + offset) as usize;
-        let data = buffer.and_then(|buffer| buffer.get(start..start + length as usize));
+        // A buffer that is there holds the whole view, so the sum does not overflow.
+        let data = buffer.and_then(|buffer| buffer.get((view.offset + offset) as usize..)?.get(..length as usize));
         Ok((data.ok_or_else(|| at.no_data(index, view))?, stride as usize))
     }
 
