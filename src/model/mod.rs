@@ -142,7 +142,8 @@ impl Model {
     pub fn check_mesh(&self, mesh: &Mesh, pose: &Pose) -> Result<(), ModelError> {
         self.check(pose)?;
         let needed = self.placed_geometries().map(|geometry| geometry.faces().len()).sum();
-        if (mesh.vertex_count() as usize, mesh.face_count()) != (self.vertex_count, needed) {
+        let counts = (mesh.vertex_count() as usize, mesh.faces().len());
+        if mesh.polygons().is_some() || counts != (self.vertex_count, needed) {
             return Err(ModelError::OtherMesh);
         }
         let (mut first_vertex, mut first_face) = (0, 0);
