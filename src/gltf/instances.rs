@@ -1,5 +1,7 @@
 //! Builds the model: the geometries of every mesh, and the instances of the chosen scene.
 
+use std::collections::HashSet;
+
 use glam::{DAffine3, DVec3};
 
 use super::budget;
@@ -66,13 +68,15 @@ pub(super) fn build(
             draft.add(mesh, users, false, weld)?;
         }
     }
+    // Many nodes may share a skin of many joints.
+    let mut checked_skins = HashSet::new();
     for &n in &graph.scene {
         graph.check(document, n)?;
         let node = &document.nodes[n];
         let Some(mesh) = node.mesh else {
             continue;
         };
-        if let Some(skin) = node.skin {
+        if let Some(skin) = node.skin.filter(|&skin| checked_skins.insert(skin)) {
             checked(&skins[skin])?.joints.iter().try_for_each(|&joint| graph.check(document, joint))?;
         }
         let rigid = rigid_variants[mesh].filter(|_| node.skin.is_none());
