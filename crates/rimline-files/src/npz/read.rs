@@ -37,16 +37,6 @@ impl PolygonArrays {
         let Self { polygon_loops, loop_sizes, loop_corners } = self;
         PolygonLoops { polygon_loops, loop_sizes, loop_corners }
     }
-
-    /// The corners of polygons of one loop each.
-    pub(crate) fn of_one_loop(&self) -> impl ExactSizeIterator<Item = &[u32]> {
-        let mut rest = &*self.loop_corners;
-        self.loop_sizes.iter().map(move |&size| {
-            let (corners, others) = rest.split_at_checked(size as usize).unwrap_or((rest, &[]));
-            rest = others;
-            corners
-        })
-    }
 }
 
 #[derive(Debug, thiserror::Error)]
