@@ -113,14 +113,9 @@ impl Mesh {
         polygons: PolygonLoops<'_>,
         weld: Weld,
     ) -> Result<Self, MeshError> {
-        let (groups, mut counts) = weld::weld_positions(positions, weld);
-        let given = polygons;
-        let (polygons, triangles) = Polygons::new(positions, given, &groups)?;
-        if counts.after < counts.before {
-            counts.collapsed = polygons.collapsed(given);
-        }
+        let (polygons, triangles, weld) = Polygons::welded(positions, polygons, weld)?;
         if polygons.are_triangles() {
-            return Ok(Self::build(positions.len(), polygons.into_triangles(), counts));
+            return Ok(Self::build(positions.len(), polygons.into_triangles(), weld));
         }
         Ok(Self {
             id: MeshId::next(),
@@ -128,7 +123,7 @@ impl Mesh {
             edges: EdgeRecords::build(positions.len(), &polygons),
             faces: triangles,
             polygons: Some(polygons),
-            weld: counts,
+            weld,
         })
     }
 
