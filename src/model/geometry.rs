@@ -278,8 +278,7 @@ impl Geometry {
 
     /// An upper bound of the number of words of a vertex.
     fn most_words(&self) -> usize {
-        let ranges = self.influences.iter().flat_map(|influences| influences.offsets.windows(2));
-        let most = ranges.map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0);
+        let most = self.influences.as_ref().map_or(0, Influences::most_per_vertex);
         3 * (1 + self.morph_targets.len()) + 1 + 2 * most
     }
 
@@ -301,21 +300,6 @@ impl Geometry {
     }
 
     fn same_data(&self, a: usize, b: usize) -> bool {
-        self.same_morph(a, b) && self.same_influences(a, b)
-    }
-
-    fn same_morph(&self, a: usize, b: usize) -> bool {
-        self.morph_targets.iter().all(|target| same_bits(target[a], target[b]))
-    }
-
-    fn same_influences(&self, a: usize, b: usize) -> bool {
-        self.influences.as_ref().is_none_or(|influences| {
-            let (a, b) = (influences.range(a), influences.range(b));
-            influences.joints[a.clone()] == influences.joints[b.clone()]
-                && influences.weights[a]
-                    .iter()
-                    .map(|w| w.to_bits())
-                    .eq(influences.weights[b].iter().map(|w| w.to_bits()))
-        })
+        self.data(a).eq(self.data(b))
     }
 }
