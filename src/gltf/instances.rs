@@ -20,7 +20,7 @@ use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, GeometryOptions, Instance, Model};
 
 /// A model with the data that its poses and reports need.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Built {
     pub(super) model: Model,
     /// The colours of each geometry.
@@ -33,16 +33,13 @@ pub(super) struct Built {
     pub(super) weld_counts: Vec<WeldCounts>,
 }
 
-/// The parts of a model during construction.
+/// A model during construction: its parts, and all but the model.
 struct Draft<'a> {
     reader: &'a Reader<'a>,
     skins: &'a [Part<LoadedSkin>],
     geometries: Vec<Geometry>,
-    colors: Vec<Colors>,
     instances: Vec<Instance>,
-    placements: Vec<Placement>,
-    meshes: Vec<usize>,
-    weld_counts: Vec<WeldCounts>,
+    built: Built,
 }
 
 /// Merges and welds every mesh of the file, then adds the instances of the chosen scene.
@@ -53,9 +50,7 @@ pub(super) fn build(
     weld: Weld,
 ) -> Result<Built, GltfError> {
     let document = reader.document;
-    let (geometries, instances, placements) = (Vec::new(), Vec::new(), Vec::new());
-    let (meshes, weld_counts, colors) = (Vec::new(), Vec::new(), Vec::new());
-    let mut draft = Draft { reader, skins, geometries, colors, instances, placements, meshes, weld_counts };
+    let mut draft = Draft { reader, skins, geometries: Vec::new(), instances: Vec::new(), built: Built::default() };
     let users = users(document, graph);
     let (is_skinned, is_rigid) = (|user: &User| user.skin.is_some(), |user: &User| user.skin.is_none());
     for (mesh, users) in users.iter().enumerate() {
@@ -91,9 +86,8 @@ pub(super) fn build(
             draft.add_instance(mesh, document.meshes[mesh].name.as_ref(), placement)?;
         }
     }
-    let Draft { geometries, colors, instances, placements, meshes, weld_counts, .. } = draft;
-    let model = Model::new(geometries, instances).map_err(GltfError::model("nodes"))?;
-    Ok(Built { model, colors, placements, meshes, weld_counts })
+    let model = Model::new(draft.geometries, draft.instances).map_err(GltfError::model("nodes"))?;
+    Ok(Built { model, ..draft.built })
 }
 
 /// Charges the lights and cameras of the chosen scene, as callers get them, with their names.
@@ -225,9 +219,9 @@ impl Draft<'_> {
         drop(geometry);
         budget.settle(mark, budget::remaining_bytes(&welded) + colors.bytes());
         self.geometries.push(welded);
-        self.colors.push(colors);
-        self.weld_counts.push(counts);
-        self.meshes.push(mesh);
+        self.built.colors.push(colors);
+        self.built.weld_counts.push(counts);
+        self.built.meshes.push(mesh);
         Ok(())
     }
 
@@ -258,7 +252,7 @@ impl Draft<'_> {
         let what = || format!("meshes[{}] (its instances)", placement.mesh);
         self.reader.budget.charge_instance(shape, matrices, name, &what)?;
         self.instances.push(Instance::new(geometry, name.cloned()));
-        self.placements.push(placement);
+        self.built.placements.push(placement);
         Ok(())
     }
 }
