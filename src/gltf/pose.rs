@@ -94,11 +94,22 @@ impl Asset {
         self.nodes_with(part).map(name).collect()
     }
 
+    /// A part of a list that node `n` has, and the name of the part, or that of the node.
+    pub(super) fn part_of<'a, T>(
+        &'a self,
+        n: usize,
+        list: &'a [Named<T>],
+        part: &Part<usize>,
+    ) -> Result<(Option<String>, &'a T), Box<GltfError>> {
+        let Named { name, part } = &list[*part.as_ref().map_err(Box::clone)?];
+        let part = part.as_ref().map_err(Box::clone)?;
+        Ok((name.clone().or_else(|| self.document.nodes[n].name.clone()), part))
+    }
+
     /// The light of node `n`, whose world matrix is given.
     fn light(&self, n: usize, light: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneLight, GltfError> {
-        let damaged = |fault: &GltfError| GltfError::DamagedLight { node: n, source: Box::new(fault.clone()) };
-        let Named { name, part: light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
-        let light = light.as_ref().map_err(|fault| damaged(fault))?;
+        let found = self.part_of(n, &self.document.lights, light);
+        let (name, light) = found.map_err(|source| GltfError::DamagedLight { node: n, source })?;
         let (w, xyz) = match light.kind {
             SceneLightKind::Directional => (0.0, world.matrix3.z_axis.normalize()),
             SceneLightKind::Point | SceneLightKind::Spot => (1.0, world.translation),
@@ -116,7 +127,7 @@ impl Asset {
         // A node without extent along Z gives its light no direction.
         let cone = light.cone.filter(|_| direction.is_finite()).map(spot);
         Ok(SceneLight {
-            name: name.clone().or_else(|| self.document.nodes[n].name.clone()),
+            name,
             light: Light::homogeneous([x, y, z, w]),
             kind: light.kind,
             color: light.color,

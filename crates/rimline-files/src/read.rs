@@ -234,9 +234,9 @@ fn of_arrays(arrays: npz::Arrays, taken: Polygons, options: &ReadOptions) -> Res
     let geometry = Geometry::new(positions, faces, GeometryOptions::default())?;
     let (welded, mut weld) = geometry.welded(weld);
     let colors = colors::welded(colors, geometry.faces(), &welded);
-    let geometry = welded;
+    drop(geometry);
     weld.collapsed += collapsed;
-    Ok(File { weld, described, colors, ..File::in_world(placed(geometry)?, origin) })
+    Ok(File { weld, described, colors, ..File::in_world(placed(welded)?, origin) })
 }
 
 fn placed(geometry: Geometry) -> Result<Model, rimline::ModelError> {
