@@ -218,24 +218,19 @@ impl Geometry {
             return (self.clone(), WeldCounts::unchanged(count));
         }
         let keys = Keys::new(self.most_words());
-        let by_position = || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
-        // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be searched
-        // one by one, in quadratic time.
-        let (NearGroups { groups, wide }, position_count) = match weld {
-            Weld::Distance(distance) => self.near_groups(distance, &keys),
-            Weld::Position => {
-                let groups = by_position();
-                let position_count = weld::count(&groups);
-                (NearGroups { groups, wide: 0 }, position_count)
-            }
-            _ => {
-                let same = |a, b| self.same_position(a, b) && self.same_data(a, b);
+        let (NearGroups { groups, wide }, position_count) = if let Weld::Distance(distance) = weld {
+            self.near_groups(distance, &keys)
+        } else {
+            let same_position = |a: usize, b: usize| same_bits(self.positions[a], self.positions[b]);
+            let mut found = groups(count, |v| keys.hash(self.positions[v].map(bits)), same_position);
+            let position_count = weld::count(&found);
+            if weld == Weld::Data {
+                // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be
+                // searched one by one, in quadratic time.
                 let words = |v: usize| self.positions[v].map(bits).into_iter().chain(self.data(v));
-                (
-                    NearGroups { groups: groups(count, |v| keys.hash(words(v)), same), wide: 0 },
-                    weld::count(&by_position()),
-                )
+                found = groups(count, |v| keys.hash(words(v)), |a, b| same_position(a, b) && self.same_data(a, b));
             }
+            (NearGroups { groups: found, wide: 0 }, position_count)
         };
         let mut remaining: Vec<usize> = Vec::with_capacity(weld::count(&groups));
         remaining.extend((0..count).filter(|&v| groups[v] as usize == v));
@@ -293,10 +288,6 @@ impl Geometry {
             std::iter::once(entries).chain(influences.joints[range].iter().copied()).chain(weights)
         });
         morph.chain(skin)
-    }
-
-    fn same_position(&self, a: usize, b: usize) -> bool {
-        same_bits(self.positions[a], self.positions[b])
     }
 
     fn same_data(&self, a: usize, b: usize) -> bool {

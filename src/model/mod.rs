@@ -12,7 +12,7 @@ pub use error::ModelError;
 pub use geometry::{Geometry, GeometryOptions, Influences};
 pub use pose::{InstancePose, Matrix3x4, Pose};
 
-use crate::mesh::{MAX_FACES, Mesh, MeshError};
+use crate::mesh::{MAX_FACES, Mesh, MeshError, is_degenerate};
 
 /// One placement of a geometry.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,7 +149,7 @@ impl Model {
         let (mut first_vertex, mut first_face) = (0, 0);
         for (instance, (geometry, pose)) in self.placed_geometries().zip(pose.instances()).enumerate() {
             let faces = geometry.faces();
-            if let Some(number) = faces.iter().position(|&[a, b, c]| a != b && b != c && c != a) {
+            if let Some(number) = faces.iter().position(|&face| !is_degenerate(face)) {
                 let [a, b, c] = faces[number].map(|vertex| vertex + first_vertex);
                 let found = mesh.faces()[first_face + number];
                 match (found == [a, b, c], found == [a, c, b]) {
