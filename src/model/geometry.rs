@@ -2,7 +2,7 @@
 
 use super::ModelError;
 use crate::mesh::weld::{self, Keys, NearGroups, bits, groups, near_groups, same_bits};
-use crate::mesh::{Mesh, MeshError, Weld, WeldCounts, WeldDistance};
+use crate::mesh::{Mesh, MeshError, Weld, WeldCounts, WeldDistance, out_of_range};
 
 /// The joints that move each vertex, with their weights. A vertex may have any number of joints.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,10 +133,8 @@ impl Geometry {
         if vertices >= u32::MAX as usize {
             return Err(ModelError::TooManyVertices { vertices });
         }
-        let is_outside = |v: &u32| *v as usize >= vertices;
-        if let Some((face, corners)) = faces.iter().enumerate().find(|(_, corners)| corners.iter().any(is_outside)) {
-            let corner = corners.iter().position(is_outside).unwrap_or(0);
-            return Err(ModelError::FaceIndex { face, corner, index: corners[corner], vertices });
+        if let Some([face, corner]) = out_of_range(&faces, vertices) {
+            return Err(ModelError::FaceIndex { face, corner, index: faces[face][corner], vertices });
         }
         if let Some(target) = morph_targets.iter().position(|offsets| offsets.len() != vertices) {
             return Err(ModelError::MorphTarget { target, given: morph_targets[target].len(), vertices });

@@ -102,7 +102,9 @@ impl Model {
             return Err(ModelError::PoseInstances { given, needed });
         }
         let mut instances = pose.instances().iter().zip(self.placed_geometries()).enumerate();
-        instances.try_for_each(|(instance, (pose, geometry))| pose.check(instance, geometry))
+        instances.try_for_each(|(instance, (pose, geometry))| {
+            pose.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
+        })
     }
 
     /// The mesh that all instances make in this pose. Vertices and faces are concatenated in the order of the

@@ -279,10 +279,9 @@ impl<R: Read + Seek> Archive<R> {
         let positions: Vec<[f32; 3]> = self.rows(&POSITIONS, FLOAT)?;
         let faces: Vec<[u32; 3]> = self.rows(&FACES, index)?;
         let vertices = positions.len();
-        for (row, face) in faces.iter().enumerate() {
-            if let Some(&index) = face.iter().find(|&&index| index as usize >= vertices) {
-                return Err(NpzError::OutOfRange { row, index, vertices });
-            }
+        let corners = faces.as_flattened().iter();
+        if let Some((corner, &index)) = corners.enumerate().find(|&(_, &index)| index as usize >= vertices) {
+            return Err(NpzError::OutOfRange { row: corner / 3, index, vertices });
         }
         Ok(Arrays { positions, faces, origin, ..Arrays::default() })
     }
