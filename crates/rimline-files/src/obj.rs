@@ -41,7 +41,7 @@ pub enum LineFault {
     )]
     OutOfRange { index: i64, vertices: usize },
     #[error("`{statement}` is part of a curved surface, which is not read; export the model as polygons")]
-    Curved { statement: &'static str },
+    Curved { statement: String },
     #[error(
         "`call` stands for the lines of another file, which is not read; put them here, or export the model as one file"
     )]
@@ -82,9 +82,6 @@ impl LineFault {
         if is_cut && may_be_cut { ObjError::CutOff { source: Box::new(error) } } else { error }
     }
 }
-
-/// Statements of curved surfaces that faces do not say the same as.
-const CURVED: [&str; 3] = ["surf", "bzp", "bsp"];
 
 /// Words that an OBJ file may begin with.
 const FIRST_WORDS: [&[u8]; 10] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"s", b"mtllib", b"usemtl", b"l"];
@@ -158,11 +155,9 @@ impl Obj<'_, '_> {
             Some(b"mtllib") => self.library(line, words),
             Some(b"call") => Err(LineFault::Call),
             Some(b"csh") => Err(LineFault::Program),
-            Some(word) => match CURVED.into_iter().find(|curved| curved.as_bytes() == word) {
-                Some(statement) => Err(LineFault::Curved { statement }),
-                None => Ok(()),
-            },
-            None => Ok(()),
+            // Faces say the same as all other statements of curved surfaces.
+            Some(word @ (b"surf" | b"bzp" | b"bsp")) => Err(LineFault::Curved { statement: shown(word) }),
+            _ => Ok(()),
         }
     }
 
