@@ -72,6 +72,8 @@ const WELD_BY_DISTANCE: u64 = 256;
 impl Budget {
     pub(super) fn new(limit: u64) -> Self {
         let zero = || Cell::new(0);
+        // Above this, sums of what is in use could overflow, and no machine has as much.
+        let limit = limit.min(i64::MAX as u64);
         Self { limit, used: zero(), lasting: zero(), files: zero(), placed: zero(), charged: zero() }
     }
 
