@@ -9,7 +9,7 @@ use super::read::{Archive, BITS, Entry, NpzError, ORIGIN, REAL, index, is_float,
 use super::write::NpzWriter;
 
 pub const MAX_SIDE: u32 = 4096;
-/// Bytes for a value: as read, in its own type, turned into C order, and on its way to the device.
+/// Bytes for a value: as read into a list that doubles, in its own type, and on its way to the device.
 const VALUE: u64 = 4 * 3 + 12;
 
 /// Meaning of the values of a map, by its number in `metric`.
