@@ -187,7 +187,7 @@ impl Asset {
     /// The number of nodes of the chosen scene that are hidden (`KHR_node_visibility`), those below hidden ones included.
     /// They have no instances and no lights.
     pub fn hidden_nodes(&self) -> usize {
-        self.graph.hidden
+        self.graph.all.len() - self.graph.scene.len()
     }
 
     /// The model: the geometries of every mesh and the instances of the chosen scene. Only geometries with faces have

@@ -19,13 +19,13 @@ impl Asset {
         time_s: f32,
     ) -> Result<Vec<Result<SceneCamera, GltfError>>, GltfError> {
         let world = self.state(animations, time_s)?.world;
-        let cameras = self.nodes_with(|node| node.camera.as_ref());
+        let cameras = self.nodes_with(&self.graph.all, |node| node.camera.as_ref());
         Ok(cameras.map(|(n, camera)| self.camera(n, camera, &world[n], time_s)).collect())
     }
 
     /// The name of each of [`Asset::each_camera`], or that of its node.
     pub fn camera_names(&self) -> Vec<Option<&str>> {
-        self.names(&self.document.cameras, |node| node.camera.as_ref())
+        self.names(&self.document.cameras, self.nodes_with(&self.graph.all, |node| node.camera.as_ref()))
     }
 
     /// The camera of node `n`, whose world matrix is given.

@@ -93,7 +93,7 @@ pub(super) fn build(
 /// Charges the lights and cameras of the chosen scene, as callers get them, with their names.
 pub(super) fn charge_lights_and_cameras(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
-    for &n in &graph.scene {
+    for &n in &graph.all {
         let node = &document.nodes[n];
         // In a list that doubles.
         let charge = |size: usize, name: Option<&String>, what: &str| {

@@ -71,27 +71,35 @@ impl Asset {
         time_s: f32,
     ) -> Result<Vec<Result<SceneLight, GltfError>>, GltfError> {
         let world = self.state(animations, time_s)?.world;
-        let lights = self.nodes_with(|node| node.light.as_ref());
+        let lights = self.nodes_with(&self.graph.scene, |node| node.light.as_ref());
         Ok(lights.map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
     }
 
     /// The name of each of [`Asset::lights`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
-        self.names(&self.document.lights, |node| node.light.as_ref())
+        self.names(&self.document.lights, self.nodes_with(&self.graph.scene, |node| node.light.as_ref()))
     }
 
-    /// The nodes of the scene that have a part of a list: a light, or a camera.
-    pub(super) fn nodes_with(&self, part: PartOf) -> impl Iterator<Item = (usize, &Part<usize>)> {
-        self.graph.scene.iter().filter_map(move |&n| Some((n, part(&self.document.nodes[n])?)))
+    /// Those of some nodes that have a part of a list: a light, or a camera.
+    pub(super) fn nodes_with<'a>(
+        &'a self,
+        nodes: &'a [usize],
+        part: PartOf,
+    ) -> impl Iterator<Item = (usize, &'a Part<usize>)> {
+        nodes.iter().filter_map(move |&n| Some((n, part(&self.document.nodes[n])?)))
     }
 
-    /// The names of these parts, or of their nodes.
-    pub(super) fn names<'a, T>(&'a self, list: &'a [Named<T>], part: PartOf) -> Vec<Option<&'a str>> {
+    /// The names of these parts of a list, or of their nodes.
+    pub(super) fn names<'a, T>(
+        &'a self,
+        list: &'a [Named<T>],
+        nodes: impl Iterator<Item = (usize, &'a Part<usize>)>,
+    ) -> Vec<Option<&'a str>> {
         let name = |(n, part): (usize, &'a Part<usize>)| {
             let of_part = part.as_ref().ok().and_then(|&part| list[part].name.as_ref());
             of_part.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
         };
-        self.nodes_with(part).map(name).collect()
+        nodes.map(name).collect()
     }
 
     /// A part of a list that node `n` has, and the name of the part, or that of the node.
