@@ -195,21 +195,13 @@ impl Header {
                     }
                     elements.push(Element { name: name.into(), count, properties: Vec::new() });
                 }
-                ["property", ref of @ ..] => {
-                    let wanted =
-                        "a property is `property TYPE NAME` or `property list TYPE TYPE NAME`, after an element";
-                    let (length, scalar, name) = match *of {
-                        ["list", length, scalar, name] => (Some(length), scalar, name),
-                        [scalar, name] => (None, scalar, name),
-                        _ => return Err(wrong(wanted)),
-                    };
-                    let scalar_of = |name| Scalar::named(name).ok_or_else(|| wrong("its type is not one of PLY's"));
-                    let (length, scalar) = (length.map(scalar_of).transpose()?, scalar_of(scalar)?);
-                    let Some(element) = elements.last_mut() else { return Err(wrong(wanted)) };
-                    if element.properties.iter().any(|property| property.name == name) {
-                        return Err(PlyError::Twice { line, name: name.into() });
+                ["property", ref words @ ..] => {
+                    let property = Property::of(words).map_err(wrong)?;
+                    let element = elements.last_mut().ok_or_else(|| wrong(Property::WANTED))?;
+                    if element.properties.iter().any(|other| other.name == property.name) {
+                        return Err(PlyError::Twice { line, name: property.name });
                     }
-                    element.properties.push(Property { name: name.into(), length, scalar });
+                    element.properties.push(property);
                 }
                 ["end_header"] => {
                     let encoding = encoding.ok_or_else(|| wrong("a line `format` must come before"))?;
@@ -312,6 +304,19 @@ impl Element {
 }
 
 impl Property {
+    const WANTED: &str = "a property is `property TYPE NAME` or `property list TYPE TYPE NAME`, after an element";
+
+    /// The property of these words of its line, or what is wanted instead.
+    fn of(words: &[&str]) -> Result<Self, &'static str> {
+        let (length, scalar, name) = match *words {
+            ["list", length, scalar, name] => (Some(length), scalar, name),
+            [scalar, name] => (None, scalar, name),
+            _ => return Err(Self::WANTED),
+        };
+        let scalar_of = |name| Scalar::named(name).ok_or("its type is not one of PLY's");
+        Ok(Self { name: name.into(), length: length.map(scalar_of).transpose()?, scalar: scalar_of(scalar)? })
+    }
+
     /// Whether it is the list of a face's corners.
     fn is_corners(&self) -> bool {
         ["vertex_indices", "vertex_index"].contains(&&*self.name)

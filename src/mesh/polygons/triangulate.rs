@@ -8,7 +8,7 @@
 use earcut::Earcut;
 
 use super::fans::OpenEdges;
-use crate::mesh::is_degenerate;
+use crate::mesh::topology::is_degenerate;
 
 /// Triangulates polygons. It reuses its memory from one to the next.
 #[derive(Default)]
