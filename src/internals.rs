@@ -139,7 +139,7 @@ pub mod facing {
 /// Clusters of faces that are decided whole.
 #[cfg(feature = "gpu")]
 pub mod clusters {
-    pub use crate::mesh::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters, EdgeOrder, WIDENING};
+    pub use crate::mesh::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters, WIDENING, edge_order};
 }
 
 /// The scene table and the choices, as the GPU keeps them.

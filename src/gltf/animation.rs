@@ -96,8 +96,7 @@ fn check_times(times: &[f32]) -> Result<(), String> {
 }
 
 fn check_values(curve: &Curve, property: Property) -> Result<(), String> {
-    let Curve { times, values, width, interpolation } = curve;
-    let stride = Curve::stride(*interpolation, *width);
+    let (Curve { times, values, .. }, stride) = (curve, curve.stride());
     if Some(values.len()) != times.len().checked_mul(stride) {
         return Err(format!(": {} output values for {} keys of {stride} each", values.len(), times.len()));
     }

@@ -143,8 +143,8 @@ impl Asset {
         if skipped != SkippedPrimitives::default() {
             warnings.push(GltfWarning::Skipped(skipped))?;
         }
-        warnings.damaged(faults(&skins))?;
-        warnings.damaged(faults(&animations))?;
+        warnings.damaged(&skins)?;
+        warnings.damaged(&animations)?;
         warn_of_the_rest(&document, &graph, &buffers, &warnings)?;
         let warnings = warnings.finish();
         document.buffers = Vec::new();
@@ -187,7 +187,7 @@ impl Asset {
     /// The number of nodes of the chosen scene that are hidden (`KHR_node_visibility`), those below hidden ones included.
     /// They have no instances and no lights.
     pub fn hidden_nodes(&self) -> usize {
-        self.graph.hidden
+        self.graph.all.len() - self.graph.scene.len()
     }
 
     /// The model: the geometries of every mesh and the instances of the chosen scene. Only geometries with faces have
@@ -282,18 +282,13 @@ fn warn_of_the_rest(
     for fault in graph.faults(document) {
         warnings.leave_out::<()>(Err(fault))?;
     }
-    let nodes = document.nodes.iter().filter_map(|node| node.light.as_ref()?.as_ref().err());
-    let lights = document.lights.iter().filter_map(|light| light.part.as_ref().err());
-    let materials = document.materials.iter().filter_map(|material| material.part.as_ref().err());
-    warnings.damaged(nodes.chain(lights).chain(materials))?;
-    warnings.damaged(faults(&document.scenes))?;
-    warnings.damaged(faults(buffers))?;
-    warnings.damaged(faults(&document.views))?;
-    warnings.damaged(faults(&document.accessors))
-}
-
-fn faults<T>(parts: &[Part<T>]) -> impl Iterator<Item = &Box<GltfError>> {
-    parts.iter().filter_map(|part| part.as_ref().err())
+    warnings.damaged(document.nodes.iter().filter_map(|node| node.light.as_ref()))?;
+    warnings.damaged(document.lights.iter().map(|light| &light.part))?;
+    warnings.damaged(document.materials.iter().map(|material| &material.part))?;
+    warnings.damaged(&document.scenes)?;
+    warnings.damaged(buffers)?;
+    warnings.damaged(&document.views)?;
+    warnings.damaged(&document.accessors)
 }
 
 fn skipped_primitives(document: &Document) -> SkippedPrimitives {

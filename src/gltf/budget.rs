@@ -72,6 +72,8 @@ const WELD_BY_DISTANCE: u64 = 256;
 impl Budget {
     pub(super) fn new(limit: u64) -> Self {
         let zero = || Cell::new(0);
+        // Above this, sums of what is in use could overflow, and no machine has as much.
+        let limit = limit.min(i64::MAX as u64);
         Self { limit, used: zero(), lasting: zero(), files: zero(), placed: zero(), charged: zero() }
     }
 
@@ -79,7 +81,7 @@ impl Budget {
     pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         let bytes = count.saturating_mul(size);
         let charged = self.charged.get().saturating_add(bytes);
-        self.require(bytes, 0, what)?;
+        self.refuse(self.needed(bytes, 0), what)?;
         self.refuse(charged.div_ceil(MOST_WORK), what)?;
         self.charged.set(charged);
         self.used.set(self.used.get() + bytes);
@@ -98,12 +100,6 @@ impl Budget {
         self.charge(bytes, 1, what)?;
         self.files.set(self.files.get() + bytes);
         Ok(())
-    }
-
-    /// Whether there is room for more bytes, now and during the making of the mesh of all instances. Charges
-    /// nothing.
-    fn require(&self, bytes: u64, placed: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
-        self.refuse(self.needed(bytes, placed), what)
     }
 
     /// The most bytes in use with more bytes, now and during the making of the mesh of all instances.
@@ -174,7 +170,7 @@ impl Budget {
         self.charge(matrices as u64, MATRIX, what)?;
         self.charge(geometry.morph_targets().len() as u64, MORPH_WEIGHT, what)?;
         let placed = placed(geometry.positions().len() as u64, geometry.faces().len() as u64);
-        self.require(0, placed, what)?;
+        self.refuse(self.needed(0, placed), what)?;
         self.placed.set(self.placed.get() + placed);
         Ok(())
     }

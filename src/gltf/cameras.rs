@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::asset::Asset;
 use super::camera::SceneCamera;
-use super::document::{Named, Part};
+use super::document::Part;
 use super::error::GltfError;
 
 impl Asset {
@@ -19,33 +19,26 @@ impl Asset {
         time_s: f32,
     ) -> Result<Vec<Result<SceneCamera, GltfError>>, GltfError> {
         let world = self.state(animations, time_s)?.world;
-        let cameras = self.nodes_with(|node| node.camera.as_ref());
+        let cameras = self.nodes_with(&self.graph.all, |node| node.camera.as_ref());
         Ok(cameras.map(|(n, camera)| self.camera(n, camera, &world[n], time_s)).collect())
     }
 
     /// The name of each of [`Asset::each_camera`], or that of its node.
     pub fn camera_names(&self) -> Vec<Option<&str>> {
-        self.names(&self.document.cameras, |node| node.camera.as_ref())
+        self.names(&self.document.cameras, self.nodes_with(&self.graph.all, |node| node.camera.as_ref()))
     }
 
     /// The camera of node `n`, whose world matrix is given.
     fn camera(&self, n: usize, camera: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneCamera, GltfError> {
-        let damaged = |fault: &GltfError| GltfError::DamagedCamera { node: n, source: Box::new(fault.clone()) };
-        self.graph.check(&self.document, n).map_err(|fault| damaged(&fault))?;
-        let Named { name, part } = &self.document.cameras[*camera.as_ref().map_err(|fault| damaged(fault))?];
-        let projection = *part.as_ref().map_err(|fault| damaged(fault))?;
+        let damaged = |source| GltfError::DamagedCamera { node: n, source };
+        self.graph.check(&self.document, n).map_err(|fault| damaged(Box::new(fault)))?;
+        let (name, &projection) = self.part_of(n, &self.document.cameras, camera).map_err(damaged)?;
         let forward = -world.matrix3.z_axis.normalize();
         let up = world.matrix3.y_axis.reject_from_normalized(forward).normalize();
         let [eye, forward, up] = [world.translation, forward, up].map(DVec3::as_vec3);
         if !(eye.is_finite() && forward.is_finite() && up.is_finite()) {
             return Err(GltfError::NotFinite { json_path: format!("nodes[{n}]"), time_s });
         }
-        Ok(SceneCamera {
-            name: name.clone().or_else(|| self.document.nodes[n].name.clone()),
-            eye: eye.into(),
-            forward: forward.into(),
-            up: up.into(),
-            projection,
-        })
+        Ok(SceneCamera { name, eye: eye.into(), forward: forward.into(), up: up.into(), projection })
     }
 }

@@ -18,11 +18,8 @@ pub(super) struct Curve {
 
 impl Curve {
     /// How many of `values` a key has: three times the width for a cubic spline, else the width.
-    pub(super) fn stride(interpolation: Interpolation, width: usize) -> usize {
-        match interpolation {
-            Interpolation::CubicSpline => 3 * width,
-            _ => width,
-        }
+    pub(super) fn stride(&self) -> usize {
+        if self.interpolation == Interpolation::CubicSpline { 3 * self.width } else { self.width }
     }
 
     /// The curve's `width` values at a time in seconds, which is clamped to the range of the keys. Values of a rotation are
@@ -61,7 +58,7 @@ impl Curve {
     /// A part of a key. A key of a spline has an in-tangent (0), the value (1) and an out-tangent (2), another key the value
     /// (0).
     fn part(&self, key: usize, part: usize) -> impl Iterator<Item = f64> {
-        let start = key * Self::stride(self.interpolation, self.width) + part * self.width;
+        let start = key * self.stride() + part * self.width;
         self.values[start..start + self.width].iter().map(|&value| f64::from(value))
     }
 

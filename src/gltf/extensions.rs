@@ -1,6 +1,6 @@
 //! The extensions that a file may require, and those that it may use without a warning.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use super::error::GltfError;
 use super::json::{Json, shorten};
@@ -79,13 +79,14 @@ pub(super) fn check(root: &Json<'_>, warnings: &Warnings<'_>) -> Result<Vec<Stri
             });
         }
     }
-    let used = warnings.leave_out(root.list("extensionsUsed"))?.unwrap_or_default();
+    let used: Vec<&str> = warnings.leave_out(root.list("extensionsUsed"))?.unwrap_or_default();
+    let listed: HashSet<&str> = used.iter().copied().collect();
     // A file ought to list what its nodes have, and may not do so.
     let nodes = root.elements("nodes").into_iter().flatten().flatten();
     let of_nodes = nodes
         .filter_map(|node| node.get::<Json<'_>>("extensions").ok().flatten())
         .flat_map(|extensions| extensions.keys());
-    let unlisted: BTreeSet<&str> = of_nodes.filter(|name| !used.contains(name)).collect();
+    let unlisted: BTreeSet<&str> = of_nodes.filter(|name| !listed.contains(name)).collect();
     for &name in used.iter().chain(&unlisted) {
         // Where the plain data beside Draco data is missing, the mesh is refused.
         if !is_supported(name) && name != DRACO {

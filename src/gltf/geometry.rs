@@ -67,41 +67,32 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
             let vertices = read()?;
             highest_joints.extend(vertices.bindings.highest.clone());
             let first = draft.append(&vertices, reader, &json_path)?;
-            let colors = colors::of_vertices(reader, primitive, vertices.positions.len(), &json_path);
-            if let Some(colors) = reader.warnings.leave_out(colors)?.flatten() {
-                let more = draft.positions.len() - draft.vertex_colors.len();
-                reader.charge(grown(&draft.vertex_colors, more), 1, &|| json_path.clone())?;
-                draft.vertex_colors.reserve(more);
-                draft.vertex_colors.resize(first as usize, WHITE);
-                draft.vertex_colors.extend(colors);
-            }
+            draft.color_vertices(reader, primitive, first as usize, &json_path)?;
             blocks.insert(key, (first, color));
             first
         };
         let faces = triangles::read(reader, primitive, reader.count(position)?, &json_path)?;
-        reader.charge(grown(&draft.faces, faces.len()), 1, &|| json_path.clone())?;
-        let (before, after) = (draft.faces.len(), draft.faces.len() + faces.len());
-        draft.faces.extend(faces.into_iter().map(|face| face.map(|v| v + first)));
-        let color = reader.warnings.leave_out(colors::of_material(reader, primitive))?.unwrap_or(WHITE);
-        if color != WHITE || !draft.face_colors.is_empty() {
-            let more = after - draft.face_colors.len();
-            reader.charge(grown(&draft.face_colors, more), 1, &|| json_path.clone())?;
-            draft.face_colors.reserve(more);
-            draft.face_colors.resize(before, WHITE);
-            draft.face_colors.resize(after, color);
-        }
+        draft.add_faces(reader, primitive, faces, first, &json_path)?;
     }
     reader.budget.settle(mark, draft.bytes());
-    let json_path = || format!("meshes[{index}]");
+    let json_path = format!("meshes[{index}]");
     let vertices = draft.positions.len();
     if !draft.vertex_colors.is_empty() {
-        reader.charge(grown(&draft.vertex_colors, vertices - draft.vertex_colors.len()), 1, &json_path)?;
+        reserve(reader, &mut draft.vertex_colors, vertices, &json_path)?;
         draft.vertex_colors.resize(vertices, WHITE);
     }
     let of = |list: &mut Vec<[f32; 3]>| Some(std::mem::take(list)).filter(|colors| !colors.is_empty());
     let colors = Colors { faces: of(&mut draft.face_colors), vertices: of(&mut draft.vertex_colors) };
-    let geometry = draft.finish(named.name.clone()).map_err(GltfError::model(json_path()))?;
+    let geometry = draft.finish(named.name.clone()).map_err(GltfError::model(json_path))?;
     Ok(Merged { geometry, colors, highest_joints })
+}
+
+/// Makes room for so many elements in a list.
+fn reserve<T>(reader: &Reader<'_>, list: &mut Vec<T>, length: usize, json_path: &str) -> Result<(), GltfError> {
+    let more = length - list.len();
+    reader.charge(grown(list, more), 1, &|| json_path.to_owned())?;
+    list.reserve(more);
+    Ok(())
 }
 
 /// Refuses a primitive whose plain data was left out in compression. It would read as zeros.
@@ -202,5 +193,43 @@ impl Draft {
             self.weights.extend_from_slice(&bindings.weights);
         }
         Ok(first as u32)
+    }
+
+    /// Adds the colours of a primitive's vertices, which are those from `first` on.
+    fn color_vertices(
+        &mut self,
+        reader: &Reader<'_>,
+        primitive: &Primitive,
+        first: usize,
+        json_path: &str,
+    ) -> Result<(), GltfError> {
+        let colors = colors::of_vertices(reader, primitive, self.positions.len() - first, json_path);
+        if let Some(colors) = reader.warnings.leave_out(colors)?.flatten() {
+            reserve(reader, &mut self.vertex_colors, self.positions.len(), json_path)?;
+            self.vertex_colors.resize(first, WHITE);
+            self.vertex_colors.extend(colors);
+        }
+        Ok(())
+    }
+
+    /// Adds a primitive's faces, whose vertices begin at `first`, and their colour.
+    fn add_faces(
+        &mut self,
+        reader: &Reader<'_>,
+        primitive: &Primitive,
+        faces: Vec<[u32; 3]>,
+        first: u32,
+        json_path: &str,
+    ) -> Result<(), GltfError> {
+        let (before, after) = (self.faces.len(), self.faces.len() + faces.len());
+        reserve(reader, &mut self.faces, after, json_path)?;
+        self.faces.extend(faces.into_iter().map(|face| face.map(|v| v + first)));
+        let color = reader.warnings.leave_out(colors::of_material(reader, primitive))?.unwrap_or(WHITE);
+        if color != WHITE || !self.face_colors.is_empty() {
+            reserve(reader, &mut self.face_colors, after, json_path)?;
+            self.face_colors.resize(before, WHITE);
+            self.face_colors.resize(after, color);
+        }
+        Ok(())
     }
 }

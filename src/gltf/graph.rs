@@ -12,10 +12,10 @@ pub(super) struct Graph {
     parents: Vec<Option<usize>>,
     /// All nodes, parents first.
     order: Vec<usize>,
-    /// Nodes of the chosen scene that are not hidden, parents first.
+    /// All nodes of the chosen scene, parents first.
+    pub(super) all: Vec<usize>,
+    /// Those of them that are not hidden.
     pub(super) scene: Vec<usize>,
-    /// The number of nodes of the chosen scene that are hidden.
-    pub(super) hidden: usize,
     /// For each node: the node at or above it that is at fault, so that its transform is not known.
     spoilt_by: Vec<Option<usize>>,
 }
@@ -40,14 +40,13 @@ impl Graph {
         }
         // Every node has at most one parent. So a node that no root reaches is in a cycle or below one. A file without
         // scenes has all nodes.
-        let all: Vec<usize> = (0..nodes.len()).collect();
         let is_shown = |node: usize| !nodes[node].is_hidden;
-        let (count, scene) = match scene {
-            Some(roots) => (preorder(&children, roots, |_| true).len(), preorder(&children, roots, is_shown)),
-            None if order.len() < nodes.len() => (nodes.len(), all),
-            None => (nodes.len(), preorder(&children, &roots, is_shown)),
+        let (all, scene) = match scene {
+            Some(roots) => (preorder(&children, roots, |_| true), preorder(&children, roots, is_shown)),
+            None if order.len() < nodes.len() => ((0..nodes.len()).collect(), (0..nodes.len()).collect()),
+            None => (order.clone(), preorder(&children, &roots, is_shown)),
         };
-        Ok(Self { parents, order, hidden: count - scene.len(), scene, spoilt_by })
+        Ok(Self { parents, order, all, scene, spoilt_by })
     }
 
     /// Checks that the transform of a node is known.

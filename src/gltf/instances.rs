@@ -1,5 +1,7 @@
 //! Builds the model: the geometries of every mesh, and the instances of the chosen scene.
 
+use std::collections::HashSet;
+
 use glam::{DAffine3, DVec3};
 
 use super::budget;
@@ -18,7 +20,7 @@ use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, GeometryOptions, Instance, Model};
 
 /// A model with the data that its poses and reports need.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Built {
     pub(super) model: Model,
     /// The colours of each geometry.
@@ -31,16 +33,13 @@ pub(super) struct Built {
     pub(super) weld_counts: Vec<WeldCounts>,
 }
 
-/// The parts of a model during construction.
+/// A model during construction: its parts, and all but the model.
 struct Draft<'a> {
     reader: &'a Reader<'a>,
     skins: &'a [Part<LoadedSkin>],
     geometries: Vec<Geometry>,
-    colors: Vec<Colors>,
     instances: Vec<Instance>,
-    placements: Vec<Placement>,
-    meshes: Vec<usize>,
-    weld_counts: Vec<WeldCounts>,
+    built: Built,
 }
 
 /// Merges and welds every mesh of the file, then adds the instances of the chosen scene.
@@ -51,9 +50,7 @@ pub(super) fn build(
     weld: Weld,
 ) -> Result<Built, GltfError> {
     let document = reader.document;
-    let (geometries, instances, placements) = (Vec::new(), Vec::new(), Vec::new());
-    let (meshes, weld_counts, colors) = (Vec::new(), Vec::new(), Vec::new());
-    let mut draft = Draft { reader, skins, geometries, colors, instances, placements, meshes, weld_counts };
+    let mut draft = Draft { reader, skins, geometries: Vec::new(), instances: Vec::new(), built: Built::default() };
     let users = users(document, graph);
     let (is_skinned, is_rigid) = (|user: &User| user.skin.is_some(), |user: &User| user.skin.is_none());
     for (mesh, users) in users.iter().enumerate() {
@@ -66,13 +63,15 @@ pub(super) fn build(
             draft.add(mesh, users, false, weld)?;
         }
     }
+    // Many nodes may share a skin of many joints.
+    let mut checked_skins = HashSet::new();
     for &n in &graph.scene {
         graph.check(document, n)?;
         let node = &document.nodes[n];
         let Some(mesh) = node.mesh else {
             continue;
         };
-        if let Some(skin) = node.skin {
+        if let Some(skin) = node.skin.filter(|&skin| checked_skins.insert(skin)) {
             checked(&skins[skin])?.joints.iter().try_for_each(|&joint| graph.check(document, joint))?;
         }
         let rigid = rigid_variants[mesh].filter(|_| node.skin.is_none());
@@ -87,15 +86,14 @@ pub(super) fn build(
             draft.add_instance(mesh, document.meshes[mesh].name.as_ref(), placement)?;
         }
     }
-    let Draft { geometries, colors, instances, placements, meshes, weld_counts, .. } = draft;
-    let model = Model::new(geometries, instances).map_err(GltfError::model("nodes"))?;
-    Ok(Built { model, colors, placements, meshes, weld_counts })
+    let model = Model::new(draft.geometries, draft.instances).map_err(GltfError::model("nodes"))?;
+    Ok(Built { model, ..draft.built })
 }
 
 /// Charges the lights and cameras of the chosen scene, as callers get them, with their names.
 pub(super) fn charge_lights_and_cameras(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
-    for &n in &graph.scene {
+    for &n in &graph.all {
         let node = &document.nodes[n];
         // In a list that doubles.
         let charge = |size: usize, name: Option<&String>, what: &str| {
@@ -221,9 +219,9 @@ impl Draft<'_> {
         drop(geometry);
         budget.settle(mark, budget::remaining_bytes(&welded) + colors.bytes());
         self.geometries.push(welded);
-        self.colors.push(colors);
-        self.weld_counts.push(counts);
-        self.meshes.push(mesh);
+        self.built.colors.push(colors);
+        self.built.weld_counts.push(counts);
+        self.built.meshes.push(mesh);
         Ok(())
     }
 
@@ -254,7 +252,7 @@ impl Draft<'_> {
         let what = || format!("meshes[{}] (its instances)", placement.mesh);
         self.reader.budget.charge_instance(shape, matrices, name, &what)?;
         self.instances.push(Instance::new(geometry, name.cloned()));
-        self.placements.push(placement);
+        self.built.placements.push(placement);
         Ok(())
     }
 }

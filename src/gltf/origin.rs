@@ -163,8 +163,11 @@ impl Placed<'_> {
     }
 
     fn smallest_edge(&self) -> f64 {
+        // Each vertex is moved once, however many faces name it: it may have many morph targets.
+        let positions = 0..self.geometry.positions().len();
+        let positions: Vec<[f64; 3]> = positions.map(|vertex| self.position(vertex).to_array()).collect();
         let edges = self.geometry.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        smallest(edges.map(|ends| ends.map(|v| self.position(v as usize).to_array())))
+        smallest(edges.map(|ends| ends.map(|v| positions[v as usize])))
     }
 }
 

@@ -71,34 +71,53 @@ impl Asset {
         time_s: f32,
     ) -> Result<Vec<Result<SceneLight, GltfError>>, GltfError> {
         let world = self.state(animations, time_s)?.world;
-        let lights = self.nodes_with(|node| node.light.as_ref());
+        let lights = self.nodes_with(&self.graph.scene, |node| node.light.as_ref());
         Ok(lights.map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
     }
 
     /// The name of each of [`Asset::lights`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
-        self.names(&self.document.lights, |node| node.light.as_ref())
+        self.names(&self.document.lights, self.nodes_with(&self.graph.scene, |node| node.light.as_ref()))
     }
 
-    /// The nodes of the scene that have a part of a list: a light, or a camera.
-    pub(super) fn nodes_with(&self, part: PartOf) -> impl Iterator<Item = (usize, &Part<usize>)> {
-        self.graph.scene.iter().filter_map(move |&n| Some((n, part(&self.document.nodes[n])?)))
+    /// Those of some nodes that have a part of a list: a light, or a camera.
+    pub(super) fn nodes_with<'a>(
+        &'a self,
+        nodes: &'a [usize],
+        part: PartOf,
+    ) -> impl Iterator<Item = (usize, &'a Part<usize>)> {
+        nodes.iter().filter_map(move |&n| Some((n, part(&self.document.nodes[n])?)))
     }
 
-    /// The names of these parts, or of their nodes.
-    pub(super) fn names<'a, T>(&'a self, list: &'a [Named<T>], part: PartOf) -> Vec<Option<&'a str>> {
+    /// The names of these parts of a list, or of their nodes.
+    pub(super) fn names<'a, T>(
+        &'a self,
+        list: &'a [Named<T>],
+        nodes: impl Iterator<Item = (usize, &'a Part<usize>)>,
+    ) -> Vec<Option<&'a str>> {
         let name = |(n, part): (usize, &'a Part<usize>)| {
             let of_part = part.as_ref().ok().and_then(|&part| list[part].name.as_ref());
             of_part.or(self.document.nodes[n].name.as_ref()).map(String::as_str)
         };
-        self.nodes_with(part).map(name).collect()
+        nodes.map(name).collect()
+    }
+
+    /// A part of a list that node `n` has, and the name of the part, or that of the node.
+    pub(super) fn part_of<'a, T>(
+        &'a self,
+        n: usize,
+        list: &'a [Named<T>],
+        part: &Part<usize>,
+    ) -> Result<(Option<String>, &'a T), Box<GltfError>> {
+        let Named { name, part } = &list[*part.as_ref().map_err(Box::clone)?];
+        let part = part.as_ref().map_err(Box::clone)?;
+        Ok((name.clone().or_else(|| self.document.nodes[n].name.clone()), part))
     }
 
     /// The light of node `n`, whose world matrix is given.
     fn light(&self, n: usize, light: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneLight, GltfError> {
-        let damaged = |fault: &GltfError| GltfError::DamagedLight { node: n, source: Box::new(fault.clone()) };
-        let Named { name, part: light } = &self.document.lights[*light.as_ref().map_err(|fault| damaged(fault))?];
-        let light = light.as_ref().map_err(|fault| damaged(fault))?;
+        let found = self.part_of(n, &self.document.lights, light);
+        let (name, light) = found.map_err(|source| GltfError::DamagedLight { node: n, source })?;
         let (w, xyz) = match light.kind {
             SceneLightKind::Directional => (0.0, world.matrix3.z_axis.normalize()),
             SceneLightKind::Point | SceneLightKind::Spot => (1.0, world.translation),
@@ -116,7 +135,7 @@ impl Asset {
         // A node without extent along Z gives its light no direction.
         let cone = light.cone.filter(|_| direction.is_finite()).map(spot);
         Ok(SceneLight {
-            name: name.clone().or_else(|| self.document.nodes[n].name.clone()),
+            name,
             light: Light::homogeneous([x, y, z, w]),
             kind: light.kind,
             color: light.color,

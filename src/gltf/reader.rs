@@ -21,7 +21,6 @@ pub(super) struct Format {
 /// A component type. `Some(true)`: it must be normalised. `Some(false)`: it must not be. `None`: both are allowed.
 type Fit = (Component, Option<bool>);
 
-pub(super) const POSITION: Format = Format { kind: VEC3, components: FLOATS, text: "F32 Vec3" };
 /// Positions with `KHR_mesh_quantization`, also those of morph targets.
 pub(super) const POSITION_QUANTIZED: Format = Format {
     kind: VEC3,
@@ -50,7 +49,7 @@ pub(super) const INDICES: Format = Format {
 pub(super) const MATRICES: Format = Format { kind: MAT4, components: FLOATS, text: "F32 Mat4" };
 /// Keyframe times.
 pub(super) const TIMES: Format = Format { kind: SCALAR, components: FLOATS, text: "F32 Scalar" };
-/// Translations and scales of keyframes and instances.
+/// Positions, and translations and scales of keyframes and instances.
 pub(super) const VECTORS: Format = Format { kind: VEC3, components: FLOATS, text: "F32 Vec3" };
 /// Rotations of keyframes and instances.
 pub(super) const ROTATIONS: Format =
@@ -207,8 +206,8 @@ impl<'a> Reader<'a> {
             );
         }
         let buffer = checked(&self.buffers[view.buffer])?.as_deref();
-        let start = (view.offset + offset) as usize;
-        let data = buffer.and_then(|buffer| buffer.get(start..start + length as usize));
+        // A buffer that is there holds the whole view, so the sum does not overflow.
+        let data = buffer.and_then(|buffer| buffer.get((view.offset + offset) as usize..)?.get(..length as usize));
         Ok((data.ok_or_else(|| at.no_data(index, view))?, stride as usize))
     }
 

@@ -64,7 +64,7 @@ fn vectors(
     json_path: String,
     is_target: bool,
 ) -> Result<Vec<[f32; 3]>, GltfError> {
-    let format = if reader.document.quantized { reader::POSITION_QUANTIZED } else { reader::POSITION };
+    let format = if reader.document.quantized { reader::POSITION_QUANTIZED } else { reader::VECTORS };
     let vectors = reader.vectors(accessor, format, &json_path)?;
     let mut bad = (0..vectors.len()).filter(|&v| !vectors[v].iter().all(|c: &f32| c.is_finite()));
     if let Some(first) = bad.next() {

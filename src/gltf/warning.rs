@@ -101,9 +101,10 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Warns of stored faults of parts that nothing used.
-    pub(super) fn damaged<'f>(&self, faults: impl Iterator<Item = &'f Box<GltfError>>) -> Result<(), GltfError> {
-        faults.cloned().try_for_each(|fault| self.push(GltfWarning::Damaged { fault }))
+    /// Warns of the stored faults of parts that nothing used.
+    pub(super) fn damaged<'p, T: 'p>(&self, parts: impl IntoIterator<Item = &'p Part<T>>) -> Result<(), GltfError> {
+        let mut faults = parts.into_iter().filter_map(|part| part.as_ref().err());
+        faults.try_for_each(|fault| self.push(GltfWarning::Damaged { fault: fault.clone() }))
     }
 
     pub(super) fn finish(self) -> Vec<GltfWarning> {

@@ -113,14 +113,9 @@ impl Mesh {
         polygons: PolygonLoops<'_>,
         weld: Weld,
     ) -> Result<Self, MeshError> {
-        let (groups, mut counts) = weld::weld_positions(positions, weld);
-        let given = polygons;
-        let (polygons, triangles) = Polygons::new(positions, given, &groups)?;
-        if counts.after < counts.before {
-            counts.collapsed = polygons.collapsed(given);
-        }
+        let (polygons, triangles, weld) = Polygons::welded(positions, polygons, weld)?;
         if polygons.are_triangles() {
-            return Ok(Self::build(positions.len(), polygons.into_triangles(), counts));
+            return Ok(Self::build(positions.len(), polygons.into_triangles(), weld));
         }
         Ok(Self {
             id: MeshId::next(),
@@ -128,7 +123,7 @@ impl Mesh {
             edges: EdgeRecords::build(positions.len(), &polygons),
             faces: triangles,
             polygons: Some(polygons),
-            weld: counts,
+            weld,
         })
     }
 
@@ -209,10 +204,17 @@ fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
     if vertex_count >= u32::MAX as usize {
         return Err(MeshError::TooManyVertices { vertices: vertex_count });
     }
-    for (face, corners) in faces.iter().enumerate() {
-        if let Some(corner) = corners.iter().position(|&v| v as usize >= vertex_count) {
-            return Err(MeshError::IndexOutOfRange { face, corner, index: corners[corner], vertices: vertex_count });
+    match out_of_range(faces, vertex_count) {
+        Some([face, corner]) => {
+            let index = faces[face][corner];
+            Err(MeshError::IndexOutOfRange { face, corner, index, vertices: vertex_count })
         }
+        None => Ok(()),
     }
-    Ok(())
+}
+
+/// The first face and corner that name a vertex that does not exist.
+pub(crate) fn out_of_range(faces: &[[u32; 3]], vertex_count: usize) -> Option<[usize; 2]> {
+    let corner = faces.as_flattened().iter().position(|&vertex| vertex as usize >= vertex_count);
+    corner.map(|corner| [corner / 3, corner % 3])
 }

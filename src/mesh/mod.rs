@@ -15,6 +15,7 @@ pub use error::{MAX_FACES, MeshError};
 pub use faces::Mesh;
 #[cfg(feature = "gpu")]
 pub(crate) use faces::MeshId;
+pub(crate) use faces::out_of_range;
 pub(crate) use polygons::is_loop;
 pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, PolygonTriangles, Polygons};
 pub use silhouette::{Chain, Silhouette, SilhouetteEdge};

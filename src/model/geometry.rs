@@ -2,7 +2,7 @@
 
 use super::ModelError;
 use crate::mesh::weld::{self, Keys, NearGroups, bits, groups, near_groups, same_bits};
-use crate::mesh::{Mesh, MeshError, Weld, WeldCounts, WeldDistance};
+use crate::mesh::{Mesh, MeshError, Weld, WeldCounts, WeldDistance, out_of_range};
 
 /// The joints that move each vertex, with their weights. A vertex may have any number of joints.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,10 +133,8 @@ impl Geometry {
         if vertices >= u32::MAX as usize {
             return Err(ModelError::TooManyVertices { vertices });
         }
-        let is_outside = |v: &u32| *v as usize >= vertices;
-        if let Some((face, corners)) = faces.iter().enumerate().find(|(_, corners)| corners.iter().any(is_outside)) {
-            let corner = corners.iter().position(is_outside).unwrap_or(0);
-            return Err(ModelError::FaceIndex { face, corner, index: corners[corner], vertices });
+        if let Some([face, corner]) = out_of_range(&faces, vertices) {
+            return Err(ModelError::FaceIndex { face, corner, index: faces[face][corner], vertices });
         }
         if let Some(target) = morph_targets.iter().position(|offsets| offsets.len() != vertices) {
             return Err(ModelError::MorphTarget { target, given: morph_targets[target].len(), vertices });
@@ -218,24 +216,19 @@ impl Geometry {
             return (self.clone(), WeldCounts::unchanged(count));
         }
         let keys = Keys::new(self.most_words());
-        let by_position = || groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
-        // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be searched
-        // one by one, in quadratic time.
-        let (NearGroups { groups, wide }, position_count) = match weld {
-            Weld::Distance(distance) => self.near_groups(distance, &keys),
-            Weld::Position => {
-                let groups = by_position();
-                let position_count = weld::count(&groups);
-                (NearGroups { groups, wide: 0 }, position_count)
-            }
-            _ => {
-                let same = |a, b| self.same_position(a, b) && self.same_data(a, b);
+        let (NearGroups { groups, wide }, position_count) = if let Weld::Distance(distance) = weld {
+            self.near_groups(distance, &keys)
+        } else {
+            let same_position = |a: usize, b: usize| same_bits(self.positions[a], self.positions[b]);
+            let mut found = groups(count, |v| keys.hash(self.positions[v].map(bits)), same_position);
+            let position_count = weld::count(&found);
+            if weld == Weld::Data {
+                // The hash covers everything that is compared. Otherwise vertices that share only a part of it would be
+                // searched one by one, in quadratic time.
                 let words = |v: usize| self.positions[v].map(bits).into_iter().chain(self.data(v));
-                (
-                    NearGroups { groups: groups(count, |v| keys.hash(words(v)), same), wide: 0 },
-                    weld::count(&by_position()),
-                )
+                found = groups(count, |v| keys.hash(words(v)), |a, b| same_position(a, b) && self.same_data(a, b));
             }
+            (NearGroups { groups: found, wide: 0 }, position_count)
         };
         let mut remaining: Vec<usize> = Vec::with_capacity(weld::count(&groups));
         remaining.extend((0..count).filter(|&v| groups[v] as usize == v));
@@ -278,8 +271,7 @@ impl Geometry {
 
     /// An upper bound of the number of words of a vertex.
     fn most_words(&self) -> usize {
-        let ranges = self.influences.iter().flat_map(|influences| influences.offsets.windows(2));
-        let most = ranges.map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0);
+        let most = self.influences.as_ref().map_or(0, Influences::most_per_vertex);
         3 * (1 + self.morph_targets.len()) + 1 + 2 * most
     }
 
@@ -296,26 +288,7 @@ impl Geometry {
         morph.chain(skin)
     }
 
-    fn same_position(&self, a: usize, b: usize) -> bool {
-        same_bits(self.positions[a], self.positions[b])
-    }
-
     fn same_data(&self, a: usize, b: usize) -> bool {
-        self.same_morph(a, b) && self.same_influences(a, b)
-    }
-
-    fn same_morph(&self, a: usize, b: usize) -> bool {
-        self.morph_targets.iter().all(|target| same_bits(target[a], target[b]))
-    }
-
-    fn same_influences(&self, a: usize, b: usize) -> bool {
-        self.influences.as_ref().is_none_or(|influences| {
-            let (a, b) = (influences.range(a), influences.range(b));
-            influences.joints[a.clone()] == influences.joints[b.clone()]
-                && influences.weights[a]
-                    .iter()
-                    .map(|w| w.to_bits())
-                    .eq(influences.weights[b].iter().map(|w| w.to_bits()))
-        })
+        self.data(a).eq(self.data(b))
     }
 }

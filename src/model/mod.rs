@@ -12,7 +12,7 @@ pub use error::ModelError;
 pub use geometry::{Geometry, GeometryOptions, Influences};
 pub use pose::{InstancePose, Matrix3x4, Pose};
 
-use crate::mesh::{MAX_FACES, Mesh, MeshError};
+use crate::mesh::{MAX_FACES, Mesh, MeshError, is_degenerate};
 
 /// One placement of a geometry.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +102,9 @@ impl Model {
             return Err(ModelError::PoseInstances { given, needed });
         }
         let mut instances = pose.instances().iter().zip(self.placed_geometries()).enumerate();
-        instances.try_for_each(|(instance, (pose, geometry))| pose.check(instance, geometry))
+        instances.try_for_each(|(instance, (pose, geometry))| {
+            pose.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
+        })
     }
 
     /// The mesh that all instances make in this pose. Vertices and faces are concatenated in the order of the
@@ -142,13 +144,14 @@ impl Model {
     pub fn check_mesh(&self, mesh: &Mesh, pose: &Pose) -> Result<(), ModelError> {
         self.check(pose)?;
         let needed = self.placed_geometries().map(|geometry| geometry.faces().len()).sum();
-        if (mesh.vertex_count() as usize, mesh.face_count()) != (self.vertex_count, needed) {
+        let counts = (mesh.vertex_count() as usize, mesh.faces().len());
+        if mesh.polygons().is_some() || counts != (self.vertex_count, needed) {
             return Err(ModelError::OtherMesh);
         }
         let (mut first_vertex, mut first_face) = (0, 0);
         for (instance, (geometry, pose)) in self.placed_geometries().zip(pose.instances()).enumerate() {
             let faces = geometry.faces();
-            if let Some(number) = faces.iter().position(|&[a, b, c]| a != b && b != c && c != a) {
+            if let Some(number) = faces.iter().position(|&face| !is_degenerate(face)) {
                 let [a, b, c] = faces[number].map(|vertex| vertex + first_vertex);
                 let found = mesh.faces()[first_face + number];
                 match (found == [a, b, c], found == [a, c, b]) {

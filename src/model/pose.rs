@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 
-use super::{Geometry, ModelError};
+use super::ModelError;
 use crate::Transform;
 
 /// A matrix of three rows and four columns, stored by rows. It maps `(x, y, z, 1)`. Functions take it as a [`Transform`].
@@ -79,11 +79,6 @@ impl InstancePose {
         let palette = self.palette.iter().map(|matrix| (*at * matrix.to_f64()).into()).collect();
         let mirrors = at.matrix3.determinant() < 0.0;
         Self::with(palette, self.morph_weights.clone(), self.faces_turned != mirrors)
-    }
-
-    /// Checks that this pose fits the instance `instance` of `geometry`.
-    pub(super) fn check(&self, instance: usize, geometry: &Geometry) -> Result<(), ModelError> {
-        self.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
     }
 
     /// Checks that there are as many matrices and weights as instance number `instance` needs.

@@ -2,6 +2,7 @@
 
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::model::{influence_range, most_per_vertex};
+use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, ModelError, Pose};
 
 const POSITIONS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -188,7 +189,11 @@ fn meshes_of_poses_that_mirror_otherwise_are_typed_errors() {
     }
     let one = triangles(1).mesh(&Pose::new(vec![posed(&[IDENTITY])])).expect("a mesh");
     let other = rimline::Mesh::from_faces(9, vec![[1, 0, 2], [3, 4, 5], [6, 7, 8]]).expect("a mesh");
-    for mesh in [one, other] {
+    // Polygons that walk all their edges both ways have no triangles.
+    let (polygon_loops, loop_sizes) = (&[1; 3][..], &[4; 3][..]);
+    let polygons = PolygonLoops { polygon_loops, loop_sizes, loop_corners: &[0, 1, 2, 1].repeat(3) };
+    let polygons = rimline::Mesh::from_polygons_by_loop(&[[0.0; 3]; 9], polygons, Weld::Keep).expect("a mesh");
+    for mesh in [one, other, polygons] {
         assert_eq!(model.check_mesh(&mesh, &pose(0)), Err(ModelError::OtherMesh));
     }
 }

@@ -13,6 +13,7 @@ pub(crate) fn tests() -> Vec<Trial> {
     vec![
         test("cameras::follow_their_nodes", follow),
         test("cameras::names_are_those_of_nodes_too", names),
+        test("cameras::of_hidden_nodes_are_there", hidden),
         test("cameras::without_a_direction", flat),
         test("cameras::faults", faults),
     ]
@@ -52,6 +53,18 @@ fn follow() -> Outcome {
 }
 
 const GOOD: &str = "{'type': 'perspective', 'perspective': {'yfov': 1, 'znear': 1}}";
+
+fn hidden() -> Outcome {
+    let mut maker = with_camera(GOOD);
+    set(&mut maker, "nodes[1].extensions.KHR_node_visibility.visible", "false");
+    for scenes in [json!([]), json!([{ "nodes": [0, 1] }])] {
+        maker.json["scenes"] = scenes;
+        let asset = maker.load()?;
+        same(&(asset.hidden_nodes(), asset.camera_names()), &(1, vec![Some("node")]), "hidden nodes, and names")?;
+        same(&asset.each_camera(None, 0.0)?.iter().filter(|camera| camera.is_ok()).count(), &1, "cameras")?;
+    }
+    Ok(())
+}
 
 fn names() -> Outcome {
     let mut maker = with_camera(GOOD);

@@ -14,6 +14,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("refuse::control", control),
         test("refuse::devices_and_folders", devices),
         test("refuse::more_vertices_than_indices", too_many_vertices),
+        test("refuse::more_bytes_than_numbers", too_many_bytes),
         test("refuse::deep_json", deep),
         test("refuse::every_truncation", truncations),
     ];
@@ -94,6 +95,16 @@ fn too_many_vertices() -> Outcome {
     maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": instancing });
     let options = LoadOptions { memory_limit: u64::MAX, ..Weld::Keep.into() };
     ends_with(&Asset::from_slice(&maker.glb(), None, options).as_ref(), "nodes|4356000000 vertices|split")
+}
+
+/// No sum of bytes overflows where memory is no limit.
+fn too_many_bytes() -> Outcome {
+    let mut maker = Maker::square();
+    let zeros = maker.zeros(1 << 62);
+    primitive(&mut maker)["attributes"]["POSITION"] = json!(zeros);
+    let options = LoadOptions { memory_limit: u64::MAX, ..Weld::Keep.into() };
+    let result = Asset::from_slice(&maker.glb(), None, options);
+    ensure(matches!(result, Err(GltfError::TooLarge { .. })), || format!("{result:?}"))
 }
 
 /// A name that leads to something without an end, or to no file at all.

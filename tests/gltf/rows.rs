@@ -104,6 +104,16 @@ pub(crate) const SQUARE: &[Row] = &[
         Set(&[("buffers", "[{'byteLength': 60}, {'byteLength': 60}]"), ("bufferViews[0].buffer", "1")]),
         "buffers[1] has no data",
     ),
+    // No sum of offsets overflows, where no data says how far a view can reach.
+    (
+        "far_no_data",
+        Set(&[
+            ("buffers", "[{'byteLength': 60}, {'byteLength': 18446744073709551615}]"),
+            ("bufferViews[0]", "{'buffer': 1, 'byteOffset': 18446744073709551615, 'byteLength': 100}"),
+            ("accessors[0].byteOffset", "8"),
+        ]),
+        "buffers[1] has no data",
+    ),
     ("web_uri", Make(|m| uri(m, "https://example.org/a.bin")), "buffers[0].uri|https:|absolute"),
     ("network_uri", Make(|m| uri(m, "//host/a.bin")), "buffers[0].uri|absolute"),
     ("drive_uri", Make(|m| uri(m, "C:/a.bin")), "buffers[0].uri|absolute"),

@@ -119,7 +119,7 @@ fn orders_do_not_depend_on_threads() -> Outcome {
             let found = Clusters::new(&mesh, &shape.positions, Threads::new(threads));
             same("faces", found.faces(), one.faces())?;
             same("bounds", found.bounds(), one.bounds())?;
-            same("edges", found.edges().records(), one.edges().records())?;
+            same("edges", found.edges(), one.edges())?;
             let [many, few] = [threads, 1].map(|threads| Arranged::new(&mesh, &found, Threads::new(threads)));
             same("words", &many.words, &few.words)?;
             same("edge faces", &many.edge_faces, &few.edge_faces)?;
@@ -159,14 +159,14 @@ fn arranged_meshes_are_the_mesh_and_spare_no_silhouette() -> Outcome {
         let mesh = shape.mesh().map_err(|error| error.to_string())?;
         let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
         let arranged = Arranged::new(&mesh, &found, Threads::new(1 + index % 3));
-        for (order, count) in [(found.faces(), mesh.faces().len()), (found.edges().records(), mesh.edges().len())] {
+        for (order, count) in [(found.faces(), mesh.faces().len()), (found.edges(), mesh.edges().len())] {
             let mut sorted = order.to_vec();
             sorted.sort_unstable();
             same(&format!("{what}: each once"), &sorted, &(0..count as u32).collect::<Vec<_>>())?;
         }
         let faces: Vec<_> = found.faces().iter().map(|&face| mesh.faces()[face as usize]).collect();
         same(&format!("{what}: faces"), &arranged.faces, &faces)?;
-        for (slot, &record) in found.edges().records().iter().enumerate() {
+        for (slot, &record) in found.edges().iter().enumerate() {
             let edge = mesh.edges().get(record as usize).ok_or("no such record")?;
             let [first, second] = arranged.edge_faces[slot];
             let of = |slot: u32| (slot != NO_FACE).then(|| found.faces()[(slot & !INCONSISTENT_BIT) as usize]);

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use rimline::gpu::{CasterHandle, ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
-use rimline::internals::clusters::EdgeOrder;
+use rimline::internals::clusters::edge_order;
 use rimline::internals::cpu;
 use rimline::internals::layout::{CHUNK, DrawArguments, SceneCaster};
 use rimline::internals::scene::SceneTable;
@@ -257,7 +257,7 @@ pub(crate) type SlotOrder = [Vec<u32>; 2];
 /// `None`: slots have the order of the mesh.
 pub(crate) fn slot_order(frame: &SceneFrame, caster: CasterHandle, mesh: &Mesh) -> Option<SlotOrder> {
     let faces = frame.slot_order(caster)?.to_vec();
-    let records = EdgeOrder::new(mesh.edges(), &faces).records().to_vec();
+    let records = edge_order(mesh.edges(), &faces);
     Some([faces, records])
 }
 

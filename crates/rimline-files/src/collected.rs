@@ -96,11 +96,6 @@ impl Collected {
         Ok(())
     }
 
-    /// Charges bytes that something else takes.
-    pub(crate) fn charge_bytes(&mut self, bytes: u64) -> Result<(), Refused> {
-        self.charge(bytes)
-    }
-
     /// Begins a face. It takes so much at least, and as much as what it is once it is complete.
     pub(crate) fn begin_face(&mut self) -> Result<(), Refused> {
         self.complete = self.corners.len();
@@ -145,7 +140,8 @@ impl Collected {
         if needed > self.limit { Err(Refused::TooLarge { needed, limit: self.limit }) } else { Ok(needed) }
     }
 
-    fn charge(&mut self, bytes: u64) -> Result<(), Refused> {
+    /// Charges bytes, which may be those of something else.
+    pub(crate) fn charge(&mut self, bytes: u64) -> Result<(), Refused> {
         self.used = self.needed(bytes)?;
         Ok(())
     }

@@ -27,17 +27,21 @@ fn is_between(number: f64) -> bool {
     number.is_finite() && (number.to_bits() & LOST == 1 << 28 || is_subnormal)
 }
 
+/// The corners of each face, where faces have so many each.
+pub(crate) fn faces<'a>(sizes: &'a [u32], corners: &'a [u32]) -> impl ExactSizeIterator<Item = &'a [u32]> {
+    let mut rest = corners;
+    sizes.iter().map(move |&size| {
+        let (face, others) = rest.split_at_checked(size as usize).unwrap_or((rest, &[]));
+        rest = others;
+        face
+    })
+}
+
 /// The origin of faces of so many corners each, and positions relative to it. All corners are below the number of vertices.
 pub(crate) fn placed(vertices: Vec<[f64; 3]>, sizes: &[u32], corners: &[u32]) -> (Vec<[f32; 3]>, Origin) {
     let vertex = |&v: &u32| vertices.get(v as usize).copied();
     let smallest_edge = || {
-        let mut rest = corners;
-        let faces = sizes.iter().map(|&size| {
-            let (face, others) = rest.split_at_checked(size as usize).unwrap_or((rest, &[]));
-            rest = others;
-            face
-        });
-        let edges = faces.flat_map(|face| face.iter().zip(face.iter().cycle().skip(1)));
+        let edges = faces(sizes, corners).flat_map(|face| face.iter().zip(face.iter().cycle().skip(1)));
         smallest(edges.filter_map(|(a, b)| Some([vertex(a)?, vertex(b)?])))
     };
     let bounds = bounds(corners.iter().filter_map(vertex));

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use zip::ZipArchive;
 
+use crate::line::text;
 use crate::{obj, stl};
 
 /// A format that is read.
@@ -182,11 +183,6 @@ fn length(reader: &mut impl Seek) -> io::Result<u64> {
     let length = reader.seek(io::SeekFrom::End(0))?;
     reader.rewind()?;
     Ok(length)
-}
-
-/// Text without a byte order mark and blanks before it.
-fn text(start: &[u8]) -> &[u8] {
-    start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start()
 }
 
 /// Finds models that are recognised by more than their first word.

@@ -127,3 +127,29 @@ impl<'a> Statement<'a> {
         start.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
     }
 }
+
+/// Text without a byte order mark and blanks before it.
+pub(crate) fn text(start: &[u8]) -> &[u8] {
+    start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start()
+}
+
+/// The first N numbers of some words, and how many there are. Else the first word that is no number.
+pub(crate) fn numbers<'a, T: Copy + Default, const N: usize>(
+    words: impl Iterator<Item = &'a [u8]>,
+    number: impl Fn(&str) -> Option<T>,
+) -> Result<([T; N], usize), &'a [u8]> {
+    let (mut numbers, mut count) = ([T::default(); N], 0);
+    for word in words {
+        let found = std::str::from_utf8(word).ok().and_then(&number).ok_or(word)?;
+        if let Some(slot) = numbers.get_mut(count) {
+            *slot = found;
+        }
+        count += 1;
+    }
+    Ok((numbers, count))
+}
+
+/// The beginning of a word, for a message.
+pub(crate) fn shown(word: &[u8]) -> String {
+    String::from_utf8_lossy(&word[..word.len().min(160)]).chars().take(40).collect()
+}

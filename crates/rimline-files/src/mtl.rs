@@ -73,21 +73,22 @@ impl<'a> Materials<'a> {
         let name = name.replace('\\', "/");
         // Exporters write paths of their own machine, too.
         let alone = name.rsplit('/').next().unwrap_or_default();
-        let found = [&*name, alone].into_iter().find_map(|name| inside(folder, name));
-        let path = found.unwrap_or_else(|| folder.join(alone));
-        let opened = crate::open_regular(&path).and_then(|file| Ok((file.metadata()?.len(), file)));
-        self.files.push(path);
-        let read = opened.and_then(|(length, file)| {
-            if length > most.min(MAX_BYTES) {
-                return Err(io::Error::other("it is too large"));
-            }
-            self.parse(BufReader::new(file.take(length)))?;
-            Ok(length)
-        });
-        read.unwrap_or_else(|error| {
+        let found = inside(folder, &name).or_else(|_| inside(folder, alone));
+        self.files.push(found.as_ref().map_or_else(|_| folder.join(alone), PathBuf::clone));
+        found.and_then(|path| self.take(&path, most.min(MAX_BYTES))).unwrap_or_else(|error| {
             self.notes.push(format!("line {line}: {:?} is not read: {error}; its faces are white", shortened(&name)));
             0
         })
+    }
+
+    fn take(&mut self, path: &Path, most: u64) -> io::Result<u64> {
+        let file = crate::open_regular(path)?;
+        let length = file.metadata()?.len();
+        if length > most {
+            return Err(io::Error::other("it is too large"));
+        }
+        self.parse(BufReader::new(file.take(length)))?;
+        Ok(length)
     }
 
     /// Takes the colours of a file. Other statements are skipped, those that name files, too.
@@ -134,10 +135,14 @@ fn shortened(name: &str) -> String {
     name.chars().take(60).collect()
 }
 
-/// The file of a folder, if it is there and no link leads out of the folder.
-fn inside(folder: &Path, name: &str) -> Option<PathBuf> {
-    let path = folder.join(name).canonicalize().ok()?;
-    path.starts_with(folder.canonicalize().ok()?).then_some(path)
+/// The file of a folder, which is there. No link may lead out of the folder.
+fn inside(folder: &Path, name: &str) -> io::Result<PathBuf> {
+    let path = folder.join(name).canonicalize()?;
+    if path.starts_with(folder.canonicalize()?) {
+        Ok(path)
+    } else {
+        Err(io::Error::other("it is outside the OBJ's folder"))
+    }
 }
 
 #[cfg(test)]
@@ -203,6 +208,12 @@ mod tests {
             assert!(file.colors(0).is_none(), "{name}");
             let [note] = file.color_notes() else { panic!("{:?}", file.color_notes()) };
             assert!(note.contains(name) && note.contains(says), "{note}");
+        }
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("../out.mtl", inner.join("link.mtl"))?;
+            let file = model(&inner, &square("link.mtl"), Polygons::Triangles)?;
+            assert!(file.colors(0).is_none() && file.color_notes()[0].contains("outside"), "{:?}", file.color_notes());
         }
         let many = (0..100).map(|n| format!("{n}.mtl")).collect::<Vec<_>>().join(" ");
         assert_eq!(model(&inner, &square(&many), Polygons::Triangles)?.color_notes().len(), super::MAX_FILES);

@@ -6,7 +6,7 @@ use rimline::mesh::MAX_POLYGON_CORNERS;
 
 use crate::collected::{Collected, Refused, WHITE};
 use crate::coordinates::number;
-use crate::line::{Next, Statement, Statements};
+use crate::line::{Next, Statement, Statements, numbers, shown};
 use crate::mtl::{self, Materials, joined, linear};
 use crate::npz::Arrays;
 
@@ -15,64 +15,73 @@ use crate::npz::Arrays;
 pub enum ObjError {
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
-    #[error("line {line}: {found:?} is no number; a vertex is `v x y z`")]
-    Number { line: usize, found: String },
-    #[error("line {line}: the vertex has {found} coordinate{}; it needs 3, as in `v x y z`", if *.found == 1 { "" } else { "s" })]
-    Coordinates { line: usize, found: usize },
-    #[error(
-        "line {line}: {found:?} is no corner; write it as `v`, `v/vt`, `v//vn` or `v/vt/vn`, all of them whole numbers"
-    )]
-    Corner { line: usize, found: String },
-    #[error(
-        "line {line}: the face has {found} corner{}; it needs at least 3, and a line is an `l`",
-        if *.found == 1 { "" } else { "s" }
-    )]
-    Corners { line: usize, found: usize },
-    #[error("line {line}: the face has more than {MAX_POLYGON_CORNERS} corners; cut it into several")]
-    FaceTooLarge { line: usize },
-    #[error(
-        "line {line}: a face names vertex {index}, but there are {vertices} vertices; they are counted from 1, and from −1 \
-         backwards"
-    )]
-    OutOfRange { line: usize, index: i64, vertices: usize },
-    #[error("line {line}: `{statement}` is part of a curved surface, which is not read; export the model as polygons")]
-    Curved { line: usize, statement: &'static str },
-    #[error(
-        "line {line}: `call` stands for the lines of another file, which is not read; put them here, or export the model as \
-         one file"
-    )]
-    Call { line: usize },
-    #[error(
-        "line {line}: `csh` asks to run a program, which is never done; leave the line out if the model has all its faces without"
-    )]
-    Program { line: usize },
-    #[error(
-        "line {line}: what is read so far takes {needed} bytes of memory with what is made of it, more than the limit of \
-         {limit}; if it is meant to be that large, give a larger --memory-limit"
-    )]
-    TooLarge { line: usize, needed: u64, limit: u64 },
+    #[error("line {line}: {fault}")]
+    Line { line: usize, fault: LineFault },
     #[error("it has no faces, which are lines `f v v v …`; export the model as polygons")]
     NoFaces,
     #[error("{source}; the last line has no end, so the file may be cut off")]
     CutOff { source: Box<ObjError> },
 }
 
-impl ObjError {
-    /// The same, where the last line has no end.
-    fn of_cut_file(self) -> Self {
-        match self {
-            Self::Number { .. }
-            | Self::Coordinates { .. }
-            | Self::Corner { .. }
-            | Self::Corners { .. }
-            | Self::OutOfRange { .. } => Self::CutOff { source: Box::new(self) },
-            other => other,
+/// The fault of a line.
+#[derive(Debug, thiserror::Error)]
+pub enum LineFault {
+    #[error("{found:?} is no number; a vertex is `v x y z`")]
+    Number { found: String },
+    #[error("the vertex has {found} coordinate{}; it needs 3, as in `v x y z`", if *.found == 1 { "" } else { "s" })]
+    Coordinates { found: usize },
+    #[error("{found:?} is no corner; write it as `v`, `v/vt`, `v//vn` or `v/vt/vn`, all of them whole numbers")]
+    Corner { found: String },
+    #[error("the face has {found} corner{}; it needs at least 3, and a line is an `l`", if *.found == 1 { "" } else { "s" })]
+    Corners { found: usize },
+    #[error("the face has more than {MAX_POLYGON_CORNERS} corners; cut it into several")]
+    FaceTooLarge,
+    #[error(
+        "a face names vertex {index}, but there are {vertices} vertices; they are counted from 1, and from −1 backwards"
+    )]
+    OutOfRange { index: i64, vertices: usize },
+    #[error("`{statement}` is part of a curved surface, which is not read; export the model as polygons")]
+    Curved { statement: String },
+    #[error(
+        "`call` stands for the lines of another file, which is not read; put them here, or export the model as one file"
+    )]
+    Call,
+    #[error(
+        "`csh` asks to run a program, which is never done; leave the line out if the model has all its faces without"
+    )]
+    Program,
+    #[error(
+        "what is read so far takes {needed} bytes of memory with what is made of it, more than the limit of {limit}; if it is \
+         meant to be that large, give a larger --memory-limit"
+    )]
+    TooLarge { needed: u64, limit: u64 },
+}
+
+impl From<Refused> for LineFault {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::Corners(found) => Self::Corners { found },
+            Refused::FaceTooLarge => Self::FaceTooLarge,
+            Refused::TooLarge { needed, limit } => Self::TooLarge { needed, limit },
         }
     }
 }
 
-/// Statements of curved surfaces that faces do not say the same as.
-const CURVED: [&str; 3] = ["surf", "bzp", "bsp"];
+impl LineFault {
+    /// The error. `is_cut`: the last line of the file was read, and has no end.
+    fn at(self, line: usize, is_cut: bool) -> ObjError {
+        let may_be_cut = matches!(
+            self,
+            Self::Number { .. }
+                | Self::Coordinates { .. }
+                | Self::Corner { .. }
+                | Self::Corners { .. }
+                | Self::OutOfRange { .. }
+        );
+        let error = ObjError::Line { line, fault: self };
+        if is_cut && may_be_cut { ObjError::CutOff { source: Box::new(error) } } else { error }
+    }
+}
 
 /// Words that an OBJ file may begin with.
 const FIRST_WORDS: [&[u8]; 10] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"s", b"mtllib", b"usemtl", b"l"];
@@ -106,17 +115,19 @@ pub fn read(
     loop {
         // The line and its copy while it grows.
         let room = obj.model.room() / 3;
-        let taken = match lines.next(room)? {
-            Next::Statement(statement) => obj.take(&statement),
+        let (line, taken) = match lines.next(room)? {
+            Next::Statement(statement) => (statement.line, obj.take(&statement)),
             Next::TooLong { line } => {
                 let needed = memory_limit.saturating_add(1);
-                return Err(ObjError::TooLarge { line, needed, limit: memory_limit });
+                (line, Err(LineFault::TooLarge { needed, limit: memory_limit }))
             }
             Next::End => {
-                return obj.finish().map_err(|error| if lines.is_cut { error.of_cut_file() } else { error });
+                let line = obj.highest.1;
+                let model = obj.finish().map_err(|fault| fault.at(line, lines.is_cut))?;
+                return model.ok_or(ObjError::NoFaces);
             }
         };
-        taken.map_err(|error| if lines.is_cut { error.of_cut_file() } else { error })?;
+        taken.map_err(|fault| fault.at(line, lines.is_cut))?;
     }
 }
 
@@ -131,89 +142,75 @@ struct Obj<'m, 'f> {
 }
 
 impl Obj<'_, '_> {
-    fn take(&mut self, statement: &Statement<'_>) -> Result<(), ObjError> {
+    fn take(&mut self, statement: &Statement<'_>) -> Result<(), LineFault> {
         let line = statement.line;
         let mut words = statement.words();
         match words.next() {
-            Some(b"v") => self.vertex(line, words),
+            Some(b"v") => self.vertex(words),
             Some(b"f" | b"fo") => self.face(line, words),
             Some(b"usemtl") => {
                 let before = self.color.replace(self.materials.color(line, &joined(words)));
-                self.model.color_faces(before.unwrap_or(WHITE)).map_err(refused(line))
+                Ok(self.model.color_faces(before.unwrap_or(WHITE))?)
             }
             Some(b"mtllib") => self.library(line, words),
-            Some(b"call") => Err(ObjError::Call { line }),
-            Some(b"csh") => Err(ObjError::Program { line }),
-            Some(word) => match CURVED.into_iter().find(|curved| curved.as_bytes() == word) {
-                Some(statement) => Err(ObjError::Curved { line, statement }),
-                None => Ok(()),
-            },
-            None => Ok(()),
+            Some(b"call") => Err(LineFault::Call),
+            Some(b"csh") => Err(LineFault::Program),
+            // Faces say the same as all other statements of curved surfaces.
+            Some(word @ (b"surf" | b"bzp" | b"bsp")) => Err(LineFault::Curved { statement: shown(word) }),
+            _ => Ok(()),
         }
     }
 
     /// Names of files, or one name that has blanks.
-    fn library<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
+    fn library<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), LineFault> {
         let name = joined(words);
         let are_many = name.to_ascii_lowercase().windows(5).any(|part| part == b".mtl ");
         let names = if are_many { name.split(|&byte| byte == b' ').collect() } else { vec![&name[..]] };
         for name in names {
             let bytes = self.materials.read(line, &String::from_utf8_lossy(name), self.model.room() / mtl::BYTES);
-            self.model.charge_bytes(bytes * mtl::BYTES).map_err(refused(line))?;
+            self.model.charge(bytes * mtl::BYTES)?;
         }
         Ok(())
     }
 
     /// Coordinates. A weight or a colour may follow; weights are for curves alone.
-    fn vertex<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
-        let (mut numbers, mut count) = ([0.0; 6], 0);
-        for word in words {
-            let number = std::str::from_utf8(word).ok().and_then(number);
-            let number = number.ok_or_else(|| ObjError::Number { line, found: shown(word) })?;
-            if let Some(coordinate) = numbers.get_mut(count) {
-                *coordinate = number;
-            }
-            count += 1;
+    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<(), LineFault> {
+        let found = numbers(words, number).map_err(|word| LineFault::Number { found: shown(word) })?;
+        let ([x, y, z, red, green, blue], found) = found;
+        if found < 3 {
+            return Err(LineFault::Coordinates { found });
         }
-        if count < 3 {
-            return Err(ObjError::Coordinates { line, found: count });
+        self.model.vertex([x, y, z])?;
+        if found == 6 {
+            self.model.color_vertex([red, green, blue].map(linear))?;
         }
-        let [x, y, z, red, green, blue] = numbers;
-        self.model.vertex([x, y, z]).map_err(refused(line))?;
-        if count == 6 { self.model.color_vertex([red, green, blue].map(linear)).map_err(refused(line)) } else { Ok(()) }
+        Ok(())
     }
 
-    fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ObjError> {
-        self.model.begin_face().map_err(refused(line))?;
+    fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), LineFault> {
+        self.model.begin_face()?;
         for word in words {
-            let index = corner(word).ok_or_else(|| ObjError::Corner { line, found: shown(word) })?;
+            let index = corner(word).ok_or_else(|| LineFault::Corner { found: shown(word) })?;
             let vertices = self.model.vertices();
             // Below 0 they count backwards from the last vertex so far.
             let one_based = if index < 0 { index.saturating_add(vertices as i64).saturating_add(1) } else { index };
             let vertex = u32::try_from(one_based).ok().and_then(|one_based| one_based.checked_sub(1));
-            let vertex = vertex.ok_or(ObjError::OutOfRange { line, index, vertices })?;
+            let vertex = vertex.ok_or(LineFault::OutOfRange { index, vertices })?;
             self.highest = self.highest.max((one_based, line));
-            self.model.corner(vertex).map_err(refused(line))?;
+            self.model.corner(vertex)?;
         }
-        self.model.end_face().map_err(refused(line))
+        Ok(self.model.end_face()?)
     }
 
-    fn finish(self) -> Result<Arrays, ObjError> {
-        let Self { mut model, color, highest: (index, line), .. } = self;
-        color.map_or(Ok(()), |color| model.color_faces(color)).map_err(refused(line))?;
+    /// The model, or none if it has no faces.
+    fn finish(self) -> Result<Option<Arrays>, LineFault> {
+        let Self { mut model, color, highest: (index, _), .. } = self;
+        color.map_or(Ok(()), |color| model.color_faces(color))?;
         let vertices = model.vertices();
         if index > vertices as i64 {
-            return Err(ObjError::OutOfRange { line, index, vertices });
+            return Err(LineFault::OutOfRange { index, vertices });
         }
-        model.finish().map_err(refused(line))?.ok_or(ObjError::NoFaces)
-    }
-}
-
-fn refused(line: usize) -> impl Fn(Refused) -> ObjError {
-    move |refused| match refused {
-        Refused::Corners(found) => ObjError::Corners { line, found },
-        Refused::FaceTooLarge => ObjError::FaceTooLarge { line },
-        Refused::TooLarge { needed, limit } => ObjError::TooLarge { line, needed, limit },
+        Ok(model.finish()?)
     }
 }
 
@@ -225,9 +222,4 @@ fn corner(word: &[u8]) -> Option<i64> {
     let others: [Option<&[u8]>; 3] = [parts.next(), parts.next(), parts.next()];
     let are_right = others[..2].iter().flatten().all(|part| part.is_empty() || number(part).is_some());
     (are_right && others[2].is_none()).then_some(vertex)
-}
-
-/// A word for a message.
-fn shown(word: &[u8]) -> String {
-    String::from_utf8_lossy(&word[..word.len().min(160)]).chars().take(40).collect()
 }

@@ -39,9 +39,9 @@ pub fn settle(files: &mut [(&mut File, &[usize])], time_s: f32) -> Result<Settle
         |(index, (file, playing)): (usize, &(&mut File, &[usize]))| file.extent(playing, time_s).map_err(at(index));
     let extents = files.iter().enumerate().map(of).collect::<Result<Vec<_>, _>>()?;
     let mut chosen: Option<(f64, Origin)> = None;
-    for (index, ((file, playing), extent)) in files.iter().zip(&extents).enumerate() {
+    for ((file, playing), extent) in files.iter().zip(&extents) {
         let Some(extent) = extent else { continue };
-        let origin = file.suggested_origin(extent, playing, time_s).map_err(at(index))?;
+        let origin = file.suggested_origin(extent, playing, time_s);
         if !origin.is_zero() && chosen.is_none_or(|(smallest, _)| size(extent) < smallest) {
             chosen = Some((size(extent), origin));
         }
@@ -67,19 +67,13 @@ fn coarse(extent: &SceneExtent) -> String {
 }
 
 impl File {
-    /// The origin for the model at one time: zero for files that `f32` holds well. The origin of arrays is known since they
-    /// were read.
-    fn suggested_origin(&self, extent: &SceneExtent, animations: &[usize], time_s: f32) -> Result<Origin, GltfError> {
-        let Content::Gltf(asset) = &self.content else { return Ok(self.origin) };
-        let mut failure = None;
-        let smallest_edge = || {
-            asset.smallest_edge(animations.iter().copied(), time_s).unwrap_or_else(|error| {
-                failure = Some(error);
-                f64::INFINITY
-            })
-        };
-        let origin = Origin::near(extent.bounds, smallest_edge);
-        failure.map_or(Ok(origin), Err)
+    /// The origin for the model at a time at which it has this extent: zero for files that `f32` holds well. The origin of
+    /// arrays is known since they were read.
+    fn suggested_origin(&self, extent: &SceneExtent, animations: &[usize], time_s: f32) -> Origin {
+        let Content::Gltf(asset) = &self.content else { return self.origin };
+        // There is a pose, since there is an extent.
+        let smallest_edge = || asset.smallest_edge(animations.iter().copied(), time_s).unwrap_or(f64::INFINITY);
+        Origin::near(extent.bounds, smallest_edge)
     }
 
     /// Where the model is at one time. `None` if nothing has a finite position.

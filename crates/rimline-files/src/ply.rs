@@ -6,6 +6,7 @@ use rimline::mesh::MAX_POLYGON_CORNERS;
 
 use crate::collected::{Collected, Refused};
 use crate::coordinates::number;
+use crate::line::shown;
 use crate::mtl::linear;
 use crate::npz::Arrays;
 
@@ -29,23 +30,57 @@ pub enum PlyError {
     NoFaces,
     #[error("it states {stated} of `{element}`, and the rest of the file has room for {most}; get the whole file")]
     Cut { element: String, stated: u64, most: u64 },
-    #[error("`{element}` {index}: the file ends within it; get the whole file")]
-    Ended { element: String, index: u64 },
-    #[error("`{element}` {index}: {found:?} is no number")]
-    Number { element: String, index: u64, found: String },
-    #[error("`{element}` {index}: a list cannot have {found} elements")]
-    List { element: String, index: u64, found: f64 },
-    #[error("`{element}` {index} names vertex {found}, but there are {vertices}; they are counted from 0")]
-    OutOfRange { element: String, index: u64, found: f64, vertices: u64 },
-    #[error("`{element}` {index} has {found} corner{}; a face needs at least 3", if *.found == 1 { "" } else { "s" })]
-    Corners { element: String, index: u64, found: usize },
-    #[error("`{element}` {index} has more than {MAX_POLYGON_CORNERS} corners; cut it into several")]
-    FaceTooLarge { element: String, index: u64 },
+    #[error("`{element}` {index}{fault}")]
+    Element { element: String, index: u64, fault: ElementFault },
+}
+
+/// The fault of an element, as it goes on in a message.
+#[derive(Debug, thiserror::Error)]
+pub enum ElementFault {
+    #[error(": cannot be read: {0}")]
+    Read(io::Error),
+    #[error(": the file ends within it; get the whole file")]
+    Ended,
+    #[error(": {found:?} is no number")]
+    Number { found: String },
+    #[error(": a list cannot have {found} elements")]
+    List { found: f64 },
+    #[error(" names vertex {found}, but there are {vertices}; they are counted from 0")]
+    OutOfRange { found: f64, vertices: u64 },
+    #[error(" has {found} corner{}; a face needs at least 3", if *.found == 1 { "" } else { "s" })]
+    Corners { found: usize },
+    #[error(" has more than {MAX_POLYGON_CORNERS} corners; cut it into several")]
+    FaceTooLarge,
     #[error(
-        "`{element}` {index}: what is read so far takes {needed} bytes of memory with what is made of it, more than the limit of \
-         {limit}; if it is meant to be that large, give a larger --memory-limit"
+        ": what is read so far takes {needed} bytes of memory with what is made of it, more than the limit of {limit}; if it is \
+         meant to be that large, give a larger --memory-limit"
     )]
-    TooLarge { element: String, index: u64, needed: u64, limit: u64 },
+    TooLarge { needed: u64, limit: u64 },
+}
+
+impl From<io::Error> for ElementFault {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::UnexpectedEof { Self::Ended } else { Self::Read(error) }
+    }
+}
+
+impl From<Refused> for ElementFault {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::Corners(found) => Self::Corners { found },
+            Refused::FaceTooLarge => Self::FaceTooLarge,
+            Refused::TooLarge { needed, limit } => Self::TooLarge { needed, limit },
+        }
+    }
+}
+
+impl ElementFault {
+    fn at(self, element: &str, index: u64) -> PlyError {
+        match self {
+            Self::Read(error) => PlyError::Read(error),
+            fault => PlyError::Element { element: element.into(), index, fault },
+        }
+    }
 }
 
 const MAX_HEADER: u64 = 1 << 17;
@@ -132,8 +167,7 @@ pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64, are_whole: bool)
         element.read(&mut body, &mut model, vertices)?;
         left = left.saturating_sub(element.count.saturating_mul(element.least(header.encoding)));
     }
-    let last = ElementIndex { element: "face", index: 0 };
-    model.finish().map_err(|refused| last.refused(refused))?.ok_or(PlyError::NoFaces)
+    model.finish().map_err(|refused| ElementFault::from(refused).at("face", 0))?.ok_or(PlyError::NoFaces)
 }
 
 impl Header {
@@ -161,21 +195,13 @@ impl Header {
                     }
                     elements.push(Element { name: name.into(), count, properties: Vec::new() });
                 }
-                ["property", ref of @ ..] => {
-                    let wanted =
-                        "a property is `property TYPE NAME` or `property list TYPE TYPE NAME`, after an element";
-                    let (length, scalar, name) = match *of {
-                        ["list", length, scalar, name] => (Some(length), scalar, name),
-                        [scalar, name] => (None, scalar, name),
-                        _ => return Err(wrong(wanted)),
-                    };
-                    let scalar_of = |name| Scalar::named(name).ok_or_else(|| wrong("its type is not one of PLY's"));
-                    let (length, scalar) = (length.map(scalar_of).transpose()?, scalar_of(scalar)?);
-                    let Some(element) = elements.last_mut() else { return Err(wrong(wanted)) };
-                    if element.properties.iter().any(|property| property.name == name) {
-                        return Err(PlyError::Twice { line, name: name.into() });
+                ["property", ref words @ ..] => {
+                    let property = Property::of(words).map_err(wrong)?;
+                    let element = elements.last_mut().ok_or_else(|| wrong(Property::WANTED))?;
+                    if element.properties.iter().any(|other| other.name == property.name) {
+                        return Err(PlyError::Twice { line, name: property.name });
                     }
-                    element.properties.push(Property { name: name.into(), length, scalar });
+                    element.properties.push(property);
                 }
                 ["end_header"] => {
                     let encoding = encoding.ok_or_else(|| wrong("a line `format` must come before"))?;
@@ -195,13 +221,8 @@ impl Header {
 fn header_line(text: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     let mut line = Vec::new();
     text.read_until(b'\n', &mut line)?;
-    if line.pop() != Some(b'\n') {
-        return Ok(None);
-    }
-    if line.last() == Some(&b'\r') {
-        line.pop();
-    }
-    Ok(Some(line))
+    let whole = line.strip_suffix(b"\n");
+    Ok(whole.map(|line| line.strip_suffix(b"\r").unwrap_or(line).to_vec()))
 }
 
 impl Element {
@@ -222,97 +243,83 @@ impl Element {
     }
 
     fn read(&self, body: &mut Body<impl BufRead>, model: &mut Collected, vertices: u64) -> Result<(), PlyError> {
-        if self.name == "vertex" {
-            return self.read_vertices(body, model);
+        let is_face = self.name == "face";
+        let axes = (self.name == "vertex").then(|| self.axes()).transpose()?;
+        if axes.is_some() {
+            model.check_vertices(self.count).map_err(|refused| ElementFault::from(refused).at(&self.name, 0))?;
         }
-        let is_corners = |property: &Property| {
-            self.name == "face"
-                && property.length.is_some()
-                && ["vertex_indices", "vertex_index"].contains(&&*property.name)
-        };
         // Without properties it is nothing, however many are stated.
         let count = if self.properties.is_empty() { 0 } else { self.count };
-        let channels = self.channels().filter(|_| self.name == "face");
+        let channels = self.channels().filter(|_| is_face || axes.is_some());
         let mut values = vec![0.0; self.properties.len()];
-        for index in 0..count {
-            let at = ElementIndex { element: &self.name, index };
+        let mut read_one = || {
             for (value, property) in values.iter_mut().zip(&self.properties) {
-                let Some(length) = property.length else {
-                    *value = body.value(property.scalar, at)?;
-                    continue;
-                };
-                let length = body.length(length, at)?;
-                if !is_corners(property) {
-                    (0..length).try_for_each(|_| body.value(property.scalar, at).map(drop))?;
-                    continue;
-                }
-                model.begin_face().map_err(|refused| at.refused(refused))?;
-                for _ in 0..length {
-                    let found = body.value(property.scalar, at)?;
-                    // NaN is none, either.
-                    if !(found >= 0.0 && found < vertices.min(u32::MAX.into()) as f64 && found.fract() == 0.0) {
-                        return Err(PlyError::OutOfRange { element: self.name.clone(), index, found, vertices });
+                match property.length {
+                    None => *value = body.value(property.scalar)?,
+                    Some(length) if is_face && property.is_corners() => {
+                        body.face(length, property.scalar, model, vertices)?;
                     }
-                    model.corner(found as u32).map_err(|refused| at.refused(refused))?;
+                    Some(length) => {
+                        (0..body.length(length)?).try_for_each(|_| body.value(property.scalar).map(drop))?;
+                    }
                 }
-                model.end_face().map_err(|refused| at.refused(refused))?;
             }
-            if let Some(channels) = channels {
-                model
-                    .color_faces(channels.map(|channel| channel.of(&values)))
-                    .map_err(|refused| at.refused(refused))?;
+            if let Some(axes) = axes {
+                model.vertex(axes.map(|column| values[column]))?;
             }
-        }
-        Ok(())
+            match channels.map(|channels| channels.map(|channel| channel.of(&values))) {
+                Some(color) if is_face => model.color_faces(color)?,
+                Some(color) => model.color_vertex(color)?,
+                None => {}
+            }
+            Ok::<_, ElementFault>(())
+        };
+        (0..count).try_for_each(|index| read_one().map_err(|fault| fault.at(&self.name, index)))
+    }
+
+    /// The column of a number of this name.
+    fn column(&self, name: &str) -> Option<usize> {
+        self.properties.iter().position(|property| property.name == name && property.length.is_none())
+    }
+
+    /// The columns of a position.
+    fn axes(&self) -> Result<[usize; 3], PlyError> {
+        let axis = |property| self.column(property).ok_or(PlyError::NoPosition { property });
+        Ok([axis("x")?, axis("y")?, axis("z")?])
     }
 
     /// Where the colour is, if it has one.
     fn channels(&self) -> Option<[Channel; 3]> {
-        let found = ["red", "green", "blue"].map(|name| {
-            let column =
-                self.properties.iter().position(|property| property.name == name && property.length.is_none())?;
+        let channel = |name| {
+            let column = self.column(name)?;
             let most = match self.properties[column].scalar {
                 Scalar { kind: 'f', .. } => 1.0,
                 Scalar { bytes: 2, .. } => f64::from(u16::MAX),
                 Scalar { .. } => f64::from(u8::MAX),
             };
             Some(Channel { column, most })
-        });
-        let [Some(red), Some(green), Some(blue)] = found else { return None };
-        Some([red, green, blue])
+        };
+        Some([channel("red")?, channel("green")?, channel("blue")?])
+    }
+}
+
+impl Property {
+    const WANTED: &str = "a property is `property TYPE NAME` or `property list TYPE TYPE NAME`, after an element";
+
+    /// The property of these words of its line, or what is wanted instead.
+    fn of(words: &[&str]) -> Result<Self, &'static str> {
+        let (length, scalar, name) = match *words {
+            ["list", length, scalar, name] => (Some(length), scalar, name),
+            [scalar, name] => (None, scalar, name),
+            _ => return Err(Self::WANTED),
+        };
+        let scalar_of = |name| Scalar::named(name).ok_or("its type is not one of PLY's");
+        Ok(Self { name: name.into(), length: length.map(scalar_of).transpose()?, scalar: scalar_of(scalar)? })
     }
 
-    fn read_vertices(&self, body: &mut Body<impl BufRead>, model: &mut Collected) -> Result<(), PlyError> {
-        let mut columns = [0; 3];
-        for (column, property) in columns.iter_mut().zip(["x", "y", "z"]) {
-            let found =
-                self.properties.iter().position(|candidate| candidate.name == property && candidate.length.is_none());
-            *column = found.ok_or(PlyError::NoPosition { property })?;
-        }
-        model
-            .check_vertices(self.count)
-            .map_err(|refused| ElementIndex { element: &self.name, index: 0 }.refused(refused))?;
-        let channels = self.channels();
-        let mut values = vec![0.0; self.properties.len()];
-        for index in 0..self.count {
-            let at = ElementIndex { element: &self.name, index };
-            for (value, property) in values.iter_mut().zip(&self.properties) {
-                match property.length {
-                    Some(length) => {
-                        let length = body.length(length, at)?;
-                        (0..length).try_for_each(|_| body.value(property.scalar, at).map(drop))?;
-                    }
-                    None => *value = body.value(property.scalar, at)?,
-                }
-            }
-            model.vertex(columns.map(|column| values[column])).map_err(|refused| at.refused(refused))?;
-            if let Some(channels) = channels {
-                model
-                    .color_vertex(channels.map(|channel| channel.of(&values)))
-                    .map_err(|refused| at.refused(refused))?;
-            }
-        }
-        Ok(())
+    /// Whether it is the list of a face's corners.
+    fn is_corners(&self) -> bool {
+        ["vertex_indices", "vertex_index"].contains(&&*self.name)
     }
 }
 
@@ -330,24 +337,6 @@ impl Channel {
     }
 }
 
-/// An element, for messages.
-#[derive(Clone, Copy)]
-struct ElementIndex<'a> {
-    element: &'a str,
-    index: u64,
-}
-
-impl ElementIndex<'_> {
-    fn refused(self, refused: Refused) -> PlyError {
-        let (element, index) = (self.element.into(), self.index);
-        match refused {
-            Refused::Corners(found) => PlyError::Corners { element, index, found },
-            Refused::FaceTooLarge => PlyError::FaceTooLarge { element, index },
-            Refused::TooLarge { needed, limit } => PlyError::TooLarge { element, index, needed, limit },
-        }
-    }
-}
-
 struct Body<R> {
     reader: R,
     encoding: Encoding,
@@ -356,25 +345,16 @@ struct Body<R> {
 }
 
 impl<R: BufRead> Body<R> {
-    fn value(&mut self, scalar: Scalar, at: ElementIndex<'_>) -> Result<f64, PlyError> {
-        let ended = |error: io::Error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => PlyError::Ended { element: at.element.into(), index: at.index },
-            _ => error.into(),
-        };
+    fn value(&mut self, scalar: Scalar) -> Result<f64, ElementFault> {
         if self.encoding == Encoding::Text {
-            self.read_word().map_err(ended)?;
+            self.read_word()?;
             let word = Some(&self.word).filter(|word| word.len() <= MAX_WORD);
             let found = word.and_then(|word| std::str::from_utf8(word).ok()).and_then(number);
-            let shown = || String::from_utf8_lossy(&self.word[..self.word.len().min(160)]).chars().take(40).collect();
-            return found.ok_or_else(|| PlyError::Number {
-                element: at.element.into(),
-                index: at.index,
-                found: shown(),
-            });
+            return found.ok_or_else(|| ElementFault::Number { found: shown(&self.word) });
         }
         let mut bytes = [0; 8];
         let value_bytes = &mut bytes[..scalar.bytes];
-        self.reader.read_exact(value_bytes).map_err(ended)?;
+        self.reader.read_exact(value_bytes)?;
         if self.encoding == Encoding::BigEndian {
             value_bytes.reverse();
         }
@@ -382,12 +362,30 @@ impl<R: BufRead> Body<R> {
     }
 
     /// The length of a list. No more are read than the file has, so it may be anything.
-    fn length(&mut self, scalar: Scalar, at: ElementIndex<'_>) -> Result<u64, PlyError> {
-        let found = self.value(scalar, at)?;
-        if found >= 0.0 && found.fract() == 0.0 {
-            return Ok(found as u64);
+    fn length(&mut self, scalar: Scalar) -> Result<u64, ElementFault> {
+        let found = self.value(scalar)?;
+        if found >= 0.0 && found.fract() == 0.0 { Ok(found as u64) } else { Err(ElementFault::List { found }) }
+    }
+
+    /// The corners of a face.
+    fn face(
+        &mut self,
+        length: Scalar,
+        corner: Scalar,
+        model: &mut Collected,
+        vertices: u64,
+    ) -> Result<(), ElementFault> {
+        let length = self.length(length)?;
+        model.begin_face()?;
+        for _ in 0..length {
+            let found = self.value(corner)?;
+            // NaN is none, either.
+            if !(found >= 0.0 && found < vertices.min(u32::MAX.into()) as f64 && found.fract() == 0.0) {
+                return Err(ElementFault::OutOfRange { found, vertices });
+            }
+            model.corner(found as u32)?;
         }
-        Err(PlyError::List { element: at.element.into(), index: at.index, found })
+        Ok(model.end_face()?)
     }
 
     /// The next word of text. One that is too long for a number is cut.

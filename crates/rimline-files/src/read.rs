@@ -13,7 +13,8 @@ use crate::error::FileError;
 use crate::file::{File, GivenPolygons};
 use crate::format::{Format, ending};
 use crate::mtl::Materials;
-use crate::{npz, obj, ply, stl};
+use crate::npz::PolygonArrays;
+use crate::{coordinates, npz, obj, ply, stl};
 
 /// How polygons are taken. Those of an .npz are always taken whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -193,14 +194,16 @@ fn of_arrays(arrays: npz::Arrays, taken: Polygons, options: &ReadOptions) -> Res
         origin = Origin::new(up.turned(origin.to_array()));
     }
     match &polygons {
-        Some(polygons) => colors::split(&mut colors, &positions, polygons.of_one_loop()),
+        Some(PolygonArrays { loop_sizes, loop_corners, .. }) => {
+            colors::split(&mut colors, &positions, coordinates::faces(loop_sizes, loop_corners));
+        }
         None => colors::split(&mut colors, &positions, faces.iter().map(<[u32; 3]>::as_slice)),
     }
     let of_polygons = |colors: &mut Colors, of_triangles: &[u32]| {
         let of = |colors: &Vec<[f32; 3]>| of_triangles.iter().map(|&polygon| colors[polygon as usize]).collect();
         colors.faces = colors.faces.as_ref().map(of);
     };
-    let by_loop = |polygons: &npz::PolygonArrays| Mesh::from_polygons_by_loop(&positions, polygons.loops(), weld);
+    let by_loop = |polygons: &PolygonArrays| Mesh::from_polygons_by_loop(&positions, polygons.loops(), weld);
     let (mut described, mut collapsed) = (None, 0);
     match (polygons, taken) {
         (None, _) => {}
@@ -224,17 +227,16 @@ fn of_arrays(arrays: npz::Arrays, taken: Polygons, options: &ReadOptions) -> Res
                 described = Some(Box::new(GivenPolygons { mesh: by_loop(&polygons)?, positions: positions.clone() }));
             }
             let found = polygons.loops().triangulate_with_polygons(&positions, weld)?;
-            let (triangles, of_triangles, counts) = (found.faces, found.polygons, found.counts);
-            of_polygons(&mut colors, &of_triangles);
-            (faces, collapsed) = (triangles, counts.collapsed);
+            of_polygons(&mut colors, &found.polygons);
+            (faces, collapsed) = (found.faces, found.counts.collapsed);
         }
     }
     let geometry = Geometry::new(positions, faces, GeometryOptions::default())?;
     let (welded, mut weld) = geometry.welded(weld);
     let colors = colors::welded(colors, geometry.faces(), &welded);
-    let geometry = welded;
+    drop(geometry);
     weld.collapsed += collapsed;
-    Ok(File { weld, described, colors, ..File::in_world(placed(geometry)?, origin) })
+    Ok(File { weld, described, colors, ..File::in_world(placed(welded)?, origin) })
 }
 
 fn placed(geometry: Geometry) -> Result<Model, rimline::ModelError> {

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use rimline::mesh::MAX_FACES;
 
 use crate::charge;
-use crate::line::{Next, Statements};
+use crate::line::{self, Next, Statements, numbers, shown};
 use crate::npz::Arrays;
 
 /// Why a file is refused.
@@ -49,7 +49,7 @@ pub(crate) fn is_binary(start: &[u8], length: u64) -> bool {
 
 /// Whether a file begins like text. Some binary files begin with the same word.
 pub(crate) fn is_text(start: &[u8]) -> bool {
-    let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start().to_ascii_lowercase();
+    let text = line::text(start).to_ascii_lowercase();
     let contains = |word: &[u8]| text.windows(word.len()).any(|window| window == word);
     text.starts_with(b"solid") && (contains(b"facet") || contains(b"endsolid"))
 }
@@ -111,12 +111,9 @@ fn binary(mut reader: impl BufRead, length: u64, model: &mut Triangles) -> Resul
     for _ in 0..stated {
         reader.read_exact(&mut triangle)?;
         // A normal, three corners, and two bytes that mean something to some programs.
-        let (corners, _) = triangle[12..48].as_chunks::<12>();
-        let number = |bytes: &[u8; 4]| f32::from_le_bytes(*bytes);
-        model.positions.extend(corners.iter().map(|corner| {
-            let [x, y, z] = [0, 4, 8].map(|at| [corner[at], corner[at + 1], corner[at + 2], corner[at + 3]]);
-            [x, y, z].map(|bytes| number(&bytes))
-        }));
+        let (coordinates, _) = triangle[12..48].as_chunks::<4>();
+        let (corners, _) = coordinates.as_chunks::<3>();
+        model.positions.extend(corners.iter().map(|corner| corner.map(f32::from_le_bytes)));
     }
     Ok(())
 }
@@ -140,18 +137,10 @@ fn text(reader: impl BufRead, model: &mut Triangles) -> Result<(), StlError> {
         let mut words = statement.words();
         let Some(word) = words.next() else { continue };
         if word.eq_ignore_ascii_case(b"vertex") {
-            let (mut position, mut count) = ([0.0; 3], 0);
-            for word in words {
-                let number = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
-                let found = || String::from_utf8_lossy(&word[..word.len().min(160)]).chars().take(40).collect();
-                let number: f32 = number.ok_or_else(|| StlError::Number { line, found: found() })?;
-                if let Some(coordinate) = position.get_mut(count) {
-                    *coordinate = number;
-                }
-                count += 1;
-            }
-            if count != 3 {
-                return Err(StlError::Coordinates { line, found: count });
+            let found = numbers(words, |text| text.parse().ok());
+            let (position, found) = found.map_err(|word| StlError::Number { line, found: shown(word) })?;
+            if found != 3 {
+                return Err(StlError::Coordinates { line, found });
             }
             corners += 1;
             if corners > 3 {

@@ -11,6 +11,10 @@ pub const U16: u32 = 5123;
 pub const U32: u32 = 5125;
 pub const F32: u32 = 5126;
 
+/// Targets of views.
+pub const VERTICES: u32 = 34962;
+pub const INDICES: u32 = 34963;
+
 /// Four corners of a square in the plane z = 0.
 pub const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
 
@@ -56,14 +60,27 @@ impl Maker {
     }
 
     pub fn floats(&mut self, kind: &str, data: &[f32]) -> usize {
-        let width = match kind {
-            "SCALAR" => 1,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            _ => 16,
-        };
         let bytes: Vec<u8> = data.iter().flat_map(|v| v.to_le_bytes()).collect();
-        self.accessor(F32, kind, data.len() / width, &bytes)
+        self.accessor(F32, kind, data.len() / width(kind), &bytes)
+    }
+
+    /// [`Self::floats`] with the bounds that positions and key times must have.
+    pub fn bounded(&mut self, kind: &str, data: &[f32]) -> usize {
+        let accessor = self.floats(kind, data);
+        let bounds = |pick: fn(f32, f32) -> f32, start: f32| {
+            let axis = |axis: usize| data.iter().skip(axis).step_by(width(kind)).copied().fold(start, pick);
+            (0..width(kind)).map(axis).collect::<Vec<f32>>()
+        };
+        self.json["accessors"][accessor]["min"] = json!(bounds(f32::min, f32::INFINITY));
+        self.json["accessors"][accessor]["max"] = json!(bounds(f32::max, f32::NEG_INFINITY));
+        accessor
+    }
+
+    /// States the target of an accessor's view.
+    pub fn bind(&mut self, accessor: &Value, target: u32) {
+        let index = |value: &Value| value.as_u64().expect("an index") as usize;
+        let view = index(&self.json["accessors"][index(accessor)]["bufferView"]);
+        self.json["bufferViews"][view]["target"] = json!(target);
     }
 
     pub fn indices(&mut self, component: u32, data: &[u32]) -> usize {
@@ -173,6 +190,16 @@ impl Maker {
     pub fn load(&self) -> Result<Asset, GltfError> {
         let options = LoadOptions { memory_limit: 256 << 20, ..Weld::Keep.into() };
         Asset::from_slice(&self.glb(), None, options)
+    }
+}
+
+/// The components of an accessor type.
+fn width(kind: &str) -> usize {
+    match kind {
+        "SCALAR" => 1,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        _ => 16,
     }
 }
 

@@ -48,7 +48,7 @@ impl Arranged {
             let slot = slots.get((packed & !INCONSISTENT_BIT) as usize).copied().unwrap_or(0);
             if packed == NO_FACE { NO_FACE } else { slot | packed & INCONSISTENT_BIT }
         };
-        let records = clusters.edges().records();
+        let records = clusters.edges();
         let mut edge_faces = gather(mesh.edges().packed_faces(), records, threads);
         threads
             .share(&mut edge_faces, |_, faces| faces.iter_mut().flatten().for_each(|packed| *packed = slot(*packed)));

@@ -13,7 +13,7 @@ mod plane;
 pub use arranged::Arranged;
 pub use bound::ClusterBound;
 pub use bound::WIDENING;
-pub use edges::EdgeOrder;
+pub use edges::edge_order;
 
 use crate::cpu::Threads;
 use crate::layout::CHUNK;
@@ -25,13 +25,13 @@ pub const CLUSTER_FACES: usize = 2 * CHUNK as usize;
 
 /// The clusters of a rigid mesh.
 ///
-/// Memory: 4 bytes a face for the order, 48 bytes a cluster for bounds, and the size of [`EdgeOrder`]. Together these are
-/// 10.4 bytes a face on closed meshes, with 1.5 records a face.
+/// Memory: 4 bytes a face and 4 bytes an edge record for the orders, and 48 bytes a cluster for bounds. Together these are
+/// 10.4 bytes a face on closed meshes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clusters {
     faces: Vec<u32>,
     bounds: Vec<ClusterBound>,
-    edges: EdgeOrder,
+    edges: Vec<u32>,
 }
 
 impl Clusters {
@@ -42,7 +42,7 @@ impl Clusters {
         let order = Order::new(positions, mesh.faces(), threads);
         let bounds = bound::bounds(&order, threads);
         let Order { faces, .. } = order;
-        let edges = EdgeOrder::new(mesh.edges(), &faces);
+        let edges = edge_order(mesh.edges(), &faces);
         Self { faces, bounds, edges }
     }
 
@@ -61,13 +61,13 @@ impl Clusters {
         &self.bounds
     }
 
-    /// The order of the edge records.
-    pub fn edges(&self) -> &EdgeOrder {
+    /// For each edge slot the mesh's record: see [`edge_order`].
+    pub fn edges(&self) -> &[u32] {
         &self.edges
     }
 
     /// The size in memory, in bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.faces) + size_of_val(&*self.bounds) + self.edges.bytes()
+        size_of_val(&*self.faces) + size_of_val(&*self.bounds) + size_of_val(&*self.edges)
     }
 }

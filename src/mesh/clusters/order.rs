@@ -43,7 +43,7 @@ impl Order {
             }
             keys
         });
-        let mut keys = keys.into_iter().reduce(|all, keys| [all, keys].concat()).unwrap_or_default();
+        let mut keys = keys.concat();
         keys.sort_unstable();
         Self { planes, faces: keys.into_iter().map(|key| (key & ((1 << INDEX_BITS) - 1)) as u32).collect() }
     }

@@ -48,11 +48,7 @@ impl PolygonLoops<'_> {
     /// # Errors
     /// The errors of [`Self::triangulate`].
     pub fn triangulate_with_polygons(self, positions: &[[f32; 3]], weld: Weld) -> Result<PolygonTriangles, MeshError> {
-        let (groups, mut counts) = weld::weld_positions(positions, weld);
-        let (polygons, triangles) = Polygons::new(positions, self, &groups)?;
-        if counts.after < counts.before {
-            counts.collapsed = polygons.collapsed(self);
-        }
+        let (polygons, triangles, counts) = Polygons::welded(positions, self, weld)?;
         let (faces, polygons) = polygons.surface(triangles);
         if faces.len() > MAX_FACES {
             return Err(MeshError::TooManyFaces { faces: faces.len() });
@@ -94,9 +90,23 @@ pub struct Polygons {
 }
 
 impl Polygons {
+    /// Welds vertices and makes polygons of them, with their triangles.
+    pub(super) fn welded(
+        positions: &[[f32; 3]],
+        given: PolygonLoops<'_>,
+        weld: Weld,
+    ) -> Result<(Self, Vec<[u32; 3]>, WeldCounts), MeshError> {
+        let (groups, mut counts) = weld::weld_positions(positions, weld);
+        let (polygons, triangles) = Self::new(positions, given, &groups)?;
+        if counts.after < counts.before {
+            counts.collapsed = polygons.collapsed(given);
+        }
+        Ok((polygons, triangles, counts))
+    }
+
     /// Checks polygons over `vertex_count` vertices, renames their corners, and triangulates them at `positions`. The
     /// triangles come second. `rename` has an entry for each vertex, or none if they keep their names.
-    pub(super) fn new(
+    fn new(
         positions: &[[f32; 3]],
         given: PolygonLoops<'_>,
         rename: &[u32],
@@ -141,8 +151,12 @@ impl Polygons {
     /// # Panics
     /// If there is no such polygon.
     pub fn loops(&self, polygon: usize) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
-        let of = range(&self.loop_starts, polygon);
-        of.map(|index| &self.corners[range(&self.corner_starts, index)])
+        self.loops_of(&self.corners, polygon)
+    }
+
+    /// The loops of a polygon in these corners.
+    fn loops_of<'a>(&'a self, corners: &'a [u32], polygon: usize) -> impl ExactSizeIterator<Item = &'a [u32]> + Clone {
+        range(&self.loop_starts, polygon).map(move |index| &corners[range(&self.corner_starts, index)])
     }
 
     /// The directed edges of a polygon's boundary. Equally many begin and end at each vertex. They are in the order of the
@@ -165,8 +179,7 @@ impl Polygons {
 
     /// The polygon of each triangle.
     pub fn triangle_polygons(&self) -> Vec<u32> {
-        let count = |ends: &[u32]| (ends[1] - ends[0]) as usize;
-        (0..).zip(self.triangle_starts.windows(2)).flat_map(|(p, ends)| std::iter::repeat_n(p, count(ends))).collect()
+        polygons_of(&self.triangle_starts)
     }
 
     /// The mask of each polygon from those of the mesh's triangles, which are the same for all of a polygon: masks of
@@ -184,13 +197,11 @@ impl Polygons {
     }
 
     /// How many polygons have no boundary, though they had one as given, before their corners were renamed.
-    pub(super) fn collapsed(&self, given: PolygonLoops<'_>) -> usize {
+    fn collapsed(&self, given: PolygonLoops<'_>) -> usize {
         let mut walker = boundary::Walker::default();
         let mut had_boundary = |polygon: usize| {
-            let loops = range(&self.loop_starts, polygon);
-            let loops = loops.map(|index| &given.loop_corners[range(&self.corner_starts, index)]);
             let mut boundary = Vec::new();
-            walker.append_boundary(&mut boundary, loops);
+            walker.append_boundary(&mut boundary, self.loops_of(given.loop_corners, polygon));
             !boundary.is_empty()
         };
         (0..self.len()).filter(|&polygon| self.boundary(polygon).is_empty() && had_boundary(polygon)).count()
@@ -219,9 +230,7 @@ impl HalfEdges for Polygons {
     }
 
     fn faces(&self) -> impl Fn(u32) -> u32 {
-        let count = |ends: &[u32]| (ends[1] - ends[0]) as usize;
-        let ends = (0_u32..).zip(self.boundary_starts.windows(2));
-        let faces: Vec<u32> = ends.flat_map(|(face, ends)| std::iter::repeat_n(face, count(ends))).collect();
+        let faces = polygons_of(&self.boundary_starts);
         move |half_edge| faces[half_edge as usize]
     }
 }
@@ -233,6 +242,12 @@ fn starts(sizes: &[u32]) -> Vec<u32> {
         Some(*sum)
     });
     std::iter::once(0).chain(sums).collect()
+}
+
+/// The polygon of each element, where those of each polygon begin.
+fn polygons_of(starts: &[u32]) -> Vec<u32> {
+    let count = |ends: &[u32]| (ends[1] - ends[0]) as usize;
+    (0..).zip(starts.windows(2)).flat_map(|(polygon, ends)| std::iter::repeat_n(polygon, count(ends))).collect()
 }
 
 fn range(starts: &[u32], index: usize) -> std::ops::Range<usize> {

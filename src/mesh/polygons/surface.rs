@@ -6,6 +6,9 @@ use super::Polygons;
 use crate::mesh::topology::is_degenerate;
 use crate::mesh::weld;
 
+/// The fewest edges of polygons that share their triangles. A triangle is its own surface, from any corner.
+const LEAST_ALIKE: usize = 4;
+
 impl Polygons {
     /// The surface of all polygons, from the triangles of each, and the polygon of each triangle.
     pub(super) fn surface(self, triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<u32>) {
@@ -39,27 +42,38 @@ impl Polygons {
     /// For each polygon the first one with the same boundary, in the same direction or the opposite. A diagonal of the one
     /// need not be one of the other otherwise, and what is one surface to the user would be two.
     fn first_alike(&self) -> Vec<u32> {
-        // The sum does not depend on where a boundary begins. Vertices are mixed with a random key, so that no input can
-        // choose polygons that collide.
-        let key = RandomState::new().hash_one(0);
-        let mixed = |vertex: u32| {
-            let mixed = (u64::from(vertex) ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93)
-        };
-        let sum =
-            |polygon: usize| self.boundary(polygon).iter().fold(0_u64, |sum, edge| sum.wrapping_add(mixed(edge[0])));
-        let sums: Vec<u64> = (0..self.len()).map(sum).collect();
+        let hashes = self.hashes();
         weld::groups(
             self.len(),
-            |polygon| sums[polygon],
-            |one, other| sums[one] == sums[other] && self.are_alike(one, other),
+            |polygon| hashes[polygon],
+            |one, other| hashes[one] == hashes[other] && self.are_alike(one, other),
         )
+    }
+
+    /// A hash of each polygon, the same for those that are alike. Edges are mixed with a random key, so that no input can
+    /// choose other polygons that collide.
+    fn hashes(&self) -> Vec<u64> {
+        let key = RandomState::new().hash_one(0);
+        let mixed = |[a, b]: [u32; 2]| {
+            let mixed = ((u64::from(a) << 32 | u64::from(b)) ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93)
+        };
+        let hash = |polygon: usize| {
+            let boundary = self.boundary(polygon);
+            if boundary.len() < LEAST_ALIKE {
+                return mixed([polygon as u32; 2]);
+            }
+            // Sums do not depend on where a boundary begins, and the lower of both not on its direction.
+            let there = boundary.iter().fold(0_u64, |sum, &edge| sum.wrapping_add(mixed(edge)));
+            let back = boundary.iter().fold(0_u64, |sum, &[a, b]| sum.wrapping_add(mixed([b, a])));
+            there.min(back)
+        };
+        (0..self.len()).map(hash).collect()
     }
 
     fn are_alike(&self, one: usize, other: usize) -> bool {
         let of_one = self.sorted_boundary(one, false);
-        // A triangle is its own surface, from any corner.
-        of_one.len() > 3
+        of_one.len() >= LEAST_ALIKE
             && of_one.len() == self.boundary(other).len()
             && [false, true].into_iter().any(|is_turned| of_one == self.sorted_boundary(other, is_turned))
     }
@@ -75,5 +89,42 @@ impl Polygons {
     fn nowhere(&self, polygon: usize) -> Option<[u32; 3]> {
         let &[a, b, c] = self.loops(polygon).next()?.first_chunk()?;
         Some(if is_degenerate([a, b, c]) { [a, b, c] } else { [a, b, a] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::mesh::PolygonLoops;
+
+    /// The hashes of polygons of one loop each that are not alike.
+    fn distinct_hashes(loops: &[Vec<u32>]) -> usize {
+        let (polygon_loops, loop_corners) = (vec![1; loops.len()], loops.concat());
+        let loop_sizes: Vec<u32> = loops.iter().map(|corners| corners.len() as u32).collect();
+        let given =
+            PolygonLoops { polygon_loops: &polygon_loops, loop_sizes: &loop_sizes, loop_corners: &loop_corners };
+        let polygons = Polygons::new(&[[0.0; 3]; 40], given, &[]).expect("they are sound").0;
+        polygons.hashes().into_iter().collect::<HashSet<_>>().len()
+    }
+
+    /// Each polygon is compared with those of its hash, so many of one hash would take quadratic time.
+    #[test]
+    fn polygons_that_are_not_alike_differ_in_their_hashes() {
+        assert_eq!(distinct_hashes(&vec![vec![0, 1, 2]; 1000]), 1000, "copies of a triangle");
+        assert_eq!(distinct_hashes(&vec![vec![0, 1, 2, 1]; 1000]), 1000, "polygons without a boundary");
+        // The same vertices in other orders.
+        let order = |n: u32| (0..10).map(|at| if n >> (at / 2) & 1 == 1 { at ^ 1 } else { at }).collect::<Vec<u32>>();
+        assert_eq!(distinct_hashes(&(0..16).map(order).collect::<Vec<_>>()), 16);
+        // Petals around vertex 0, each of them in either direction.
+        let petal = |n: u32, petal: u32| {
+            let [a, b, c] = [1, 2, 3].map(|corner| 3 * petal + corner);
+            if n >> petal & 1 == 1 { [0, c, b, a] } else { [0, a, b, c] }
+        };
+        let flower = |n: u32| (0..12).flat_map(|at| petal(n, at)).collect::<Vec<u32>>();
+        assert_eq!(distinct_hashes(&(0..1 << 11).map(flower).collect::<Vec<_>>()), 1 << 11);
+        let alike = [vec![0, 1, 2, 3], vec![2, 3, 0, 1], vec![3, 2, 1, 0]];
+        assert_eq!(distinct_hashes(&alike), 1, "one polygon, begun elsewhere and turned");
     }
 }

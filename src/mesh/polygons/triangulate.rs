@@ -8,6 +8,7 @@
 use earcut::Earcut;
 
 use super::fans::OpenEdges;
+use crate::mesh::topology::is_degenerate;
 
 /// Triangulates polygons. It reuses its memory from one to the next.
 #[derive(Default)]
@@ -80,7 +81,7 @@ impl Triangulator {
         earcut.earcut(self.points.iter().copied(), &self.holes, &mut self.found);
         let found = self.found.as_chunks::<3>().0.iter().map(|face| face.map(|index| self.vertices[index as usize]));
         // The projection is counter-clockwise, and so are these.
-        triangles.extend(found.filter(|&[a, b, c]| a != b && b != c && c != a));
+        triangles.extend(found.filter(|&face| !is_degenerate(face)));
     }
 }
 

@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 use super::distance::WeldDistance;
-use super::near::{FEW_PAIRS, Node, Tree, any_near, near};
+use super::near::{Extent, FEW_PAIRS, Node, Tree, any_near, near};
 use super::{Keys, bits, groups, same_bits};
 
 /// Result of welding by distance.
@@ -50,7 +50,8 @@ pub(crate) fn near_groups(positions: &[[f32; 3]], distance: WeldDistance, class:
             groups[entry.vertex as usize] = found[root].first;
         }
     }
-    let is_wide = |group: &&Group| group.first != NONE && !distance.reaches_times(WIDE, group.low, group.high);
+    let is_far = |Extent { low, high }| !distance.reaches_times(WIDE, low, high);
+    let is_wide = |group: &&Group| group.first != NONE && is_far(group.extent);
     NearGroups { groups, wide: found.iter().filter(is_wide).count() }
 }
 
@@ -135,12 +136,17 @@ struct Cells {
 
 impl Cells {
     fn new(entries: &[Entry], positions: &[[f32; 3]]) -> Self {
-        let (mut cells, mut points, mut first) = (Vec::new(), Vec::with_capacity(entries.len()), 0);
+        let (mut cells, mut first) = (Vec::new(), 0);
+        let mut points: Vec<[f32; 3]> = Vec::with_capacity(entries.len());
         for entries in entries.chunk_by(|a, b| a.key() == b.key()) {
             let start = points.len();
-            points.extend(entries.iter().map(|entry| positions[entry.vertex as usize]));
-            let count = deduplicated(&mut points[start..]);
-            points.truncate(start + count);
+            for entry in entries {
+                // Equal positions of a cell follow each other.
+                let point = positions[entry.vertex as usize];
+                if points[start..].last() != Some(&point) {
+                    points.push(point);
+                }
+            }
             let end = first + entries.len();
             let (class, index) = entries[0].key();
             cells.push(Cell { class, index, entries: first..end, points: start..points.len() });
@@ -196,18 +202,6 @@ impl Cells {
     }
 }
 
-/// Moves the first of equal points to the front, and returns their number.
-fn deduplicated(points: &mut [[f32; 3]]) -> usize {
-    let mut unique = 0;
-    for at in 0..points.len() {
-        if unique == 0 || points[unique - 1] != points[at] {
-            points[unique] = points[at];
-            unique += 1;
-        }
-    }
-    unique
-}
-
 /// The root of a tree; ways to it are halved.
 pub(crate) fn root(parents: &mut [u32], mut cell: u32) -> u32 {
     while parents[cell as usize] != cell {
@@ -222,21 +216,16 @@ pub(crate) fn root(parents: &mut [u32], mut cell: u32) -> u32 {
 #[derive(Clone, Copy)]
 struct Group {
     first: u32,
-    low: [f32; 3],
-    high: [f32; 3],
+    extent: Extent,
 }
 
 impl Group {
-    const EMPTY: Self = Self { first: NONE, low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+    const EMPTY: Self = Self { first: NONE, extent: Extent::EMPTY };
 
     fn take(&mut self, positions: &[[f32; 3]], vertex: u32) {
         if self.first == NONE || compare(positions, vertex, self.first).is_lt() {
             self.first = vertex;
         }
-        let position = positions[vertex as usize];
-        for (axis, c) in position.into_iter().enumerate() {
-            self.low[axis] = self.low[axis].min(c);
-            self.high[axis] = self.high[axis].max(c);
-        }
+        self.extent = self.extent.with(&positions[vertex as usize]);
     }
 }

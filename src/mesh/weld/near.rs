@@ -23,7 +23,7 @@ impl Tree {
     }
 
     fn fill(&mut self, at: usize, points: &mut [[f32; 3]]) {
-        let extent = Extent::of(points);
+        let extent = points.iter().fold(Extent::EMPTY, Extent::with);
         self.0[at] = extent;
         if points.len() > 1 {
             let axis = extent.longest().0;
@@ -109,19 +109,20 @@ pub(super) fn near(a: Node<'_>, b: Node<'_>, distance: WeldDistance) -> bool {
 
 /// A box around points.
 #[derive(Clone, Copy)]
-struct Extent {
-    low: [f32; 3],
-    high: [f32; 3],
+pub(super) struct Extent {
+    pub(super) low: [f32; 3],
+    pub(super) high: [f32; 3],
 }
 
 impl Extent {
-    const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+    pub(super) const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
 
-    fn of(points: &[[f32; 3]]) -> Self {
-        points.iter().fold(Self::EMPTY, |extent, p| Self {
-            low: [0, 1, 2].map(|axis| extent.low[axis].min(p[axis])),
-            high: [0, 1, 2].map(|axis| extent.high[axis].max(p[axis])),
-        })
+    /// The same with a point.
+    pub(super) fn with(self, p: &[f32; 3]) -> Self {
+        Self {
+            low: [0, 1, 2].map(|axis| self.low[axis].min(p[axis])),
+            high: [0, 1, 2].map(|axis| self.high[axis].max(p[axis])),
+        }
     }
 
     /// The axis along which it is longest, and its length.

@@ -88,10 +88,10 @@ pub fn compare(given: &[u8], expected: &[u8]) -> Result<Vec<Difference>, NpzErro
         return Ok(vec![Difference::Arrays { given: names, expected: expected_names }]);
     }
     let mut differences = Vec::new();
-    for index in 0..names.len() {
-        let ours = Array::read(&mut expected_archive, index, u64::MAX)?;
+    for (index, name) in names.iter().enumerate() {
+        let ours = Array::read(&mut expected_archive, index, name, u64::MAX)?;
         // An entry may unpack to anything; one byte too many says enough.
-        let theirs = Array::read(&mut given_archive, index, ours.data.len() as u64 + 1)?;
+        let theirs = Array::read(&mut given_archive, index, name, ours.data.len() as u64 + 1)?;
         differences.extend(theirs.differs_from(&ours));
     }
     if differences.is_empty() {
@@ -123,8 +123,8 @@ struct Array {
 }
 
 impl Array {
-    fn read(archive: &mut Archive<'_>, index: usize, most: u64) -> Result<Self, NpzError> {
-        let name = names(archive).get(index).cloned().unwrap_or_default();
+    fn read(archive: &mut Archive<'_>, index: usize, name: &str, most: u64) -> Result<Self, NpzError> {
+        let name = name.to_owned();
         let unreadable = |source| NpzError::Entry { array: name.clone(), source };
         let mut reader = archive.by_index(index).map_err(|error| unreadable(error.into()))?;
         let header = Header::read(&mut reader).map_err(|source| NpzError::Header { array: name.clone(), source })?;

@@ -5,11 +5,11 @@ use std::io::{self, Read, Seek, Write};
 use rimline::gpu::depth_map::DepthMetric;
 
 use super::header::ElementType;
-use super::read::{Archive, BITS, Entry, NpzError, ORIGIN, REAL, Values, index, is_float, is_integer, is_real};
+use super::read::{Archive, BITS, Entry, NpzError, ORIGIN, REAL, index, is_float, is_integer, is_real};
 use super::write::NpzWriter;
 
 pub const MAX_SIDE: u32 = 4096;
-/// Bytes for a value: as read, in its own type, turned into C order, and on its way to the device.
+/// Bytes for a value: as read into a list that doubles, in its own type, and on its way to the device.
 const VALUE: u64 = 4 * 3 + 12;
 
 /// Meaning of the values of a map, by its number in `metric`.
@@ -92,27 +92,27 @@ pub fn read_depth_map(
 ) -> Result<DepthMapArrays, NpzError> {
     let mut archive = Archive::open(reader, memory_limit)?;
     let is_side = |side: &u64| (1..=u64::from(MAX_SIDE)).contains(side);
-    let Values { shape, element, elements } = archive.values(&DEPTH, BITS, |shape| match shape {
+    let (head, elements) = archive.values(&DEPTH, BITS, |shape| match shape {
         [height, width] | [6, height, width] => [height, width].into_iter().all(is_side),
         _ => false,
     })?;
-    let (maps, [height, width]) = match shape[..] {
+    let (maps, [height, width]) = match head.header.shape[..] {
         [maps, height, width] => (Some(maps), [height, width]),
-        _ => (None, [shape[0], shape[1]]),
+        ref shape => (None, [shape[0], shape[1]]),
     };
-    let depths = if element.kind == 'f' {
+    let depths = if head.element.kind == 'f' {
         Depths::F32(elements.into_iter().map(f32::from_bits).collect())
     } else {
         Depths::U16(elements.into_iter().map(|value| value as u16).collect())
     };
-    let matrices = archive.values(&VIEW_PROJECTION, REAL, |shape| match *shape {
+    let (_, matrices) = archive.values(&VIEW_PROJECTION, REAL, |shape| match *shape {
         [4, 4] => maps.is_none(),
         [count, 4, 4] => Some(count) == maps,
         _ => false,
     })?;
     let origin = archive.point(&Entry { wanted: VIEW_PROJECTION.wanted, ..ORIGIN })?;
     let number = |archive: &mut Archive<_>, entry: &Entry, of: &[u32]| {
-        let elements = archive.values(entry, index, |shape| matches!(*shape, [] | [1]))?.elements;
+        let (_, elements) = archive.values(entry, index, |shape| matches!(*shape, [] | [1]))?;
         let number = elements.first().copied().unwrap_or_default();
         let wrong = || NpzError::Value { array: entry.array, found: number.to_string(), wanted: entry.wanted };
         of.contains(&number).then_some(number).ok_or_else(wrong)
@@ -123,12 +123,12 @@ pub fn read_depth_map(
     let metric = archive.has(METRIC.array).then(|| number(&mut archive, &METRIC, &[0, 1, 2])).transpose()?.unwrap_or(0);
     let mut objects = None;
     if with_objects && archive.has(OBJECTS.array) {
-        objects = Some(archive.values(&OBJECTS, index, |of| *of == [height, width])?.elements);
+        objects = Some(archive.values(&OBJECTS, index, |of| *of == [height, width])?.1);
     }
     Ok(DepthMapArrays {
         size: [width as u32, height as u32],
         depths,
-        view_projections: matrices.elements.as_chunks::<4>().0.as_chunks::<4>().0.to_vec(),
+        view_projections: matrices.as_chunks::<4>().0.as_chunks::<4>().0.to_vec(),
         origin,
         is_reversed,
         depth_bits,

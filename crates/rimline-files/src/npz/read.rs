@@ -37,16 +37,6 @@ impl PolygonArrays {
         let Self { polygon_loops, loop_sizes, loop_corners } = self;
         PolygonLoops { polygon_loops, loop_sizes, loop_corners }
     }
-
-    /// The corners of polygons of one loop each.
-    pub(crate) fn of_one_loop(&self) -> impl ExactSizeIterator<Item = &[u32]> {
-        let mut rest = &*self.loop_corners;
-        self.loop_sizes.iter().map(move |&size| {
-            let (corners, others) = rest.split_at_checked(size as usize).unwrap_or((rest, &[]));
-            rest = others;
-            corners
-        })
-    }
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -234,19 +224,10 @@ fn table<const C: usize>(shape: &[u64]) -> Option<Extent> {
     }
 }
 
-struct Head {
-    header: Header,
-    element: ElementType,
-    extent: Extent,
-}
-
-/// An array of any shape, its values in C order.
-pub(super) struct Values<T> {
-    #[cfg(feature = "depth-map")]
-    pub(super) shape: Vec<u64>,
-    #[cfg(feature = "depth-map")]
+pub(super) struct Head {
+    pub(super) header: Header,
     pub(super) element: ElementType,
-    pub(super) elements: Vec<T>,
+    extent: Extent,
 }
 
 /// An archive, and the memory that reading it may take, with everything that is made of it. What is charged is the peak
@@ -298,10 +279,9 @@ impl<R: Read + Seek> Archive<R> {
         let positions: Vec<[f32; 3]> = self.rows(&POSITIONS, FLOAT)?;
         let faces: Vec<[u32; 3]> = self.rows(&FACES, index)?;
         let vertices = positions.len();
-        for (row, face) in faces.iter().enumerate() {
-            if let Some(&index) = face.iter().find(|&&index| index as usize >= vertices) {
-                return Err(NpzError::OutOfRange { row, index, vertices });
-            }
+        let corners = faces.as_flattened().iter();
+        if let Some((corner, &index)) = corners.enumerate().find(|&(_, &index)| index as usize >= vertices) {
+            return Err(NpzError::OutOfRange { row: corner / 3, index, vertices });
         }
         Ok(Arrays { positions, faces, origin, ..Arrays::default() })
     }
@@ -320,12 +300,11 @@ impl<R: Read + Seek> Archive<R> {
 
     /// Three coordinates, or zeros where there is no such array.
     pub(super) fn point(&mut self, entry: &Entry) -> Result<[f64; 3], NpzError> {
-        let mut point = [0.0; 3];
-        if self.has(entry.array) {
-            let given = self.values(entry, REAL, |shape| *shape == [3])?.elements;
-            point.iter_mut().zip(given).for_each(|(to, given)| *to = given);
+        if !self.has(entry.array) {
+            return Ok([0.0; 3]);
         }
-        Ok(point)
+        let (_, given) = self.values(entry, REAL, |shape| *shape == [3])?;
+        Ok(given.try_into().unwrap_or_default())
     }
 
     /// The rows of a table of C columns.
@@ -341,30 +320,20 @@ impl<R: Read + Seek> Archive<R> {
         Ok(self.rows(entry, decode)?.into_iter().map(|[value]| value).collect())
     }
 
-    /// An array whose shape `fits` accepts. It has at most three dimensions, and so few values that their number is no
-    /// question.
+    /// An array whose shape `fits` accepts, and its values in C order. It has at most three dimensions, and so few values
+    /// that their number is no question.
     pub(super) fn values<T: Copy + Default>(
         &mut self,
         entry: &Entry,
         decode: Decode<T>,
         fits: impl Fn(&[u64]) -> bool,
-    ) -> Result<Values<T>, NpzError> {
+    ) -> Result<(Head, Vec<T>), NpzError> {
         let extent = |shape: &[u64]| {
             let row = shape.last().copied().unwrap_or(1).max(1);
             (shape.len() <= 3 && fits(shape)).then(|| Extent { tuples: shape.iter().product(), row })
         };
         let (head, tuples) = self.tuples::<T, 1>(entry, decode, extent)?;
-        let mut elements: Vec<T> = tuples.into_iter().map(|[value]| value).collect();
-        if head.header.fortran_order {
-            elements = in_c_order(&elements, &head.header.shape);
-        }
-        Ok(Values {
-            #[cfg(feature = "depth-map")]
-            element: head.element,
-            #[cfg(feature = "depth-map")]
-            shape: head.header.shape,
-            elements,
-        })
+        Ok((head, tuples.into_iter().map(|[value]| value).collect()))
     }
 
     /// The rows that the header of a table of C columns states. No data is read.
@@ -420,7 +389,8 @@ impl<R: Read + Seek> Archive<R> {
     }
 }
 
-/// Reads the tuples behind a header. Memory grows with the data that is really there, whatever the header says.
+/// Reads the tuples behind a header, in C order. Memory grows with the data that is really there, whatever the header
+/// says: by a whole column at most.
 fn filled<T: Copy + Default, const C: usize>(
     array: &'static str,
     Head { header, element, extent }: &Head,
@@ -436,12 +406,13 @@ fn filled<T: Copy + Default, const C: usize>(
         let bytes = &mut chunk[..CHUNK_ROWS.min(rows - first) * C * element.size];
         reader.read_exact(bytes).map_err(|source| failed(first, source))?;
         for (at, bytes) in (C * first..).zip(bytes.chunks_exact(element.size)) {
-            let (row, column) = if header.fortran_order { (at % rows, at / rows) } else { (at / C, at % C) };
-            let index = |index| NpzError::Index { array, row: at / C / of_row, index };
+            let at = if header.fortran_order { in_c_order(at, &header.shape) } else { at };
+            let (row, column) = (at / C, at % C);
+            let index = |index| NpzError::Index { array, row: row / of_row, index };
             let value = decode(*element, bytes).map_err(index)?;
             if row >= all.capacity() {
-                // Twice as many as there are, and no more than the header says.
-                let more = all.len().max(CHUNK_ROWS).min(rows - all.len());
+                // Twice as many as there are, or up to this one, and no more than the header says.
+                let more = all.len().max(CHUNK_ROWS).max(row + 1 - all.len()).min(rows - all.len());
                 let memory = |_| NpzError::Memory { array, rows: (rows / of_row) as u64 };
                 all.try_reserve_exact(more).map_err(memory)?;
             }
@@ -459,14 +430,11 @@ fn filled<T: Copy + Default, const C: usize>(
     }
 }
 
-/// Values that lie with the first dimension innermost, with the last innermost.
-fn in_c_order<T: Copy>(values: &[T], shape: &[u64]) -> Vec<T> {
-    let mut sides = [1, 1, 1];
-    sides.iter_mut().rev().zip(shape.iter().rev()).for_each(|(side, &given)| *side = given as usize);
-    let [planes, rows, columns] = sides;
-    let indices = (0..planes).flat_map(|plane| (0..rows).map(move |row| plane + planes * row));
-    let indices = indices.flat_map(|first| (0..columns).map(move |column| first + planes * rows * column));
-    indices.filter_map(|index| values.get(index).copied()).collect()
+/// The index of a value with the last dimension innermost, from its index with the first innermost. No side of a shape
+/// with a value is 0.
+fn in_c_order(at: usize, shape: &[u64]) -> usize {
+    let sides = shape.iter().map(|&side| side as usize);
+    sides.fold((at, 0), |(rest, index), side| (rest / side, index * side + rest % side)).1
 }
 
 #[cfg(test)]
@@ -486,13 +454,17 @@ mod tests {
 
     #[test]
     fn the_last_dimension_becomes_the_innermost() {
-        let of = |shape: &[u64]| in_c_order(&(0..24).collect::<Vec<u32>>(), shape);
+        let of = |shape: &[u64]| {
+            let mut values = vec![0; 24];
+            (0..24).for_each(|at| values[in_c_order(at, shape)] = at);
+            values
+        };
         // Row r, column c of (4, 6) lies at r + 4 c.
         assert_eq!(of(&[4, 6])[..8], [0, 4, 8, 12, 16, 20, 1, 5]);
         // Plane p, row r, column c of (2, 3, 4) lies at p + 2 r + 6 c.
         assert_eq!(of(&[2, 3, 4])[..13], [0, 6, 12, 18, 2, 8, 14, 20, 4, 10, 16, 22, 1]);
-        assert_eq!(of(&[24]), (0..24).collect::<Vec<u32>>());
-        assert_eq!(in_c_order(&[7], &[]), [7]);
+        assert_eq!(of(&[24]), (0..24).collect::<Vec<_>>());
+        assert_eq!(in_c_order(0, &[]), 0);
     }
 
     #[test]
@@ -502,5 +474,10 @@ mod tests {
         let head = Head { header, element: ElementType::U8, extent: Extent { tuples: 2, row: 1 } };
         let rows = filled("faces", &head, &[1_u8, 4, 2, 5, 3, 6][..], index).expect("six bytes are there");
         assert_eq!(rows, [[1, 2, 3], [4, 5, 6]]);
+        // The fourth number is in column 1 of row 1.
+        let element = ElementType { kind: 'i', ..ElementType::U8 };
+        let bytes = [1_u8, 4, 2, 255, 3, 6];
+        let found = filled::<u32, 3>("faces", &Head { element, ..head }, &bytes[..], index);
+        assert!(matches!(found, Err(NpzError::Index { row: 1, index: -1, .. })), "{found:?}");
     }
 }

@@ -5,7 +5,7 @@
 use std::process::ExitCode;
 
 use rimline_bench::shapes::{self, Shape};
-use rimline_models::glb_file as glb;
+use rimline_models::maker::{INDICES, Maker, U32, VERTICES};
 use serde_json::json;
 
 fn main() -> ExitCode {
@@ -41,14 +41,15 @@ fn by_name(name: &str) -> Option<Shape> {
 }
 
 fn encode(name: &str, shape: &Shape) -> Vec<u8> {
-    let mut file = glb::GlbFile::default();
-    let positions = file.bounded(&shape.positions, Some(glb::VERTICES));
-    let indices = file.indices(&shape.faces);
+    let mut file = Maker::new();
+    file.json["asset"]["generator"] = json!("rimline's examples");
+    let positions = json!(file.bounded("VEC3", shape.positions.as_flattened()));
+    let indices = json!(file.indices(U32, shape.faces.as_flattened()));
+    file.bind(&positions, VERTICES);
+    file.bind(&indices, INDICES);
     let primitive = json!({ "attributes": { "POSITION": positions }, "indices": indices });
-    file.finish(json!({
-        "scene": 0,
-        "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "name": name, "mesh": 0 }],
-        "meshes": [{ "name": name, "primitives": [primitive] }],
-    }))
+    let mesh = file.push("meshes", json!({ "name": name, "primitives": [primitive] }));
+    let node = file.push("nodes", json!({ "name": name, "mesh": mesh }));
+    file.scene(&[node]);
+    file.glb()
 }
