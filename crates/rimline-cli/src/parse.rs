@@ -18,7 +18,9 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli
 /// would look for an option `-1`, and could not say what is wrong with the value.
 pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     let cli = Cli::command();
-    let Some(command) = arguments.get(1).and_then(|name| cli.find_subcommand(name)) else { return arguments };
+    // `-q` may come first.
+    let mut names = arguments.iter().skip(1).skip_while(|argument| argument.as_encoded_bytes().starts_with(b"-"));
+    let Some(command) = names.next().and_then(|name| cli.find_subcommand(name)) else { return arguments };
     let takes_value = |argument: &OsString| {
         let Some(name) = argument.to_str().and_then(|argument| argument.strip_prefix("--")) else { return false };
         command.get_arguments().any(|option| {
@@ -60,7 +62,7 @@ mod tests {
         };
         assert_eq!(joined("rimline shadow a --dangling -1,3 --json"), "rimline shadow a --dangling=-1,3 --json");
         assert_eq!(joined("rimline shadow a --near -.5"), "rimline shadow a --near=-.5");
-        assert_eq!(joined("rimline bench --scene -1"), "rimline bench --scene=-1");
+        assert_eq!(joined("rimline -q bench --scene -1"), "rimline -q bench --scene=-1");
         assert_eq!(joined("rimline shadow a --samples -Inf"), "rimline shadow a --samples=-Inf");
         for line in [
             "rimline",
