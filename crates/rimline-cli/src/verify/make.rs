@@ -72,13 +72,17 @@ fn target(folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("{name}.npz"))
 }
 
-/// Two models must not go to one file.
+/// Two models, or a model and a scene, must not go to one file.
 fn check_names(models: &[PathBuf]) -> Result<(), Failure> {
+    const BOTH: &str = "so both would be written to the same file; rename";
     for (index, model) in models.iter().enumerate() {
         let takes = |other: &&PathBuf| [stem(other), posed(other)].contains(&stem(model));
         if let Some(other) = models[..index].iter().chain(&models[index + 1..]).find(takes) {
-            let what = "so both would be written to the same file; rename one of them";
-            return Err(Failure::input(model)(format!("it has the same name as {}, {what}", other.display()).into()));
+            let why = format!("it has the same name as {}, {BOTH} one of them", other.display());
+            return Err(Failure::input(model)(why.into()));
+        }
+        if stress::names().map(of_scene).any(|scene| [stem(model), posed(model)].contains(&scene)) {
+            return Err(Failure::input(model)(format!("it has the name of a stress scene, {BOTH} it").into()));
         }
     }
     Ok(())
