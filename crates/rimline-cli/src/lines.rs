@@ -112,7 +112,9 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         if frame == 0 && drawing.spans.iter().any(|span| span.class == LineClass::Boundary) {
             remarks.of_seams(&inputs);
         }
-        let units = (format == Format::Dxf && args.dxf_units == DxfUnits::Model).then(|| eye.page_of_origin(origin));
+        // What the page's coordinates lack to be those of the files.
+        let is_in_units = format == Format::Dxf && args.dxf_units == DxfUnits::Model;
+        let units = is_in_units.then(|| eye.view.page(origin.to_array()));
         let mut sheet = Sheet::new(args, &style, &drawing, extent.window(args, &eye), units)?;
         if frame == 0 && sheet.is_crowded() {
             style.is_fine = true;
@@ -214,7 +216,11 @@ impl Picture<'_> {
     }
 
     fn description(&self) -> String {
-        format!("{}; {}", self.eye.said(self.args), self.sheet.scale_said(self.args, self.eye.view.is_perspective()))
+        format!(
+            "{}; {}",
+            self.eye.said(self.args, self.origin),
+            self.sheet.scale_said(self.args, self.eye.view.is_perspective())
+        )
     }
 }
 

@@ -21,7 +21,7 @@ use crate::extract::{extract_exactly, write_arrays};
 use crate::failure::{Cause, Failure, NoDevice};
 use crate::files;
 use crate::input::{Scene, Shape};
-use crate::output::{Line, Progress, note, print};
+use crate::output::{Line, Progress, counted, note, print};
 
 pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     // It is there unless the check is of built-in scenes.
@@ -247,11 +247,6 @@ impl Report {
             None => Ok(()),
         }
     }
-}
-
-fn counted(count: usize, what: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {what}{plural}")
 }
 
 fn cell(differences: &[Difference]) -> String {

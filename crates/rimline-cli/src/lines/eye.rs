@@ -6,7 +6,7 @@ use rimline_lines::{LinesError, Object, PageBox, View};
 use rimline_picture::Bounds;
 
 use super::args::LinesArgs;
-use crate::coordinates::relative;
+use crate::coordinates::{self, relative};
 use crate::failure::{EYE_AT_TARGET, Failure};
 use crate::output::Line;
 use crate::spec::{Side, up_of};
@@ -143,20 +143,18 @@ impl Eye {
         Some(PageBox { low: [x - half_width, y - half_height], high: [x + half_width, y + half_height] })
     }
 
-    /// The offset to add to a point of the page of an eye at infinity, so that it is relative to the origin of the files.
-    pub(crate) fn page_of_origin(&self, origin: Origin) -> [f64; 2] {
-        self.view.page(origin.to_array())
-    }
-
     /// From where it looks, in words.
-    pub(crate) fn said(&self, args: &LinesArgs) -> String {
+    pub(crate) fn said(&self, args: &LinesArgs, origin: Origin) -> String {
         let how = if self.view.is_perspective() { "perspective" } else { "orthographic" };
         let turned = if self.turned == 0.0 { String::new() } else { format!(", turned by {}°", self.turned) };
         if let Some(camera) = &args.camera.wanted {
             return format!("{how} view of the camera {}{turned}", Line(camera));
         }
         match (args.eye, args.view) {
-            (Some(_), _) => format!("{how} view of an eye at {:?}", self.view.eye().xyz),
+            (Some(_), _) if self.target.is_some() => {
+                format!("{how} view of an eye at {}", coordinates::point(self.at, origin))
+            }
+            (Some(_), _) => format!("{how} view of an eye towards {}", coordinates::point(self.at, Origin::ZERO)),
             (None, Side::Named(name, _)) => format!("{how} view, {name}{turned}"),
             (None, Side::Angles(azimuth, elevation)) => {
                 format!("{how} view, azimuth {azimuth}°, elevation {elevation}°{turned}")

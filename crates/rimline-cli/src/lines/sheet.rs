@@ -9,7 +9,7 @@ use super::args::{Hidden, LinesArgs, Paper, Scale, Unit};
 use super::eye::Eye;
 use super::style::{Pen, Style};
 use crate::failure::Failure;
-use crate::output::Line;
+use crate::output::{Line, counted};
 
 const MARGIN_MM: f64 = 10.0;
 /// The largest drawing; more would be a wrong scale.
@@ -202,28 +202,26 @@ impl Sheet {
 
     /// A line for the user that says how much was drawn.
     /// It is in a file, or the last of several.
-    pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, [first, last]: &[PathBuf; 2]) -> String {
+    pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, files: &[PathBuf; 2]) -> String {
         let scale = self.scale_said(args, is_perspective);
-        let size = match &self.units {
+        let page = match &self.units {
             Some(_) => String::new(),
-            None => format!(" on {}x{} mm", self.size_mm[0], self.size_mm[1]),
+            None => format!("on {}x{} mm, ", self.size_mm[0], self.size_mm[1]),
         };
+        let [first, last] = files.each_ref().map(|file| Line(file.display()).to_string());
         if let Some(frames) = args.frames.filter(|_| first != last) {
-            let [first, last] = [first, last].map(|file| Line(file.display()).to_string());
-            return format!("wrote {frames} drawings, {first} to {last},{size}, {scale}\n");
+            return format!("wrote {frames} drawings, {first} to {last}, {page}{scale}\n");
         }
-        let count = |is_hidden: bool| {
+        let lines = |is_hidden: bool, what: &str| {
             let layers = self.layers.iter().filter(|layer| layer.is_hidden == is_hidden);
-            layers.map(|layer| layer.lines.len()).sum::<usize>()
+            counted(layers.map(|layer| layer.lines.len()).sum(), what)
         };
-        let s = |count: usize| if count == 1 { "" } else { "s" };
-        let (visible, behind) = (count(false), count(true));
         let hidden = match args.hidden {
             Hidden::None => String::new(),
-            _ => format!(" and {behind} hidden line{}", s(behind)),
+            _ => format!(" and {}", lines(true, "hidden line")),
         };
-        let s = s(visible);
-        format!("wrote {}: {visible} line{s}{hidden}{size}, {scale}\n", first.display())
+        let gap = if page.is_empty() { ", " } else { " " };
+        format!("wrote {first}: {}{hidden}{gap}{page}{scale}\n", lines(false, "line"))
     }
 }
 
