@@ -285,14 +285,18 @@ fn rows_of_polygons(polygons: &Polygons, planes: &[u32], stride: usize, lights: 
 }
 
 fn read_planes<T: bytemuck::Pod>(gpu: &Gpu, buffers: &[wgpu::Buffer], items: usize) -> Result<Vec<T>, GpuError> {
-    let mut planes = buffers.iter().map(|buffer| -> Result<Vec<T>, GpuError> {
+    let mut all: Vec<T> = Vec::new();
+    for buffer in buffers {
         let mut plane = gpu.read(buffer)?;
         // A buffer may be longer than what it holds.
         plane.truncate(items);
-        Ok(plane)
-    });
-    let mut all = planes.next().transpose()?.unwrap_or_default();
-    planes.try_for_each(|plane| plane.map(|mut plane| all.append(&mut plane)))?;
+        // Most have one plane, which is not copied.
+        if all.is_empty() {
+            all = plane;
+        } else {
+            all.append(&mut plane);
+        }
+    }
     Ok(all)
 }
 

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
-use crate::files::{self, Inputs, check_parent, is_stdout, real_path};
+use crate::files::{self, Inputs, check_parent, is_standard, real_path};
 use crate::input_args::JobsArgs;
 use crate::output::{self, collected, complain, print, say};
 use crate::{device, lines, shadow};
@@ -314,15 +314,14 @@ impl Many {
             };
             for file in folder.map_or(&*job.results, std::slice::from_ref) {
                 read.spare(file)?;
-                if jobs.len() > 1 && is_stdout(file) {
+                if jobs.len() > 1 && is_standard(file) {
                     return Err(Failure::usage(format!(
                         "standard output takes the result of one job, and these are {}; give --out such as \
                          out/{{stem}}.png",
                         jobs.len()
                     )));
                 }
-                let output = |source| Failure::Output { file: file.clone(), source };
-                check_parent(file).map_err(output)?;
+                check_parent(file).map_err(Failure::output(file))?;
                 let Some(other) = real_path(file).and_then(|file| writers.insert(file, job)) else { continue };
                 if other.index != job.index {
                     let (file, jobs) = (file.clone(), [other, job].map(|job| self.named(job)));
