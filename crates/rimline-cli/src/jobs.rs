@@ -1,5 +1,6 @@
 //! Many jobs of one subcommand in one run: several files, or a file with a job a line. A job is a command line of its own.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -91,8 +92,7 @@ impl Many {
         let [is_json, is_quiet] = ["json", "quiet"].map(|option| common.contains_key(option));
         common.retain(|option, _| option == "json" || !OF_RUN.contains(&&**option));
 
-        let named = RESULTS.iter().filter_map(|option| common.get(*option)).flatten().flatten();
-        let has_pattern = named.map(|name| name.to_string_lossy()).any(|name| words(&name).next().is_some());
+        let has_pattern = results(&common).any(|(_, name)| words(&name).next().is_some());
         let is_each = is_each || has_pattern;
         let several = is_each && common.get(FILE).is_some_and(|files| files.len() > 1);
         let is_asked = args.jobs.is_some() || args.resume || args.shard.is_some() || (name == "lines" && is_json);
@@ -259,15 +259,11 @@ impl Many {
             }
             None => value,
         };
-        for (option, value) in RESULTS.iter().filter_map(|option| Some((option, options.get(*option)?))) {
-            let names = value.iter().flatten().map(|value| value.to_string_lossy());
-            for name in names {
-                if let Some(word) = words(&name).find(|word| !PATTERNS.contains(word)) {
-                    let known = PATTERNS.join(", ");
-                    return Err(
-                        self.wrong(line, &format!("--{option} has `{word}`, which stands for nothing; write {known}"))
-                    );
-                }
+        for (option, name) in results(&options) {
+            if let Some(word) = words(&name).find(|word| !PATTERNS.contains(word)) {
+                let known = PATTERNS.join(", ");
+                let problem = format!("--{option} has `{word}`, which stands for nothing; write {known}");
+                return Err(self.wrong(line, &problem));
             }
         }
         let read = INPUTS.iter().filter_map(|option| options.get(*option)).flatten().flatten();
@@ -338,6 +334,15 @@ impl Many {
     }
 }
 
+/// Options that name results, and the names.
+fn results(options: &Options) -> impl Iterator<Item = (&'static str, Cow<'_, str>)> {
+    RESULTS.into_iter().flat_map(move |option| {
+        let values = options.get(option).into_iter().flatten().flatten();
+        values.map(move |value| (option, value.to_string_lossy()))
+    })
+}
+
+/// Words in braces.
 fn words(name: &str) -> impl Iterator<Item = &str> {
     let is_word = |word: &&str| word.len() > 2 && word[1..word.len() - 1].bytes().all(|c| c.is_ascii_lowercase());
     let starts = name.match_indices('{').map(|(at, _)| &name[at..]);

@@ -270,13 +270,16 @@ fn tell_apart(objects: &mut [Object<'_>]) {
     }
 }
 
+/// Whether all corners of a face are finite.
+fn is_finite(object: &Object<'_>, face: &[u32; 3]) -> bool {
+    let mut corners = face.iter().map(|&vertex| object.positions.get(vertex as usize));
+    corners.all(|corner| corner.is_some_and(|corner| corner.iter().all(|c| c.is_finite())))
+}
+
 /// Without faces that are not finite, as long as there are others: a warning has counted them. Polygons stay as they are.
 fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
-    let is_finite = |face: &&[u32; 3]| {
-        face.iter()
-            .all(|&vertex| object.positions.get(vertex as usize).is_some_and(|at| at.iter().all(|c| c.is_finite())))
-    };
-    let faces: Vec<[u32; 3]> = object.mesh.faces().iter().filter(is_finite).copied().collect();
+    let faces = object.mesh.faces().iter().copied().filter(|face| is_finite(&object, face));
+    let faces: Vec<[u32; 3]> = faces.collect();
     if faces.is_empty() || faces.len() == object.mesh.faces().len() || object.mesh.polygons().is_some() {
         return Ok(object);
     }

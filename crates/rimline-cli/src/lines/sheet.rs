@@ -7,6 +7,7 @@ use rimline_lines::{Chain, Drawing, LineClass, Object, PageBox, View};
 
 use super::args::{Hidden, LinesArgs, Paper, Scale, Unit};
 use super::eye::Eye;
+use super::is_finite;
 use super::style::{Pen, Style};
 use crate::failure::Failure;
 use crate::output::{Line, counted};
@@ -255,18 +256,13 @@ impl Extent {
     /// Adds objects as an eye sees them.
     pub(crate) fn add(&mut self, args: &LinesArgs, eye: &Eye, objects: &[Object<'_>]) {
         let view = &eye.view;
-        let is_finite = |object: &&Object<'_>| {
-            let mut corners = object.mesh.faces().iter().flatten();
-            corners
-                .all(|&corner| object.positions.get(corner as usize).is_some_and(|p| p.iter().all(|c| c.is_finite())))
-        };
+        let are_finite = |object: &&Object<'_>| object.mesh.faces().iter().all(|face| is_finite(object, face));
         let is_face = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
-        let corners_of =
-            |object: &Object<'_>, face: &[u32; 3]| face.map(|vertex| object.positions[vertex as usize].map(f64::from));
         let faces = || {
-            let objects = objects.iter().filter(is_finite);
-            objects
-                .flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| corners_of(object, face)))
+            objects.iter().filter(are_finite).flat_map(|object| {
+                let faces = object.mesh.faces().iter().filter(is_face);
+                faces.map(move |face| face.map(|vertex| object.positions[vertex as usize].map(f64::from)))
+            })
         };
         let near = if view.is_perspective() {
             // Lines begin this way by default.
@@ -277,17 +273,13 @@ impl Extent {
         let most = taken(args, eye);
         for face in faces() {
             let points = beyond(face, near, view).map(|point| view.page(point));
-            let Some(around) =
-                points.map(|point| PageBox { low: point, high: point }).reduce(|one, other| join(&one, &other))
-            else {
-                continue;
-            };
-            let part = most.as_ref().map_or(around, |most| PageBox {
+            let Some(around) = points.map(|point| PageBox { low: point, high: point }).reduce(join) else { continue };
+            let part = most.map_or(around, |most| PageBox {
                 low: [0, 1].map(|axis| around.low[axis].max(most.low[axis])),
                 high: [0, 1].map(|axis| around.high[axis].min(most.high[axis])),
             });
             if (0..2).all(|axis| part.low[axis] <= part.high[axis]) {
-                self.0 = Some(self.0.as_ref().map_or(part, |before| join(before, &part)));
+                self.0 = Some(self.0.map_or(part, |before| join(before, part)));
             }
         }
     }
@@ -314,7 +306,7 @@ fn beyond(face: [[f64; 3]; 3], near: f64, view: &View) -> impl Iterator<Item = [
     })
 }
 
-fn join(one: &PageBox, other: &PageBox) -> PageBox {
+fn join(one: PageBox, other: PageBox) -> PageBox {
     PageBox {
         low: [0, 1].map(|axis| one.low[axis].min(other.low[axis])),
         high: [0, 1].map(|axis| one.high[axis].max(other.high[axis])),
