@@ -72,7 +72,7 @@ impl Sheet {
         let size = [0, 1].map(|axis| bounds.high[axis] - bounds.low[axis]);
         let paper = args.page.unwrap_or(Paper::A4);
         let mut size_mm = turned(paper, size);
-        let room = size_mm.map(|side| (side - 2.0 * MARGIN_MM).max(0.5 * side));
+        let room = within_margin(size_mm);
         let mm_per_unit = match args.scale {
             Scale::Ratio { page, model } => args.unit.unwrap_or(Unit::M).facts().0 * page / model,
             Scale::Fit => {
@@ -236,8 +236,13 @@ pub(crate) fn taken(args: &LinesArgs, eye: &Eye) -> Option<PageBox> {
 
 /// The part of the view's page that the options ask for: as high as a field of view, and as wide as the page within its border.
 fn window(args: &LinesArgs, eye: &Eye) -> Option<PageBox> {
-    let [width_mm, height_mm] = turned(args.page.unwrap_or(Paper::A4), [2.0, 1.0]).map(|side| side - 2.0 * MARGIN_MM);
-    eye.window((width_mm / height_mm).max(f64::MIN_POSITIVE))
+    let [width_mm, height_mm] = within_margin(turned(args.page.unwrap_or(Paper::A4), [2.0, 1.0]));
+    eye.window(width_mm / height_mm)
+}
+
+/// The part of a page within its margin, which is narrower on small pages.
+fn within_margin(size_mm: [f64; 2]) -> [f64; 2] {
+    size_mm.map(|side| (side - 2.0 * MARGIN_MM).max(0.5 * side))
 }
 
 /// Width and height of a page for a drawing of this size.
