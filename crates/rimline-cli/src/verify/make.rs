@@ -8,6 +8,7 @@ use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
 use rimline_bench::stress;
 use rimline_files::Polygons;
+use rimline_files::npz::NpzError;
 use rimline_models::check::{LIGHTS, hard_lights};
 
 use crate::args::VerifyArgs;
@@ -42,6 +43,9 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
         let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
+        if input.polygons().is_some() {
+            return Err(Failure::input(model)(NpzError::Polygons.into()));
+        }
         maker.pose(&input, 0.0, &stem(model))?;
         let mut animations = input.asset().map_or(&[][..], Asset::animations).iter().enumerate();
         if let Some((index, animation)) = animations.find(|(_, info)| info.fault.is_none()) {
