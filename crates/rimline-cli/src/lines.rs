@@ -112,7 +112,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         if frame == 0 && drawing.spans.iter().any(|span| span.class == LineClass::Boundary) {
             remarks.of_seams(&inputs);
         }
-        // What the page's coordinates lack to be those of the files.
+        // Added to coordinates of the page, it makes them those of the files.
         let is_in_units = format == Format::Dxf && args.dxf_units == DxfUnits::Model;
         let units = is_in_units.then(|| eye.view.page(origin.to_array()));
         let mut sheet = Sheet::new(args, &style, &drawing, extent.window(args, &eye), units)?;
