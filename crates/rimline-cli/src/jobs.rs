@@ -67,7 +67,7 @@ struct Job {
 
 impl Many {
     /// Many jobs, if the command line asks for them. A line with an error asks for none, and its own parser tells the error.
-    pub(crate) fn given(arguments: Vec<OsString>) -> Option<Self> {
+    pub(crate) fn given(arguments: &[OsString]) -> Option<Self> {
         const UNSET: Resettable<clap::Id> = Resettable::Reset;
         let optional = |arg: Arg| arg.required(false).required_unless_present(UNSET).requires(UNSET);
         let mut cli = COMMANDS

@@ -35,13 +35,14 @@ mod view;
 use std::io::Write as _;
 use std::process::ExitCode;
 
+use clap::Parser as _;
 use log::Level;
 
-use crate::args::Command;
+use crate::args::{Cli, Command};
 use crate::failure::Failure;
 use crate::jobs::Many;
 use crate::output::{Line, Text};
-use crate::parse::{joined, parse};
+use crate::parse::joined;
 
 fn main() -> ExitCode {
     // Drivers and wgpu talk a lot; whoever wants to hear them sets RUST_LOG.
@@ -54,11 +55,12 @@ fn main() -> ExitCode {
         .init();
     #[cfg(all(unix, not(target_vendor = "apple")))]
     keep_wayland_quiet();
-    let done = if let Some(many) = Many::given(joined(std::env::args_os().collect())) {
+    let arguments = joined(std::env::args_os().collect());
+    let done = if let Some(many) = Many::given(&arguments) {
         begin(many.is_quiet);
         many.run()
     } else {
-        let cli = parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
+        let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| refuse(&error));
         begin(cli.quiet);
         run(&cli.command)
     };

@@ -5,17 +5,12 @@ mod ranges;
 
 use std::ffi::OsString;
 
-use clap::{CommandFactory, Parser};
+use clap::CommandFactory;
 
 use crate::args::Cli;
 
-/// Reads the command line; the first argument is the program's name.
-pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
-    Cli::try_parse_from(joined(arguments.into_iter().collect()))
-}
-
 /// Joins an option with a value that begins as a negative number does: `--dangling -1,3` becomes `--dangling=-1,3`. clap
-/// would look for an option `-1`, and could not say what is wrong with the value.
+/// would look for an option `-1`, and could not say what is wrong with the value. The first argument is the program's name.
 pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     let cli = Cli::command();
     // `-q` may come first.
