@@ -203,12 +203,10 @@ pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), Fai
     }
 }
 
-/// Refuses a folder that is not there and is named as a file would be.
+/// Refuses standard output, and a folder that is not there and is named as a file would be.
 pub(crate) fn check_folder(out: &Path, why: &str) -> Result<(), Failure> {
-    if format_of(out).is_none() || out.exists() {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("{} looks like a file, but {why}", out.display())))
+    let is_file = is_standard(out) || (format_of(out).is_some() && !out.exists());
+    if is_file { Err(Failure::usage(format!("{} looks like a file, but {why}", out.display()))) } else { Ok(()) }
 }
 
 fn format_of(out: &Path) -> Option<String> {
@@ -289,6 +287,6 @@ mod tests {
         assert!(is_taken("a.npz", "npz") && !is_taken("a.png", "npz"));
         assert!(is_taken("a.json", "json") && is_taken("-", "json") && !is_taken("a.glb", "json"));
         let is_folder = |name| check_folder(Path::new(name), "").is_ok();
-        assert!(!is_folder("none/film.mp4") && is_folder("none/film.d") && is_folder("none/report"));
+        assert!(!is_folder("none/film.mp4") && !is_folder("-") && is_folder("none/film.d") && is_folder("none/report"));
     }
 }

@@ -308,7 +308,7 @@ impl Many {
                 Command::Lines(args) if args.frames.is_some() => Some(&args.out),
                 _ => None,
             };
-            for file in folder.map_or(&*job.results, std::slice::from_ref) {
+            for file in folder.into_iter().chain(&job.results) {
                 read.spare(file)?;
                 if jobs.len() > 1 && is_standard(file) {
                     return Err(Failure::usage(format!(
@@ -317,7 +317,9 @@ impl Many {
                         jobs.len()
                     )));
                 }
-                check_parent(file).map_err(Failure::output(file))?;
+                if folder.is_none_or(|folder| folder == file) {
+                    check_parent(file).map_err(Failure::output(file))?;
+                }
                 let Some(other) = real_path(file).and_then(|file| writers.insert(file, job)) else { continue };
                 if other.index != job.index {
                     let (file, jobs) = (file.clone(), [other, job].map(|job| self.named(job)));
