@@ -50,6 +50,10 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let lights = posed.input.lights(&args.lights, posed.time_s())?;
     progress.step("building edge records");
     let scene = times.measure("topology", || posed.scene())?;
+    if scene.mesh.polygons().is_some() && method == Method::FaceMask && predicate != Predicate::Exact {
+        let named = value_name(&named);
+        return Err(Failure::usage(format!("polygons are always decided exactly; leave out `--predicate {named}`")));
+    }
     Inputs::new(posed.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
