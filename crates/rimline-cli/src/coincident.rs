@@ -141,6 +141,8 @@ struct Side {
     face: u32,
     /// The corner opposite.
     third: [f32; 3],
+    /// Whether it is inside of a patch.
+    is_inner: bool,
 }
 
 /// The faces of either direction, in patches that coincide, the earlier patch first.
@@ -151,28 +153,27 @@ fn turned_patches(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]> {
     }
     let mut sides: Vec<Side> = (0..).zip(&faces).flat_map(|(number, &face)| sides_of(number, face)).collect();
     sides.sort_unstable_by_key(|side| undirected(side.ends));
-    let mut patches = Joined::new(faces.len());
-    // Whether a side is inside of a patch, and whether the surface folds back onto itself there.
-    let (mut is_inner, mut folds) = (vec![false; sides.len()], false);
-    let mut first = 0;
-    for run in sides.chunk_by(|a, b| undirected(a.ends) == undirected(b.ends)) {
-        let meeting = if run.len() > MOST_MEETING { &[] } else { run };
-        for (i, one) in meeting.iter().enumerate() {
-            for (j, other) in meeting.iter().enumerate().skip(i + 1).filter(|(_, other)| other.ends != one.ends) {
-                match fold(faces[one.face as usize], faces[other.face as usize], other.third) {
-                    Fold::None => {}
-                    Fold::Flat => {
-                        patches.join(one.face, other.face);
-                        is_inner[first + i] = true;
-                        is_inner[first + j] = true;
-                    }
-                    Fold::Back => folds = true,
+    let (mut patches, mut folds) = (Joined::new(faces.len()), false);
+    let meeting = sides.chunk_by_mut(|a, b| undirected(a.ends) == undirected(b.ends));
+    for meeting in meeting.filter(|meeting| meeting.len() <= MOST_MEETING) {
+        let count = meeting.len();
+        for (i, j) in (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))) {
+            let (one, other) = (&meeting[i], &meeting[j]);
+            if one.ends == other.ends {
+                continue;
+            }
+            match fold(faces[one.face as usize], faces[other.face as usize], other.third) {
+                Fold::None => {}
+                Fold::Flat => {
+                    patches.join(one.face, other.face);
+                    meeting[i].is_inner = true;
+                    meeting[j].is_inner = true;
                 }
+                Fold::Back => folds = true,
             }
         }
-        first += run.len();
     }
-    if folds { with_one_outline(&faces, &mut patches, sides.iter().zip(is_inner)) } else { Vec::new() }
+    if folds { with_one_outline(&mut patches, &sides) } else { Vec::new() }
 }
 
 /// Whether two faces may lie on each other's backs at a side. Most models have none, and need no closer look. Both
@@ -201,17 +202,13 @@ fn may_fold(faces: &[Corners]) -> bool {
 }
 
 /// Patches of several faces, one of each two whose outlines are the same but for the direction.
-fn with_one_outline<'a>(
-    faces: &[Corners],
-    patches: &mut Joined,
-    sides: impl Iterator<Item = (&'a Side, bool)>,
-) -> Vec<[Vec<u32>; 2]> {
+fn with_one_outline(patches: &mut Joined, sides: &[Side]) -> Vec<[Vec<u32>; 2]> {
     let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for face in 0..faces.len() as u32 {
+    for face in 0..patches.0.len() as u32 {
         members.entry(patches.root(face)).or_default().push(face);
     }
     let mut outlines: BTreeMap<u32, Vec<[PositionBits; 2]>> = BTreeMap::new();
-    for (side, _) in sides.filter(|&(_, is_inner)| !is_inner) {
+    for side in sides.iter().filter(|side| !side.is_inner) {
         outlines.entry(patches.root(side.face)).or_default().push(side.ends);
     }
     for outline in outlines.values_mut() {
@@ -234,7 +231,12 @@ fn with_one_outline<'a>(
 
 fn sides_of(face: u32, corners: Corners) -> [Side; 3] {
     let ends = corners.map(position_bits);
-    [0, 1, 2].map(|at| Side { ends: [ends[at], ends[(at + 1) % 3]], face, third: corners[(at + 2) % 3] })
+    [0, 1, 2].map(|at| Side {
+        ends: [ends[at], ends[(at + 1) % 3]],
+        face,
+        third: corners[(at + 2) % 3],
+        is_inner: false,
+    })
 }
 
 fn undirected([a, b]: [PositionBits; 2]) -> [PositionBits; 2] {
