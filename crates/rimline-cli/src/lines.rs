@@ -163,9 +163,8 @@ struct Remarks(BTreeSet<String>);
 
 impl Remarks {
     fn say(&mut self, remark: String) {
-        if !self.0.contains(&remark) {
+        if self.0.insert(remark.clone()) {
             note(&remark);
-            self.0.insert(remark);
         }
     }
 

@@ -112,30 +112,30 @@ pub(crate) fn refuse(error: &clap::Error) -> ! {
         output::complain(&failure);
         std::process::exit(failure.code().into());
     }
-    if let Some(file) = named_alone(error) {
+    if std::env::args_os().all(|argument| is_tame(&argument.to_string_lossy())) {
         let _ = error.print();
-        let _ = writeln!(std::io::stderr(), "tip: to see the model, `rimline view {}`", Line(file));
-        std::process::exit(error.exit_code());
+    } else {
+        let _ = writeln!(std::io::stderr(), "{}", Line(error.render()));
     }
-    let is_tame = |argument: std::ffi::OsString| {
-        let argument = argument.to_string_lossy();
-        Line(&argument).to_string() == argument
-    };
-    if std::env::args_os().all(is_tame) {
-        error.exit();
+    if let Some(file) = named_alone(error) {
+        let _ = writeln!(std::io::stderr(), "tip: to see the model, `rimline view {file}`");
     }
-    let _ = writeln!(std::io::stderr(), "{}", Line(error.render()));
     std::process::exit(error.exit_code());
 }
 
+fn is_tame(text: &str) -> bool {
+    Line(text).to_string() == text
+}
+
 /// The file that stands in the place of a subcommand.
-fn named_alone(error: &clap::Error) -> Option<String> {
+fn named_alone(error: &clap::Error) -> Option<&str> {
     use clap::error::{ContextKind, ContextValue, ErrorKind};
-    if error.kind() != ErrorKind::InvalidSubcommand {
-        return None;
+    match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(wrong)) if error.kind() == ErrorKind::InvalidSubcommand && is_tame(wrong) => {
+            std::path::Path::new(wrong).is_file().then_some(wrong.as_str())
+        }
+        _ => None,
     }
-    let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidSubcommand) else { return None };
-    (std::path::Path::new(wrong).is_file() && Line(wrong).to_string() == *wrong).then(|| wrong.clone())
 }
 
 pub(crate) fn run(command: &Command) -> Result<(), Failure> {
