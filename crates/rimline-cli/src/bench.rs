@@ -3,7 +3,7 @@
 
 use std::cell::OnceCell;
 use std::fs::File;
-use std::io::{ErrorKind, Read as _, Write as _};
+use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -18,6 +18,7 @@ use rimline_files::Polygons;
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::Failure;
 use crate::files::{self, check_ending, check_folder};
+use crate::film;
 use crate::input::{Input, Scene};
 use crate::input_args::{DeviceArgs, LoadArgs, verbatim};
 use crate::output::{self, Folder, Output, Progress, is_interrupted, note, print};
@@ -187,12 +188,7 @@ impl Destination {
         }
         let Some((folder, _kept)) = &self.folder else { return Ok(()) };
         // Charts of an earlier report may show results that this one does not have.
-        for file in chart_files().map(|name| folder.join(name)) {
-            match std::fs::remove_file(&file) {
-                Err(source) if source.kind() != ErrorKind::NotFound => return Err(Failure::Output { file, source }),
-                _ => {}
-            }
-        }
+        film::remove_earlier(chart_files().map(|name| folder.join(name)))?;
         for (name, bytes) in results.report().map_err(|error| failure(error, None))? {
             Output::create(&folder.join(name))?.finish(|output| output.write_all(&bytes))?;
         }
