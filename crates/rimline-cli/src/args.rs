@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+#[cfg(not(feature = "bench"))]
+use self::LeftOutArgs as BenchArgs;
+#[cfg(not(feature = "view"))]
+use self::LeftOutArgs as WindowArgs;
 #[cfg(feature = "bench")]
 use crate::bench::BenchArgs;
 use crate::input_args::{JobsArgs, LoadArgs, ModelArgs, MomentArgs, ViewArgs, drawing_device, several, verbatim};
@@ -93,22 +97,12 @@ pub(crate) struct ManArgs {
     pub(crate) folder: PathBuf,
 }
 
-/// All options are taken, and none is followed: this build has no window.
-#[cfg(not(feature = "view"))]
+/// All options are taken, and none is followed: this build leaves the subcommand out.
+#[cfg(not(all(feature = "bench", feature = "view")))]
 #[derive(Args, Debug)]
 #[command(disable_help_flag = true)]
-pub(crate) struct WindowArgs {
-    /// This build leaves the window out
-    #[arg(hide = true, allow_hyphen_values = true, trailing_var_arg = true)]
-    _rest: Vec<std::ffi::OsString>,
-}
-
-/// All options are taken, and none is followed: this build does not measure.
-#[cfg(not(feature = "bench"))]
-#[derive(Args, Debug)]
-#[command(disable_help_flag = true)]
-pub(crate) struct BenchArgs {
-    /// This build leaves the measurements out
+pub(crate) struct LeftOutArgs {
+    /// This build leaves them out
     #[arg(hide = true, allow_hyphen_values = true, trailing_var_arg = true)]
     _rest: Vec<std::ffi::OsString>,
 }

@@ -3,7 +3,7 @@
 
 use std::cell::OnceCell;
 use std::fs::File;
-use std::io::{ErrorKind, Read as _, Write as _};
+use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -18,6 +18,7 @@ use rimline_files::Polygons;
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::Failure;
 use crate::files::{self, check_ending, check_folder};
+use crate::film;
 use crate::input::{Input, Scene};
 use crate::input_args::{DeviceArgs, LoadArgs, verbatim};
 use crate::output::{self, Folder, Output, Progress, is_interrupted, note, print};
@@ -113,14 +114,8 @@ fn times_of_depth_maps(file: &Path) -> Result<Vec<rimline_bench::row::Row>, Fail
 
 /// The device as it is measured. What it is of is shared with the command's.
 fn measured(gpu: &Gpu) -> Measured {
-    let reported = gpu.reported();
-    let Gpu { device, queue, pipelines, .. } = gpu;
-    Measured {
-        device: device.clone(),
-        queue: queue.clone(),
-        pipelines: pipelines.clone(),
-        reported: Box::new(reported),
-    }
+    let Gpu { device, queue, pipelines, .. } = gpu.clone();
+    Measured { device, queue, pipelines, reported: Box::new(gpu.reported()) }
 }
 
 fn adapter(gpu: &Gpu, measured: &Measured) -> Result<Adapter, Error> {
@@ -128,7 +123,7 @@ fn adapter(gpu: &Gpu, measured: &Measured) -> Result<Adapter, Error> {
     Ok(Adapter {
         name: info.name.clone(),
         backend: device::backend_name(info.backend).to_owned(),
-        kind: crate::device::kind_name(info.device_type).to_owned(),
+        kind: device::kind_name(info.device_type).to_owned(),
         driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
         has_timestamps: gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
         copy_gb_per_s: measured.copy_bandwidth()?,
@@ -193,12 +188,7 @@ impl Destination {
         }
         let Some((folder, _kept)) = &self.folder else { return Ok(()) };
         // Charts of an earlier report may show results that this one does not have.
-        for file in chart_files().map(|name| folder.join(name)) {
-            match std::fs::remove_file(&file) {
-                Err(source) if source.kind() != ErrorKind::NotFound => return Err(Failure::Output { file, source }),
-                _ => {}
-            }
-        }
+        film::remove_earlier(chart_files().map(|name| folder.join(name)))?;
         for (name, bytes) in results.report().map_err(|error| failure(error, None))? {
             Output::create(&folder.join(name))?.finish(|output| output.write_all(&bytes))?;
         }
@@ -269,7 +259,7 @@ pub(crate) struct BenchArgs {
     pub(crate) device: DeviceArgs,
 
     /// Face counts of the closed meshes, or `none` [default: 1,024 to 4 million, by fours; `none` with a model]
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_meshes)]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = count(16_777_216, "faces up to 16,777,216"))]
     pub(crate) meshes: Option<Vec<usize>>,
 
     /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd`, `moving`, `house` and
@@ -280,7 +270,7 @@ pub(crate) struct BenchArgs {
     /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, or `none`: boxes, and up
     /// to 1,000 figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000
     /// figures (quick: 20) and 10,000 buildings (quick: 100)]
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_casters)]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = count(100_000, "casters up to 100,000"))]
     pub(crate) casters: Option<Vec<usize>>,
 
     /// The approximate number of faces of a stress scene [default: 65,536]
@@ -334,19 +324,11 @@ into one mesh. The scenes `still`, `city`, `crowd`, `moving`, `house` and `big` 
 off, and with each off alone. Ctrl-C ends the run. Report and data then contain the finished rows and say so, and the exit code \
 is 130.";
 
-/// A number of faces or casters; 0 for none.
-fn count(text: &str, most: usize, what: &str) -> Result<usize, String> {
-    match text.parse() {
+/// Reads a number of faces or casters; 0 for none.
+fn count(most: usize, what: &'static str) -> impl Fn(&str) -> Result<usize, String> + Clone {
+    move |text| match text.parse() {
         _ if text == "none" => Ok(0),
         Ok(count) if (1..=most).contains(&count) => Ok(count),
         _ => Err(format!("give numbers of {what}, or `none`")),
     }
-}
-
-fn parse_meshes(text: &str) -> Result<usize, String> {
-    count(text, 16_777_216, "faces up to 16,777,216")
-}
-
-fn parse_casters(text: &str) -> Result<usize, String> {
-    count(text, 100_000, "casters up to 100,000")
 }

@@ -2,7 +2,7 @@
 //! outline that are cut into triangles along other diagonals. Rasterisers give the two depths that differ in their last
 //! bits, so which of them is nearer changes from pixel to pixel. The one towards the eye is to be seen in any case.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::{DVec3, Vec3};
 
@@ -41,11 +41,11 @@ impl Coincident {
     }
 
     fn by_corners(faces: impl Iterator<Item = Corners> + Clone) -> Option<Self> {
-        // Most faces are alone at their bit, and need no closer look.
+        // Most faces have a key of their own, and need no closer look.
         let key = |face: Corners| mixed(sorted(face).0.as_flattened());
-        let repeated = Repeated::of(faces.clone().map(key), faces.clone().count());
+        let repeated = repeated(faces.clone().map(key).collect());
         let mut by_corners: HashMap<_, [Option<u32>; 2]> = HashMap::new();
-        for (number, face) in (0..).zip(faces.clone()).filter(|&(_, face)| repeated.may_hold(key(face))) {
+        for (number, face) in (0..).zip(faces.clone()).filter(|&(_, face)| repeated.contains(&key(face))) {
             let (corners, is_odd) = sorted(face);
             by_corners.entry(corners).or_default()[usize::from(is_odd)].get_or_insert(number);
         }
@@ -77,10 +77,10 @@ impl Coincident {
 }
 
 /// The bits of a face's corners in order, where −0 is 0, and whether this turns it around.
-fn sorted(face: Corners) -> ([[u32; 3]; 3], bool) {
-    let [mut a, mut b, mut c] = face.map(|corner| corner.map(|c| (c + 0.0).to_bits()));
+fn sorted(face: Corners) -> ([PositionBits; 3], bool) {
+    let [mut a, mut b, mut c] = face.map(position_bits);
     let mut is_odd = false;
-    let mut order = |p: &mut [u32; 3], q: &mut [u32; 3]| {
+    let mut order = |p: &mut PositionBits, q: &mut PositionBits| {
         if *q < *p {
             std::mem::swap(p, q);
             is_odd = !is_odd;
@@ -92,31 +92,10 @@ fn sorted(face: Corners) -> ([[u32; 3]; 3], bool) {
     ([a, b, c], is_odd)
 }
 
-struct Repeated {
-    once: Vec<u64>,
-    twice: Vec<u64>,
-}
-
-impl Repeated {
-    fn of(numbers: impl Iterator<Item = u64>, count: usize) -> Self {
-        let words = (8 * count).next_power_of_two().max(64) / 64;
-        let mut found = Self { once: vec![0; words], twice: vec![0; words] };
-        for number in numbers {
-            let (word, bit) = found.word_and_bit(number);
-            found.twice[word] |= found.once[word] & bit;
-            found.once[word] |= bit;
-        }
-        found
-    }
-
-    fn word_and_bit(&self, number: u64) -> (usize, u64) {
-        ((number / 64) as usize % self.once.len(), 1 << (number % 64))
-    }
-
-    fn may_hold(&self, number: u64) -> bool {
-        let (word, bit) = self.word_and_bit(number);
-        self.twice[word] & bit != 0
-    }
+/// Numbers that are there more than once.
+fn repeated(mut numbers: Vec<u64>) -> HashSet<u64> {
+    numbers.sort_unstable();
+    numbers.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect()
 }
 
 /// An odd number without a pattern: multiples of it differ in their high bits.
@@ -131,7 +110,7 @@ fn mixed(words: &[u32]) -> u64 {
 
 /// Whether the eye is behind a face. The eye is behind one of two opposite faces that coincide, because their corners
 /// are taken in the same order. It is behind neither if it is in their plane as far as rounding tells.
-fn is_back_facing(corners: [[u32; 3]; 3], is_odd: bool, eye: Vec3) -> bool {
+fn is_back_facing(corners: [PositionBits; 3], is_odd: bool, eye: Vec3) -> bool {
     let [a, b, c] = corners.map(|bits| DVec3::from(bits.map(|bits| f64::from(f32::from_bits(bits)))) - eye.as_dvec3());
     // An eye on the front side sees the corners counter-clockwise.
     let volume = a.dot((b - a).cross(c - a));
@@ -152,12 +131,18 @@ const ROUNDED: f64 = 3e-7;
 /// The bits of a position, where −0 is 0.
 type PositionBits = [u32; 3];
 
+fn position_bits(position: [f32; 3]) -> PositionBits {
+    position.map(|c| (c + 0.0).to_bits())
+}
+
 /// A side of a face, which it walks from one end to the other.
 struct Side {
     ends: [PositionBits; 2],
     face: u32,
     /// The corner opposite.
     third: [f32; 3],
+    /// Whether it is inside of a patch.
+    is_inner: bool,
 }
 
 /// The faces of either direction, in patches that coincide, the earlier patch first.
@@ -168,28 +153,27 @@ fn turned_patches(faces: impl Iterator<Item = Corners>) -> Vec<[Vec<u32>; 2]> {
     }
     let mut sides: Vec<Side> = (0..).zip(&faces).flat_map(|(number, &face)| sides_of(number, face)).collect();
     sides.sort_unstable_by_key(|side| undirected(side.ends));
-    let mut patches = Joined::new(faces.len());
-    // Whether a side is inside of a patch, and whether the surface folds back onto itself there.
-    let (mut is_inner, mut folds) = (vec![false; sides.len()], false);
-    let mut first = 0;
-    for run in sides.chunk_by(|a, b| undirected(a.ends) == undirected(b.ends)) {
-        let meeting = if run.len() > MOST_MEETING { &[] } else { run };
-        for (i, one) in meeting.iter().enumerate() {
-            for (j, other) in meeting.iter().enumerate().skip(i + 1).filter(|(_, other)| other.ends != one.ends) {
-                match fold(faces[one.face as usize], faces[other.face as usize], other.third) {
-                    Fold::None => {}
-                    Fold::Flat => {
-                        patches.join(one.face, other.face);
-                        is_inner[first + i] = true;
-                        is_inner[first + j] = true;
-                    }
-                    Fold::Back => folds = true,
+    let (mut patches, mut folds) = (Joined::new(faces.len()), false);
+    let meeting = sides.chunk_by_mut(|a, b| undirected(a.ends) == undirected(b.ends));
+    for meeting in meeting.filter(|meeting| meeting.len() <= MOST_MEETING) {
+        let count = meeting.len();
+        for (i, j) in (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))) {
+            let (one, other) = (&meeting[i], &meeting[j]);
+            if one.ends == other.ends {
+                continue;
+            }
+            match fold(faces[one.face as usize], faces[other.face as usize], other.third) {
+                Fold::None => {}
+                Fold::Flat => {
+                    patches.join(one.face, other.face);
+                    meeting[i].is_inner = true;
+                    meeting[j].is_inner = true;
                 }
+                Fold::Back => folds = true,
             }
         }
-        first += run.len();
     }
-    if folds { with_one_outline(&faces, &mut patches, sides.iter().zip(is_inner)) } else { Vec::new() }
+    if folds { with_one_outline(&mut patches, &sides) } else { Vec::new() }
 }
 
 /// Whether two faces may lie on each other's backs at a side. Most models have none, and need no closer look. Both
@@ -208,30 +192,23 @@ fn may_fold(faces: &[Corners]) -> bool {
             let [x, y, z] = (61.0 * way + 64.377).to_array().map(|c| c as u64);
             x << 32 | y << 16 | z
         });
-        let ends = face.map(|corner| mixed(&corner.map(|c| (c + 0.0).to_bits())));
+        let ends = face.map(|corner| mixed(&position_bits(corner)));
         for (from, to) in [(ends[0], ends[1]), (ends[1], ends[2]), (ends[2], ends[0])] {
             let way = if from < to { up } else { down };
             keys.push((from.wrapping_add(to) ^ way.wrapping_mul(ODD)).wrapping_mul(ODD) >> 8);
         }
     }
-    let repeated = Repeated::of(keys.iter().copied(), keys.len());
-    keys.retain(|&key| repeated.may_hold(key));
-    keys.sort_unstable();
-    keys.windows(2).any(|pair| pair[0] == pair[1])
+    !repeated(keys).is_empty()
 }
 
 /// Patches of several faces, one of each two whose outlines are the same but for the direction.
-fn with_one_outline<'a>(
-    faces: &[Corners],
-    patches: &mut Joined,
-    sides: impl Iterator<Item = (&'a Side, bool)>,
-) -> Vec<[Vec<u32>; 2]> {
+fn with_one_outline(patches: &mut Joined, sides: &[Side]) -> Vec<[Vec<u32>; 2]> {
     let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for face in 0..faces.len() as u32 {
+    for face in 0..patches.0.len() as u32 {
         members.entry(patches.root(face)).or_default().push(face);
     }
     let mut outlines: BTreeMap<u32, Vec<[PositionBits; 2]>> = BTreeMap::new();
-    for (side, _) in sides.filter(|&(_, is_inner)| !is_inner) {
+    for side in sides.iter().filter(|side| !side.is_inner) {
         outlines.entry(patches.root(side.face)).or_default().push(side.ends);
     }
     for outline in outlines.values_mut() {
@@ -253,11 +230,12 @@ fn with_one_outline<'a>(
 }
 
 fn sides_of(face: u32, corners: Corners) -> [Side; 3] {
-    let position_bits = |at: usize| corners[at].map(|c| (c + 0.0).to_bits());
+    let ends = corners.map(position_bits);
     [0, 1, 2].map(|at| Side {
-        ends: [position_bits(at), position_bits((at + 1) % 3)],
+        ends: [ends[at], ends[(at + 1) % 3]],
         face,
         third: corners[(at + 2) % 3],
+        is_inner: false,
     })
 }
 

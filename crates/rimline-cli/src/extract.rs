@@ -50,6 +50,10 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let lights = posed.input.lights(&args.lights, posed.time_s())?;
     progress.step("building edge records");
     let scene = times.measure("topology", || posed.scene())?;
+    if scene.mesh.polygons().is_some() && method == Method::FaceMask && predicate != Predicate::Exact {
+        let named = value_name(&named);
+        return Err(Failure::usage(format!("polygons are always decided exactly; leave out `--predicate {named}`")));
+    }
     Inputs::new(posed.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
@@ -285,14 +289,18 @@ fn rows_of_polygons(polygons: &Polygons, planes: &[u32], stride: usize, lights: 
 }
 
 fn read_planes<T: bytemuck::Pod>(gpu: &Gpu, buffers: &[wgpu::Buffer], items: usize) -> Result<Vec<T>, GpuError> {
-    let mut planes = buffers.iter().map(|buffer| -> Result<Vec<T>, GpuError> {
+    let mut all: Vec<T> = Vec::new();
+    for buffer in buffers {
         let mut plane = gpu.read(buffer)?;
         // A buffer may be longer than what it holds.
         plane.truncate(items);
-        Ok(plane)
-    });
-    let mut all = planes.next().transpose()?.unwrap_or_default();
-    planes.try_for_each(|plane| plane.map(|mut plane| all.append(&mut plane)))?;
+        // Most have one plane, which is not copied.
+        if all.is_empty() {
+            all = plane;
+        } else {
+            all.append(&mut plane);
+        }
+    }
     Ok(all)
 }
 

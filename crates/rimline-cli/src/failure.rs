@@ -137,7 +137,6 @@ impl Failure {
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
             Self::Differs { .. } | Self::WrongBits { .. } => 5,
             Self::Unchecked { first, .. } => first.code(),
-            // 128 and the number of the signal, as shells have it.
             Self::Jobs { .. } => 6,
             Self::Interrupted => crate::signals::interrupted_code(),
         }

@@ -22,7 +22,7 @@ pub(crate) enum Target {
 
 /// Finds it, through links: the link stays, and what it names is written.
 pub(crate) fn find(name: &Path) -> io::Result<Target> {
-    if is_stdout(name) {
+    if is_standard(name) {
         let no_stream = || io::Error::other("standard output cannot be written through here; give the name of a file");
         HOLDS_RESULT.store(true, Ordering::SeqCst);
         return Ok(Target::Through(standard(&io::stdout()).ok_or_else(no_stream)?, false));
@@ -65,7 +65,8 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
     Ok(Target::Through(file, there.is_file()))
 }
 
-pub(crate) fn is_stdout(name: &Path) -> bool {
+/// Whether a name stands for standard input or output.
+pub(crate) fn is_standard(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
@@ -86,7 +87,7 @@ impl Inputs {
 
     /// Refuses to write a file that is one of them.
     pub(crate) fn spare(&self, out: &Path) -> Result<(), Failure> {
-        let there = match is_stdout(out).then(|| standard(&io::stdout())).flatten() {
+        let there = match is_standard(out).then(|| standard(&io::stdout())).flatten() {
             Some(stream) => stream.metadata(),
             None => std::fs::metadata(out),
         };
@@ -202,12 +203,10 @@ pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), Fai
     }
 }
 
-/// Refuses a folder that is not there and is named as a file would be.
+/// Refuses standard output, and a folder that is not there and is named as a file would be.
 pub(crate) fn check_folder(out: &Path, why: &str) -> Result<(), Failure> {
-    if format_of(out).is_none() || out.exists() {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("{} looks like a file, but {why}", out.display())))
+    let is_file = is_standard(out) || (format_of(out).is_some() && !out.exists());
+    if is_file { Err(Failure::usage(format!("{} looks like a file, but {why}", out.display()))) } else { Ok(()) }
 }
 
 fn format_of(out: &Path) -> Option<String> {
@@ -222,13 +221,9 @@ trait ReadSeek: Read + Seek {}
 
 impl<T: Read + Seek> ReadSeek for T {}
 
-pub(crate) fn is_stdin(file: &Path) -> bool {
-    file.as_os_str() == "-"
-}
-
 /// An archive of arrays.
 pub(crate) fn archive(file: &Path) -> Result<impl Read + Seek + use<>, Cause> {
-    let reader: Box<dyn ReadSeek> = if is_stdin(file) {
+    let reader: Box<dyn ReadSeek> = if is_standard(file) {
         Box::new(Cursor::new(stdin().map_err(FileError::from)?))
     } else {
         Box::new(BufReader::with_capacity(1 << 18, open_regular(file).map_err(FileError::from)?))
@@ -237,7 +232,7 @@ pub(crate) fn archive(file: &Path) -> Result<impl Read + Seek + use<>, Cause> {
 }
 
 pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
-    if is_stdin(file) {
+    if is_standard(file) {
         return stdin();
     }
     let mut bytes = Vec::new();
@@ -253,7 +248,7 @@ pub(crate) fn read_text(file: &Path) -> Result<String, Failure> {
 /// The input's metadata. For `-` it is the metadata of standard input: a file, a pipe or a terminal.
 pub(crate) fn metadata(file: &Path) -> io::Result<Metadata> {
     #[cfg(unix)]
-    if is_stdin(file) {
+    if is_standard(file) {
         use std::os::fd::AsFd;
         return File::from(io::stdin().as_fd().try_clone_to_owned()?).metadata();
     }
@@ -292,6 +287,6 @@ mod tests {
         assert!(is_taken("a.npz", "npz") && !is_taken("a.png", "npz"));
         assert!(is_taken("a.json", "json") && is_taken("-", "json") && !is_taken("a.glb", "json"));
         let is_folder = |name| check_folder(Path::new(name), "").is_ok();
-        assert!(!is_folder("none/film.mp4") && is_folder("none/film.d") && is_folder("none/report"));
+        assert!(!is_folder("none/film.mp4") && !is_folder("-") && is_folder("none/film.d") && is_folder("none/report"));
     }
 }

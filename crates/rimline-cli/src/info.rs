@@ -11,7 +11,7 @@ use rimline::mesh::EdgeCounts;
 use rimline::{Light, Mesh, Origin};
 use rimline_files::{Polygons, ReadOptions};
 use rimline_picture::Bounds;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::args::InfoArgs;
 use crate::coordinates::{self, add_origin, origin_text};
@@ -287,23 +287,23 @@ struct PolygonReport {
     nonplanar: usize,
     /// With a corner that is not finite. They are in no other count of how polygons are seen.
     non_finite: usize,
-    /// For each light.
-    seen: Vec<SeenCounts>,
+    /// For each light, how many are seen in each way of `SEEN`.
+    seen: Vec<[usize; 4]>,
 }
 
-#[derive(Clone, Debug, Default)]
-struct SeenCounts {
-    facing: usize,
-    back_facing: usize,
-    in_plane: usize,
-    twisted: usize,
-}
+/// How a polygon is seen from a light: the key of JSON, and words.
+const SEEN: [(Orientation, &str, &str); 4] = [
+    (Orientation::FrontFacing, "facing", "facing"),
+    (Orientation::BackFacing, "averted", "averted"),
+    (Orientation::InPlane, "in_plane", "in a plane with it"),
+    (Orientation::Twisted, "twisted", "twisted"),
+];
 
 impl PolygonReport {
     /// `None` if all faces are triangles.
     fn of_mesh(mesh: &Mesh, positions: &[[f32; 3]], lights: &[Light]) -> Option<Self> {
         let polygons = mesh.polygons()?;
-        let mut report = Self { seen: vec![SeenCounts::default(); lights.len()], ..Self::default() };
+        let mut report = Self { seen: vec![[0; 4]; lights.len()], ..Self::default() };
         for polygon in 0..polygons.len() {
             let loops = polygons.loops(polygon);
             report.with_holes += usize::from(loops.len() > 1);
@@ -320,19 +320,17 @@ impl PolygonReport {
             };
             report.nonplanar += usize::from(!boundary.is_planar());
             for (counts, light) in report.seen.iter_mut().zip(lights) {
-                *match boundary.orientation(light.to_array()).0 {
-                    Orientation::FrontFacing => &mut counts.facing,
-                    Orientation::BackFacing => &mut counts.back_facing,
-                    Orientation::InPlane => &mut counts.in_plane,
-                    Orientation::Twisted => &mut counts.twisted,
-                } += 1;
+                let (found, _) = boundary.orientation(light.to_array());
+                counts.iter_mut().zip(SEEN).for_each(|(count, (way, ..))| *count += usize::from(found == way));
             }
         }
         Some(report)
     }
 
     fn json(&self) -> Value {
-        let seen = |SeenCounts { facing, back_facing, in_plane, twisted }: &SeenCounts| json!({ "facing": facing, "averted": back_facing, "in_plane": in_plane, "twisted": twisted });
+        let seen = |counts: &[usize; 4]| -> Map<String, Value> {
+            SEEN.iter().zip(counts).map(|((_, key, _), count)| ((*key).to_owned(), json!(count))).collect()
+        };
         json!({
             "triangles": self.triangles,
             "quadrilaterals": self.quadrilaterals,
@@ -357,13 +355,9 @@ impl PolygonReport {
         if *non_finite > 0 {
             text.more(format_args!("{non_finite} with a corner that is not finite"));
         }
-        for (number, SeenCounts { facing, back_facing, in_plane, twisted }) in self.seen.iter().enumerate() {
-            text.line(
-                &format!("light {number}"),
-                format_args!(
-                    "{facing} facing, {back_facing} averted, {in_plane} in a plane with it, {twisted} twisted"
-                ),
-            );
+        for (number, counts) in self.seen.iter().enumerate() {
+            let ways = SEEN.iter().zip(counts).map(|((.., words), count)| format!("{count} {words}"));
+            text.line(&format!("light {number}"), ways.collect::<Vec<_>>().join(", "));
         }
     }
 }

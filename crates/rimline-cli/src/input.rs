@@ -105,7 +105,7 @@ impl Input {
 
     pub(crate) fn read(file: &Path, options: &ReadOptions) -> Result<Self, Failure> {
         const SHOWN: usize = 20;
-        let content = if files::is_stdin(file) {
+        let content = if files::is_standard(file) {
             files::read(file).map_err(FileError::from).and_then(|bytes| read_bytes(&bytes, None, options))
         } else {
             rimline_files::read(file, options)

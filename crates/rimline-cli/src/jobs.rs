@@ -1,5 +1,6 @@
 //! Many jobs of one subcommand in one run: several files, or a file with a job a line. A job is a command line of its own.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ use serde_json::{Value, json};
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
-use crate::files::{self, Inputs, check_parent, is_stdout, real_path};
+use crate::files::{self, Inputs, check_parent, is_standard, real_path};
 use crate::input_args::JobsArgs;
 use crate::output::{self, collected, complain, print, say};
 use crate::{device, lines, shadow};
@@ -66,7 +67,7 @@ struct Job {
 
 impl Many {
     /// Many jobs, if the command line asks for them. A line with an error asks for none, and its own parser tells the error.
-    pub(crate) fn given(arguments: Vec<OsString>) -> Option<Self> {
+    pub(crate) fn given(arguments: &[OsString]) -> Option<Self> {
         const UNSET: Resettable<clap::Id> = Resettable::Reset;
         let optional = |arg: Arg| arg.required(false).required_unless_present(UNSET).requires(UNSET);
         let mut cli = COMMANDS
@@ -91,8 +92,7 @@ impl Many {
         let [is_json, is_quiet] = ["json", "quiet"].map(|option| common.contains_key(option));
         common.retain(|option, _| option == "json" || !OF_RUN.contains(&&**option));
 
-        let named = RESULTS.iter().filter_map(|option| common.get(*option)).flatten().flatten();
-        let has_pattern = named.map(|name| name.to_string_lossy()).any(|name| words(&name).next().is_some());
+        let has_pattern = results(&common).any(|(_, name)| words(&name).next().is_some());
         let is_each = is_each || has_pattern;
         let several = is_each && common.get(FILE).is_some_and(|files| files.len() > 1);
         let is_asked = args.jobs.is_some() || args.resume || args.shard.is_some() || (name == "lines" && is_json);
@@ -259,15 +259,11 @@ impl Many {
             }
             None => value,
         };
-        for (option, value) in RESULTS.iter().filter_map(|option| Some((option, options.get(*option)?))) {
-            let names = value.iter().flatten().map(|value| value.to_string_lossy());
-            for name in names {
-                if let Some(word) = words(&name).find(|word| !PATTERNS.contains(word)) {
-                    let known = PATTERNS.join(", ");
-                    return Err(
-                        self.wrong(line, &format!("--{option} has `{word}`, which stands for nothing; write {known}"))
-                    );
-                }
+        for (option, name) in results(&options) {
+            if let Some(word) = words(&name).find(|word| !PATTERNS.contains(word)) {
+                let known = PATTERNS.join(", ");
+                let problem = format!("--{option} has `{word}`, which stands for nothing; write {known}");
+                return Err(self.wrong(line, &problem));
             }
         }
         let read = INPUTS.iter().filter_map(|option| options.get(*option)).flatten().flatten();
@@ -312,17 +308,18 @@ impl Many {
                 Command::Lines(args) if args.frames.is_some() => Some(&args.out),
                 _ => None,
             };
-            for file in folder.map_or(&*job.results, std::slice::from_ref) {
+            for file in folder.into_iter().chain(&job.results) {
                 read.spare(file)?;
-                if jobs.len() > 1 && is_stdout(file) {
+                if jobs.len() > 1 && is_standard(file) {
                     return Err(Failure::usage(format!(
                         "standard output takes the result of one job, and these are {}; give --out such as \
                          out/{{stem}}.png",
                         jobs.len()
                     )));
                 }
-                let output = |source| Failure::Output { file: file.clone(), source };
-                check_parent(file).map_err(output)?;
+                if folder.is_none_or(|folder| folder == file) {
+                    check_parent(file).map_err(Failure::output(file))?;
+                }
                 let Some(other) = real_path(file).and_then(|file| writers.insert(file, job)) else { continue };
                 if other.index != job.index {
                     let (file, jobs) = (file.clone(), [other, job].map(|job| self.named(job)));
@@ -339,6 +336,15 @@ impl Many {
     }
 }
 
+/// Options that name results, and the names.
+fn results(options: &Options) -> impl Iterator<Item = (&'static str, Cow<'_, str>)> {
+    RESULTS.into_iter().flat_map(move |option| {
+        let values = options.get(option).into_iter().flatten().flatten();
+        values.map(move |value| (option, value.to_string_lossy()))
+    })
+}
+
+/// Words in braces.
 fn words(name: &str) -> impl Iterator<Item = &str> {
     let is_word = |word: &&str| word.len() > 2 && word[1..word.len() - 1].bytes().all(|c| c.is_ascii_lowercase());
     let starts = name.match_indices('{').map(|(at, _)| &name[at..]);

@@ -112,7 +112,9 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         if frame == 0 && drawing.spans.iter().any(|span| span.class == LineClass::Boundary) {
             remarks.of_seams(&inputs);
         }
-        let units = (format == Format::Dxf && args.dxf_units == DxfUnits::Model).then(|| eye.page_of_origin(origin));
+        // Added to coordinates of the page, it makes them those of the files.
+        let is_in_units = format == Format::Dxf && args.dxf_units == DxfUnits::Model;
+        let units = is_in_units.then(|| eye.view.page(origin.to_array()));
         let mut sheet = Sheet::new(args, &style, &drawing, extent.window(args, &eye), units)?;
         if frame == 0 && sheet.is_crowded() {
             style.is_fine = true;
@@ -161,9 +163,8 @@ struct Remarks(BTreeSet<String>);
 
 impl Remarks {
     fn say(&mut self, remark: String) {
-        if !self.0.contains(&remark) {
+        if self.0.insert(remark.clone()) {
             note(&remark);
-            self.0.insert(remark);
         }
     }
 
@@ -214,7 +215,11 @@ impl Picture<'_> {
     }
 
     fn description(&self) -> String {
-        format!("{}; {}", self.eye.said(self.args), self.sheet.scale_said(self.args, self.eye.view.is_perspective()))
+        format!(
+            "{}; {}",
+            self.eye.said(self.args, self.origin),
+            self.sheet.scale_said(self.args, self.eye.view.is_perspective())
+        )
     }
 }
 
@@ -264,13 +269,16 @@ fn tell_apart(objects: &mut [Object<'_>]) {
     }
 }
 
+/// Whether all corners of a face are finite.
+fn is_finite(object: &Object<'_>, face: &[u32; 3]) -> bool {
+    let mut corners = face.iter().map(|&vertex| object.positions.get(vertex as usize));
+    corners.all(|corner| corner.is_some_and(|corner| corner.iter().all(|c| c.is_finite())))
+}
+
 /// Without faces that are not finite, as long as there are others: a warning has counted them. Polygons stay as they are.
 fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
-    let is_finite = |face: &&[u32; 3]| {
-        face.iter()
-            .all(|&vertex| object.positions.get(vertex as usize).is_some_and(|at| at.iter().all(|c| c.is_finite())))
-    };
-    let faces: Vec<[u32; 3]> = object.mesh.faces().iter().filter(is_finite).copied().collect();
+    let faces = object.mesh.faces().iter().copied().filter(|face| is_finite(&object, face));
+    let faces: Vec<[u32; 3]> = faces.collect();
     if faces.is_empty() || faces.len() == object.mesh.faces().len() || object.mesh.polygons().is_some() {
         return Ok(object);
     }

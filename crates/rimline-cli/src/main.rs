@@ -35,13 +35,14 @@ mod view;
 use std::io::Write as _;
 use std::process::ExitCode;
 
+use clap::Parser as _;
 use log::Level;
 
-use crate::args::Command;
+use crate::args::{Cli, Command};
 use crate::failure::Failure;
 use crate::jobs::Many;
 use crate::output::{Line, Text};
-use crate::parse::{joined, parse};
+use crate::parse::joined;
 
 fn main() -> ExitCode {
     // Drivers and wgpu talk a lot; whoever wants to hear them sets RUST_LOG.
@@ -54,11 +55,12 @@ fn main() -> ExitCode {
         .init();
     #[cfg(all(unix, not(target_vendor = "apple")))]
     keep_wayland_quiet();
-    let done = if let Some(many) = Many::given(joined(std::env::args_os().collect())) {
+    let arguments = joined(std::env::args_os().collect());
+    let done = if let Some(many) = Many::given(&arguments) {
         begin(many.is_quiet);
         many.run()
     } else {
-        let cli = parse(std::env::args_os()).unwrap_or_else(|error| refuse(&error));
+        let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| refuse(&error));
         begin(cli.quiet);
         run(&cli.command)
     };
@@ -110,30 +112,30 @@ pub(crate) fn refuse(error: &clap::Error) -> ! {
         output::complain(&failure);
         std::process::exit(failure.code().into());
     }
-    if let Some(file) = named_alone(error) {
+    if std::env::args_os().all(|argument| is_tame(&argument.to_string_lossy())) {
         let _ = error.print();
-        let _ = writeln!(std::io::stderr(), "tip: to see the model, `rimline view {}`", Line(file));
-        std::process::exit(error.exit_code());
+    } else {
+        let _ = writeln!(std::io::stderr(), "{}", Line(error.render()));
     }
-    let is_tame = |argument: std::ffi::OsString| {
-        let argument = argument.to_string_lossy();
-        Line(&argument).to_string() == argument
-    };
-    if std::env::args_os().all(is_tame) {
-        error.exit();
+    if let Some(file) = named_alone(error) {
+        let _ = writeln!(std::io::stderr(), "tip: to see the model, `rimline view {file}`");
     }
-    let _ = writeln!(std::io::stderr(), "{}", Line(error.render()));
     std::process::exit(error.exit_code());
 }
 
+fn is_tame(text: &str) -> bool {
+    Line(text).to_string() == text
+}
+
 /// The file that stands in the place of a subcommand.
-fn named_alone(error: &clap::Error) -> Option<String> {
+fn named_alone(error: &clap::Error) -> Option<&str> {
     use clap::error::{ContextKind, ContextValue, ErrorKind};
-    if error.kind() != ErrorKind::InvalidSubcommand {
-        return None;
+    match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(wrong)) if error.kind() == ErrorKind::InvalidSubcommand && is_tame(wrong) => {
+            std::path::Path::new(wrong).is_file().then_some(wrong.as_str())
+        }
+        _ => None,
     }
-    let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidSubcommand) else { return None };
-    (std::path::Path::new(wrong).is_file() && Line(wrong).to_string() == *wrong).then(|| wrong.clone())
 }
 
 pub(crate) fn run(command: &Command) -> Result<(), Failure> {

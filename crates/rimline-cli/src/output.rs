@@ -299,13 +299,19 @@ pub(crate) fn listed_animations(asset: &Asset) -> String {
 pub(crate) fn listed<'a>(kind: &str, names: impl ExactSizeIterator<Item = Option<&'a str>>) -> String {
     const SHOWN: usize = 20;
     let count = names.len();
-    let (plural, more) = (if count == 1 { "" } else { "s" }, if count > SHOWN { ", …" } else { "" });
     if count == 0 {
         return "none".into();
     }
+    let more = if count > SHOWN { ", …" } else { "" };
     let numbered = |(index, name): (usize, Option<&str>)| numbered_name(index, name);
     let shown: Vec<String> = names.take(SHOWN).enumerate().map(numbered).collect();
-    format!("{count} {kind}{plural}: {}{more}", shown.join(", "))
+    format!("{}: {}{more}", counted(count, kind), shown.join(", "))
+}
+
+/// A number of things: `1 file`, `2 files`.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{plural}")
 }
 
 /// A number, and the name if there is one.

@@ -5,20 +5,17 @@ mod ranges;
 
 use std::ffi::OsString;
 
-use clap::{CommandFactory, Parser};
+use clap::CommandFactory;
 
 use crate::args::Cli;
 
-/// Reads the command line; the first argument is the program's name.
-pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
-    Cli::try_parse_from(joined(arguments.into_iter().collect()))
-}
-
 /// Joins an option with a value that begins as a negative number does: `--dangling -1,3` becomes `--dangling=-1,3`. clap
-/// would look for an option `-1`, and could not say what is wrong with the value.
+/// would look for an option `-1`, and could not say what is wrong with the value. The first argument is the program's name.
 pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     let cli = Cli::command();
-    let Some(command) = arguments.get(1).and_then(|name| cli.find_subcommand(name)) else { return arguments };
+    // `-q` may come first.
+    let mut names = arguments.iter().skip(1).skip_while(|argument| argument.as_encoded_bytes().starts_with(b"-"));
+    let Some(command) = names.next().and_then(|name| cli.find_subcommand(name)) else { return arguments };
     let takes_value = |argument: &OsString| {
         let Some(name) = argument.to_str().and_then(|argument| argument.strip_prefix("--")) else { return false };
         command.get_arguments().any(|option| {
@@ -60,7 +57,7 @@ mod tests {
         };
         assert_eq!(joined("rimline shadow a --dangling -1,3 --json"), "rimline shadow a --dangling=-1,3 --json");
         assert_eq!(joined("rimline shadow a --near -.5"), "rimline shadow a --near=-.5");
-        assert_eq!(joined("rimline bench --scene -1"), "rimline bench --scene=-1");
+        assert_eq!(joined("rimline -q bench --scene -1"), "rimline -q bench --scene=-1");
         assert_eq!(joined("rimline shadow a --samples -Inf"), "rimline shadow a --samples=-Inf");
         for line in [
             "rimline",

@@ -155,11 +155,6 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// The number of lights that a count takes: a lifted point is another one for each light.
-    fn lights_at_once(&self) -> usize {
-        if self.lift.is_some() { 1 } else { self.lights.len() }
-    }
-
     /// Points of one call or submission: few enough that no GPU is kept busy for long and no result takes much memory.
     fn slice(&self, mesh: &Mesh) -> usize {
         let pairs = ((1 << 36) / mesh.faces().len().max(1)).clamp(1 << 12, 1 << 22);
@@ -252,7 +247,9 @@ impl Job<'_, '_> {
     }
 
     fn prepare(&self, gpu: &Gpu, slice: usize) -> Result<(Positions, ShadowQuery), GpuError> {
-        let (max_points, max_lights) = (slice as u32, self.asked.lights_at_once());
+        // A lifted point is another one for each light.
+        let max_lights = if self.asked.lift.is_some() { 1 } else { self.asked.lights.len() };
+        let max_points = slice as u32;
         let options = ShadowQueryOptions { max_points, max_lights, ..ShadowQueryOptions::default() };
         let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
         Ok((placed, ShadowQuery::new(&gpu.pipelines, &self.scene.mesh, options)?))

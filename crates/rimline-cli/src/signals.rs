@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 static SIGNAL: AtomicU8 = AtomicU8::new(0);
 
@@ -22,7 +22,6 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Makes a file or folder that is removed at a signal. No signal is heeded meanwhile.
 pub(crate) fn make_unfinished<T>(make: impl FnOnce() -> io::Result<(T, PathBuf)>) -> io::Result<T> {
-    heed_signals();
     let mut unfinished = unfinished();
     let (made, path) = make()?;
     unfinished.push(path);
@@ -57,36 +56,33 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 
 /// From now on a signal that asks to end removes what is unfinished, and ends the command with the code of the signal.
 pub(crate) fn heed_signals() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        let handler = |signal: i32| {
-            let is_first = SIGNAL.swap(signal as u8, Ordering::SeqCst) == 0;
-            if IS_FINISHING.load(Ordering::SeqCst) && is_first {
-                return;
-            }
-            // Locked until the end, or a result about to be renamed would be missed and reported as a failure.
-            let mut unfinished = unfinished();
-            unfinished.drain(..).rev().for_each(|path| remove(&path));
-            let text = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            if !text.is_empty() {
-                // The line of progress may stand there.
-                if io::stderr().is_terminal() {
-                    eprintln!();
-                }
-                eprintln!("rimline: {text}");
-            }
-            leave(interrupted_code());
-        };
-        if let Err(error) = listen(handler) {
-            log::warn!("Ctrl-C would leave a partial file: {error}");
+    if let Err(error) = listen() {
+        log::warn!("Ctrl-C would leave a partial file: {error}");
+    }
+}
+
+fn heed(signal: i32) {
+    let is_first = SIGNAL.swap(signal as u8, Ordering::SeqCst) == 0;
+    if IS_FINISHING.load(Ordering::SeqCst) && is_first {
+        return;
+    }
+    // Locked until the end, or a result about to be renamed would be missed and reported as a failure.
+    let mut unfinished = unfinished();
+    unfinished.drain(..).rev().for_each(|path| remove(&path));
+    let text = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    if !text.is_empty() {
+        // The line of progress may stand there.
+        if io::stderr().is_terminal() {
+            eprintln!();
         }
-    });
+        eprintln!("rimline: {text}");
+    }
+    leave(interrupted_code());
 }
 
 /// From now on the first Ctrl-C only makes [`is_interrupted`] true, and leaves it to the work to end soon and to write
 /// what it has; the second ends the command.
 pub(crate) fn finish_at_interrupt() {
-    heed_signals();
     IS_FINISHING.store(true, Ordering::SeqCst);
 }
 
@@ -108,22 +104,22 @@ fn leave(code: u8) -> ! {
     std::process::exit(code.into())
 }
 
-/// Calls `handler` with the number of each signal that asks to end. One that was ignored when the command started, as
+/// Heeds each signal that asks to end. One that was ignored when the command started, as
 /// `nohup` and shells do, stays ignored.
 #[cfg(unix)]
-fn listen(handler: impl Fn(i32) + Send + 'static) -> io::Result<()> {
+fn listen() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let heeded: Vec<i32> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal)).collect();
     let mut signals = signal_hook::iterator::Signals::new(heeded)?;
-    let wait = move || signals.forever().for_each(handler);
+    let wait = move || signals.forever().for_each(heed);
     std::thread::Builder::new().name("signals".into()).spawn(wait)?;
     Ok(())
 }
 
-/// Calls `handler` with 2, the number of Ctrl-C elsewhere.
+/// Heeds Ctrl-C, whose number elsewhere is 2.
 #[cfg(not(unix))]
-fn listen(handler: impl Fn(i32) + Send + 'static) -> io::Result<()> {
-    ctrlc::set_handler(move || handler(2)).map_err(io::Error::other)
+fn listen() -> io::Result<()> {
+    ctrlc::set_handler(|| heed(2)).map_err(io::Error::other)
 }
 
 /// Whether this process ignores a signal; asked before it has a handler.

@@ -18,10 +18,10 @@ use serde_json::{Value, json};
 use crate::args::VerifyArgs;
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::extract::{extract_exactly, write_arrays};
-use crate::failure::{Cause, Failure, NoDevice};
+use crate::failure::{Cause, Failure};
 use crate::files;
 use crate::input::{Scene, Shape};
-use crate::output::{Line, Progress, note, print};
+use crate::output::{Line, Progress, counted, note, print};
 
 pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     // It is there unless the check is of built-in scenes.
@@ -33,18 +33,18 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     progress.step("opening the devices");
     let (devices, unusable) = open(args.device.as_deref().unwrap_or("all"))?;
-    for device in devices.iter().filter(|device| device.clips_wrongly()) {
+    let clips_wrongly: Vec<String> = devices.iter().filter(|device| device.clips_wrongly()).map(Device::name).collect();
+    for device in &clips_wrongly {
         progress.aside(|| {
             note(&format!(
-                "warning: {} counts pixels wrongly where slivers leave the picture; extractions and queries are not \
-                 concerned, and shadow volumes need ShadowFormat::trim there, which `rimline shadow` sets",
-                device.name()
+                "warning: {device} counts pixels wrongly where slivers leave the picture; extractions and queries are not \
+                 concerned, and shadow volumes need ShadowFormat::trim there, which `rimline shadow` sets"
             ));
         });
     }
-    let mut report = Report::new(folder, &files, &devices, &unusable);
+    let mut report = Report::new(&files, &devices);
     if !args.json {
-        progress.aside(|| print(&report.head()))?;
+        progress.aside(|| print(&report.head(&unusable)))?;
     }
     for (number, file) in (1..).zip(&files) {
         progress.step(format!("checking {} ({number} of {})", file.display(), files.len()));
@@ -54,8 +54,8 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         }
     }
     drop(progress);
-    print(&if args.json { report.json() } else { report.summary() })?;
-    report.outcome()
+    print(&if args.json { report.json(&clips_wrongly, &unusable) } else { report.summary() })?;
+    report.outcome(folder)
 }
 
 fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
@@ -79,8 +79,8 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     if files.is_empty() { Err(failed(none.into())) } else { Ok(files) }
 }
 
-/// The devices that `--device` asks for, and those that are there but cannot be used.
-fn open(wanted: &str) -> Result<(Vec<Device>, Vec<NoDevice>), Failure> {
+/// The devices that `--device` asks for, and why others that are there cannot be used.
+fn open(wanted: &str) -> Result<(Vec<Device>, Vec<String>), Failure> {
     let wanted = match wanted {
         "all" => Wanted::Auto,
         other => Wanted::parse(other),
@@ -89,6 +89,7 @@ fn open(wanted: &str) -> Result<(Vec<Device>, Vec<NoDevice>), Failure> {
         return Ok((vec![Device::Cpu], Vec::new()));
     }
     let (gpus, unusable) = device::open_every(&wanted);
+    let unusable: Vec<String> = unusable.iter().map(ToString::to_string).collect();
     let mut devices: Vec<Device> = gpus.into_iter().map(|gpu| Device::Gpu(Box::new(gpu))).collect();
     match wanted {
         Wanted::Auto => devices.push(Device::Cpu),
@@ -101,11 +102,7 @@ fn open(wanted: &str) -> Result<(Vec<Device>, Vec<NoDevice>), Failure> {
 
 #[derive(Default)]
 struct Report {
-    folder: PathBuf,
     devices: Vec<String>,
-    /// Names of those whose driver clips slivers wrongly.
-    clips_wrongly: Vec<String>,
-    unusable: Vec<String>,
     name_width: usize,
     files: Vec<Value>,
     faces: usize,
@@ -123,28 +120,18 @@ fn file_name(file: &Path) -> String {
 }
 
 impl Report {
-    fn new(folder: &Path, files: &[PathBuf], devices: &[Device], unusable: &[NoDevice]) -> Self {
-        Self {
-            folder: folder.to_owned(),
-            devices: devices.iter().map(Device::name).collect(),
-            clips_wrongly: devices.iter().filter(|device| device.clips_wrongly()).map(Device::name).collect(),
-            unusable: unusable.iter().map(ToString::to_string).collect(),
-            name_width: files
-                .iter()
-                .map(|file| Line(file_name(file)).to_string().chars().count())
-                .max()
-                .unwrap_or(0)
-                .max(4),
-            ..Self::default()
-        }
+    fn new(files: &[PathBuf], devices: &[Device]) -> Self {
+        let widths = files.iter().map(|file| Line(file_name(file)).to_string().chars().count());
+        let name_width = widths.fold("file".len(), usize::max);
+        Self { devices: devices.iter().map(Device::name).collect(), name_width, ..Self::default() }
     }
 
-    fn head(&self) -> String {
+    fn head(&self, unusable: &[String]) -> String {
         let mut text = String::new();
         for (number, device) in (1..).zip(&self.devices) {
             let _ = writeln!(text, "{number}  {device}");
         }
-        for reason in &self.unusable {
+        for reason in unusable {
             let _ = writeln!(text, "-  {reason}");
         }
         let _ = write!(text, "\n{:<width$}  {:>9}  {:>6}", "file", "faces", "lights", width = self.name_width);
@@ -156,14 +143,14 @@ impl Report {
 
     /// Takes in a file; its line of the table, and more where something is wrong.
     fn add(&mut self, file: &Path, checked: Result<Checked, Failure>) -> String {
-        let (file, devices) = (file_name(file), self.devices.len());
-        let width = self.name_width;
+        let (file, devices, width) = (file_name(file), self.devices.len(), self.name_width);
         self.checks += devices;
         let Checked { faces, edges, lights, results } = match checked {
             Ok(checked) => checked,
             Err(failure) => {
                 let (error, row) = (failure.to_string(), Line(&file).to_string());
-                self.fail(failure, devices);
+                self.failed += devices;
+                self.first_failure.get_or_insert(failure);
                 self.files.push(json!({
                     "file": file, "faces": null, "edges": null, "lights": null, "error": error, "results": []
                 }));
@@ -174,39 +161,28 @@ impl Report {
         self.facing_bits += (faces * lights) as u64;
         let mut line = format!("{:<width$}  {faces:>9}  {lights:>6}", Line(&file).to_string());
         let (mut remarks, mut list) = (String::new(), Vec::new());
-        for (number, result) in results.into_iter().enumerate() {
-            let device = self.devices.get(number).cloned().unwrap_or_default();
-            let (cell, error) = match &result {
-                Ok(differences) if differences.is_empty() => ("equal".to_owned(), None),
-                Ok(differences) => {
-                    self.different += 1;
-                    for difference in differences {
-                        let _ = writeln!(remarks, "  {}: {}", number + 1, Line(difference));
-                    }
-                    (cell(differences), None)
-                }
-                Err(failure) => {
-                    let _ = writeln!(remarks, "  {}: {}", number + 1, Line(failure));
-                    ("failed".to_owned(), Some(failure.to_string()))
-                }
-            };
+        for ((number, device), result) in (1..).zip(&self.devices).zip(results) {
+            let differences = result.as_deref().unwrap_or_default();
+            for difference in differences {
+                let _ = writeln!(remarks, "  {number}: {}", Line(difference));
+            }
+            self.different += usize::from(!differences.is_empty());
+            let error = result.as_ref().err().map(ToString::to_string);
+            let cell = if error.is_some() { "failed".to_owned() } else { cell(differences) };
             let _ = write!(line, "  {cell:<9}");
-            let differences: Vec<Value> = result.iter().flatten().map(difference_json).collect();
+            let differences: Vec<Value> = differences.iter().map(difference_json).collect();
             let equal = error.is_none() && differences.is_empty();
             list.push(json!({ "device": device, "equal": equal, "error": error, "differences": differences }));
             if let Err(failure) = result {
-                self.fail(failure, 1);
+                let _ = writeln!(remarks, "  {number}: {}", Line(&failure));
+                self.failed += 1;
+                self.first_failure.get_or_insert(failure);
             }
         }
         self.files.push(json!({
             "file": file, "faces": faces, "edges": edges, "lights": lights, "error": null, "results": list
         }));
         format!("{}\n{remarks}", line.trim_end())
-    }
-
-    fn fail(&mut self, failure: Failure, checks: usize) {
-        self.failed += checks;
-        self.first_failure.get_or_insert(failure);
     }
 
     fn summary(&self) -> String {
@@ -226,11 +202,11 @@ impl Report {
         text
     }
 
-    fn json(&self) -> String {
+    fn json(&self, clips_wrongly: &[String], unusable: &[String]) -> String {
         let report = json!({
             "devices": self.devices,
-            "clips_wrongly": self.clips_wrongly,
-            "unusable": self.unusable,
+            "clips_wrongly": clips_wrongly,
+            "unusable": unusable,
             "equal": self.different + self.failed == 0,
             "files": self.files,
         });
@@ -238,10 +214,10 @@ impl Report {
     }
 
     /// Other bits weigh more than what could not be checked.
-    fn outcome(self) -> Result<(), Failure> {
+    fn outcome(self, folder: &Path) -> Result<(), Failure> {
         match self.first_failure {
             _ if self.different > 0 => {
-                Err(Failure::Differs { folder: self.folder, different: self.different, checked: self.checks })
+                Err(Failure::Differs { folder: folder.to_owned(), different: self.different, checked: self.checks })
             }
             Some(first) => Err(Failure::Unchecked { count: self.failed, first: Box::new(first) }),
             None => Ok(()),
@@ -249,13 +225,9 @@ impl Report {
     }
 }
 
-fn counted(count: usize, what: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {what}{plural}")
-}
-
 fn cell(differences: &[Difference]) -> String {
-    match differences.iter().map(Difference::bits).sum() {
+    match differences.iter().map(Difference::bits).sum::<u64>() {
+        _ if differences.is_empty() => "equal".to_owned(),
         0 => "DIFFERENT".to_owned(),
         bits => counted(bits as usize, "bit").to_uppercase(),
     }
@@ -340,7 +312,6 @@ fn run_built_in(args: &VerifyArgs) -> Result<(), Failure> {
         }
     }
     drop(progress);
-    let unusable: Vec<String> = unusable.iter().map(ToString::to_string).collect();
     let wrong = reports.iter().map(DeviceReport::wrong_bits).sum();
     print(&if args.json {
         let equal = wrong == 0 && first.is_none();

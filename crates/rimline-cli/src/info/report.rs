@@ -68,25 +68,16 @@ impl MeshReport {
     /// Each mesh once, whatever the number of its instances; without bounds, since each lies in a space of its own.
     pub(super) fn total(meshes: &[Self]) -> Self {
         let mut total = Self::default();
+        macro_rules! add {
+            ($mesh:ident: $($($field:ident).+),+) => { $(total.$($field).+ += $mesh.$($field).+;)+ };
+        }
         for mesh in meshes {
-            let EdgeCounts { consistent, inconsistent, boundary } = mesh.diagnostics.edges;
-            total.vertices.before += mesh.vertices.before;
-            total.vertices.after += mesh.vertices.after;
-            total.vertices.apart += mesh.vertices.apart;
-            total.vertices.collapsed += mesh.vertices.collapsed;
-            total.vertices.wide += mesh.vertices.wide;
-            total.t_junctions += mesh.t_junctions;
-            total.faces += mesh.faces;
-            total.morph_targets += mesh.morph_targets;
+            add!(mesh: faces, morph_targets, t_junctions);
+            add!(mesh: vertices.before, vertices.after, vertices.apart, vertices.collapsed, vertices.wide);
+            add!(mesh: diagnostics.edges.consistent, diagnostics.edges.inconsistent, diagnostics.edges.boundary);
+            add!(mesh: diagnostics.non_manifold_edges, diagnostics.components);
+            add!(mesh: diagnostics.degenerate_faces, diagnostics.duplicate_faces, diagnostics.flipped_faces);
             total.joints_per_vertex = total.joints_per_vertex.max(mesh.joints_per_vertex);
-            total.diagnostics.components += mesh.diagnostics.components;
-            total.diagnostics.edges.consistent += consistent;
-            total.diagnostics.edges.inconsistent += inconsistent;
-            total.diagnostics.edges.boundary += boundary;
-            total.diagnostics.non_manifold_edges += mesh.diagnostics.non_manifold_edges;
-            total.diagnostics.degenerate_faces += mesh.diagnostics.degenerate_faces;
-            total.diagnostics.duplicate_faces += mesh.diagnostics.duplicate_faces;
-            total.diagnostics.flipped_faces += mesh.diagnostics.flipped_faces;
             let inward = mesh.diagnostics.inward_components.unwrap_or(0);
             *total.diagnostics.inward_components.get_or_insert(0) += inward;
         }

@@ -1,7 +1,7 @@
 //! Options of `rimline lines`.
 
 use std::path::PathBuf;
-use std::str::FromStr;
+use std::str::FromStr as _;
 
 use clap::{Args, ValueEnum};
 use rimline_lines::{Classes, LineClass};
@@ -85,8 +85,8 @@ pub(crate) struct LinesArgs {
 
     /// The classes of lines, separated by commas: silhouette (between a face that is seen from its front and one from its back),
     /// boundary (one face), non-manifold (more than two), crease, intersection (faces pass through each other). Or `all`
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "all")]
-    classes: Vec<ClassArg>,
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "all", value_parser = parse_classes)]
+    classes: Vec<Classes>,
 
     /// How lines behind faces are drawn
     #[arg(long, value_enum, default_value_t = Hidden::None)]
@@ -94,11 +94,11 @@ pub(crate) struct LinesArgs {
 
     /// The page: A0 to A5, upright or lying as the drawing needs it, or its width and height in millimetres, such as 200x150.
     /// By default it is A4; with --scale it is as large as the drawing
-    #[arg(long, value_name = "A4|WxH", value_parser = Paper::from_str)]
+    #[arg(long, value_name = "A4|WxH", value_parser = parse_paper)]
     pub(crate) page: Option<Paper>,
 
     /// The scale: `fit` to the page, or such as 1:50. Only without perspective
-    #[arg(long, value_name = "fit|1:N", default_value = "fit", value_parser = Scale::from_str)]
+    #[arg(long, value_name = "fit|1:N", default_value = "fit", value_parser = parse_scale)]
     pub(crate) scale: Scale,
 
     /// The unit of the files, for --scale and --dxf-units. By default it is a metre for --scale, as in glTF, and unknown in a DXF
@@ -243,32 +243,18 @@ impl LinesArgs {
     }
 
     pub(crate) fn classes(&self) -> Classes {
-        let named = |class: &ClassArg| match class {
-            ClassArg::All => Classes::ALL,
-            ClassArg::One(class) => Classes::NONE.with(*class),
-        };
-        let classes = self.classes.iter().map(named);
-        LineClass::ALL.into_iter().filter(|&class| classes.clone().any(|some| some.contains(class))).collect()
+        LineClass::ALL.into_iter().filter(|&class| self.classes.iter().any(|some| some.contains(class))).collect()
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ClassArg {
-    All,
-    One(LineClass),
-}
-
-impl FromStr for ClassArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let text = text.trim().to_lowercase();
-        let is_named = |class: &LineClass| *class != LineClass::Marked && class.name() == text;
-        match LineClass::ALL.into_iter().find(is_named) {
-            _ if text == "all" => Ok(Self::All),
-            Some(class) => Ok(Self::One(class)),
-            None => Err("the classes are all, silhouette, boundary, non-manifold, crease and intersection".to_owned()),
-        }
+/// The classes that a name stands for.
+fn parse_classes(text: &str) -> Result<Classes, &'static str> {
+    let text = text.trim().to_lowercase();
+    let is_named = |class: &LineClass| *class != LineClass::Marked && class.name() == text;
+    match LineClass::ALL.into_iter().find(is_named) {
+        _ if text == "all" => Ok(Classes::ALL),
+        Some(class) => Ok(Classes::NONE.with(class)),
+        None => Err("the classes are all, silhouette, boundary, non-manifold, crease and intersection"),
     }
 }
 
@@ -333,20 +319,15 @@ impl Paper {
         [[841.0, 1189.0], [594.0, 841.0], [420.0, 594.0], [297.0, 420.0], [210.0, 297.0], [148.0, 210.0]];
 }
 
-impl FromStr for Paper {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let named = text.strip_prefix(['A', 'a']).and_then(|number| number.parse::<usize>().ok());
-        if let Some(size) = named.and_then(|number| Self::SIZES.get(number)) {
-            return Ok(Self::Turned(*size));
-        }
-        let side = |text: &str| text.trim().parse().ok().filter(|side: &f64| (1.0..=20_000.0).contains(side));
-        let given = text.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?]));
-        given.map(Self::Given).ok_or_else(|| {
-            "a page is A0 to A5, or its width and height in millimetres, 1 to 20000 each, such as 200x150".to_owned()
-        })
+fn parse_paper(text: &str) -> Result<Paper, &'static str> {
+    let named = text.strip_prefix(['A', 'a']).and_then(|number| number.parse::<usize>().ok());
+    if let Some(size) = named.and_then(|number| Paper::SIZES.get(number)) {
+        return Ok(Paper::Turned(*size));
     }
+    let side = |text: &str| text.trim().parse().ok().filter(|side: &f64| (1.0..=20_000.0).contains(side));
+    let given = text.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    let needed = "a page is A0 to A5, or its width and height in millimetres, 1 to 20000 each, such as 200x150";
+    given.map(Paper::Given).ok_or(needed)
 }
 
 /// How large things are on the page.
@@ -363,16 +344,12 @@ pub(crate) enum Scale {
     },
 }
 
-impl FromStr for Scale {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text.eq_ignore_ascii_case("fit") {
-            return Ok(Self::Fit);
-        }
-        let part = |text: &str| text.trim().parse().ok().filter(|part: &f64| (1e-9..=1e9).contains(part));
-        let ratio = text.split_once(':').and_then(|(page, model)| Some((part(page)?, part(model)?)));
-        let (page, model) = ratio.ok_or("a scale is `fit`, or two numbers such as 1:50, 1e-9 to 1e9 each")?;
-        Ok(Self::Ratio { page, model })
+fn parse_scale(text: &str) -> Result<Scale, &'static str> {
+    if text.eq_ignore_ascii_case("fit") {
+        return Ok(Scale::Fit);
     }
+    let part = |text: &str| text.trim().parse().ok().filter(|part: &f64| (1e-9..=1e9).contains(part));
+    let ratio = text.split_once(':').and_then(|(page, model)| Some((part(page)?, part(model)?)));
+    let (page, model) = ratio.ok_or("a scale is `fit`, or two numbers such as 1:50, 1e-9 to 1e9 each")?;
+    Ok(Scale::Ratio { page, model })
 }

@@ -1,12 +1,13 @@
 //! The eye of a drawing.
 
+use glam::{DVec3, Vec3};
 use rimline::Origin;
 use rimline::gltf::{CameraProjection, SceneCamera};
 use rimline_lines::{LinesError, Object, PageBox, View};
 use rimline_picture::Bounds;
 
 use super::args::LinesArgs;
-use crate::coordinates::relative;
+use crate::coordinates::{self, relative};
 use crate::failure::{EYE_AT_TARGET, Failure};
 use crate::output::Line;
 use crate::spec::{Side, up_of};
@@ -42,12 +43,16 @@ pub(crate) fn corners(objects: &[Object<'_>]) -> Vec<[f32; 3]> {
     objects.iter().flat_map(of_object).filter(|corner| corner.iter().all(|c| c.is_finite())).collect()
 }
 
-fn middle(bounds: &Bounds) -> [f64; 3] {
-    [0, 1, 2].map(|axis| f64::from(bounds.min[axis]) / 2.0 + f64::from(bounds.max[axis]) / 2.0)
+fn middle(bounds: &Bounds) -> DVec3 {
+    0.5 * bounds.min.as_dvec3() + 0.5 * bounds.max.as_dvec3()
 }
 
-fn nearest(point: [f64; 3]) -> [f32; 3] {
-    point.map(|c| c as f32)
+fn single(v: DVec3) -> [f32; 3] {
+    v.as_vec3().into()
+}
+
+fn double(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
 }
 
 impl Eye {
@@ -63,39 +68,36 @@ impl Eye {
         let middle = middle(bounds);
         if let Some(eye) = args.eye {
             let eye = relative(eye, origin);
-            let target = args.target.map_or(nearest(middle), |target| relative(target, origin));
+            let target = args.target.map_or(single(middle), |target| relative(target, origin));
             if eye == target {
                 let middle = "--eye is in the middle of the models, where it looks by default; give --target";
                 return Err(Failure::usage(if args.target.is_some() { EYE_AT_TARGET } else { middle }));
             }
-            let up = up_of([0, 1, 2].map(|axis| f64::from(eye[axis]) - f64::from(target[axis])));
+            let up = up_of((double(eye) - double(target)).to_array());
             if args.ortho {
-                return of([0, 1, 2].map(|axis| eye[axis] - target[axis]), None, up);
+                return of((Vec3::from(eye) - Vec3::from(target)).into(), None, up);
             }
             let half_height = args.fov.map(|degrees| libm::tan(f64::from(degrees).to_radians() / 2.0));
             let shown = half_height.map(|half_height| Shown { middle: target, half_height });
             return Ok(Self { shown, ..of(eye, Some(target), up)? });
         }
         let (towards_eye, up) = args.view.directions();
+        let towards_eye = DVec3::from(towards_eye);
         let Some(degrees) = args.fov else {
-            return of(nearest(towards_eye), None, up);
+            return of(single(towards_eye), None, up);
         };
         // A ball around all fits into the field of view.
-        let length = |v: [f64; 3]| libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        let radius = corners.iter().map(|corner| length([0, 1, 2].map(|axis| f64::from(corner[axis]) - middle[axis])));
+        let radius = corners.iter().map(|&corner| (double(corner) - middle).length());
         let distance = radius.fold(f64::MIN_POSITIVE, f64::max) / libm::sin(f64::from(degrees).to_radians() / 2.0);
-        let size = length(towards_eye);
-        let eye = [0, 1, 2].map(|axis| middle[axis] + distance / size * towards_eye[axis]);
-        of(nearest(eye), Some(nearest(middle)), up)
+        let eye = middle + distance / towards_eye.length() * towards_eye;
+        of(single(eye), Some(single(middle)), up)
     }
 
     /// The eye of a camera of the file. It goes around a point ahead of it, beside the middle of `bounds`.
     pub(crate) fn of_camera(camera: &SceneCamera, bounds: &Bounds) -> Result<Self, LinesError> {
         let SceneCamera { eye, forward, up, .. } = *camera;
-        let middle = middle(bounds);
-        let along = |axis: usize| (middle[axis] - f64::from(eye[axis])) * f64::from(forward[axis]);
-        let ahead = (along(0) + along(1) + along(2)).max(f64::from(bounds.extent()));
-        let target = nearest([0, 1, 2].map(|axis| f64::from(eye[axis]) + ahead * f64::from(forward[axis])));
+        let ahead = (middle(bounds) - double(eye)).dot(double(forward)).max(bounds.extent().into());
+        let target = single(double(eye) + ahead * double(forward));
         let shown = |half_height| Some(Shown { middle: target, half_height });
         Ok(match camera.projection {
             CameraProjection::Perspective { yfov, znear, .. } => Self {
@@ -125,11 +127,11 @@ impl Eye {
         let (sine, cosine) = (libm::sin(degrees.to_radians()), libm::cos(degrees.to_radians()));
         let turn = |v: [f32; 3]| {
             let [x, y, z] = v.map(f64::from);
-            [cosine * x + sine * z, y, cosine * z - sine * x].map(|c| c as f32)
+            Vec3::from([cosine * x + sine * z, y, cosine * z - sine * x].map(|c| c as f32))
         };
-        let around = self.target.unwrap_or_default();
-        let from = turn([0, 1, 2].map(|axis| self.at[axis] - around[axis]));
-        let turned = Self::of([0, 1, 2].map(|axis| around[axis] + from[axis]), self.target, turn(self.up))?;
+        let around = Vec3::from(self.target.unwrap_or_default());
+        let at = around + turn((Vec3::from(self.at) - around).into());
+        let turned = Self::of(at.into(), self.target, turn(self.up).into())?;
         Ok(Self { turned: degrees, shown: self.shown, near: self.near, ..turned })
     }
 
@@ -143,20 +145,18 @@ impl Eye {
         Some(PageBox { low: [x - half_width, y - half_height], high: [x + half_width, y + half_height] })
     }
 
-    /// The offset to add to a point of the page of an eye at infinity, so that it is relative to the origin of the files.
-    pub(crate) fn page_of_origin(&self, origin: Origin) -> [f64; 2] {
-        self.view.page(origin.to_array())
-    }
-
     /// From where it looks, in words.
-    pub(crate) fn said(&self, args: &LinesArgs) -> String {
+    pub(crate) fn said(&self, args: &LinesArgs, origin: Origin) -> String {
         let how = if self.view.is_perspective() { "perspective" } else { "orthographic" };
         let turned = if self.turned == 0.0 { String::new() } else { format!(", turned by {}°", self.turned) };
         if let Some(camera) = &args.camera.wanted {
             return format!("{how} view of the camera {}{turned}", Line(camera));
         }
         match (args.eye, args.view) {
-            (Some(_), _) => format!("{how} view of an eye at {:?}", self.view.eye().xyz),
+            (Some(_), _) if self.target.is_some() => {
+                format!("{how} view of an eye at {}", coordinates::point(self.at, origin))
+            }
+            (Some(_), _) => format!("{how} view of an eye towards {}", coordinates::point(self.at, Origin::ZERO)),
             (None, Side::Named(name, _)) => format!("{how} view, {name}{turned}"),
             (None, Side::Angles(azimuth, elevation)) => {
                 format!("{how} view, azimuth {azimuth}°, elevation {elevation}°{turned}")

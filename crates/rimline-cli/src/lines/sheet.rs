@@ -7,9 +7,10 @@ use rimline_lines::{Chain, Drawing, LineClass, Object, PageBox, View};
 
 use super::args::{Hidden, LinesArgs, Paper, Scale, Unit};
 use super::eye::Eye;
+use super::is_finite;
 use super::style::{Pen, Style};
 use crate::failure::Failure;
-use crate::output::Line;
+use crate::output::{Line, counted};
 
 const MARGIN_MM: f64 = 10.0;
 /// The largest drawing; more would be a wrong scale.
@@ -71,7 +72,7 @@ impl Sheet {
         let size = [0, 1].map(|axis| bounds.high[axis] - bounds.low[axis]);
         let paper = args.page.unwrap_or(Paper::A4);
         let mut size_mm = turned(paper, size);
-        let room = size_mm.map(|side| (side - 2.0 * MARGIN_MM).max(0.5 * side));
+        let room = within_margin(size_mm);
         let mm_per_unit = match args.scale {
             Scale::Ratio { page, model } => args.unit.unwrap_or(Unit::M).facts().0 * page / model,
             Scale::Fit => {
@@ -202,28 +203,26 @@ impl Sheet {
 
     /// A line for the user that says how much was drawn.
     /// It is in a file, or the last of several.
-    pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, [first, last]: &[PathBuf; 2]) -> String {
+    pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, files: &[PathBuf; 2]) -> String {
         let scale = self.scale_said(args, is_perspective);
-        let size = match &self.units {
+        let page = match &self.units {
             Some(_) => String::new(),
-            None => format!(" on {}x{} mm", self.size_mm[0], self.size_mm[1]),
+            None => format!("on {}x{} mm, ", self.size_mm[0], self.size_mm[1]),
         };
+        let [first, last] = files.each_ref().map(|file| Line(file.display()).to_string());
         if let Some(frames) = args.frames.filter(|_| first != last) {
-            let [first, last] = [first, last].map(|file| Line(file.display()).to_string());
-            return format!("wrote {frames} drawings, {first} to {last},{size}, {scale}\n");
+            return format!("wrote {frames} drawings, {first} to {last}, {page}{scale}\n");
         }
-        let count = |is_hidden: bool| {
+        let lines = |is_hidden: bool, what: &str| {
             let layers = self.layers.iter().filter(|layer| layer.is_hidden == is_hidden);
-            layers.map(|layer| layer.lines.len()).sum::<usize>()
+            counted(layers.map(|layer| layer.lines.len()).sum(), what)
         };
-        let s = |count: usize| if count == 1 { "" } else { "s" };
-        let (visible, behind) = (count(false), count(true));
         let hidden = match args.hidden {
             Hidden::None => String::new(),
-            _ => format!(" and {behind} hidden line{}", s(behind)),
+            _ => format!(" and {}", lines(true, "hidden line")),
         };
-        let s = s(visible);
-        format!("wrote {}: {visible} line{s}{hidden}{size}, {scale}\n", first.display())
+        let gap = if page.is_empty() { ", " } else { " " };
+        format!("wrote {first}: {}{hidden}{gap}{page}{scale}\n", lines(false, "line"))
     }
 }
 
@@ -237,8 +236,13 @@ pub(crate) fn taken(args: &LinesArgs, eye: &Eye) -> Option<PageBox> {
 
 /// The part of the view's page that the options ask for: as high as a field of view, and as wide as the page within its border.
 fn window(args: &LinesArgs, eye: &Eye) -> Option<PageBox> {
-    let [width_mm, height_mm] = turned(args.page.unwrap_or(Paper::A4), [2.0, 1.0]).map(|side| side - 2.0 * MARGIN_MM);
-    eye.window((width_mm / height_mm).max(f64::MIN_POSITIVE))
+    let [width_mm, height_mm] = within_margin(turned(args.page.unwrap_or(Paper::A4), [2.0, 1.0]));
+    eye.window(width_mm / height_mm)
+}
+
+/// The part of a page within its margin, which is narrower on small pages.
+fn within_margin(size_mm: [f64; 2]) -> [f64; 2] {
+    size_mm.map(|side| (side - 2.0 * MARGIN_MM).max(0.5 * side))
 }
 
 /// Width and height of a page for a drawing of this size.
@@ -257,18 +261,13 @@ impl Extent {
     /// Adds objects as an eye sees them.
     pub(crate) fn add(&mut self, args: &LinesArgs, eye: &Eye, objects: &[Object<'_>]) {
         let view = &eye.view;
-        let is_finite = |object: &&Object<'_>| {
-            let mut corners = object.mesh.faces().iter().flatten();
-            corners
-                .all(|&corner| object.positions.get(corner as usize).is_some_and(|p| p.iter().all(|c| c.is_finite())))
-        };
+        let are_finite = |object: &&Object<'_>| object.mesh.faces().iter().all(|face| is_finite(object, face));
         let is_face = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
-        let corners_of =
-            |object: &Object<'_>, face: &[u32; 3]| face.map(|vertex| object.positions[vertex as usize].map(f64::from));
         let faces = || {
-            let objects = objects.iter().filter(is_finite);
-            objects
-                .flat_map(|object| object.mesh.faces().iter().filter(is_face).map(move |face| corners_of(object, face)))
+            objects.iter().filter(are_finite).flat_map(|object| {
+                let faces = object.mesh.faces().iter().filter(is_face);
+                faces.map(move |face| face.map(|vertex| object.positions[vertex as usize].map(f64::from)))
+            })
         };
         let near = if view.is_perspective() {
             // Lines begin this way by default.
@@ -279,17 +278,13 @@ impl Extent {
         let most = taken(args, eye);
         for face in faces() {
             let points = beyond(face, near, view).map(|point| view.page(point));
-            let Some(around) =
-                points.map(|point| PageBox { low: point, high: point }).reduce(|one, other| join(&one, &other))
-            else {
-                continue;
-            };
-            let part = most.as_ref().map_or(around, |most| PageBox {
+            let Some(around) = points.map(|point| PageBox { low: point, high: point }).reduce(join) else { continue };
+            let part = most.map_or(around, |most| PageBox {
                 low: [0, 1].map(|axis| around.low[axis].max(most.low[axis])),
                 high: [0, 1].map(|axis| around.high[axis].min(most.high[axis])),
             });
             if (0..2).all(|axis| part.low[axis] <= part.high[axis]) {
-                self.0 = Some(self.0.as_ref().map_or(part, |before| join(before, &part)));
+                self.0 = Some(self.0.map_or(part, |before| join(before, part)));
             }
         }
     }
@@ -316,7 +311,7 @@ fn beyond(face: [[f64; 3]; 3], near: f64, view: &View) -> impl Iterator<Item = [
     })
 }
 
-fn join(one: &PageBox, other: &PageBox) -> PageBox {
+fn join(one: PageBox, other: PageBox) -> PageBox {
     PageBox {
         low: [0, 1].map(|axis| one.low[axis].min(other.low[axis])),
         high: [0, 1].map(|axis| one.high[axis].max(other.high[axis])),

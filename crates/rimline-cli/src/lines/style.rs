@@ -23,31 +23,24 @@ pub(crate) struct Pen {
 pub(crate) struct Style {
     /// Default widths are halved.
     pub(crate) is_fine: bool,
-    visible: Vec<(LineClass, Strokes)>,
-    hidden: Strokes,
-    hidden_classes: Vec<(LineClass, Strokes)>,
+    /// A table for all hidden lines comes first.
+    tables: Vec<Strokes>,
 }
 
+/// A table of a style.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Strokes {
+    is_hidden: bool,
+    /// `None` for lines of all classes.
+    class: Option<LineClass>,
     width_mm: Option<f64>,
     color: Option<[u8; 3]>,
     dash_mm: Option<Vec<f64>>,
 }
 
-impl Strokes {
-    fn onto(&self, pen: Pen) -> Pen {
-        Pen {
-            width_mm: self.width_mm.unwrap_or(pen.width_mm),
-            color: self.color.unwrap_or(pen.color),
-            dash_mm: self.dash_mm.clone().unwrap_or(pen.dash_mm),
-        }
-    }
-}
-
 impl Style {
     pub(crate) fn has_hidden(&self) -> bool {
-        self.hidden != Strokes::default() || !self.hidden_classes.is_empty()
+        self.tables.iter().any(|table| table.is_hidden)
     }
 
     pub(crate) fn pen(&self, class: LineClass, is_hidden: bool, hidden: Hidden) -> Pen {
@@ -61,13 +54,12 @@ impl Style {
         let width_mm = if self.is_fine { 0.5 * width_mm } else { width_mm };
         let is_dashed = is_hidden && hidden == Hidden::Dashed;
         let pen = Pen { width_mm, color: [0; 3], dash_mm: if is_dashed { vec![1.5, 0.8] } else { Vec::new() } };
-        let of_class = |strokes: &[(LineClass, Strokes)]| {
-            strokes.iter().find(|(given, _)| *given == class).map(|(_, strokes)| strokes.clone()).unwrap_or_default()
-        };
-        if is_hidden {
-            return of_class(&self.hidden_classes).onto(self.hidden.onto(pen));
-        }
-        of_class(&self.visible).onto(pen)
+        let is_of = |table: &&Strokes| table.is_hidden == is_hidden && table.class.is_none_or(|of| of == class);
+        self.tables.iter().filter(is_of).fold(pen, |pen, table| Pen {
+            width_mm: table.width_mm.unwrap_or(pen.width_mm),
+            color: table.color.unwrap_or(pen.color),
+            dash_mm: table.dash_mm.clone().unwrap_or(pen.dash_mm),
+        })
     }
 }
 
@@ -84,25 +76,29 @@ fn parse(text: &str) -> Result<Style, String> {
         let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
         format!("line {}: {}", before.matches('\n').count() + 1, error.message().trim_end())
     })?;
-    let mut style = Style::default();
+    let mut tables = Vec::new();
     for (key, value) in &table {
         let heading = format!("[{key}]");
         if key != "hidden" {
-            style.visible.push((class(key, &heading)?, strokes(as_table(value, &heading)?, &heading)?));
+            let class = Some(class(key, &heading)?);
+            tables.push(Strokes { class, ..strokes(as_table(value, &heading)?, &heading)? });
             continue;
         }
         let mut all = Table::new();
         for (key, value) in as_table(value, &heading)? {
             if let Value::Table(table) = value {
                 let heading = format!("[hidden.{key}]");
-                style.hidden_classes.push((class(key, &heading)?, strokes(table, &heading)?));
+                let class = Some(class(key, &heading)?);
+                tables.push(Strokes { is_hidden: true, class, ..strokes(table, &heading)? });
             } else {
                 all.insert(key.clone(), value.clone());
             }
         }
-        style.hidden = strokes(&all, &heading)?;
+        if !all.is_empty() {
+            tables.insert(0, Strokes { is_hidden: true, ..strokes(&all, &heading)? });
+        }
     }
-    Ok(style)
+    Ok(Style { is_fine: false, tables })
 }
 
 fn as_table<'a>(value: &'a Value, heading: &str) -> Result<&'a Table, String> {

@@ -54,7 +54,7 @@ fn group(to: &mut impl Write, picture: &Picture<'_>, layer: &Layer) -> io::Resul
 
 /// From one point to the next by differences, which are short.
 fn path(to: &mut impl Write, line: &Polyline, height_mm: f64) -> io::Result<()> {
-    let height = (1000.0 * height_mm) as i64;
+    let height = libm::round(1000.0 * height_mm) as i64;
     let mut before = [0; 2];
     for (number, &[x, y]) in line.points.iter().enumerate() {
         let point = [x, height - y];
@@ -120,8 +120,11 @@ mod tests {
     #[test]
     fn a_path_takes_steps_from_the_top() {
         let line = Polyline { object: 0, points: vec![[0, 0], [1000, 0], [1000, 2500]], is_closed: true };
-        let mut text = Vec::new();
-        path(&mut text, &line, 10.0).expect("memory can be written");
-        assert_eq!(String::from_utf8(text).as_deref(), Ok("M0 10l1 0 0-2.5z"));
+        // A thousand times the second is a little less than 2002.
+        for (height_mm, expected) in [(10.0, "M0 10l1 0 0-2.5z"), (2.002, "M0 2.002l1 0 0-2.5z")] {
+            let mut text = Vec::new();
+            path(&mut text, &line, height_mm).expect("memory can be written");
+            assert_eq!(String::from_utf8(text).as_deref(), Ok(expected));
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::error::ErrorKind;
-use clap::{Arg, CommandFactory};
+use clap::{Arg, CommandFactory, Parser as _};
 
 use super::*;
 
@@ -92,7 +92,7 @@ const WORDS: [&str; 4] = ["animation", "classes", "device", "scenes"];
 /// argument of its own.
 fn refused(command: &str, option: &str, value: &str) -> Option<ErrorKind> {
     let refusal = |arguments: &[String]| {
-        let error = parse(arguments.iter().map(OsString::from)).err()?;
+        let error = Cli::try_parse_from(joined(arguments.iter().map(OsString::from).collect())).err()?;
         matches!(error.kind(), ErrorKind::ValueValidation | ErrorKind::InvalidValue).then(|| error.kind())
     };
     let head = ["rimline".to_owned(), command.to_owned()];

@@ -8,6 +8,7 @@ use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Light, Mesh, Origin};
 use rimline_bench::stress;
 use rimline_files::Polygons;
+use rimline_files::npz::NpzError;
 use rimline_models::check::{LIGHTS, hard_lights};
 
 use crate::args::VerifyArgs;
@@ -42,6 +43,9 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
         let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
+        if input.polygons().is_some() {
+            return Err(Failure::input(model)(NpzError::Polygons.into()));
+        }
         maker.pose(&input, 0.0, &stem(model))?;
         let mut animations = input.asset().map_or(&[][..], Asset::animations).iter().enumerate();
         if let Some((index, animation)) = animations.find(|(_, info)| info.fault.is_none()) {
@@ -72,13 +76,17 @@ fn target(folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("{name}.npz"))
 }
 
-/// Two models must not go to one file.
+/// Two models, or a model and a scene, must not go to one file.
 fn check_names(models: &[PathBuf]) -> Result<(), Failure> {
+    const BOTH: &str = "so both would be written to the same file; rename";
     for (index, model) in models.iter().enumerate() {
         let takes = |other: &&PathBuf| [stem(other), posed(other)].contains(&stem(model));
         if let Some(other) = models[..index].iter().chain(&models[index + 1..]).find(takes) {
-            let what = "so both would be written to the same file; rename one of them";
-            return Err(Failure::input(model)(format!("it has the same name as {}, {what}", other.display()).into()));
+            let why = format!("it has the same name as {}, {BOTH} one of them", other.display());
+            return Err(Failure::input(model)(why.into()));
+        }
+        if stress::names().map(of_scene).any(|scene| [stem(model), posed(model)].contains(&scene)) {
+            return Err(Failure::input(model)(format!("it has the name of a stress scene, {BOTH} it").into()));
         }
     }
     Ok(())
