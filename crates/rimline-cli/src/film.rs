@@ -52,7 +52,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
-    let method = ShadowMethod { counting: scene.method.counting(), from_depth: None };
+    let method = ShadowMethod { counting: scene.method, from_depth: None };
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
     let mut bodies = props.bodies(&gpu, time(0))?;
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let (first, axis) = (set.camera, set.orbit_axis());
     let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
-    let pictures = Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()).on(&gpu)?;
+    let pictures = Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));

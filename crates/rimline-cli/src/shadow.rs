@@ -55,7 +55,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
-    let method = ShadowMethod { counting: scene.method.counting(), from_depth: from_depth.clone() };
+    let method = ShadowMethod { counting: scene.method, from_depth: from_depth.clone() };
     let _compiling = method.compile(&gpu);
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
     let pictures = args.out.as_ref();
     let pictures = pictures
-        .map(|_| Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()))
+        .map(|_| Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()))
         .transpose()
         .on(&gpu)?;
     let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;

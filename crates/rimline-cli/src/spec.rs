@@ -217,16 +217,6 @@ const MOST_LAMP: f32 = 1e9;
 const MOST_AREA_SIZE: f32 = 1e30;
 /// The largest width and height of a picture. Devices have limits of their own, which are lower.
 const MOST_PIXELS: u32 = 1 << 16;
-/// At most so many lights stand for one.
-pub(crate) const MOST_SAMPLES: u32 = 32;
-
-pub(crate) fn samples(text: &str) -> Result<usize, String> {
-    match text.trim().parse() {
-        Ok(count @ 1..=MOST_SAMPLES) => Ok(count as usize),
-        Ok(given) => Err(format!("there are 1 to {MOST_SAMPLES} of them, not {given}")),
-        Err(_) => Err(no_number(text)),
-    }
-}
 
 pub(crate) fn near(text: &str) -> Result<f32, String> {
     let distance = number(text)?;

@@ -10,7 +10,7 @@ use rimline::{MAX_LIGHTS, Origin};
 use rimline_picture::ShadedLight;
 use serde_json::{Value, json};
 
-use super::args::{ShadowArgs, ShadowSceneArgs, value_name};
+use super::args::{ShadowArgs, ShadowSceneArgs, method_name};
 use super::casters::Casters;
 use super::casting::CoveredFaces;
 use super::from_depth::{DepthFound, DepthsFound};
@@ -144,8 +144,8 @@ impl<'a> Report<'a> {
         }
         let report = json!({
             "adapter": self.adapter,
-            "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
-            "mode": value_name(&args.mode),
+            "method": if self.depth.is_some() { "parity" } else { method_name(args.method) },
+            "mode": args.mode.name(),
             "files": self.files().map(|(name, _)| name).collect::<Vec<_>>(),
             "faces": self.set.bodies.iter().map(|body| body.faces.len()).collect::<Vec<_>>(),
             "samples": lights.iter().map(|light| light.samples.len()).max(),

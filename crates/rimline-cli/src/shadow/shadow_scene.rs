@@ -6,10 +6,10 @@ use glam::{DVec3, Vec3};
 use rimline::gltf::{SceneLight, SpotCone};
 use rimline::gpu::StageTimer;
 use rimline::internals::light::check_shadow_lights;
-use rimline::{AreaLight, AreaShape, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
+use rimline::{AreaLight, AreaShape, Counting, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
-use super::args::{CountingArg, ShadowSceneArgs};
+use super::args::{ShadowSceneArgs, method_name};
 use super::casters::Casters;
 use super::casting::{CastInputs, PosedModel};
 use super::pictures::DrawInputs;
@@ -132,11 +132,11 @@ impl<'a> ShadowScene<'a> {
         let seen = points.iter().chain(&shadows).copied();
         let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
         match camera.far {
-            Some(_) if matches!(args.method, CountingArg::ZFail | CountingArg::ZpPlus2005) => {
-                let what = if args.method == CountingArg::ZFail { "--method z-fail" } else { "--method zp+paper" };
+            Some(_) if matches!(args.method, Counting::ZFail | Counting::ZpPlus2005) => {
                 return Err(Failure::usage(format!(
-                    "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out \
-                     --ortho or the --camera"
+                    "--method {} takes a perspective view, and this one is orthographic; leave it out, or leave out \
+                     --ortho or the --camera",
+                    method_name(args.method)
                 )));
             }
             // The ground that is seen lies between its planes, too.
