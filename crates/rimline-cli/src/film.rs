@@ -3,13 +3,14 @@
 mod clip;
 mod folder;
 
+use std::path::Path;
+
 use rimline::internals::layout::ShadowStatistics;
 use serde_json::json;
 
 use crate::camera::swept;
 use crate::device::{On as _, describe};
 use crate::failure::Failure;
-use crate::files::Inputs;
 use crate::image::Picture;
 use crate::input::{Input, settle};
 use crate::output::{Progress, print, say};
@@ -19,8 +20,8 @@ use crate::shadow::casters::Casters;
 use crate::shadow::casting::PosedModel;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu, take_first_animation};
-use crate::shadow::shadows::{RenderResources, ShadowMethod, warn_of_limits};
-use clip::Clip;
+use crate::shadow::shadows::{RenderResources, ShadowMethod, each, warn_of_limits};
+use clip::{Clip, Format};
 use folder::Frames;
 pub(crate) use folder::{Claim, check_earlier, frame_file, remove_earlier};
 
@@ -33,9 +34,9 @@ const ORBIT_SECONDS: f32 = 4.0;
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
     scene.check()?;
-    let mut film: Box<dyn Film> = match clip::Format::of(&args.out) {
-        Some(format) => Box::new(Clip::begin(&args.out, format, args)?),
-        None => Box::new(Frames::begin(&args.out, args.resume)?),
+    let mut film: Box<dyn Film> = match Format::of(&args.out) {
+        Some(format) => Box::new(Clip::begin(args, format)?),
+        None => Box::new(Frames::begin(args)?),
     };
     let progress = Progress::start();
     progress.step("reading the models");
@@ -46,9 +47,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     settle(&mut props.inputs, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
-    let options = format!("{:?} {} {:?} {frames}", args.scene, args.fps, args.orbit);
-    let identity = folder::identity(&options, props.files(scene));
-    film.start(frames, &Inputs::new(props.files(scene)), scene.view.size, identity)?;
+    film.start(frames, &props.files(scene).collect::<Vec<_>>())?;
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
@@ -88,10 +87,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         set.count_layers(&mut casters)?;
         let picture = shadow::picture(&pictures, &mut set, &mut casters, None).on(&gpu)?;
         let found = casters.shadows.statistics().on(&gpu)?;
-        most.count_bound = most.count_bound.max(found.count_bound);
-        most.may_wrap = most.may_wrap.max(found.may_wrap);
-        most.lost_pieces = most.lost_pieces.max(found.lost_pieces);
-        most.most_pieces = most.most_pieces.max(found.most_pieces);
+        most = each(most, found, u32::max);
         gpu.check()?;
         film.write(frame, &picture)?;
         progress.picture_done();
@@ -112,8 +108,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 }
 
 trait Film {
-    /// Begins before the first of so many pictures. Refuses to replace inputs.
-    fn start(&mut self, frames: u32, inputs: &Inputs, size: [u32; 2], identity: String) -> Result<(), Failure>;
+    /// Begins before the first of so many pictures of models in these files. Refuses to replace one of them.
+    fn start(&mut self, frames: u32, files: &[&Path]) -> Result<(), Failure>;
 
     /// Whether a picture is there and stays.
     fn has(&self, _frame: u32) -> bool {

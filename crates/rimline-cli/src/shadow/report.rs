@@ -15,7 +15,7 @@ use super::casters::Casters;
 use super::casting::CoveredFaces;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::shadow_scene::ShadowScene;
-use super::shadows::{Found, sum};
+use super::shadows::{Found, each};
 use crate::coordinates;
 use crate::device::{Gpu, GpuError, On as _, describe};
 use crate::failure::Failure;
@@ -129,7 +129,8 @@ impl<'a> Report<'a> {
                 "overflowed_lists": extraction.overflowed_lists,
             })
         };
-        let extraction = self.found.iter().map(|found| found.extraction).reduce(sum);
+        let extraction = self.found.iter().map(|found| found.extraction);
+        let extraction = extraction.reduce(|one, other| each(one, other, u32::saturating_add));
         let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,

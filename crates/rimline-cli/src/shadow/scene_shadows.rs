@@ -16,7 +16,7 @@ use rimline_picture::FacingMasks;
 
 use super::casting::{CastInputs, CoveredFaces, Extracted, PosedModel, Topology, VERSION, set_lights};
 use super::layers::Layers;
-use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options, sum};
+use super::shadows::{Choice, Found, Shadows, VolumePipelines, each, scene_options};
 use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
 
@@ -202,7 +202,8 @@ impl Shadows for SceneShadows<'_> {
                 let counted = silhouettes.iter_mut().skip(32 * group.batch);
                 counted.zip(first_words(self.gpu, group.lists, 32)?).for_each(|(sum, count)| *sum += count);
                 let record = first_words(self.gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
-                extraction = sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
+                let record = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record));
+                extraction = each(extraction, record, u32::saturating_add);
             }
             let lights = Choice::all(self.counting, &words, lights);
             let count = |casting| lights.iter().filter(|light| light.casting == casting).count() as u32;
