@@ -7,7 +7,7 @@ use rimline::gpu::depth_map::DepthMapError;
 use rimline::gpu::{
     DeformError, DeviceError, ExtractorError, MAX_BOUNDARY_EDGES, Pipelines, QueryError, ShadowError, read_back_vec,
 };
-use rimline::{LightError, wgpu};
+use rimline::wgpu;
 use rimline_bench::slivers;
 use rimline_files::size::size;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
@@ -88,18 +88,22 @@ fn adapters_of(backends: Backends) -> Vec<wgpu::Adapter> {
     );
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.retain(|adapter| adapter.get_info().backend != Backend::Noop);
-    adapters.sort_by_key(|adapter| kind_rank(adapter.get_info().device_type));
+    adapters.sort_by_key(|adapter| KINDS.iter().position(|(kind, _)| *kind == adapter.get_info().device_type));
     adapters
 }
 
-fn kind_rank(kind: DeviceType) -> u8 {
-    match kind {
-        DeviceType::DiscreteGpu => 0,
-        DeviceType::IntegratedGpu => 1,
-        DeviceType::VirtualGpu => 2,
-        DeviceType::Other => 3,
-        DeviceType::Cpu => 4,
-    }
+/// The kinds of devices in words, the ones to prefer first.
+const KINDS: [(DeviceType, &str); 5] = [
+    (DeviceType::DiscreteGpu, "discrete GPU"),
+    (DeviceType::IntegratedGpu, "integrated GPU"),
+    (DeviceType::VirtualGpu, "virtual GPU"),
+    (DeviceType::Other, "other"),
+    (DeviceType::Cpu, "software"),
+];
+
+/// The kind of a device, in words.
+pub(crate) fn kind_name(kind: DeviceType) -> &'static str {
+    KINDS.iter().find(|(of, _)| *of == kind).map_or("other", |(_, name)| *name)
 }
 
 /// A capability that every stage needs and the adapter lacks, if any.
@@ -411,9 +415,21 @@ impl GpuError {
         if let Err(failure) = gpu.check() {
             return failure;
         }
-        match self {
-            Self::GivenMap { file, problem } => return Failure::input(&file)(problem.into()),
-            error => error.of_device(gpu),
+        match &self {
+            Self::GivenMap { file, problem } => Failure::input(file)(problem.clone().into()),
+            Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
+            | Self::DepthMap(DepthMapError::Camera(camera)) => {
+                Failure::usage(format!("{camera}; change --eye, --target, --fov or --near"))
+            }
+            Self::Extractor(ExtractorError::Light(lights))
+            | Self::Query(QueryError::Light(lights))
+            | Self::Shadow(ShadowError::Light(lights)) => Failure::usage(lights.to_string()),
+            // The CPU would do.
+            Self::Deform(DeformError::TooManyTerms { .. })
+            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
+            | Self::DepthMap(DepthMapError::Texture { .. }) => self.too_small(gpu),
+            _ if self.memory().is_some() => self.too_small(gpu),
+            _ => gpu.failed(&self.to_string()),
         }
     }
 
@@ -433,27 +449,6 @@ impl GpuError {
             other => return other,
         };
         Self::GivenMap { file: file.to_owned(), problem }
-    }
-
-    fn of_device(self, gpu: &Gpu) -> Failure {
-        match &self {
-            Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
-            | Self::DepthMap(DepthMapError::Camera(camera)) => {
-                return Failure::usage(format!("{camera}; change --eye, --target, --fov or --near"));
-            }
-            // The CPU would do.
-            Self::Deform(DeformError::TooManyTerms { .. })
-            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
-            | Self::DepthMap(DepthMapError::Texture { .. }) => {
-                return self.too_small(gpu);
-            }
-            _ => {}
-        }
-        match (self.memory(), self.lights()) {
-            (Some(_), _) => self.too_small(gpu),
-            (_, Some(lights)) => Failure::usage(lights.to_string()),
-            _ => gpu.failed(&self.to_string()),
-        }
     }
 
     fn too_small(&self, gpu: &Gpu) -> Failure {
@@ -497,15 +492,6 @@ impl GpuError {
             _ => None,
         }
     }
-
-    fn lights(&self) -> Option<&LightError> {
-        match self {
-            Self::Extractor(ExtractorError::Light(lights))
-            | Self::Query(QueryError::Light(lights))
-            | Self::Shadow(ShadowError::Light(lights)) => Some(lights),
-            _ => None,
-        }
-    }
 }
 
 pub(crate) trait On<T> {
@@ -515,16 +501,5 @@ pub(crate) trait On<T> {
 impl<T, E: Into<GpuError>> On<T> for Result<T, E> {
     fn on(self, gpu: &Gpu) -> Result<T, Failure> {
         self.map_err(|error| error.into().on(gpu))
-    }
-}
-
-/// The kind of a device, in words.
-pub(crate) fn kind_name(kind: DeviceType) -> &'static str {
-    match kind {
-        DeviceType::DiscreteGpu => "discrete GPU",
-        DeviceType::IntegratedGpu => "integrated GPU",
-        DeviceType::VirtualGpu => "virtual GPU",
-        DeviceType::Cpu => "software",
-        DeviceType::Other => "other",
     }
 }

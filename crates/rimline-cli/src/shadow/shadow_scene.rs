@@ -22,7 +22,7 @@ use crate::image::{check_bounds, check_size, too_large};
 use crate::input::{ChosenLight, Input, play, read_displacement};
 use crate::input_args::PlacedView;
 use crate::output::{listed_animations, note, numbered_name};
-use crate::spec::{AreaSpec, LightSpec, ShadedLightSpec};
+use crate::spec::{AreaSpec, ShadedLightSpec};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
@@ -108,7 +108,7 @@ impl<'a> ShadowScene<'a> {
         let bounds = Bounds::of(points).ok_or_else(|| failed(NO_FINITE_FACE.into()))?;
         check_bounds(&bounds).map_err(failed)?;
         let origin = first.input.origin();
-        let view = placed(args, first, args.posed.pose.time)?;
+        let view = first.input.view(&args.view, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
         let shaded_lights = shaded_lights(args, (first, &view), &stage, file_light)?;
@@ -164,7 +164,7 @@ impl<'a> ShadowScene<'a> {
         if self.args.view.camera.wanted.is_none() {
             return Ok(None);
         }
-        let view = placed(self.args, &self.bodies[0], time_s)?;
+        let view = self.bodies[0].input.view(&self.args.view, time_s)?;
         let camera = camera(&view, ELEVATION, &self.stage.models, std::iter::empty())?;
         Ok(Some(Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
     }
@@ -269,10 +269,6 @@ impl<'a> ShadowScene<'a> {
     }
 }
 
-fn placed(args: &ShadowSceneArgs, first: &PosedModel<'_>, time_s: f32) -> Result<PlacedView, Failure> {
-    first.input.view(&args.view, time_s)
-}
-
 /// The near plane for models with these points.
 fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     let ahead = |&point: &[f32; 3]| (Vec3::from(point) - camera.eye).dot(camera.forward);
@@ -304,7 +300,7 @@ fn check_near(near: f32, farthest: f32) -> Result<(), Failure> {
 const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
 
 /// The lights of the command line, or else `file_light`, or the one that is there by default.
-pub(crate) fn shaded_lights(
+fn shaded_lights(
     args: &ShadowSceneArgs,
     (first, view): (&PosedModel<'_>, &PlacedView),
     stage: &SceneBounds,
@@ -312,8 +308,7 @@ pub(crate) fn shaded_lights(
 ) -> Result<Vec<ShadedLight>, Failure> {
     let mut chosen = Vec::new();
     for spec in &args.lights {
-        let wanted = std::slice::from_ref(&spec.light);
-        let lights = first.input.chosen_lights(wanted, args.posed.pose.time)?;
+        let lights = first.input.chosen_lights(std::slice::from_ref(&spec.light), args.posed.pose.time)?;
         check_options(spec, &lights)?;
         chosen.extend(lights.into_iter().map(|light| (spec, light)));
     }
@@ -329,13 +324,12 @@ pub(crate) fn shaded_lights(
     }
     if shaded_lights.is_empty() {
         let light = file_light.unwrap_or_else(|| default_light(view, stage));
-        let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
-        shaded_lights.push(shaded(&spec, &ChosenLight { light, of_file: None }, 0.0, stage));
+        shaded_lights.push(ShadedLight { color: DEFAULT_COLOR, ..ShadedLight::new(light) });
     }
     // Once for every way to cast: depth maps and areas would take such a light for another.
     let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
     check_shadow_lights(&lights, usize::MAX).map_err(|error| Failure::usage(error.to_string()))?;
-    let sphere = |radius| AreaSpec::Given(AreaShape::Sphere { radius });
+    let sphere = |radius| AreaSpec { shape: AreaShape::Sphere { radius }, is_relative: false };
     let areas = chosen.iter().map(|(spec, _)| spec.radius.map(sphere)).chain([None]);
     for (shaded, area) in shaded_lights.iter_mut().zip(areas) {
         if let Some(area) = area.or(args.area) {
@@ -389,18 +383,17 @@ fn cone(
 fn spread(shaded: &mut ShadedLight, area: AreaSpec, count: usize, stage: &SceneBounds) {
     let normal = stage.models.centre().as_dvec3() - shaded.position_or_direction();
     let distance = normal.length().max(1e-3 * f64::from(stage.models.extent()));
-    let shape = match area {
-        AreaSpec::Given(shape) => shape,
-        AreaSpec::Chosen(shape) => {
-            let by = (AREA_RADIUS * if shaded.light.w == 0.0 { 1.0 } else { distance }) as f32;
-            match shape {
-                AreaShape::Rectangle { width, height } => {
-                    AreaShape::Rectangle { width: width * by, height: height * by }
-                }
-                AreaShape::Disc { radius } => AreaShape::Disc { radius: radius * by },
-                AreaShape::Sphere { radius } => AreaShape::Sphere { radius: radius * by },
-            }
-        }
+    let scale = if !area.is_relative {
+        1.0
+    } else if shaded.light.w == 0.0 {
+        AREA_RADIUS as f32
+    } else {
+        (AREA_RADIUS * distance) as f32
+    };
+    let shape = match area.shape {
+        AreaShape::Rectangle { width, height } => AreaShape::Rectangle { width: width * scale, height: height * scale },
+        AreaShape::Disc { radius } => AreaShape::Disc { radius: radius * scale },
+        AreaShape::Sphere { radius } => AreaShape::Sphere { radius: radius * scale },
     };
     let normal = normal.normalize_or_zero().as_vec3().into();
     let area = AreaLight { light: shaded.light, shape, normal };
@@ -439,21 +432,12 @@ fn lamp_options(light: &ChosenLight, problem: &str) -> Failure {
 
 /// Refuses options that none of the lights that they are given to can have.
 fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), Failure> {
-    let mut first = None;
-    let mut wrong = 0;
-    for chosen in lights {
-        let Err((is_grave, problem)) = spec.check(chosen.light, chosen.of_file.as_ref()) else { continue };
-        wrong += 1;
-        if is_grave || first.is_none() {
-            first = Some(lamp_options(chosen, &problem));
-        }
-        if is_grave {
-            wrong = lights.len();
-            break;
-        }
-    }
+    let checked = lights.iter().map(|chosen| (chosen, spec.check(chosen.light, chosen.of_file.as_ref())));
+    let wrong: Vec<_> = checked.filter_map(|(chosen, checked)| Some((chosen, checked.err()?))).collect();
     // With `file:all`, options apply to the lights that can have them.
-    first.filter(|_| wrong == lights.len()).map_or(Ok(()), Err)
+    let of_all = wrong.first().filter(|_| wrong.len() == lights.len());
+    let found = wrong.iter().find(|(_, (is_grave, _))| *is_grave).or(of_all);
+    found.map_or(Ok(()), |(chosen, (_, problem))| Err(lamp_options(chosen, problem)))
 }
 
 /// To the left of the eye, above, and a little before the models: their shadow falls beside them.
