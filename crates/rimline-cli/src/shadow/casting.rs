@@ -10,7 +10,7 @@ use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, 
 use rimline::internals::cpu::is_finite;
 use rimline::internals::layout::ExtractionStatistics;
 use rimline::mesh::MAX_FACES;
-use rimline::{Displacement, Geometry, Light, LightError, Mesh, MeshError, Predicate, ShadowCamera, wgpu};
+use rimline::{Displacement, Geometry, Light, Mesh, MeshError, Predicate, ShadowCamera, wgpu};
 use rimline_picture::FacingMasks;
 
 use crate::device::{Gpu, GpuError, On as _};
@@ -27,23 +27,16 @@ pub(crate) struct CastInputs<'a> {
     pub(crate) lights: &'a [Light],
 }
 
-/// Gives a scene these lights: their handles are in order.
+/// Gives a scene these lights, which have been checked: their handles are in order.
 pub(super) fn set_lights(
     scene: &mut Scene,
     handles: &mut Vec<LightHandle>,
     lights: &[Light],
 ) -> Result<(), ShadowError> {
     for (number, &light) in lights.iter().enumerate() {
-        // The scene sees one light.
-        let numbered = |error| match error {
-            ShadowError::Light(LightError::NegativeWeight { w, .. }) => {
-                LightError::NegativeWeight { index: number, w }.into()
-            }
-            error => error,
-        };
         match handles.get(number) {
-            Some(&handle) => scene.set_light(handle, light).map_err(numbered)?,
-            None => handles.push(scene.add_light(light).map_err(numbered)?),
+            Some(&handle) => scene.set_light(handle, light)?,
+            None => handles.push(scene.add_light(light)?),
         }
     }
     Ok(())
