@@ -44,10 +44,8 @@ pub(crate) fn camera(
     }
     let distance = if let Some(eye) = args.eye {
         (vector(eye) - target).length()
-    } else if args.target.is_some() {
-        view.distance(target, points.map(vector), nearest)
     } else {
-        let (aside, distance) = view.fit(target, points.map(vector), nearest);
+        let (aside, distance) = view.fit(target, args.target.is_some(), points.map(vector), nearest);
         target += aside;
         distance
     };
@@ -56,7 +54,7 @@ pub(crate) fn camera(
 }
 
 /// A camera of a file, for a picture of this size.
-fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
+pub(crate) fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
     let [eye, forward, up] = [camera.eye, camera.forward, camera.up].map(Vec3::from);
     let [width, height] = size.map(|pixels| pixels as f32);
     let (scale_y, near, far) = match camera.projection {
@@ -108,15 +106,6 @@ impl View {
         [p.dot(self.right), p.dot(self.up), p.dot(self.forward)]
     }
 
-    /// The least distance from the target at which the picture holds all points.
-    fn distance(&self, target: DVec3, points: impl Iterator<Item = DVec3>, least: f64) -> f64 {
-        points.fold(least, |distance, point| {
-            let [x, y, z] = self.seen(target, point);
-            let sideways = (x.abs() * self.scale[0]).max(y.abs() * self.scale[1]);
-            distance.max(sideways / FILLED - z)
-        })
-    }
-
     /// An orthographic camera whose picture holds all points, in its middle unless the target `is_given`. They lie between near and
     /// far plane.
     fn parallel(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, aspect: f64) -> Camera {
@@ -135,9 +124,9 @@ impl View {
         self.camera(eye.as_vec3(), [scale * aspect, scale], 0.5 * room, Some(depth + 2.0 * room))
     }
 
-    /// The nearest place of the eye from which the picture holds all points, in its middle: how far aside of the target it
-    /// aims, and the distance.
-    fn fit(&self, target: DVec3, points: impl Iterator<Item = DVec3>, least: f64) -> (DVec3, f64) {
+    /// The nearest place of the eye from which the picture holds all points, in its middle unless the target `is_given`: how
+    /// far aside of the target it aims, and the distance.
+    fn fit(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, least: f64) -> (DVec3, f64) {
         // An eye at (x, y) a distance d before the target sees (a, b, z) where |a − x| s ≤ FILLED (z + d) and the like for
         // b: each side of the picture bounds d ± x from below by its outermost point.
         let (mut sides, mut nearest) = ([[f64::NEG_INFINITY; 2]; 2], f64::INFINITY);
@@ -149,8 +138,8 @@ impl View {
             }
             nearest = nearest.min(z);
         }
-        if nearest == f64::INFINITY {
-            return (DVec3::ZERO, least);
+        if is_given || nearest == f64::INFINITY {
+            return (DVec3::ZERO, sides.into_iter().flatten().fold(least, f64::max));
         }
         let wanted = sides.iter().map(|[high, low]| 0.5 * (high + low)).fold(f64::NEG_INFINITY, f64::max);
         let middle = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * FILLED / self.scale[axis];

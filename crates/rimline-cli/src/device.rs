@@ -72,7 +72,8 @@ pub(crate) struct Gpu {
     pub(crate) pipelines: Pipelines,
     /// Whether the CPU can do the work that the device is opened for.
     pub(crate) cpu_would_do: bool,
-    failure: Arc<Mutex<Option<String>>>,
+    /// The first failure is the cause; what follows are its consequences.
+    failure: Arc<OnceLock<String>>,
     /// Pixels that the trial of slivers has wrong, once it ran.
     wrong_slivers: Arc<OnceLock<Result<usize, String>>>,
 }
@@ -293,17 +294,10 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         ..Default::default()
     }))
     .map_err(|source| NoDevice::Refused { adapter: name(), source })?;
-    let failure = Arc::new(Mutex::new(None));
-    let record = {
-        let failure = Arc::clone(&failure);
-        move |message: String| {
-            // The first failure is the cause; what follows are its consequences.
-            failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-        }
-    };
-    let record_error = record.clone();
+    let failure = Arc::new(OnceLock::new());
+    let [reported, lost] = [Arc::clone(&failure), Arc::clone(&failure)];
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        record_error(match error {
+        let _ = reported.set(match error {
             wgpu::Error::OutOfMemory { .. } => {
                 "it is out of memory; try a smaller model, a smaller picture or fewer lights".into()
             }
@@ -312,7 +306,7 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
     }));
     device.set_device_lost_callback(move |reason, message| {
         if reason != wgpu::DeviceLostReason::Destroyed {
-            record(format!("it was lost: {message}"));
+            let _ = lost.set(format!("it was lost: {message}"));
         }
     });
     let pipelines = Pipelines::new(&device);
@@ -330,17 +324,14 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
 impl Gpu {
     /// The first error that the device reported, as exit code 4; asked before results are trusted.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        match &*self.failure.lock().unwrap_or_else(PoisonError::into_inner) {
-            None => Ok(()),
-            Some(message) => Err(self.failed(message)),
-        }
+        self.failure.get().map_or(Ok(()), |message| Err(self.failed(message)))
     }
 
     /// Tells the first error that the device reported, also when the device has been cloned.
     #[cfg(feature = "bench")]
     pub(crate) fn reported(&self) -> impl Fn() -> Option<String> + use<> {
         let failure = Arc::clone(&self.failure);
-        move || failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        move || failure.get().cloned()
     }
 
     /// How many pixels of slivers that leave the picture the driver counts wrongly: 0 of one that clips them rightly. Or why

@@ -54,7 +54,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let method = ShadowMethod { counting: scene.method, from_depth: None };
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
-    let mut bodies = props.bodies(&gpu, time(0))?;
+    let mut bodies = props.bodies(&gpu, scene)?;
     let mut points = Vec::new();
     for look in 0..LOOKS.min(frames) {
         let posed = time((u64::from(look) * u64::from(frames) / u64::from(LOOKS.min(frames))) as u32);

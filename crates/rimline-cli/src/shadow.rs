@@ -58,7 +58,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let method = ShadowMethod { counting: scene.method, from_depth: from_depth.clone() };
     let _compiling = method.compile(&gpu);
     progress.step("placing the models");
-    let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
+    let bodies = times.measure("topology", || props.bodies(&gpu, scene))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
     if from_depth.is_some() && set.camera.far.is_some() {

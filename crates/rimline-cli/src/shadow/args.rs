@@ -178,10 +178,8 @@ impl ShadowSceneArgs {
     }
 }
 
-/// Help that both commands end with.
-macro_rules! light_options {
-    () => {
-        "\
+/// Help that both commands end with, before their examples.
+const LIGHT_OPTIONS: &str = "\
 Options of a light, after its SPEC:
   color=R,G,B   linear color; 1,1,1 without it. The sum of all lights sets the exposure
   intensity=I   times the color; 1 without it
@@ -197,12 +195,14 @@ Options of a light, after its SPEC:
 Lights of the file have color, range and cone as KHR_lights_punctual says, unless an option changes
 them. Masks are 0 outside a cone. Intensities of these lights are measured at the middle of the
 models; the brightest one counts as 1. Options of file:all apply to each light that can have them.
-"
-    };
-}
+";
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(SHADOW_EXAMPLES), after_help = SHADOW_REMARKS, mut_arg("device", drawing_device))]
+#[command(
+    help_template = verbatim(&[LIGHT_OPTIONS, SHADOW_EXAMPLES].concat()),
+    after_help = SHADOW_REMARKS,
+    mut_arg("device", drawing_device),
+)]
 pub(crate) struct ShadowArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
@@ -309,9 +309,7 @@ impl ShadowArgs {
     }
 }
 
-const SHADOW_EXAMPLES: &str = concat!(
-    light_options!(),
-    "
+const SHADOW_EXAMPLES: &str = "
 Examples:
   rimline shadow fox.glb --out fox.png
   rimline shadow fox.glb --animation Run --time 0.4 --out fox.png \\
@@ -322,8 +320,7 @@ Examples:
   rimline shadow house.glb chairs.glb --hide-covered --volumes --out house.png
   rimline shadow fox.glb --from-depth 2048 --mask fox
   rimline shadow room.glb --depth lamp.npz --volumes --out room.png
-"
-);
+";
 
 const SHADOW_REMARKS: &str = "\
 World space is right-handed with +Y up. The ground is visible from above only: an eye below it sees no ground.
@@ -348,7 +345,7 @@ stages).";
 
 #[derive(Args, Debug)]
 #[command(
-    help_template = verbatim(FILM_EXAMPLES),
+    help_template = verbatim(&[LIGHT_OPTIONS, FILM_EXAMPLES].concat()),
     after_help = FILM_REMARKS,
     mut_arg("device", drawing_device),
     mut_arg("animations", film_animation),
@@ -398,14 +395,11 @@ fn film_animation(arg: clap::Arg) -> clap::Arg {
     )
 }
 
-const FILM_EXAMPLES: &str = concat!(
-    light_options!(),
-    "
+const FILM_EXAMPLES: &str = "
 Examples:
   rimline film house.glb --orbit 360 --out house.gif
   rimline film fox.glb --animation Run --fps 30 --out frames
-"
-);
+";
 
 const FILM_REMARKS: &str = "\
 Every file in the folder is complete. Ctrl-C keeps the finished pictures, \

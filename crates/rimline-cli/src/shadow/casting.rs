@@ -77,9 +77,9 @@ impl Extracted {
         body: &PosedModel<'_>,
         lights: &[Light],
         timer: Option<&mut StageTimer>,
-    ) -> Result<&Extraction, GpuError> {
-        let extraction = self.extractor.encode_timed(encoder, body.positions.buffer(), lights, timer)?;
-        Ok(self.extraction.insert(extraction))
+    ) -> Result<(), GpuError> {
+        self.extraction = Some(self.extractor.encode_timed(encoder, body.positions.buffer(), lights, timer)?);
+        Ok(())
     }
 
     /// Where the facing masks of the body's faces lie.

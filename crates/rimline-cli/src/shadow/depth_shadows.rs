@@ -107,7 +107,7 @@ impl Shadows for DepthShadows<'_> {
         let of_file = |file: &File| {
             let (silhouettes, extraction) = file.surface.found(self.gpu, self.max_lights)?;
             let lights = vec![Choice { casting: "depth map", counting: "parity" }; self.max_lights];
-            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics()?, is_whole: true })
+            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics()? })
         };
         self.files.iter().map(of_file).collect()
     }

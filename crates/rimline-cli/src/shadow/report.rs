@@ -114,9 +114,10 @@ impl<'a> Report<'a> {
             }
             of_light
         };
-        let statistics = |(name, Found { shadow, extraction, is_whole, .. }): (String, &Found)| {
-            // With several files, these are known for all of them together.
-            let if_whole = |count: u32| is_whole.then_some(count);
+        // A scene knows some bounds and overflows for all files together.
+        let is_whole = self.found.len() == 1 || self.depth.is_some();
+        let if_whole = |count: u32| is_whole.then_some(count);
+        let statistics = |(name, Found { shadow, extraction, .. }): (String, &Found)| {
             json!({
                 "file": name,
                 "skipped": shadow.skipped,

@@ -93,11 +93,6 @@ impl<'a> SceneShadows<'a> {
     }
 }
 
-/// The index of a caster in the table, and its group.
-fn index_and_group(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
-    frame.locate(caster).ok_or(ShadowError::Removed { what: "caster" })
-}
-
 impl Shadows for SceneShadows<'_> {
     /// An instance that is mirrored anew has other faces, so another caster takes its place.
     fn set_bodies(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
@@ -189,7 +184,7 @@ impl Shadows for SceneShadows<'_> {
             let mut groups = BTreeSet::new();
             let mut words = vec![0; CHOICE_WORDS * frame.batches()];
             for &(_, caster) in &file.casters {
-                let (index, group) = index_and_group(frame, caster)?;
+                let (index, group) = frame.locate(caster).ok_or(ShadowError::Removed { what: "caster" })?;
                 groups.insert(group);
                 for (batch, sum) in words.chunks_exact_mut(CHOICE_WORDS).enumerate() {
                     let choice = chosen.iter().skip(CHOICE_WORDS * (batch * casters + index as usize));
@@ -211,7 +206,7 @@ impl Shadows for SceneShadows<'_> {
             // The fourth word has the lights with near caps.
             let near_capped = words.iter().skip(3).step_by(CHOICE_WORDS).map(|word| word.count_ones()).sum();
             let shadow = ShadowStatistics { skipped, every_face, near_capped, ..all };
-            Ok(Found { lights, silhouettes, extraction, shadow, is_whole: self.files.len() == 1 })
+            Ok(Found { lights, silhouettes, extraction, shadow })
         };
         self.files.iter().map(of_file).collect()
     }

@@ -14,7 +14,7 @@ use super::casters::Casters;
 use super::casting::{CastInputs, PosedModel};
 use super::pictures::DrawInputs;
 use super::shadows::too_coarse;
-use crate::camera::{AZIMUTH, camera, elevation, outermost};
+use crate::camera::{AZIMUTH, camera, elevation, of_file, outermost};
 use crate::coordinates::relative;
 use crate::device::{self, Gpu, GpuError, Wanted};
 use crate::failure::{DRAW_ON_CPU, Failure, NO_FINITE_FACE};
@@ -30,7 +30,6 @@ const ELEVATION: f64 = 24.0;
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
     pub(crate) displacement: Option<Displacement>,
-    is_plain: bool,
 }
 
 impl ShadowInputs {
@@ -45,7 +44,7 @@ impl ShadowInputs {
         if !args.plain {
             inputs.iter().for_each(Input::note_colors);
         }
-        Ok(Self { inputs, displacement, is_plain: args.plain })
+        Ok(Self { inputs, displacement })
     }
 
     /// The files that were read, and those that models name.
@@ -53,8 +52,9 @@ impl ShadowInputs {
         self.inputs.iter().flat_map(Input::files).chain(args.posed.displace.as_deref())
     }
 
-    pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<PosedModel<'_>>, Failure> {
-        let body = |input| PosedModel::new(gpu, input, time_s, self.displacement.as_ref(), self.is_plain);
+    pub(crate) fn bodies(&self, gpu: &Gpu, args: &ShadowSceneArgs) -> Result<Vec<PosedModel<'_>>, Failure> {
+        let time_s = args.posed.pose.time;
+        let body = |input| PosedModel::new(gpu, input, time_s, self.displacement.as_ref(), args.plain);
         self.inputs.iter().map(body).collect()
     }
 }
@@ -161,12 +161,9 @@ impl<'a> ShadowScene<'a> {
 
     /// The camera of the file at another time, if one is asked for.
     pub(crate) fn camera_at(&self, time_s: f32) -> Result<Option<Camera>, Failure> {
-        if self.args.view.camera.wanted.is_none() {
-            return Ok(None);
-        }
-        let view = self.bodies[0].input.view(&self.args.view, time_s)?;
-        let camera = camera(&view, ELEVATION, &self.stage.models, std::iter::empty())?;
-        Ok(Some(Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
+        let camera = self.bodies[0].input.camera(&self.args.view.camera, time_s)?;
+        let camera = camera.map(|camera| of_file(&camera, self.args.view.size));
+        Ok(camera.map(|camera| Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
     }
 
     /// A point of the vertical line that a camera on an orbit goes around: what it looks at.
@@ -207,7 +204,7 @@ impl<'a> ShadowScene<'a> {
 
     pub(crate) fn subject<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
         let (samples, has_ground) = (self.samples(), self.view().sees_ground());
-        DrawInputs { casters, drawn: None, samples, has_ground, is_trial: false }
+        DrawInputs { casters, pipelines: None, overlay: None, samples, has_ground, is_trial: false }
     }
 
     /// The same with one pixel of one light.

@@ -82,9 +82,6 @@ pub(crate) struct Found {
     pub(super) silhouettes: Vec<u32>,
     pub(super) extraction: ExtractionStatistics,
     pub(super) shadow: ShadowStatistics,
-    /// Whether the bounds and overflows of `shadow` are the file's own. With several files they are known for all of
-    /// them together.
-    pub(super) is_whole: bool,
 }
 
 /// The faces that cast for a light and how they are counted, in words of the report.
