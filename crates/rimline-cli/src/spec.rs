@@ -73,8 +73,8 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, String> {
         }
         _ => return Err(unknown(kind)),
     };
-    let given = GivenLight::new(xyzw);
-    let is_light = given.light.to_array() != [0.0; 4];
+    let given = GivenLight(xyzw);
+    let is_light = given.light().to_array() != [0.0; 4];
     checked(LightSpec::Given(given), is_light, "all components are zero, which is neither a point nor a direction")
 }
 
@@ -125,7 +125,7 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
     }
     if let LightSpec::Given(given) = shaded.light {
         // The options that a light has in the file are known once the file is read.
-        shaded.check(given.light, None).map_err(|(_, problem)| problem)?;
+        shaded.check(given.light(), None).map_err(|(_, problem)| problem)?;
     }
     Ok(shaded)
 }
@@ -391,7 +391,7 @@ mod tests {
 
     fn given(text: &str) -> [f32; 4] {
         match light(text) {
-            Ok(LightSpec::Given(given)) => given.light.to_array(),
+            Ok(LightSpec::Given(given)) => given.light().to_array(),
             other => panic!("{text}: {other:?}"),
         }
     }
