@@ -136,20 +136,23 @@ fn fitting([width, height]: [u32; 2], pixels: u64) -> [u32; 2] {
     [width, height].map(|side| ((f64::from(side) * part) as u32).max(1))
 }
 
-/// Refuses pictures that the device cannot draw or read back.
-pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Failure> {
-    // Rows are padded to be copied.
-    let read = (4 * u64::from(width)).next_multiple_of(256) * u64::from(height);
-    let limit = gpu.device.limits().max_texture_dimension_2d;
+/// Refuses pictures that the device cannot draw or read back, with so many bytes a pixel in the largest array.
+pub(crate) fn check_size(gpu: &Gpu, size: [u32; 2], bytes: u64) -> Result<(), Failure> {
+    let [width, height] = size;
+    let limits = gpu.device.limits();
+    let limit = limits.max_texture_dimension_2d;
     if width.max(height) > limit {
         let adapter = device::describe(&gpu.info);
         return Err(Failure::usage(format!(
             "--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction"
         )));
     }
-    if read > gpu.device.limits().max_buffer_size {
+    let [width, height] = size.map(u64::from);
+    // Rows are padded to be copied.
+    let read = (4 * width).next_multiple_of(256) * height;
+    if read.max(bytes * width * height) > limits.max_buffer_size {
         // With room for padding.
-        return Err(too_large(gpu, [width, height], 5));
+        return Err(too_large(gpu, size, bytes.max(5)));
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
 
 /// The extractor of a single file's mesh, and what it extracted last.
 pub(super) struct Extracted {
-    pub(super) extractor: Extractor,
+    extractor: Extractor,
     pub(super) extraction: Option<Extraction>,
     /// Topologies that its mesh was made of.
     topologies: Vec<Topology>,
@@ -103,7 +103,6 @@ pub(super) const VERSION: u64 = 0;
 /// The casters of all files: the instances of one after those of the other.
 pub(crate) struct CoveredFaces {
     files: Vec<File>,
-    lights: Vec<Light>,
     /// For each light.
     pub(super) found: Vec<OccludedFaces>,
 }
@@ -141,22 +140,18 @@ impl CoveredFaces {
         };
         let found = lights.iter().map(search).collect::<Result<Vec<_>, _>>()?;
         drop(casters);
-        Ok(Self { files, lights: lights.to_vec(), found })
+        Ok(Self { files, found })
     }
 
     /// The faces of a file's instances that cast for a light where averted faces suffice, as a mesh over the file's vertices.
     /// There is none if no face casts.
     pub(super) fn casting(&self, file: usize, body: &PosedModel<'_>, light: usize) -> Result<Option<Mesh>, Failure> {
-        let (Some(of), Some(found), Some(&light)) =
-            (self.files.get(file), self.found.get(light), self.lights.get(light))
-        else {
-            return Ok(None);
-        };
+        let (Some(of), Some(found)) = (self.files.get(file), self.found.get(light)) else { return Ok(None) };
         let mut faces = Vec::new();
         for (number, (OcclusionCaster { mesh, positions, .. }, (_, vertices))) in
             (of.first..).zip(of.casters(body).zip(&of.instances))
         {
-            let extracted = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::default());
+            let extracted = cpu::extract(positions, mesh, &[found.light()], Predicate::Exact, Threads::default());
             let facing = extracted.map_err(|error| Failure::usage(error.to_string()))?.facing;
             let covered = found.faces(number);
             for ((face, corners), mask) in (0_u32..).zip(mesh.faces()).zip(facing) {

@@ -18,7 +18,7 @@ use crate::camera::{AZIMUTH, camera, elevation, of_file, outermost};
 use crate::coordinates::relative;
 use crate::device::{self, Gpu, GpuError, Wanted};
 use crate::failure::{DRAW_ON_CPU, Failure, NO_FINITE_FACE};
-use crate::image::{check_bounds, check_size, too_large};
+use crate::image::{check_bounds, check_size};
 use crate::input::{ChosenLight, Input, play, read_displacement};
 use crate::input_args::PlacedView;
 use crate::output::{listed_animations, note, numbered_name};
@@ -74,14 +74,8 @@ pub(crate) fn take_first_animation(input: &mut Input) {
 /// Opens the device, if it can draw such a picture.
 pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
     let gpu = device::open_gpu(&Wanted::parse(&args.posed.device.device))?;
-    check_size(&gpu, args.view.size)?;
-    let [width, height] = args.view.size;
     // The multisampled linear picture is the largest array.
-    let needed = 4 * 8 * u64::from(width) * u64::from(height);
-    let limit = gpu.device.limits().max_buffer_size;
-    if needed > limit {
-        return Err(too_large(&gpu, args.view.size, 4 * 8));
-    }
+    check_size(&gpu, args.view.size, 4 * 8)?;
     Ok(gpu)
 }
 
