@@ -211,24 +211,17 @@ mod tests {
     }
 
     const AROUND: Bounds = Bounds { min: Vec3::splat(9.0), max: Vec3::splat(11.0) };
-    const CUBE: [[f32; 3]; 8] = [
-        [9.0, 9.0, 9.0],
-        [11.0, 9.0, 9.0],
-        [9.0, 11.0, 9.0],
-        [11.0, 11.0, 9.0],
-        [9.0, 9.0, 11.0],
-        [11.0, 9.0, 11.0],
-        [9.0, 11.0, 11.0],
-        [11.0, 11.0, 11.0],
-    ];
+
+    fn cube() -> impl Iterator<Item = [f32; 3]> + Clone {
+        AROUND.corners().into_iter().map(|corner| corner.to_array())
+    }
 
     #[test]
     fn the_default_shows_every_point_and_wastes_little() {
         for options in ["", "--size 300x900 --fov 70", "--size 900x300", "--fov 100", "--fov 150", "--fov 5"] {
-            let camera = camera(&args(options), 17.0, &AROUND, CUBE.into_iter()).expect("it has an eye");
+            let camera = camera(&args(options), 17.0, &AROUND, cube()).expect("it has an eye");
             let mut sides = [[0.0_f32; 2]; 2];
-            let widest = CUBE
-                .into_iter()
+            let widest = cube()
                 .map(|point| {
                     let p = Vec3::from(point) - camera.eye;
                     let distance = p.dot(camera.forward);
@@ -251,7 +244,7 @@ mod tests {
     #[test]
     fn the_basis_is_right_handed_even_straight_down() {
         for options in ["--eye 10,50,10", "--eye 10,-50,10", "--eye -3,4,5"] {
-            let camera = camera(&args(options), 17.0, &AROUND, CUBE.into_iter()).expect("it has an eye");
+            let camera = camera(&args(options), 17.0, &AROUND, cube()).expect("it has an eye");
             assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5);
             assert!(camera.up.length() > 0.999);
         }
@@ -262,8 +255,7 @@ mod tests {
         for options in
             ["--view front", "--view top --size 300x900", "--view 200,-30", "--eye 9,50,3", "--target 9,9,9", ""]
         {
-            let camera =
-                camera(&args(&format!("--ortho {options}")), 17.0, &AROUND, CUBE.into_iter()).expect("a camera");
+            let camera = camera(&args(&format!("--ortho {options}")), 17.0, &AROUND, cube()).expect("a camera");
             camera.shadow_camera().check().expect("a camera of shadows");
             assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5, "{options}");
             let seen = |point: [f32; 3]| {
@@ -272,7 +264,7 @@ mod tests {
                 assert!(p.dot(camera.forward) > camera.near && p.dot(camera.forward) < far, "{options}");
                 (p.dot(camera.right) * camera.scale[0]).abs().max((p.dot(camera.up) * camera.scale[1]).abs())
             };
-            let widest = CUBE.into_iter().map(seen).fold(0.0, f32::max);
+            let widest = cube().map(seen).fold(0.0, f32::max);
             assert!((widest - FILLED as f32).abs() < 1e-3, "{options}: {widest}");
         }
     }
@@ -286,7 +278,7 @@ mod tests {
 
     #[test]
     fn an_eye_at_its_target_sees_nothing() {
-        let camera = camera(&args("--eye 1,2,3 --target 1,2,3"), 17.0, &AROUND, CUBE.into_iter());
+        let camera = camera(&args("--eye 1,2,3 --target 1,2,3"), 17.0, &AROUND, cube());
         assert!(matches!(camera, Err(Failure::Usage(_))));
     }
 

@@ -211,14 +211,13 @@ pub(crate) type ShownDepths<'a> = (&'a ShownMaps, &'a wgpu::Buffer, &'a wgpu::Te
 
 #[cfg(test)]
 mod tests {
+    use rimline_picture::Bounds;
+
     use super::*;
 
     fn corners(half: f32, at: [f32; 3]) -> Vec<[f32; 3]> {
-        let corner = |number: u32| {
-            let sign = |bit: u32| if number >> bit & 1 == 1 { half } else { -half };
-            [at[0] + sign(0), at[1] + sign(1), at[2] + sign(2)]
-        };
-        (0..8).map(corner).collect()
+        let at = Vec3::from(at);
+        Bounds { min: at - half, max: at + half }.corners().map(|corner| corner.to_array()).to_vec()
     }
 
     #[test]

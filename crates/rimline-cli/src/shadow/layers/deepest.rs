@@ -315,50 +315,17 @@ fn components(vertices: usize, faces: &[[u32; 3]]) -> Vec<Vec<u32>> {
 
 #[cfg(test)]
 mod tests {
+    use rimline_testkit::shapes::{Shape, globe, plane_grid};
+
     use super::*;
-
-    /// Two triangles for each square of a lattice in a plane at this height.
-    fn sheet(height: f32, squares: u32, positions: &mut Vec<[f32; 3]>, faces: &mut Vec<[u32; 3]>) {
-        let first = positions.len() as u32;
-        let at = |n: u32| 2.0 * n as f32 / squares as f32 - 1.0;
-        positions.extend((0..=squares).flat_map(|z| (0..=squares).map(move |x| [at(x), height, at(z)])));
-        for z in 0..squares {
-            for x in 0..squares {
-                let a = first + z * (squares + 1) + x;
-                faces.extend([[a, a + squares + 1, a + 1], [a + 1, a + squares + 1, a + squares + 2]]);
-            }
-        }
-    }
-
-    /// A sphere of two poles with many faces around each.
-    fn sphere(segments: u32, rings: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-        let mut positions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
-        for ring in 1..rings {
-            let polar = std::f32::consts::PI * ring as f32 / rings as f32;
-            positions.extend((0..segments).map(|segment| {
-                let turn = std::f32::consts::TAU * segment as f32 / segments as f32;
-                [polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin()]
-            }));
-        }
-        let at = |ring: u32, segment: u32| 2 + (ring - 1) * segments + segment % segments;
-        let mut faces = Vec::new();
-        for s in 0..segments {
-            faces.extend([[0, at(1, s + 1), at(1, s)], [1, at(rings - 1, s), at(rings - 1, s + 1)]]);
-            for r in 1..rings - 1 {
-                faces.push([at(r, s), at(r, s + 1), at(r + 1, s)]);
-                faces.push([at(r, s + 1), at(r + 1, s + 1), at(r + 1, s)]);
-            }
-        }
-        (positions, faces)
-    }
 
     #[test]
     fn bounds_hold_and_are_not_far_off() {
         let above = [Light::point([0.1, 30.0, 0.2]), Light::directional([0.1, 1.0, 0.05])];
         for light in above {
             for layers in [1, 40, 300] {
-                let (mut positions, mut faces) = (Vec::new(), Vec::new());
-                (0..layers).for_each(|n| sheet(n as f32 / 256.0, 3, &mut positions, &mut faces));
+                let sheet = |layer: u32| plane_grid(3, 3).placed(|[x, _, z]| [x, layer as f32 / 256.0, z]);
+                let Shape { positions, faces } = Shape::joined(&(0..layers).map(sheet).collect::<Vec<_>>());
                 let found = deepest(light, &positions, &faces, 255);
                 // A bound of at most 255 is valid, although a smaller one may exist.
                 assert!(found >= layers, "{light:?}, {layers} layers: {found}");
@@ -369,7 +336,8 @@ mod tests {
 
     #[test]
     fn poles_and_lights_within_are_no_layers() {
-        let (positions, faces) = sphere(300, 30);
+        // Many faces lie around each of two poles.
+        let Shape { positions, faces } = globe(300, 30).placed(|[x, y, z]| [y, z, x]);
         for light in [[0.0, 3.0, 0.0], [0.0, 0.0, 0.0], [0.3, -0.2, 0.1], [0.0, 1.0, 0.0]] {
             let found = deepest(Light::point(light), &positions, &faces, 255);
             assert!((1..=255).contains(&found), "{light:?}: {found}");
