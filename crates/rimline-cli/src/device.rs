@@ -130,7 +130,7 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
         Err(reason) if *wanted == Wanted::Auto => {
             // Once for all jobs.
             static NOTE: Once = Once::new();
-            NOTE.call_once(|| note(&format!("working on the CPU, because {}", lower_first(&reason.to_string()))));
+            NOTE.call_once(|| note(&format!("working on the CPU, because {reason}")));
             Ok(Device::Cpu)
         }
         Err(reason) => Err(reason.into()),
@@ -171,11 +171,6 @@ pub(crate) fn work<T>(
         }
         done => Ok((device, done?)),
     }
-}
-
-fn lower_first(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
 }
 
 /// Devices that many jobs share, by what was asked for. `None`: they are not shared.

@@ -33,7 +33,7 @@ use from_depth::FromDepth;
 use pictures::{DrawInputs, Masks, Pictures};
 pub(crate) use report::files;
 use report::{Report, ResultFiles};
-use shadow_scene::{ShadowInputs, ShadowScene};
+use shadow_scene::{ShadowInputs, ShadowScene, not_orthographic};
 use shadows::{RenderResources, ShadowMethod, VolumePipelines, warn_of_limits};
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
@@ -62,11 +62,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
     if from_depth.is_some() && set.camera.far.is_some() {
-        let what = if given.is_some() { "--depth" } else { "--from-depth" };
-        return Err(Failure::usage(format!(
-            "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out \
-             --ortho or the --camera"
-        )));
+        return Err(not_orthographic(if given.is_some() { "--depth" } else { "--from-depth" }));
     }
     given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     check_covered(args, &set)?;

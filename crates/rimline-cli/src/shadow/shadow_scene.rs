@@ -127,11 +127,7 @@ impl<'a> ShadowScene<'a> {
         let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
         match camera.far {
             Some(_) if matches!(args.method, Counting::ZFail | Counting::ZpPlus2005) => {
-                return Err(Failure::usage(format!(
-                    "--method {} takes a perspective view, and this one is orthographic; leave it out, or leave out \
-                     --ortho or the --camera",
-                    method_name(args.method)
-                )));
+                return Err(not_orthographic(&format!("--method {}", method_name(args.method))));
             }
             // The ground that is seen lies between its planes, too.
             Some(far) if view.is_parallel => {
@@ -258,6 +254,13 @@ impl<'a> ShadowScene<'a> {
         let (camera, lights) = (self.view().shadow_camera(), self.ranged());
         run(CastInputs { bodies: &self.bodies, seen: &self.bodies, camera: &camera, lights: &lights })
     }
+}
+
+/// Refuses an orthographic view for an option.
+pub(super) fn not_orthographic(option: &str) -> Failure {
+    Failure::usage(format!(
+        "{option} takes a perspective view, and this one is orthographic; leave it out, or leave out --ortho or the --camera"
+    ))
 }
 
 /// The near plane for models with these points.
