@@ -124,27 +124,22 @@ trait Film {
 
 /// How many pictures are asked for, or make up the longest animation.
 fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
+    if let Some(frames) = args.frames {
+        return Ok(frames);
+    }
     let duration = |input: &Input| {
         let animations = input.asset()?.animations();
         input.playing.iter().filter_map(|&index| Some(animations.get(index)?.duration_s)).reduce(f32::max)
     };
     let lasts = props.inputs.iter().filter_map(duration).reduce(f32::max);
-    let seconds = match (args.frames, args.seconds.or(lasts)) {
-        (Some(frames), _) => return Ok(frames),
-        (None, Some(seconds)) => seconds,
-        (None, None) if args.orbit.is_some() => ORBIT_SECONDS,
-        (None, None) if props.displacement.is_some() => {
-            return Err(Failure::usage(
-                "a film with --displace needs a length; give --frames or --seconds, or name an --animation",
-            ));
-        }
-        (None, None) => {
-            return Err(Failure::usage(
-                "no file has an animation, so nothing moves; give --orbit 360 to lead the camera around, or \
-                 --displace, or the number of pictures with --frames",
-            ));
-        }
-    };
+    let seconds = args.seconds.or(lasts).or(args.orbit.map(|_| ORBIT_SECONDS)).ok_or_else(|| {
+        Failure::usage(if props.displacement.is_some() {
+            "a film with --displace needs a length; give --frames or --seconds, or name an --animation"
+        } else {
+            "no file has an animation, so nothing moves; give --orbit 360 to lead the camera around, or --displace, or \
+             the number of pictures with --frames"
+        })
+    })?;
     let frames = (f64::from(seconds) * f64::from(args.fps)).round().max(1.0);
     if frames > MAX_FRAMES as f64 {
         return Err(Failure::usage(format!(
