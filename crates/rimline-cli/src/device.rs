@@ -147,8 +147,7 @@ pub(crate) fn open_fastest(wanted: &Wanted) -> Result<Device, Failure> {
 fn is_software() -> bool {
     static IS_SOFTWARE: OnceLock<bool> = OnceLock::new();
     *IS_SOFTWARE.get_or_init(|| {
-        let usable = |backends| adapters_of(backends).into_iter().find(|adapter| lacks(adapter).is_none());
-        let first = usable(Backends::all().difference(Backends::GL)).or_else(|| usable(Backends::GL));
+        let first = by_preference().find(|adapter| lacks(adapter).is_none());
         first.is_some_and(|adapter| adapter.get_info().device_type == DeviceType::Cpu)
     })
 }
@@ -198,24 +197,27 @@ pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
     Ok(gpu)
 }
 
-/// Opens the first adapter that fits; [`Wanted::Auto`] means any here. OpenGL, the poorer way to a GPU, is looked at
-/// only where nothing else fits: its drivers talk, and the same GPU mostly shows elsewhere too.
+/// The adapters that are tried, as they are needed. OpenGL, the poorer way to a GPU, is looked at only where nothing else
+/// fits: its drivers talk, and the same GPU mostly shows elsewhere too.
+fn by_preference() -> impl Iterator<Item = wgpu::Adapter> {
+    [Backends::all().difference(Backends::GL), Backends::GL].into_iter().flat_map(adapters_of)
+}
+
+/// Opens the first adapter that fits; [`Wanted::Auto`] means any here.
 fn open_first(wanted: &Wanted) -> Result<Gpu, NoDevice> {
     let (mut names, mut refused) = (Vec::new(), None);
-    for backends in [Backends::all().difference(Backends::GL), Backends::GL] {
-        for adapter in adapters_of(backends) {
-            names.push(describe(&adapter.get_info()));
-            if !wanted.fits(&adapter) {
-                continue;
+    for adapter in by_preference() {
+        names.push(describe(&adapter.get_info()));
+        if !wanted.fits(&adapter) {
+            continue;
+        }
+        match request(&adapter) {
+            Ok(gpu) => {
+                log::debug!("opened {}", describe(&gpu.info));
+                return Ok(gpu);
             }
-            match request(&adapter) {
-                Ok(gpu) => {
-                    log::debug!("opened {}", describe(&gpu.info));
-                    return Ok(gpu);
-                }
-                Err(reason) => {
-                    refused.get_or_insert(reason);
-                }
+            Err(reason) => {
+                refused.get_or_insert(reason);
             }
         }
     }

@@ -271,13 +271,13 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
-    let [degrees] = numbers(text)?;
+    let degrees = number(text)?;
     let is_angle = degrees > 0.0 && degrees < 180.0;
     checked(degrees, is_angle, "the angle must lie between 0 and 180 degrees, both left out")
 }
 
 pub(crate) fn crease(text: &str) -> Result<f64, String> {
-    let [degrees] = numbers(text)?;
+    let degrees = number(text)?;
     checked(degrees.into(), (0.0..=180.0).contains(&degrees), "the angle must lie between 0 and 180 degrees")
 }
 

@@ -161,7 +161,7 @@ impl CoveredFaces {
                 }
             }
         }
-        body.part(body.world.len(), faces)
+        body.part(faces)
     }
 }
 
@@ -226,7 +226,9 @@ impl<'a> PosedModel<'a> {
     }
 
     fn set_pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), GpuError> {
-        let topologies = self.topologies_now();
+        let instances = self.input.model().instances().iter().zip(self.input.turned(&self.shape));
+        let topologies: Vec<Topology> =
+            instances.map(|(instance, is_turned)| Topology { geometry: instance.geometry(), is_turned }).collect();
         if topologies != self.topologies {
             self.faces = faces(self.input, &topologies);
             self.colors = if self.is_plain { None } else { self.input.corner_colors(&self.shape) };
@@ -237,20 +239,15 @@ impl<'a> PosedModel<'a> {
         Ok(())
     }
 
-    fn topologies_now(&self) -> Vec<Topology> {
-        let instances = self.input.model().instances().iter().zip(self.input.turned(&self.shape));
-        instances.map(|(instance, is_turned)| Topology { geometry: instance.geometry(), is_turned }).collect()
-    }
-
     pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {
         let geometry = &self.input.model().geometries()[topology.geometry];
         let mesh = Mesh::from_faces(geometry.positions().len(), topology.faces(geometry, 0).collect());
         mesh.map_err(|error| Failure::input(&self.input.file)(error.into()))
     }
 
-    /// A mesh of some faces over so many vertices, or none of none.
-    pub(super) fn part(&self, vertices: usize, faces: Vec<[u32; 3]>) -> Result<Option<Mesh>, Failure> {
-        match Mesh::from_faces(vertices, faces) {
+    /// A mesh of some faces over all vertices, or none of none.
+    pub(super) fn part(&self, faces: Vec<[u32; 3]>) -> Result<Option<Mesh>, Failure> {
+        match Mesh::from_faces(self.world.len(), faces) {
             Err(MeshError::NoFaces) => Ok(None),
             mesh => mesh.map(Some).map_err(|error| Failure::input(&self.input.file)(error.into())),
         }
@@ -267,7 +264,7 @@ impl<'a> PosedModel<'a> {
 
     /// The triangles of polygons, as a mesh over the same vertices.
     pub(crate) fn triangles(&self) -> Result<Option<Mesh>, Failure> {
-        if self.has_polygons() { self.part(self.world.len(), self.faces.clone()) } else { Ok(None) }
+        if self.has_polygons() { self.part(self.faces.clone()) } else { Ok(None) }
     }
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.

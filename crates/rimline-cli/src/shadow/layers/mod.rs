@@ -117,7 +117,7 @@ impl Batch {
             let (of_body, others) = rest.split_at(rest.partition_point(|&face| face < end));
             let corners = of_body.iter().map(|&face| body.faces[(face - first) as usize]).collect();
             (first, rest) = (end, others);
-            let Some(mesh) = body.part(body.world.len(), corners)? else { continue };
+            let Some(mesh) = body.part(corners)? else { continue };
             let mesh = scene.add_mesh(&mesh, &body.world).on(gpu)?;
             scene.insert(Caster::in_buffer(mesh, body.positions.buffer())).on(gpu)?;
         }
