@@ -17,10 +17,10 @@ use super::from_depth::{DepthFound, DepthsFound};
 use super::shadow_scene::ShadowScene;
 use super::shadows::{Found, each};
 use crate::coordinates;
-use crate::device::{Gpu, GpuError, On as _, describe};
+use crate::device::{GpuError, describe};
 use crate::failure::Failure;
 use crate::files::{Inputs, check_ending, is_same_file};
-use crate::image::Picture;
+use crate::image::wrote;
 use crate::output::{Line, Output};
 use crate::report::{self, Lines, Times};
 use crate::spec::LightSpec;
@@ -199,7 +199,7 @@ impl<'a> Report<'a> {
             lines.line("covered", value);
         }
         lines.times(times);
-        let pictures = pictures.iter().map(|file| crate::image::wrote(file, size));
+        let pictures = pictures.iter().map(|file| wrote(file, size));
         let archives = archives.iter().map(|file| format!("wrote {}", Line(file.display())));
         let wrote: String = pictures.chain(archives).map(|line| line + "\n").collect();
         lines.0 + &wrote
@@ -208,9 +208,9 @@ impl<'a> Report<'a> {
 
 /// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
-    picture: Option<Output>,
-    masks: Vec<Output>,
-    maps: Vec<Output>,
+    pub(super) picture: Option<Output>,
+    pub(super) masks: Vec<Output>,
+    pub(super) maps: Vec<Output>,
     /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
 }
@@ -248,35 +248,6 @@ impl ResultFiles {
         for ((outputs, names), files) in [&mut self.masks, &mut self.maps].into_iter().zip(&mut self.names).zip(files) {
             *outputs = files.iter().map(|file| Output::create(file)).collect::<Result<_, _>>()?;
             names.extend(files);
-        }
-        Ok(())
-    }
-
-    pub(super) fn finish_picture(&mut self, gpu: &Gpu, picture: &Picture) -> Result<(), Failure> {
-        gpu.check()?;
-        self.picture.take().map_or(Ok(()), |output| output.finish(|file| picture.write_png(file, None)))
-    }
-
-    /// Writes the masks that `draw` draws for each light.
-    pub(super) fn finish_masks(
-        &mut self,
-        gpu: &Gpu,
-        mut draw: impl FnMut(usize) -> Result<Picture, Failure>,
-    ) -> Result<(), Failure> {
-        for (light, output) in std::mem::take(&mut self.masks).into_iter().enumerate() {
-            let mask = draw(light)?;
-            gpu.check()?;
-            output.finish(|file| mask.write_png(file, None))?;
-        }
-        Ok(())
-    }
-
-    /// Writes the depth maps of each light as they were drawn.
-    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
-        for (light, output) in std::mem::take(&mut self.maps).into_iter().enumerate() {
-            let maps = casters.shadows.saved_maps(light, origin).on(gpu)?;
-            gpu.check()?;
-            maps.map_or(Ok(()), |maps| output.finish(|file| maps.write(file)))?;
         }
         Ok(())
     }
