@@ -296,7 +296,7 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
         let _ = reported.set(match error {
             wgpu::Error::OutOfMemory { .. } => {
-                "it is out of memory; try a smaller model, a smaller picture or fewer lights".into()
+                "it is out of memory; try a smaller model, a smaller picture or fewer lights".to_owned()
             }
             error => error.to_string(),
         });
