@@ -189,10 +189,7 @@ impl Ffmpeg {
     }
 
     fn write(&mut self, rgb: &[u8]) -> io::Result<()> {
-        let written = match &mut self.child.stdin {
-            Some(stdin) => stdin.write_all(rgb),
-            None => Ok(()),
-        };
+        let written = self.child.stdin.as_mut().map_or(Ok(()), |stdin| stdin.write_all(rgb));
         // It says more than a broken pipe does.
         if written.is_err() { self.ended().and(written) } else { Ok(()) }
     }

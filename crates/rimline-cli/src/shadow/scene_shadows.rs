@@ -224,8 +224,7 @@ impl Shadows for SceneShadows<'_> {
     }
 
     fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
-        let CastInputs { bodies, .. } = inputs;
-        let gpu = self.gpu;
+        let (gpu, bodies) = (self.gpu, inputs.bodies);
         self.layers = None;
         let is_counted = self.counting != Counting::ZpPlus2005 && !bodies.iter().any(PosedModel::has_polygons);
         if !is_counted || self.statistics().on(gpu)?.may_wrap == 0 {

@@ -168,17 +168,14 @@ fn resolve(device: &wgpu::Device, format: &ShadowFormat) -> wgpu::RenderPipeline
     // The reference has no bit of the count, so the comparison is with 0.
     let face = wgpu::StencilFaceState {
         compare: wgpu::CompareFunction::NotEqual,
-        fail_op: wgpu::StencilOperation::Keep,
-        depth_fail_op: wgpu::StencilOperation::Keep,
         pass_op: wgpu::StencilOperation::Replace,
+        ..wgpu::StencilFaceState::IGNORE
     };
-    let depth = depth_state(format.depth_stencil, false, wgpu::CompareFunction::Always, face);
+    let mut depth = depth_state(format.depth_stencil, false, wgpu::CompareFunction::Always, face);
+    depth.stencil.read_mask = MOST_OF_BATCH;
     let pass = Pass {
         samples: format.samples,
-        depth: Some(wgpu::DepthStencilState {
-            stencil: wgpu::StencilState { read_mask: MOST_OF_BATCH, ..depth.stencil.clone() },
-            ..depth
-        }),
+        depth: Some(depth),
         ..Pass::over("resolve", "@fragment fn resolve_fragment() {}", &[], None)
     };
     pass.pipeline(device, COMMON, None)
