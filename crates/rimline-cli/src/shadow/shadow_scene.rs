@@ -110,7 +110,7 @@ impl<'a> ShadowScene<'a> {
         if samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
             return Err(Failure::usage(format!(
-                "{lights} lights have {samples} samples, and at most {limit} fit; give fewer --samples"
+                "{lights} lights have {samples} samples, and at most {limit} fit; give fewer lights or --samples"
             )));
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
