@@ -1,9 +1,8 @@
 //! The casters of a frame as all ways to shadows take them, the silhouettes of a file by itself, and faces that
 //! other faces hide from the lights.
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
-use std::ops::{ControlFlow, Range};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 
 use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
@@ -100,39 +99,24 @@ impl Extracted {
 /// The version of all positions: they stay.
 pub(super) const VERSION: u64 = 0;
 
-/// The casters of all files: the instances of one after those of the other.
+/// Faces whose shadow other faces cast, of the instances of all files.
 pub(crate) struct CoveredFaces {
-    files: Vec<File>,
+    /// For each file.
+    meshes: Vec<BTreeMap<Topology, Mesh>>,
     /// For each light.
     pub(super) found: Vec<OccludedFaces>,
 }
 
-struct File {
-    meshes: BTreeMap<Topology, Mesh>,
-    /// The topology of each instance, and where its vertices are among the file's.
-    instances: Vec<(Topology, Range<usize>)>,
-    /// How many instances files before have.
-    first: usize,
-}
-
 impl CoveredFaces {
     pub(crate) fn find(bodies: &[PosedModel<'_>], lights: &[Light]) -> Result<Self, Failure> {
-        let (mut files, mut first) = (Vec::with_capacity(bodies.len()), 0);
-        for body in bodies {
-            let (mut meshes, mut instances, mut vertices) = (BTreeMap::new(), Vec::new(), 0);
-            for &topology in &body.topologies {
-                if let Entry::Vacant(entry) = meshes.entry(topology) {
-                    entry.insert(body.mesh_of(topology)?);
-                }
-                let end = vertices + body.input.model().geometries()[topology.geometry].positions().len();
-                instances.push((topology, vertices..end));
-                vertices = end;
-            }
-            first += instances.len();
-            files.push(File { meshes, first: first - instances.len(), instances });
-        }
+        let meshes = |body: &PosedModel<'_>| {
+            let topologies: BTreeSet<Topology> = body.topologies.iter().copied().collect();
+            let meshes = topologies.into_iter().map(|topology| Ok((topology, body.mesh_of(topology)?)));
+            meshes.collect::<Result<BTreeMap<_, _>, Failure>>()
+        };
+        let meshes = bodies.iter().map(meshes).collect::<Result<Vec<_>, _>>()?;
         let casters: Vec<OcclusionCaster<'_>> =
-            files.iter().zip(bodies).flat_map(|(file, body)| file.casters(body)).collect();
+            meshes.iter().zip(bodies).flat_map(|(meshes, body)| casters(meshes, body)).collect();
         let options = OcclusionOptions::default();
         let search = |&light: &Light| {
             OccludedFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(()))
@@ -140,39 +124,51 @@ impl CoveredFaces {
         };
         let found = lights.iter().map(search).collect::<Result<Vec<_>, _>>()?;
         drop(casters);
-        Ok(Self { files, found })
+        Ok(Self { meshes, found })
     }
 
     /// The faces of a file's instances that cast for a light where averted faces suffice, as a mesh over the file's vertices.
     /// There is none if no face casts.
-    pub(super) fn casting(&self, file: usize, body: &PosedModel<'_>, light: usize) -> Result<Option<Mesh>, Failure> {
-        let (Some(of), Some(found)) = (self.files.get(file), self.found.get(light)) else { return Ok(None) };
-        let mut faces = Vec::new();
-        for (number, (OcclusionCaster { mesh, positions, .. }, (_, vertices))) in
-            (of.first..).zip(of.casters(body).zip(&of.instances))
-        {
+    pub(super) fn casting(
+        &self,
+        bodies: &[PosedModel<'_>],
+        file: usize,
+        light: usize,
+    ) -> Result<Option<Mesh>, Failure> {
+        let (Some(meshes), Some(body), Some(found)) = (self.meshes.get(file), bodies.get(file), self.found.get(light))
+        else {
+            return Ok(None);
+        };
+        let first: usize = bodies.iter().take(file).map(|body| body.topologies.len()).sum();
+        let (mut faces, mut first_vertex) = (Vec::new(), 0);
+        for (number, OcclusionCaster { mesh, positions, .. }) in (first..).zip(casters(meshes, body)) {
             let extracted = cpu::extract(positions, mesh, &[found.light()], Predicate::Exact, Threads::default());
             let facing = extracted.map_err(|error| Failure::usage(error.to_string()))?.facing;
             let covered = found.faces(number);
             for ((face, corners), mask) in (0_u32..).zip(mesh.faces()).zip(facing) {
                 let casts = mask & 1 == 0 || !mesh.is_closed();
                 if casts && covered.binary_search(&face).is_err() {
-                    faces.push(corners.map(|vertex| vertex + vertices.start as u32));
+                    faces.push(corners.map(|vertex| vertex + first_vertex));
                 }
             }
+            first_vertex += positions.len() as u32;
         }
         body.part(faces)
     }
 }
 
-impl File {
-    fn casters<'a>(&'a self, body: &'a PosedModel<'_>) -> impl Iterator<Item = OcclusionCaster<'a>> {
-        self.instances.iter().map(|(topology, vertices)| OcclusionCaster {
-            mesh: &self.meshes[topology],
-            positions: &body.world[vertices.clone()],
-            version: Some(VERSION),
-        })
-    }
+/// The instances of a file, with the positions of one after those of the other.
+fn casters<'a>(
+    meshes: &'a BTreeMap<Topology, Mesh>,
+    body: &'a PosedModel<'_>,
+) -> impl Iterator<Item = OcclusionCaster<'a>> {
+    let mut rest = body.world.as_slice();
+    body.topologies.iter().map(move |topology| {
+        let mesh = &meshes[topology];
+        let (positions, others) = rest.split_at(mesh.vertex_count() as usize);
+        rest = others;
+        OcclusionCaster { mesh, positions, version: Some(VERSION) }
+    })
 }
 
 /// The faces of an instance: those of a geometry, turned if its pose mirrors it. Instances of the same topology share a
