@@ -44,10 +44,8 @@ pub(crate) fn camera(
     }
     let distance = if let Some(eye) = args.eye {
         (vector(eye) - target).length()
-    } else if args.target.is_some() {
-        view.distance(target, points.map(vector), nearest)
     } else {
-        let (aside, distance) = view.fit(target, points.map(vector), nearest);
+        let (aside, distance) = view.fit(target, args.target.is_some(), points.map(vector), nearest);
         target += aside;
         distance
     };
@@ -56,7 +54,7 @@ pub(crate) fn camera(
 }
 
 /// A camera of a file, for a picture of this size.
-fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
+pub(crate) fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
     let [eye, forward, up] = [camera.eye, camera.forward, camera.up].map(Vec3::from);
     let [width, height] = size.map(|pixels| pixels as f32);
     let (scale_y, near, far) = match camera.projection {
@@ -108,15 +106,6 @@ impl View {
         [p.dot(self.right), p.dot(self.up), p.dot(self.forward)]
     }
 
-    /// The least distance from the target at which the picture holds all points.
-    fn distance(&self, target: DVec3, points: impl Iterator<Item = DVec3>, least: f64) -> f64 {
-        points.fold(least, |distance, point| {
-            let [x, y, z] = self.seen(target, point);
-            let sideways = (x.abs() * self.scale[0]).max(y.abs() * self.scale[1]);
-            distance.max(sideways / FILLED - z)
-        })
-    }
-
     /// An orthographic camera whose picture holds all points, in its middle unless the target `is_given`. They lie between near and
     /// far plane.
     fn parallel(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, aspect: f64) -> Camera {
@@ -135,9 +124,9 @@ impl View {
         self.camera(eye.as_vec3(), [scale * aspect, scale], 0.5 * room, Some(depth + 2.0 * room))
     }
 
-    /// The nearest place of the eye from which the picture holds all points, in its middle: how far aside of the target it
-    /// aims, and the distance.
-    fn fit(&self, target: DVec3, points: impl Iterator<Item = DVec3>, least: f64) -> (DVec3, f64) {
+    /// The nearest place of the eye from which the picture holds all points, in its middle unless the target `is_given`: how
+    /// far aside of the target it aims, and the distance.
+    fn fit(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, least: f64) -> (DVec3, f64) {
         // An eye at (x, y) a distance d before the target sees (a, b, z) where |a − x| s ≤ FILLED (z + d) and the like for
         // b: each side of the picture bounds d ± x from below by its outermost point.
         let (mut sides, mut nearest) = ([[f64::NEG_INFINITY; 2]; 2], f64::INFINITY);
@@ -149,8 +138,8 @@ impl View {
             }
             nearest = nearest.min(z);
         }
-        if nearest == f64::INFINITY {
-            return (DVec3::ZERO, least);
+        if is_given || nearest == f64::INFINITY {
+            return (DVec3::ZERO, sides.into_iter().flatten().fold(least, f64::max));
         }
         let wanted = sides.iter().map(|[high, low]| 0.5 * (high + low)).fold(f64::NEG_INFINITY, f64::max);
         let middle = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * FILLED / self.scale[axis];
@@ -222,24 +211,17 @@ mod tests {
     }
 
     const AROUND: Bounds = Bounds { min: Vec3::splat(9.0), max: Vec3::splat(11.0) };
-    const CUBE: [[f32; 3]; 8] = [
-        [9.0, 9.0, 9.0],
-        [11.0, 9.0, 9.0],
-        [9.0, 11.0, 9.0],
-        [11.0, 11.0, 9.0],
-        [9.0, 9.0, 11.0],
-        [11.0, 9.0, 11.0],
-        [9.0, 11.0, 11.0],
-        [11.0, 11.0, 11.0],
-    ];
+
+    fn cube() -> impl Iterator<Item = [f32; 3]> + Clone {
+        AROUND.corners().into_iter().map(|corner| corner.to_array())
+    }
 
     #[test]
     fn the_default_shows_every_point_and_wastes_little() {
         for options in ["", "--size 300x900 --fov 70", "--size 900x300", "--fov 100", "--fov 150", "--fov 5"] {
-            let camera = camera(&args(options), 17.0, &AROUND, CUBE.into_iter()).expect("it has an eye");
+            let camera = camera(&args(options), 17.0, &AROUND, cube()).expect("it has an eye");
             let mut sides = [[0.0_f32; 2]; 2];
-            let widest = CUBE
-                .into_iter()
+            let widest = cube()
                 .map(|point| {
                     let p = Vec3::from(point) - camera.eye;
                     let distance = p.dot(camera.forward);
@@ -262,7 +244,7 @@ mod tests {
     #[test]
     fn the_basis_is_right_handed_even_straight_down() {
         for options in ["--eye 10,50,10", "--eye 10,-50,10", "--eye -3,4,5"] {
-            let camera = camera(&args(options), 17.0, &AROUND, CUBE.into_iter()).expect("it has an eye");
+            let camera = camera(&args(options), 17.0, &AROUND, cube()).expect("it has an eye");
             assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5);
             assert!(camera.up.length() > 0.999);
         }
@@ -273,8 +255,7 @@ mod tests {
         for options in
             ["--view front", "--view top --size 300x900", "--view 200,-30", "--eye 9,50,3", "--target 9,9,9", ""]
         {
-            let camera =
-                camera(&args(&format!("--ortho {options}")), 17.0, &AROUND, CUBE.into_iter()).expect("a camera");
+            let camera = camera(&args(&format!("--ortho {options}")), 17.0, &AROUND, cube()).expect("a camera");
             camera.shadow_camera().check().expect("a camera of shadows");
             assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5, "{options}");
             let seen = |point: [f32; 3]| {
@@ -283,7 +264,7 @@ mod tests {
                 assert!(p.dot(camera.forward) > camera.near && p.dot(camera.forward) < far, "{options}");
                 (p.dot(camera.right) * camera.scale[0]).abs().max((p.dot(camera.up) * camera.scale[1]).abs())
             };
-            let widest = CUBE.into_iter().map(seen).fold(0.0, f32::max);
+            let widest = cube().map(seen).fold(0.0, f32::max);
             assert!((widest - FILLED as f32).abs() < 1e-3, "{options}: {widest}");
         }
     }
@@ -297,7 +278,7 @@ mod tests {
 
     #[test]
     fn an_eye_at_its_target_sees_nothing() {
-        let camera = camera(&args("--eye 1,2,3 --target 1,2,3"), 17.0, &AROUND, CUBE.into_iter());
+        let camera = camera(&args("--eye 1,2,3 --target 1,2,3"), 17.0, &AROUND, cube());
         assert!(matches!(camera, Err(Failure::Usage(_))));
     }
 

@@ -10,12 +10,9 @@ pub(crate) struct Coordinate {
     pub(crate) double: f64,
 }
 
+/// The components of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct GivenLight {
-    /// Each component the nearest `f32`.
-    pub(crate) light: Light,
-    exact: [f64; 4],
-}
+pub(crate) struct GivenLight(pub(crate) [Coordinate; 4]);
 
 impl Coordinate {
     /// Relative to a coordinate of the origin.
@@ -30,15 +27,14 @@ pub(crate) fn relative(point: [Coordinate; 3], origin: Origin) -> [f32; 3] {
 }
 
 impl GivenLight {
-    pub(crate) fn new(xyzw: [Coordinate; 4]) -> Self {
-        Self { light: Light::homogeneous(xyzw.map(|c| c.single)), exact: xyzw.map(|c| c.double) }
+    /// Each component the nearest `f32`.
+    pub(crate) fn light(self) -> Light {
+        Light::homogeneous(self.0.map(|c| c.single))
     }
 
     pub(crate) fn relative_to(self, origin: Origin) -> Light {
-        if origin.is_zero() {
-            return self.light;
-        }
-        Light { w: self.light.w, ..origin.light(self.exact) }
+        let light = self.light();
+        if origin.is_zero() { light } else { Light { w: light.w, ..origin.light(self.0.map(|c| c.double)) } }
     }
 }
 
@@ -134,9 +130,9 @@ mod tests {
         let given = |text: &str| Coordinate { single: text.parse().expect(text), double: text.parse().expect(text) };
         assert_eq!(relative([given("392143.517"), given("34.128"), given("0.1")], origin), [-16.483, 2.128, 0.1]);
         assert_eq!(relative([given("392143.517"), given("0"), given("0")], Origin::ZERO)[0], 392_143.53);
-        let lamp = GivenLight::new(["392143.517", "34.128", "0.1", "1"].map(given));
+        let lamp = GivenLight(["392143.517", "34.128", "0.1", "1"].map(given));
         assert_eq!(lamp.relative_to(origin).to_array(), [-16.483, 2.128, 0.1, 1.0]);
-        let far = GivenLight::new(["0.1", "1", "0", "0"].map(given));
-        assert_eq!(far.relative_to(origin), far.light);
+        let far = GivenLight(["0.1", "1", "0", "0"].map(given));
+        assert_eq!(far.relative_to(origin), far.light());
     }
 }

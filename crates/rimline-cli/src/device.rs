@@ -7,7 +7,7 @@ use rimline::gpu::depth_map::DepthMapError;
 use rimline::gpu::{
     DeformError, DeviceError, ExtractorError, MAX_BOUNDARY_EDGES, Pipelines, QueryError, ShadowError, read_back_vec,
 };
-use rimline::{LightError, wgpu};
+use rimline::wgpu;
 use rimline_bench::slivers;
 use rimline_files::size::size;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
@@ -72,7 +72,8 @@ pub(crate) struct Gpu {
     pub(crate) pipelines: Pipelines,
     /// Whether the CPU can do the work that the device is opened for.
     pub(crate) cpu_would_do: bool,
-    failure: Arc<Mutex<Option<String>>>,
+    /// The first failure is the cause; what follows are its consequences.
+    failure: Arc<OnceLock<String>>,
     /// Pixels that the trial of slivers has wrong, once it ran.
     wrong_slivers: Arc<OnceLock<Result<usize, String>>>,
 }
@@ -88,18 +89,22 @@ fn adapters_of(backends: Backends) -> Vec<wgpu::Adapter> {
     );
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.retain(|adapter| adapter.get_info().backend != Backend::Noop);
-    adapters.sort_by_key(|adapter| kind_rank(adapter.get_info().device_type));
+    adapters.sort_by_key(|adapter| KINDS.iter().position(|(kind, _)| *kind == adapter.get_info().device_type));
     adapters
 }
 
-fn kind_rank(kind: DeviceType) -> u8 {
-    match kind {
-        DeviceType::DiscreteGpu => 0,
-        DeviceType::IntegratedGpu => 1,
-        DeviceType::VirtualGpu => 2,
-        DeviceType::Other => 3,
-        DeviceType::Cpu => 4,
-    }
+/// The kinds of devices in words, the ones to prefer first.
+const KINDS: [(DeviceType, &str); 5] = [
+    (DeviceType::DiscreteGpu, "discrete GPU"),
+    (DeviceType::IntegratedGpu, "integrated GPU"),
+    (DeviceType::VirtualGpu, "virtual GPU"),
+    (DeviceType::Other, "other"),
+    (DeviceType::Cpu, "software"),
+];
+
+/// The kind of a device, in words.
+pub(crate) fn kind_name(kind: DeviceType) -> &'static str {
+    KINDS.iter().find(|(of, _)| *of == kind).map_or("other", |(_, name)| *name)
 }
 
 /// A capability that every stage needs and the adapter lacks, if any.
@@ -125,7 +130,7 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
         Err(reason) if *wanted == Wanted::Auto => {
             // Once for all jobs.
             static NOTE: Once = Once::new();
-            NOTE.call_once(|| note(&format!("working on the CPU, because {}", lower_first(&reason.to_string()))));
+            NOTE.call_once(|| note(&format!("working on the CPU, because {reason}")));
             Ok(Device::Cpu)
         }
         Err(reason) => Err(reason.into()),
@@ -142,8 +147,7 @@ pub(crate) fn open_fastest(wanted: &Wanted) -> Result<Device, Failure> {
 fn is_software() -> bool {
     static IS_SOFTWARE: OnceLock<bool> = OnceLock::new();
     *IS_SOFTWARE.get_or_init(|| {
-        let usable = |backends| adapters_of(backends).into_iter().find(|adapter| lacks(adapter).is_none());
-        let first = usable(Backends::all().difference(Backends::GL)).or_else(|| usable(Backends::GL));
+        let first = by_preference().find(|adapter| lacks(adapter).is_none());
         first.is_some_and(|adapter| adapter.get_info().device_type == DeviceType::Cpu)
     })
 }
@@ -166,11 +170,6 @@ pub(crate) fn work<T>(
         }
         done => Ok((device, done?)),
     }
-}
-
-fn lower_first(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
 }
 
 /// Devices that many jobs share, by what was asked for. `None`: they are not shared.
@@ -198,24 +197,27 @@ pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
     Ok(gpu)
 }
 
-/// Opens the first adapter that fits; [`Wanted::Auto`] means any here. OpenGL, the poorer way to a GPU, is looked at
-/// only where nothing else fits: its drivers talk, and the same GPU mostly shows elsewhere too.
+/// The adapters that are tried, as they are needed. OpenGL, the poorer way to a GPU, is looked at only where nothing else
+/// fits: its drivers talk, and the same GPU mostly shows elsewhere too.
+fn by_preference() -> impl Iterator<Item = wgpu::Adapter> {
+    [Backends::all().difference(Backends::GL), Backends::GL].into_iter().flat_map(adapters_of)
+}
+
+/// Opens the first adapter that fits; [`Wanted::Auto`] means any here.
 fn open_first(wanted: &Wanted) -> Result<Gpu, NoDevice> {
     let (mut names, mut refused) = (Vec::new(), None);
-    for backends in [Backends::all().difference(Backends::GL), Backends::GL] {
-        for adapter in adapters_of(backends) {
-            names.push(describe(&adapter.get_info()));
-            if !wanted.fits(&adapter) {
-                continue;
+    for adapter in by_preference() {
+        names.push(describe(&adapter.get_info()));
+        if !wanted.fits(&adapter) {
+            continue;
+        }
+        match request(&adapter) {
+            Ok(gpu) => {
+                log::debug!("opened {}", describe(&gpu.info));
+                return Ok(gpu);
             }
-            match request(&adapter) {
-                Ok(gpu) => {
-                    log::debug!("opened {}", describe(&gpu.info));
-                    return Ok(gpu);
-                }
-                Err(reason) => {
-                    refused.get_or_insert(reason);
-                }
+            Err(reason) => {
+                refused.get_or_insert(reason);
             }
         }
     }
@@ -289,26 +291,19 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         ..Default::default()
     }))
     .map_err(|source| NoDevice::Refused { adapter: name(), source })?;
-    let failure = Arc::new(Mutex::new(None));
-    let record = {
-        let failure = Arc::clone(&failure);
-        move |message: String| {
-            // The first failure is the cause; what follows are its consequences.
-            failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-        }
-    };
-    let record_error = record.clone();
+    let failure = Arc::new(OnceLock::new());
+    let [reported, lost] = [Arc::clone(&failure), Arc::clone(&failure)];
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        record_error(match error {
+        let _ = reported.set(match error {
             wgpu::Error::OutOfMemory { .. } => {
-                "it is out of memory; try a smaller model, a smaller picture or fewer lights".into()
+                "it is out of memory; try a smaller model, a smaller picture or fewer lights".to_owned()
             }
             error => error.to_string(),
         });
     }));
     device.set_device_lost_callback(move |reason, message| {
         if reason != wgpu::DeviceLostReason::Destroyed {
-            record(format!("it was lost: {message}"));
+            let _ = lost.set(format!("it was lost: {message}"));
         }
     });
     let pipelines = Pipelines::new(&device);
@@ -326,17 +321,14 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
 impl Gpu {
     /// The first error that the device reported, as exit code 4; asked before results are trusted.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        match &*self.failure.lock().unwrap_or_else(PoisonError::into_inner) {
-            None => Ok(()),
-            Some(message) => Err(self.failed(message)),
-        }
+        self.failure.get().map_or(Ok(()), |message| Err(self.failed(message)))
     }
 
     /// Tells the first error that the device reported, also when the device has been cloned.
     #[cfg(feature = "bench")]
     pub(crate) fn reported(&self) -> impl Fn() -> Option<String> + use<> {
         let failure = Arc::clone(&self.failure);
-        move || failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        move || failure.get().cloned()
     }
 
     /// How many pixels of slivers that leave the picture the driver counts wrongly: 0 of one that clips them rightly. Or why
@@ -411,9 +403,21 @@ impl GpuError {
         if let Err(failure) = gpu.check() {
             return failure;
         }
-        match self {
-            Self::GivenMap { file, problem } => return Failure::input(&file)(problem.into()),
-            error => error.of_device(gpu),
+        match &self {
+            Self::GivenMap { file, problem } => Failure::input(file)(problem.clone().into()),
+            Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
+            | Self::DepthMap(DepthMapError::Camera(camera)) => {
+                Failure::usage(format!("{camera}; change --eye, --target, --fov or --near"))
+            }
+            Self::Extractor(ExtractorError::Light(lights))
+            | Self::Query(QueryError::Light(lights))
+            | Self::Shadow(ShadowError::Light(lights)) => Failure::usage(lights.to_string()),
+            // The CPU would do.
+            Self::Deform(DeformError::TooManyTerms { .. })
+            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
+            | Self::DepthMap(DepthMapError::Texture { .. }) => self.too_small(gpu),
+            _ if self.memory().is_some() => self.too_small(gpu),
+            _ => gpu.failed(&self.to_string()),
         }
     }
 
@@ -433,27 +437,6 @@ impl GpuError {
             other => return other,
         };
         Self::GivenMap { file: file.to_owned(), problem }
-    }
-
-    fn of_device(self, gpu: &Gpu) -> Failure {
-        match &self {
-            Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
-            | Self::DepthMap(DepthMapError::Camera(camera)) => {
-                return Failure::usage(format!("{camera}; change --eye, --target, --fov or --near"));
-            }
-            // The CPU would do.
-            Self::Deform(DeformError::TooManyTerms { .. })
-            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
-            | Self::DepthMap(DepthMapError::Texture { .. }) => {
-                return self.too_small(gpu);
-            }
-            _ => {}
-        }
-        match (self.memory(), self.lights()) {
-            (Some(_), _) => self.too_small(gpu),
-            (_, Some(lights)) => Failure::usage(lights.to_string()),
-            _ => gpu.failed(&self.to_string()),
-        }
     }
 
     fn too_small(&self, gpu: &Gpu) -> Failure {
@@ -497,15 +480,6 @@ impl GpuError {
             _ => None,
         }
     }
-
-    fn lights(&self) -> Option<&LightError> {
-        match self {
-            Self::Extractor(ExtractorError::Light(lights))
-            | Self::Query(QueryError::Light(lights))
-            | Self::Shadow(ShadowError::Light(lights)) => Some(lights),
-            _ => None,
-        }
-    }
 }
 
 pub(crate) trait On<T> {
@@ -515,16 +489,5 @@ pub(crate) trait On<T> {
 impl<T, E: Into<GpuError>> On<T> for Result<T, E> {
     fn on(self, gpu: &Gpu) -> Result<T, Failure> {
         self.map_err(|error| error.into().on(gpu))
-    }
-}
-
-/// The kind of a device, in words.
-pub(crate) fn kind_name(kind: DeviceType) -> &'static str {
-    match kind {
-        DeviceType::DiscreteGpu => "discrete GPU",
-        DeviceType::IntegratedGpu => "integrated GPU",
-        DeviceType::VirtualGpu => "virtual GPU",
-        DeviceType::Cpu => "software",
-        DeviceType::Other => "other",
     }
 }

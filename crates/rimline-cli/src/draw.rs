@@ -48,7 +48,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = device::open_gpu(&wanted)?;
-    check_size(&gpu, args.view.size)?;
+    check_size(&gpu, args.view.size, 4)?;
     check_model(&gpu, scene.mesh.faces().len(), scene.mesh.vertex_count() as usize).on(&gpu)?;
     let picture = draw(args, &gpu, &posed, &scene, &progress)?;
     gpu.check()?;

@@ -3,13 +3,14 @@
 mod clip;
 mod folder;
 
+use std::path::Path;
+
 use rimline::internals::layout::ShadowStatistics;
 use serde_json::json;
 
 use crate::camera::swept;
 use crate::device::{On as _, describe};
 use crate::failure::Failure;
-use crate::files::Inputs;
 use crate::image::Picture;
 use crate::input::{Input, settle};
 use crate::output::{Progress, print, say};
@@ -19,8 +20,8 @@ use crate::shadow::casters::Casters;
 use crate::shadow::casting::PosedModel;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu, take_first_animation};
-use crate::shadow::shadows::{RenderResources, ShadowMethod, warn_of_limits};
-use clip::Clip;
+use crate::shadow::shadows::{RenderResources, ShadowMethod, each, warn_of_limits};
+use clip::{Clip, Format};
 use folder::Frames;
 pub(crate) use folder::{Claim, check_earlier, frame_file, remove_earlier};
 
@@ -33,9 +34,9 @@ const ORBIT_SECONDS: f32 = 4.0;
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
     scene.check()?;
-    let mut film: Box<dyn Film> = match clip::Format::of(&args.out) {
-        Some(format) => Box::new(Clip::begin(&args.out, format, args)?),
-        None => Box::new(Frames::begin(&args.out, args.resume)?),
+    let mut film: Box<dyn Film> = match Format::of(&args.out) {
+        Some(format) => Box::new(Clip::begin(args, format)?),
+        None => Box::new(Frames::begin(args)?),
     };
     let progress = Progress::start();
     progress.step("reading the models");
@@ -46,16 +47,14 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     settle(&mut props.inputs, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
-    let options = format!("{:?} {} {:?} {frames}", args.scene, args.fps, args.orbit);
-    let identity = folder::identity(&options, props.files(scene));
-    film.start(frames, &Inputs::new(props.files(scene)), scene.view.size, identity)?;
+    film.start(frames, &props.files(scene).collect::<Vec<_>>())?;
 
     progress.step("opening the device");
     let gpu = open_gpu(scene)?;
-    let method = ShadowMethod { counting: scene.method.counting(), from_depth: None };
+    let method = ShadowMethod { counting: scene.method, from_depth: None };
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
-    let mut bodies = props.bodies(&gpu, time(0))?;
+    let mut bodies = props.bodies(&gpu, scene)?;
     let mut points = Vec::new();
     for look in 0..LOOKS.min(frames) {
         let posed = time((u64::from(look) * u64::from(frames) / u64::from(LOOKS.min(frames))) as u32);
@@ -68,7 +67,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let (first, axis) = (set.camera, set.orbit_axis());
     let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
-    let pictures = Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()).on(&gpu)?;
+    let pictures = Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
@@ -88,10 +87,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         set.count_layers(&mut casters)?;
         let picture = shadow::picture(&pictures, &mut set, &mut casters, None).on(&gpu)?;
         let found = casters.shadows.statistics().on(&gpu)?;
-        most.count_bound = most.count_bound.max(found.count_bound);
-        most.may_wrap = most.may_wrap.max(found.may_wrap);
-        most.lost_pieces = most.lost_pieces.max(found.lost_pieces);
-        most.most_pieces = most.most_pieces.max(found.most_pieces);
+        most = each(most, found, u32::max);
         gpu.check()?;
         film.write(frame, &picture)?;
         progress.picture_done();
@@ -112,8 +108,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 }
 
 trait Film {
-    /// Begins before the first of so many pictures. Refuses to replace inputs.
-    fn start(&mut self, frames: u32, inputs: &Inputs, size: [u32; 2], identity: String) -> Result<(), Failure>;
+    /// Begins before the first of so many pictures of models in these files. Refuses to replace one of them.
+    fn start(&mut self, frames: u32, files: &[&Path]) -> Result<(), Failure>;
 
     /// Whether a picture is there and stays.
     fn has(&self, _frame: u32) -> bool {
@@ -128,27 +124,22 @@ trait Film {
 
 /// How many pictures are asked for, or make up the longest animation.
 fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
+    if let Some(frames) = args.frames {
+        return Ok(frames);
+    }
     let duration = |input: &Input| {
         let animations = input.asset()?.animations();
         input.playing.iter().filter_map(|&index| Some(animations.get(index)?.duration_s)).reduce(f32::max)
     };
     let lasts = props.inputs.iter().filter_map(duration).reduce(f32::max);
-    let seconds = match (args.frames, args.seconds.or(lasts)) {
-        (Some(frames), _) => return Ok(frames),
-        (None, Some(seconds)) => seconds,
-        (None, None) if args.orbit.is_some() => ORBIT_SECONDS,
-        (None, None) if props.displacement.is_some() => {
-            return Err(Failure::usage(
-                "a film with --displace needs a length; give --frames or --seconds, or name an --animation",
-            ));
-        }
-        (None, None) => {
-            return Err(Failure::usage(
-                "no file has an animation, so nothing moves; give --orbit 360 to lead the camera around, or \
-                 --displace, or the number of pictures with --frames",
-            ));
-        }
-    };
+    let seconds = args.seconds.or(lasts).or(args.orbit.map(|_| ORBIT_SECONDS)).ok_or_else(|| {
+        Failure::usage(if props.displacement.is_some() {
+            "a film with --displace needs a length; give --frames or --seconds, or name an --animation"
+        } else {
+            "no file has an animation, so nothing moves; give --orbit 360 to lead the camera around, or --displace, or \
+             the number of pictures with --frames"
+        })
+    })?;
     let frames = (f64::from(seconds) * f64::from(args.fps)).round().max(1.0);
     if frames > MAX_FRAMES as f64 {
         return Err(Failure::usage(format!(

@@ -75,23 +75,13 @@ impl Picture {
 
     /// Writes an opaque PNG, in colour or grey, with a text under a keyword, if any.
     pub(crate) fn write_png(&self, to: impl Write, text: Option<(&str, &str)>) -> io::Result<()> {
-        let [width, height] = self.size;
-        let mut encoder = png::Encoder::new(to, width, height);
         let is_grey = self.depth == 1;
-        encoder.set_color(if is_grey { png::ColorType::Grayscale } else { png::ColorType::Rgb });
-        encoder.set_depth(png::BitDepth::Eight);
-        // Flat colours and noise that keeps gradients from showing bands: filters make them longer, and take most of
-        // the time.
-        encoder.set_filter(png::Filter::NoFilter);
-        encoder.set_deflate_compression(png::DeflateCompression::Level(5));
-        if !is_grey {
-            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        }
+        let mut encoder = png_encoder(to, self.size, is_grey);
         if let Some((keyword, text)) = text {
-            encoder.add_text_chunk(keyword.to_owned(), text.to_owned()).map_err(io::Error::from)?;
+            encoder.add_text_chunk(keyword.to_owned(), text.to_owned())?;
         }
-        let mut header = encoder.write_header().map_err(io::Error::from)?;
-        let mut rows = header.stream_writer().map_err(io::Error::from)?;
+        let mut header = encoder.write_header()?;
+        let mut rows = header.stream_writer()?;
         for row in self.rows() {
             if is_grey {
                 rows.write_all(row)?;
@@ -100,8 +90,23 @@ impl Picture {
                 rows.write_all(&colours)?;
             }
         }
-        rows.finish().map_err(io::Error::from)
+        Ok(rows.finish()?)
     }
+}
+
+/// Writes opaque PNGs, in colour or grey.
+pub(crate) fn png_encoder<W: Write>(to: W, [width, height]: [u32; 2], is_grey: bool) -> png::Encoder<'static, W> {
+    let mut encoder = png::Encoder::new(to, width, height);
+    encoder.set_color(if is_grey { png::ColorType::Grayscale } else { png::ColorType::Rgb });
+    encoder.set_depth(png::BitDepth::Eight);
+    // Flat colours and noise that keeps gradients from showing bands: filters make them longer, and take most of
+    // the time.
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.set_deflate_compression(png::DeflateCompression::Level(5));
+    if !is_grey {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    }
+    encoder
 }
 
 /// Refuses bounds that no camera and no light can be chosen by.
@@ -131,20 +136,23 @@ fn fitting([width, height]: [u32; 2], pixels: u64) -> [u32; 2] {
     [width, height].map(|side| ((f64::from(side) * part) as u32).max(1))
 }
 
-/// Refuses pictures that the device cannot draw or read back.
-pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Failure> {
-    // Rows are padded to be copied.
-    let read = (4 * u64::from(width)).next_multiple_of(256) * u64::from(height);
-    let limit = gpu.device.limits().max_texture_dimension_2d;
+/// Refuses pictures that the device cannot draw or read back, with so many bytes a pixel in the largest array.
+pub(crate) fn check_size(gpu: &Gpu, size: [u32; 2], bytes: u64) -> Result<(), Failure> {
+    let [width, height] = size;
+    let limits = gpu.device.limits();
+    let limit = limits.max_texture_dimension_2d;
     if width.max(height) > limit {
         let adapter = device::describe(&gpu.info);
         return Err(Failure::usage(format!(
             "--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction"
         )));
     }
-    if read > gpu.device.limits().max_buffer_size {
+    let [width, height] = size.map(u64::from);
+    // Rows are padded to be copied.
+    let read = (4 * width).next_multiple_of(256) * height;
+    if read.max(bytes * width * height) > limits.max_buffer_size {
         // With room for padding.
-        return Err(too_large(gpu, [width, height], 5));
+        return Err(too_large(gpu, size, bytes.max(5)));
     }
     Ok(())
 }

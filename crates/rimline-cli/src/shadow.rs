@@ -33,7 +33,7 @@ use from_depth::FromDepth;
 use pictures::{DrawInputs, Masks, Pictures};
 pub(crate) use report::files;
 use report::{Report, ResultFiles};
-use shadow_scene::{ShadowInputs, ShadowScene};
+use shadow_scene::{ShadowInputs, ShadowScene, not_orthographic};
 use shadows::{RenderResources, ShadowMethod, VolumePipelines, warn_of_limits};
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
@@ -45,9 +45,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("reading the models");
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
     let origin = times.measure("load", || settle(&mut props.inputs, scene.posed.pose.time))?;
-    for input in &props.inputs {
-        note_idle_time(&scene.posed.pose, !input.playing.is_empty(), props.displacement.as_ref());
-    }
+    let is_playing = props.inputs.iter().any(|input| !input.playing.is_empty());
+    note_idle_time(&scene.posed.pose, is_playing, props.displacement.as_ref());
     let from_depth = times.measure("load", || FromDepth::of(args, origin))?;
     let given = from_depth.as_ref().and_then(|from| from.given.as_deref());
     let inputs = Inputs::new(props.files(scene).chain(args.depth.as_deref()));
@@ -55,18 +54,14 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
-    let method = ShadowMethod { counting: scene.method.counting(), from_depth: from_depth.clone() };
+    let method = ShadowMethod { counting: scene.method, from_depth: from_depth.clone() };
     let _compiling = method.compile(&gpu);
     progress.step("placing the models");
-    let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
+    let bodies = times.measure("topology", || props.bodies(&gpu, scene))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
     if from_depth.is_some() && set.camera.far.is_some() {
-        let what = if given.is_some() { "--depth" } else { "--from-depth" };
-        return Err(Failure::usage(format!(
-            "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out \
-             --ortho or the --camera"
-        )));
+        return Err(not_orthographic(if given.is_some() { "--depth" } else { "--from-depth" }));
     }
     given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
     check_covered(args, &set)?;
@@ -76,11 +71,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("drawing");
     let begin = Instant::now();
     let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
-    let pictures = args.out.as_ref();
-    let pictures = pictures
-        .map(|_| Pictures::new(&resources, &method, scene.mode.mode(), scene.volumes, set.is_in_parts()))
-        .transpose()
-        .on(&gpu)?;
+    let pictures = |_| Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts());
+    let pictures = args.out.as_ref().map(pictures).transpose().on(&gpu)?;
     let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
@@ -118,17 +110,26 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         let drawn = (pictures.as_ref(), masks.as_ref());
         times.measure("compile", || trial(&gpu, drawn, &set.trial(&casters)))?;
     }
-    if let Some(pictures) = &pictures {
-        let drawn = || picture(pictures, &mut set, &mut casters, Some(&progress));
-        files.finish_picture(&gpu, &times.measure("picture", drawn).on(&gpu)?)?;
+    if let (Some(pictures), Some(output)) = (&pictures, files.picture.take()) {
+        let draw = || picture(pictures, &mut set, &mut casters, Some(&progress));
+        let picture = times.measure("picture", draw).on(&gpu)?;
+        gpu.check()?;
+        output.finish(|file| picture.write_png(file, None))?;
     }
     if let Some(masks) = &masks {
-        files.finish_masks(&gpu, |light| {
-            let drawn = || mask(masks, &set.subject(&casters), set.samples_of(light));
-            times.measure("masks", drawn).on(&gpu)
-        })?;
+        for (light, output) in files.masks.drain(..).enumerate() {
+            let draw = || mask(masks, &set.subject(&casters), set.samples_of(light));
+            let mask = times.measure("masks", draw).on(&gpu)?;
+            gpu.check()?;
+            output.finish(|file| mask.write_png(file, None))?;
+        }
     }
-    files.finish_maps(&gpu, &casters, origin)?;
+    for (light, output) in files.maps.drain(..).enumerate() {
+        if let Some(maps) = casters.shadows.saved_maps(light, origin).on(&gpu)? {
+            gpu.check()?;
+            output.finish(|file| maps.write(file))?;
+        }
+    }
     let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
     drop(progress);

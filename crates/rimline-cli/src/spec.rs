@@ -36,12 +36,12 @@ pub(crate) struct ShadedLightSpec {
     pub(crate) radius: Option<f32>,
 }
 
-/// A light's shape of `--area`; without sizes they are chosen by the scene.
+/// A light's shape of `--area`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum AreaSpec {
-    /// With the sizes that it has for a radius of 1.
-    Chosen(AreaShape),
-    Given(AreaShape),
+pub(crate) struct AreaSpec {
+    pub(crate) shape: AreaShape,
+    /// No size is given: the scene chooses a radius, and these are the sizes for one of 1.
+    pub(crate) is_relative: bool,
 }
 
 /// A value, if it is one that may be given.
@@ -73,36 +73,36 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, String> {
         }
         _ => return Err(unknown(kind)),
     };
-    let given = GivenLight::new(xyzw);
-    let is_light = given.light.to_array() != [0.0; 4];
+    let given = GivenLight(xyzw);
+    let is_light = given.light().to_array() != [0.0; 4];
     checked(LightSpec::Given(given), is_light, "all components are zero, which is neither a point nor a direction")
 }
 
 /// A light with its options, `SPEC[,option=value]…`.
 pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
     let (light_text, options) = split_options(text);
-    let mut shaded = ShadedLightSpec::new(light(light_text)?);
-    let lamp = |option: &str, value: f32, is_right, needed: &str| {
-        checked(value, is_right, format!("{option}={value}: it must be {needed}"))
-    };
-    let bounded = |option: &str, value| lamp(option, value, (0.0..=MOST_LAMP).contains(&value), "0 to 1000000000");
+    let mut shaded = ShadedLightSpec { light: light(light_text)?, ..ShadedLightSpec::default() };
     for option in options {
         let (name, value) = option.split_once('=').unwrap_or((option, ""));
+        let lamp = |value: f32, is_right, needed: &str| {
+            checked(value, is_right, format!("{name}={value}: it must be {needed}"))
+        };
+        let bounded = |value| lamp(value, (0.0..=MOST_LAMP).contains(&value), "0 to 1000000000");
         match name {
             "range" => {
                 let range = number(value)?;
-                shaded.range = Some(lamp("range", range, range > 0.0, "more than 0")?);
+                shaded.range = Some(lamp(range, range > 0.0, "more than 0")?);
             }
             "begin" => {
                 let begin = number(value)?;
-                shaded.begin = Some(lamp("begin", begin, begin >= 0.0, "0 or more")?);
+                shaded.begin = Some(lamp(begin, begin >= 0.0, "0 or more")?);
             }
-            "exponent" => shaded.exponent = Some(bounded("exponent", number(value)?)?),
-            "intensity" => shaded.intensity = Some(bounded("intensity", number(value)?)?),
+            "exponent" => shaded.exponent = Some(bounded(number(value)?)?),
+            "intensity" => shaded.intensity = Some(bounded(number(value)?)?),
             "radius" => {
                 let radius = number(value)?;
                 let is_right = radius > 0.0 && radius <= MOST_AREA_SIZE;
-                shaded.radius = Some(lamp("radius", radius, is_right, "more than 0, and at most 1e30")?);
+                shaded.radius = Some(lamp(radius, is_right, "more than 0, and at most 1e30")?);
             }
             "cone" => {
                 let [inner, outer] = numbers(value)?;
@@ -112,11 +112,8 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
             }
             "target" => shaded.target = Some(coordinates(value)?),
             "color" => {
-                let color: [f32; 3] = numbers(value)?;
-                for component in color {
-                    bounded("color", component)?;
-                }
-                shaded.color = Some(color);
+                let [red, green, blue] = numbers(value)?;
+                shaded.color = Some([bounded(red)?, bounded(green)?, bounded(blue)?]);
             }
             _ => {
                 return Err(format!(
@@ -128,16 +125,12 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
     }
     if let LightSpec::Given(given) = shaded.light {
         // The options that a light has in the file are known once the file is read.
-        shaded.check(given.light, None).map_err(|(_, problem)| problem)?;
+        shaded.check(given.light(), None).map_err(|(_, problem)| problem)?;
     }
     Ok(shaded)
 }
 
 impl ShadedLightSpec {
-    pub(crate) fn new(light: LightSpec) -> Self {
-        Self { light, ..Self::default() }
-    }
-
     /// Its options fit together and to the light, which may have a range and a cone of its own. If not: whether they fit no
     /// light, and why.
     pub(crate) fn check(&self, light: Light, of_file: Option<&SceneLight>) -> Result<(), (bool, String)> {
@@ -182,33 +175,22 @@ fn split_options(text: &str) -> (&str, Vec<&str>) {
 }
 
 pub(crate) fn area(text: &str) -> Result<AreaSpec, String> {
-    let unknown = || Err(format!("there is no shape `{text}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R"));
-    let given = |shape, sizes: &[f32]| {
-        let is_right = sizes.iter().all(|&size| size > 0.0 && size <= MOST_AREA_SIZE);
-        checked(
-            AreaSpec::Given(shape),
-            is_right,
-            format!("a light's size is more than 0, and at most {MOST_AREA_SIZE}"),
-        )
+    let (kind, sizes) = text.split_once(':').map_or((text, None), |(kind, sizes)| (kind, Some(sizes)));
+    let given = |size: f32| {
+        let is_right = size > 0.0 && size <= MOST_AREA_SIZE;
+        checked(size, is_right, format!("a light's size is more than 0, and at most {MOST_AREA_SIZE}"))
     };
-    match text.split_once(':') {
-        None => Ok(AreaSpec::Chosen(match text {
-            "rect" => AreaShape::Rectangle { width: 2.2, height: 1.4 },
-            "disc" => AreaShape::Disc { radius: 1.0 },
-            "sphere" => AreaShape::Sphere { radius: 1.0 },
-            _ => return unknown(),
-        })),
-        Some(("rect", sizes)) => {
-            let sizes @ [width, height] = numbers(sizes)?;
-            given(AreaShape::Rectangle { width, height }, &sizes)
+    let radius = || sizes.map_or(Ok(1.0), |radius| given(number(radius)?));
+    let shape = match kind {
+        "rect" => {
+            let [width, height] = sizes.map_or(Ok([2.2, 1.4]), numbers)?;
+            AreaShape::Rectangle { width: given(width)?, height: given(height)? }
         }
-        Some((kind @ ("disc" | "sphere"), size)) => {
-            let radius = number(size)?;
-            let is_disc = kind == "disc";
-            given(if is_disc { AreaShape::Disc { radius } } else { AreaShape::Sphere { radius } }, &[radius])
-        }
-        Some(_) => unknown(),
-    }
+        "disc" => AreaShape::Disc { radius: radius()? },
+        "sphere" => AreaShape::Sphere { radius: radius()? },
+        _ => return Err(format!("there is no shape `{text}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")),
+    };
+    Ok(AreaSpec { shape, is_relative: sizes.is_none() })
 }
 
 /// The largest intensity, color and exponent: sums and products of all lights stay far below the largest float.
@@ -217,16 +199,6 @@ const MOST_LAMP: f32 = 1e9;
 const MOST_AREA_SIZE: f32 = 1e30;
 /// The largest width and height of a picture. Devices have limits of their own, which are lower.
 const MOST_PIXELS: u32 = 1 << 16;
-/// At most so many lights stand for one.
-pub(crate) const MOST_SAMPLES: u32 = 32;
-
-pub(crate) fn samples(text: &str) -> Result<usize, String> {
-    match text.trim().parse() {
-        Ok(count @ 1..=MOST_SAMPLES) => Ok(count as usize),
-        Ok(given) => Err(format!("there are 1 to {MOST_SAMPLES} of them, not {given}")),
-        Err(_) => Err(no_number(text)),
-    }
-}
 
 pub(crate) fn near(text: &str) -> Result<f32, String> {
     let distance = number(text)?;
@@ -299,13 +271,13 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
-    let [degrees] = numbers(text)?;
+    let degrees = number(text)?;
     let is_angle = degrees > 0.0 && degrees < 180.0;
     checked(degrees, is_angle, "the angle must lie between 0 and 180 degrees, both left out")
 }
 
 pub(crate) fn crease(text: &str) -> Result<f64, String> {
-    let [degrees] = numbers(text)?;
+    let degrees = number(text)?;
     checked(degrees.into(), (0.0..=180.0).contains(&degrees), "the angle must lie between 0 and 180 degrees")
 }
 
@@ -394,7 +366,16 @@ impl Side {
     pub(crate) fn directions(self) -> ([f64; 3], [f32; 3]) {
         match self {
             Self::Named(_, side) => (side.map(f64::from), up_of(side.map(f64::from))),
-            Self::Angles(azimuth, elevation) => of_angles(azimuth, elevation),
+            Self::Angles(azimuth, elevation) => {
+                let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
+                let (sine, cosine) = (libm::sin(azimuth), libm::cos(azimuth));
+                let (height, level) = (libm::sin(elevation), libm::cos(elevation));
+                if level > 1e-6 {
+                    return ([sine * level, height, cosine * level], UP);
+                }
+                // Straight from above or below the azimuth still turns the page.
+                ([0.0, height, 0.0], [-sine, 0.0, -cosine].map(|c| (c * height) as f32))
+            }
         }
     }
 }
@@ -404,25 +385,13 @@ pub(crate) fn up_of([x, y, z]: [f64; 3]) -> [f32; 3] {
     if libm::sqrt(x * x + z * z) > 1e-6 * y.abs() { UP } else { [0.0, 0.0, if y < 0.0 { 1.0 } else { -1.0 }] }
 }
 
-/// The direction towards an eye at these angles in degrees, and what is up on the page.
-fn of_angles(azimuth: f64, elevation: f64) -> ([f64; 3], [f32; 3]) {
-    let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
-    let (sine, cosine) = (libm::sin(azimuth), libm::cos(azimuth));
-    let level = libm::cos(elevation);
-    let towards_eye = [sine * level, libm::sin(elevation), cosine * level];
-    // Straight from above or below the azimuth still turns the page.
-    let up = if level > 1e-6 { UP } else { [-sine, 0.0, -cosine].map(|c| (c * towards_eye[1]) as f32) };
-    let towards_eye = if level > 1e-6 { towards_eye } else { [0.0, towards_eye[1], 0.0] };
-    (towards_eye, up)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn given(text: &str) -> [f32; 4] {
         match light(text) {
-            Ok(LightSpec::Given(given)) => given.light.to_array(),
+            Ok(LightSpec::Given(given)) => given.light().to_array(),
             other => panic!("{text}: {other:?}"),
         }
     }
@@ -466,9 +435,10 @@ mod tests {
 
     #[test]
     fn areas_sizes_and_angles() {
-        assert_eq!(area("disc"), Ok(AreaSpec::Chosen(AreaShape::Disc { radius: 1.0 })));
-        assert_eq!(area("rect:1,2"), Ok(AreaSpec::Given(AreaShape::Rectangle { width: 1.0, height: 2.0 })));
-        assert_eq!(area("sphere:.5"), Ok(AreaSpec::Given(AreaShape::Sphere { radius: 0.5 })));
+        let spec = |shape, is_relative| Ok(AreaSpec { shape, is_relative });
+        assert_eq!(area("disc"), spec(AreaShape::Disc { radius: 1.0 }, true));
+        assert_eq!(area("rect:1,2"), spec(AreaShape::Rectangle { width: 1.0, height: 2.0 }, false));
+        assert_eq!(area("sphere:.5"), spec(AreaShape::Sphere { radius: 0.5 }, false));
         assert_eq!((size("1280x960"), field_of_view("3.5e1")), (Ok([1280, 960]), Ok(35.0)));
     }
 }

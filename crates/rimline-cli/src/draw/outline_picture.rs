@@ -7,31 +7,59 @@ use rimline_picture::{
     read_texture, view,
 };
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, BindingType, BlendState, PrimitiveTopology, ShaderStages,
-    TextureFormat, TextureUsages,
+    BindGroup, BindGroupLayout, BindingResource, BindingType, BlendState, Color, PrimitiveTopology, RenderPipeline,
+    ShaderStages, TextureFormat, TextureUsages, TextureView, TextureViewDimension,
 };
 
-use super::frame::{Frame, Region};
+use super::frame::Frame;
 use crate::device::{Gpu, GpuError};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const SAMPLES: u32 = 4;
+const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+
+const SURVEY: TextureFormat = TextureFormat::Rgba16Uint;
+/// Pictures with more pixels than this, in which faces smaller than pixels are rare, have one texel of the survey a pixel.
+const MOST_FINE: u64 = 1 << 23;
+
+const CONTACT: TextureFormat = TextureFormat::R8Unorm;
+const CONTACT_SIZE: u32 = 512;
+/// How far all blurs together spread, in pixels: twelve samples on each side, and the neighbours that each is mixed with.
+const SPREAD: f32 = 12.0 * (1.6 + 0.7) + 2.0;
+
+/// Bits of floats, as OpenGL need not draw onto floats.
+const VEIL: TextureFormat = TextureFormat::R32Uint;
+/// The side of a square of the finest level, in texels of the survey; as in `veil.wgsl`, and `SQUARE_BITS` in `lines.wgsl`.
+const SQUARE: u32 = 8;
+
+/// The survey, or a level of the veils.
+const SEEN: BindingType = BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Uint,
+    view_dimension: TextureViewDimension::D2,
+    multisampled: false,
+};
 
 pub(super) struct ModelPipelines {
-    geometry: wgpu::BindGroupLayout,
-    survey: wgpu::RenderPipeline,
-    contact: ContactShadow,
-    backdrop: wgpu::RenderPipeline,
-    shadow: wgpu::RenderPipeline,
-    surface: wgpu::RenderPipeline,
+    /// Positions, faces, normals and colours.
+    geometry: BindGroupLayout,
+    /// The contact map, as the ground and each blur read it.
+    map: BindGroupLayout,
+    survey: RenderPipeline,
+    below: RenderPipeline,
+    blur: RenderPipeline,
+    backdrop: RenderPipeline,
+    shadow: RenderPipeline,
+    surface: RenderPipeline,
 }
 
 impl ModelPipelines {
     pub(super) fn new(factory: &PipelineFactory) -> Self {
         let geometry = factory.layout(&[READ_ONLY; 4]);
-        let contact = ContactShadow::new(factory, &geometry);
-        let source = include_str!("model.wgsl");
+        let sampler = BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let map = factory.layout(&[read_texture(TextureViewDimension::D2, true), sampler, UNIFORM]);
+        let (model, screen) = (include_str!("model.wgsl"), include_str!("screen.wgsl"));
+        let (of_model, of_map) = ([&geometry], [&map]);
         // Paper and ground are behind the model, whatever is there.
         let behind = wgpu::DepthStencilState {
             depth_write_enabled: Some(false),
@@ -39,57 +67,75 @@ impl ModelPipelines {
             ..nearest()
         };
         let picture = |pass, depth| factory.pipeline(&Pass { samples: SAMPLES, depth: Some(depth), ..pass });
-        let map = [&contact.layout];
         let shadow = Pass {
             topology: PrimitiveTopology::TriangleStrip,
             blend: Some(MULTIPLY),
-            ..Pass::new("shadow", source, &map, FORMAT)
+            ..Pass::new("shadow", model, &of_map, FORMAT)
         };
         Self {
-            survey: Survey::pipeline(factory, &geometry),
-            backdrop: picture(Pass::over("backdrop", source, &[], FORMAT), behind.clone()),
+            survey: factory.pipeline(&Pass { depth: Some(nearest()), ..Pass::new("survey", model, &of_model, SURVEY) }),
+            // Whatever is nearest to the ground counts, in any order.
+            below: factory.pipeline(&Pass { blend: Some(LARGEST), ..Pass::new("below", model, &of_model, CONTACT) }),
+            blur: factory.pipeline(&Pass::over("blur", screen, &of_map, CONTACT)),
+            backdrop: picture(Pass::over("backdrop", model, &[], FORMAT), behind.clone()),
             shadow: picture(shadow, behind),
-            surface: picture(Pass::new("surface", source, &[&geometry], FORMAT), nearest()),
-            contact,
+            surface: picture(Pass::new("surface", model, &of_model, FORMAT), nearest()),
             geometry,
+            map,
         }
     }
 }
 
+/// The nearest is drawn and written.
+fn nearest() -> wgpu::DepthStencilState {
+    depth_state(DEPTH, true, wgpu::CompareFunction::Greater, wgpu::StencilFaceState::IGNORE)
+}
+
 pub(super) struct LinePipelines {
-    seen: wgpu::BindGroupLayout,
-    occlusion: wgpu::RenderPipeline,
-    darkening: wgpu::BindGroupLayout,
-    darken: wgpu::RenderPipeline,
-    survey: wgpu::BindGroupLayout,
-    results: wgpu::BindGroupLayout,
-    veils: Veils,
-    lines: wgpu::RenderPipeline,
+    seen: BindGroupLayout,
+    darkening: BindGroupLayout,
+    /// The survey, positions and drawn faces for `lines.wgsl`.
+    survey: BindGroupLayout,
+    results: BindGroupLayout,
+    occlusion: RenderPipeline,
+    darken: RenderPipeline,
+    veil: RenderPipeline,
+    coarser_veil: RenderPipeline,
+    lines: RenderPipeline,
 }
 
 impl LinePipelines {
     pub(super) fn new(factory: &PipelineFactory) -> Self {
         let seen = factory.layout(&[SEEN]);
-        let darkening = factory.layout(&[SEEN, read_texture(wgpu::TextureViewDimension::D2, true)]);
-        let survey = Survey::layout(factory);
-        let results = results_bind_group_layout(&factory.device, wgpu::ShaderStages::VERTEX);
-        let veils = Veils::new(factory, &survey);
-        let screen = include_str!("screen.wgsl");
-        let occlusion = factory.pipeline(&Pass::over("occlusion", screen, &[&seen], TextureFormat::R8Unorm));
+        let darkening = factory.layout(&[SEEN, read_texture(TextureViewDimension::D2, true)]);
+        // Vertex shaders do not see it: the lists that they read leave no room for more storage buffers.
+        let survey = rimline_picture::layout(&factory.device, ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY]);
+        let results = results_bind_group_layout(&factory.device, ShaderStages::VERTEX);
+        let (screen, veil) = (include_str!("screen.wgsl"), include_str!("veil.wgsl"));
         let darken = factory.pipeline(&Pass {
             blend: Some(MULTIPLY),
             samples: SAMPLES,
             ..Pass::over("darken", screen, &[&darkening], FORMAT)
         });
         let lines = format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl"));
-        let groups = [&survey, &results, &veils.layout];
+        let groups = [&survey, &results, &seen];
         let lines = Pass {
             topology: PrimitiveTopology::TriangleStrip,
             blend: Some(BlendState::ALPHA_BLENDING),
             samples: SAMPLES,
             ..Pass::new("lines", &lines, &groups, FORMAT)
         };
-        Self { occlusion, darken, lines: factory.pipeline(&lines), seen, darkening, survey, results, veils }
+        Self {
+            occlusion: factory.pipeline(&Pass::over("occlusion", screen, &[&seen], TextureFormat::R8Unorm)),
+            veil: factory.pipeline(&Pass::over("veil", veil, &[&survey], VEIL)),
+            coarser_veil: factory.pipeline(&Pass::over("veil_level", veil, &[&seen], VEIL)),
+            lines: factory.pipeline(&lines),
+            darken,
+            seen,
+            darkening,
+            survey,
+            results,
+        }
     }
 }
 
@@ -98,15 +144,22 @@ pub(super) fn factory(gpu: &Gpu) -> PipelineFactory {
     PipelineFactory::new((&gpu.device, &gpu.queue), include_str!("frame.wgsl"), &[0; size_of::<Frame>()])
 }
 
+/// Texels of the survey along a pixel's side, for a picture of this size.
+pub(super) fn survey_scale([width, height]: [u32; 2], most: u32) -> u32 {
+    let is_small = u64::from(width) * u64::from(height) <= MOST_FINE && width.max(height) <= most / 2;
+    if is_small { 2 } else { 1 }
+}
+
 pub(super) struct Canvas<'a> {
     factory: &'a PipelineFactory,
     frame: &'a Frame,
     /// All that is drawn is within it.
     bounds: &'a Bounds,
-    colour: wgpu::TextureView,
-    depth: wgpu::TextureView,
-    survey: Survey,
-    occlusion: wgpu::TextureView,
+    colour: TextureView,
+    depth: TextureView,
+    survey: TextureView,
+    survey_depth: TextureView,
+    occlusion: TextureView,
     finished: wgpu::Texture,
 }
 
@@ -116,13 +169,15 @@ type Drawn<'a> = (&'a [[u32; 3]], &'a [u32], Option<&'a [[u32; 3]]>);
 impl<'a> Canvas<'a> {
     pub(super) fn new(factory: &'a PipelineFactory, (frame, bounds): (&'a Frame, &'a Bounds), size: [u32; 2]) -> Self {
         factory.set_frame(bytemuck::bytes_of(frame));
-        let target = |label, format, samples, usage| view(&factory.target(label, size, format, samples, usage));
-        let readable = TextureUsages::TEXTURE_BINDING;
+        let target = |label, size, format, samples, usage| view(&factory.target(label, size, format, samples, usage));
+        let (unread, read) = (TextureUsages::empty(), TextureUsages::TEXTURE_BINDING);
+        let survey_size = size.map(|pixels| frame.survey_scale * pixels);
         Self {
-            colour: target("colour", FORMAT, SAMPLES, TextureUsages::empty()),
-            depth: target("depth", TextureFormat::Depth32Float, SAMPLES, TextureUsages::empty()),
-            survey: Survey::new(factory, size, frame.survey_scale),
-            occlusion: target("occlusion", TextureFormat::R8Unorm, 1, readable),
+            colour: target("colour", size, FORMAT, SAMPLES, unread),
+            depth: target("depth", size, DEPTH, SAMPLES, unread),
+            survey: target("survey", survey_size, SURVEY, 1, read),
+            survey_depth: target("survey depth", survey_size, DEPTH, 1, unread),
+            occlusion: target("occlusion", size, TextureFormat::R8Unorm, 1, read),
             finished: factory.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
             factory,
             frame,
@@ -139,21 +194,21 @@ impl<'a> Canvas<'a> {
         positions: &wgpu::Buffer,
         (faces, normals, colors): Drawn<'_>,
     ) -> wgpu::Buffer {
-        let Self { factory, .. } = *self;
+        let factory = self.factory;
         let corners = 3 * faces.len() as u32;
         let faces = factory.buffer("drawn faces", bytemuck::cast_slice(faces));
         let normals = factory.buffer("normals", bytemuck::cast_slice(normals));
         let colors = factory.buffer("colors", bytemuck::cast_slice(colors.unwrap_or_default()));
         let resources = [positions, &faces, &normals, &colors].map(wgpu::Buffer::as_entire_binding);
         let geometry = factory.group(&pipelines.geometry, &resources);
-        self.survey.record(factory, encoder, &pipelines.survey, &geometry, corners);
-        let contact = &pipelines.contact;
+        let survey = (&self.survey, None);
+        let mut pass = color_pass(encoder, "survey", survey, Some(Color::TRANSPARENT), Some(&self.survey_depth));
+        factory.draw(&mut pass, &pipelines.survey, &[&geometry], corners);
+        drop(pass);
         let sees_ground = self.frame.sees_ground();
-        let region = self.frame.region_on_ground(self.bounds, SPREAD, CONTACT_SIZE);
-        let shadow = sees_ground.then(|| contact.record(factory, encoder, (&geometry, region), corners));
+        let shadow = sees_ground.then(|| self.contact_shadow(encoder, pipelines, &geometry, corners));
 
-        let white = Some(wgpu::Color::WHITE);
-        let mut pass = color_pass(encoder, "model", (&self.colour, None), white, Some(&self.depth));
+        let mut pass = color_pass(encoder, "model", (&self.colour, None), Some(Color::WHITE), Some(&self.depth));
         factory.draw(&mut pass, &pipelines.backdrop, &[], 3);
         if let Some(group) = &shadow {
             factory.draw(&mut pass, &pipelines.shadow, &[group], 4);
@@ -163,86 +218,20 @@ impl<'a> Canvas<'a> {
         faces
     }
 
-    /// Records how little light from all around comes to each pixel, which darkens the model, and the lines over it. The
-    /// lists of `extraction` hold the silhouette for the eye, as light 0. Returns the finished picture's texture.
-    pub(super) fn lines(
-        self,
-        encoder: &mut wgpu::CommandEncoder,
-        pipelines: &LinePipelines,
-        extraction: &Extraction,
-        buffers: [&wgpu::Buffer; 2],
-    ) -> Result<wgpu::Texture, GpuError> {
-        let Self { factory, frame, .. } = self;
-        let region = frame.region(self.bounds);
-        let seen = wgpu::BindingResource::TextureView(&self.survey.seen);
-        let group = factory.group(&pipelines.seen, std::slice::from_ref(&seen));
-        let mut pass = color_pass(encoder, "occlusion", (&self.occlusion, None), Some(wgpu::Color::WHITE), None);
-        if region.keep(&mut pass) {
-            factory.draw(&mut pass, &pipelines.occlusion, &[&group], 3);
-        }
-        drop(pass);
-        let occlusion = wgpu::BindingResource::TextureView(&self.occlusion);
-        let darkening = factory.group(&pipelines.darkening, &[seen, occlusion]);
-        let results = extraction.bind_group(&pipelines.results, 0)?;
-        let survey = self.survey.group(factory, &pipelines.survey, buffers);
-        let survey_size = [self.finished.width(), self.finished.height()].map(|pixels| frame.survey_scale * pixels);
-        let veils = pipelines.veils.record(factory, encoder, &survey, survey_size);
-        let finished = view(&self.finished);
-        let mut pass = color_pass(encoder, "lines", (&self.colour, Some(&finished)), None, None);
-        if region.keep(&mut pass) {
-            factory.draw(&mut pass, &pipelines.darken, &[&darkening], 3);
-        }
-        pass.set_scissor_rect(0, 0, self.finished.width(), self.finished.height());
-        factory.bind(&mut pass, &pipelines.lines, &[&survey, &results, &veils]);
-        // The draw is indirect: the CPU never learns how many lines the GPU found.
-        extraction.draw(&mut pass, 0)?;
-        drop(pass);
-        Ok(self.finished)
-    }
-}
-
-pub(super) const CONTACT_SIZE: u32 = 512;
-/// How far all blurs together spread, in pixels: twelve samples on each side, and the neighbours that each is mixed with.
-pub(super) const SPREAD: f64 = 12.0 * (1.6 + 0.7) + 2.0;
-const CONTACT: TextureFormat = TextureFormat::R8Unorm;
-
-pub(super) struct ContactShadow {
-    /// The layout with which the ground reads the map, and each blur the map before.
-    pub(super) layout: BindGroupLayout,
-    below: wgpu::RenderPipeline,
-    blur: wgpu::RenderPipeline,
-}
-
-impl ContactShadow {
-    /// `geometry` is the layout of the model's group.
-    pub(super) fn new(factory: &PipelineFactory, geometry: &BindGroupLayout) -> Self {
-        let map = read_texture(wgpu::TextureViewDimension::D2, true);
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let layout = factory.layout(&[map, sampler, UNIFORM]);
-        let (model, screen) = (include_str!("model.wgsl"), include_str!("screen.wgsl"));
-        Self {
-            // Whatever is nearest to the ground counts, in any order.
-            below: factory.pipeline(&Pass { blend: Some(LARGEST), ..Pass::new("below", model, &[geometry], CONTACT) }),
-            blur: factory.pipeline(&Pass::over("blur", screen, &[&layout], CONTACT)),
-            layout,
-        }
-    }
-
-    /// Records the map of so many corners, which is black but for a region, and returns the group that the ground reads
-    /// it with.
-    pub(super) fn record(
+    /// Records the contact map of so many corners, and returns the group that the ground reads it with.
+    fn contact_shadow(
         &self,
-        factory: &PipelineFactory,
         encoder: &mut wgpu::CommandEncoder,
-        (geometry, region): (&BindGroup, Region),
+        pipelines: &ModelPipelines,
+        geometry: &BindGroup,
         corners: u32,
     ) -> BindGroup {
-        let [first, second] = ["contact map", "blurred contact map"].map(|label| {
-            view(&factory.target(label, [CONTACT_SIZE; 2], CONTACT, 1, wgpu::TextureUsages::TEXTURE_BINDING))
-        });
-        let black = Some(wgpu::Color::BLACK);
+        let factory = self.factory;
+        let [first, second] = ["contact map", "blurred contact map"]
+            .map(|label| view(&factory.target(label, [CONTACT_SIZE; 2], CONTACT, 1, TextureUsages::TEXTURE_BINDING)));
+        let black = Some(Color::BLACK);
         let mut pass = color_pass(encoder, "below", (&first, None), black, None);
-        factory.draw(&mut pass, &self.below, &[geometry], corners);
+        factory.draw(&mut pass, &pipelines.below, &[geometry], corners);
         drop(pass);
         let sampler = factory.device.create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
@@ -252,125 +241,57 @@ impl ContactShadow {
         let group = |view, pitch: [f32; 2]| {
             let pitch = factory.uniform("pitch", bytemuck::bytes_of(&pitch));
             let map = BindingResource::TextureView(view);
-            factory.group(&self.layout, &[map, BindingResource::Sampler(&sampler), pitch.as_entire_binding()])
+            factory.group(&pipelines.map, &[map, BindingResource::Sampler(&sampler), pitch.as_entire_binding()])
         };
+        // With room for rounding.
+        let [width, height] = self.frame.contact_part(self.bounds, SPREAD + 3.0, CONTACT_SIZE);
         for (pitch, across) in [(1.6, true), (1.6, false), (0.7, true), (0.7, false)] {
             let (source, target) = if across { (&first, &second) } else { (&second, &first) };
             let pitch = if across { [pitch, 0.0] } else { [0.0, pitch] };
             let mut pass = color_pass(encoder, "blur", (target, None), black, None);
-            if region.keep(&mut pass) {
-                factory.draw(&mut pass, &self.blur, &[&group(source, pitch)], 3);
-            }
+            pass.set_scissor_rect((CONTACT_SIZE - width) / 2, (CONTACT_SIZE - height) / 2, width, height);
+            factory.draw(&mut pass, &pipelines.blur, &[&group(source, pitch)], 3);
         }
         group(&first, [0.0; 2])
     }
-}
 
-const SURVEY: TextureFormat = TextureFormat::Rgba16Uint;
-
-/// The nearest is drawn and written.
-pub(super) fn nearest() -> wgpu::DepthStencilState {
-    depth_state(TextureFormat::Depth32Float, true, wgpu::CompareFunction::Greater, wgpu::StencilFaceState::IGNORE)
-}
-
-pub(super) const SEEN: BindingType = BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Uint,
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: false,
-};
-
-/// Pictures with more pixels than this, in which faces smaller than pixels are rare, have one texel of the survey a pixel.
-const MOST_FINE: u64 = 1 << 23;
-
-/// Texels of the survey along a pixel's side, for a picture of this size.
-pub(super) fn survey_scale([width, height]: [u32; 2], most: u32) -> u32 {
-    let is_small = u64::from(width) * u64::from(height) <= MOST_FINE && width.max(height) <= most / 2;
-    if is_small { 2 } else { 1 }
-}
-
-pub(super) struct Survey {
-    pub(super) seen: wgpu::TextureView,
-    depth: wgpu::TextureView,
-}
-
-impl Survey {
-    pub(super) fn new(factory: &PipelineFactory, size: [u32; 2], scale: u32) -> Self {
-        let target =
-            |label, format, usage| view(&factory.target(label, size.map(|pixels| scale * pixels), format, 1, usage));
-        Self {
-            seen: target("survey", SURVEY, TextureUsages::TEXTURE_BINDING),
-            depth: target("survey depth", TextureFormat::Depth32Float, TextureUsages::empty()),
-        }
-    }
-
-    pub(super) fn pipeline(factory: &PipelineFactory, geometry: &BindGroupLayout) -> wgpu::RenderPipeline {
-        let source = include_str!("model.wgsl");
-        factory.pipeline(&Pass { depth: Some(nearest()), ..Pass::new("survey", source, &[geometry], SURVEY) })
-    }
-
-    pub(super) fn record(
-        &self,
-        factory: &PipelineFactory,
+    /// Records how little light from all around comes to each pixel, which darkens the model, and the lines over it. The
+    /// lists of `extraction` hold the silhouette for the eye, as light 0. Returns the finished picture's texture.
+    pub(super) fn lines(
+        self,
         encoder: &mut wgpu::CommandEncoder,
-        pipeline: &wgpu::RenderPipeline,
-        geometry: &BindGroup,
-        corners: u32,
-    ) {
-        let nothing = Some(wgpu::Color::TRANSPARENT);
-        let mut pass = color_pass(encoder, "survey", (&self.seen, None), nothing, Some(&self.depth));
-        factory.draw(&mut pass, pipeline, &[geometry], corners);
-    }
-
-    /// The layout of the survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists
-    /// are read by there leaves no room for more storage buffers.
-    pub(super) fn layout(factory: &PipelineFactory) -> BindGroupLayout {
-        rimline_picture::layout(&factory.device, ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY])
-    }
-
-    pub(super) fn group(
-        &self,
-        factory: &PipelineFactory,
-        layout: &BindGroupLayout,
+        pipelines: &LinePipelines,
+        extraction: &Extraction,
         [positions, faces]: [&wgpu::Buffer; 2],
-    ) -> BindGroup {
-        let resources =
-            [BindingResource::TextureView(&self.seen), positions.as_entire_binding(), faces.as_entire_binding()];
-        factory.group(layout, &resources)
-    }
-}
-
-/// Bits of floats, as OpenGL need not draw onto floats.
-const VEIL: TextureFormat = TextureFormat::R32Uint;
-
-/// The side of a square of the finest level, in texels of the survey; as in `veil.wgsl`, and `SQUARE_BITS` in `lines.wgsl`.
-const SQUARE: u32 = 8;
-
-pub(super) struct Veils {
-    /// One texture that vertices and fragments see.
-    pub(super) layout: BindGroupLayout,
-    finest: wgpu::RenderPipeline,
-    coarser: wgpu::RenderPipeline,
-}
-
-impl Veils {
-    /// `survey` is the layout of the survey's group, as `lines.wgsl` reads it.
-    pub(super) fn new(factory: &PipelineFactory, survey: &BindGroupLayout) -> Self {
-        let layout = factory.layout(&[SEEN]);
-        let pipeline = |name, group| factory.pipeline(&Pass::over(name, include_str!("veil.wgsl"), &[group], VEIL));
-        let (finest, coarser) = (pipeline("veil", survey), pipeline("veil_level", &layout));
-        Self { layout, finest, coarser }
+    ) -> Result<wgpu::Texture, GpuError> {
+        let factory = self.factory;
+        let seen = BindingResource::TextureView(&self.survey);
+        let group = factory.group(&pipelines.seen, std::slice::from_ref(&seen));
+        let mut pass = color_pass(encoder, "occlusion", (&self.occlusion, None), Some(Color::WHITE), None);
+        factory.draw(&mut pass, &pipelines.occlusion, &[&group], 3);
+        drop(pass);
+        let occlusion = BindingResource::TextureView(&self.occlusion);
+        let darkening = factory.group(&pipelines.darkening, &[seen.clone(), occlusion]);
+        let results = extraction.bind_group(&pipelines.results, 0)?;
+        let survey = [seen, positions.as_entire_binding(), faces.as_entire_binding()];
+        let survey = factory.group(&pipelines.survey, &survey);
+        let veils = self.veils(encoder, pipelines, &survey);
+        let finished = view(&self.finished);
+        let mut pass = color_pass(encoder, "lines", (&self.colour, Some(&finished)), None, None);
+        factory.draw(&mut pass, &pipelines.darken, &[&darkening], 3);
+        factory.bind(&mut pass, &pipelines.lines, &[&survey, &results, &veils]);
+        // The draw is indirect: the CPU never learns how many lines the GPU found.
+        extraction.draw(&mut pass, 0)?;
+        drop(pass);
+        Ok(self.finished)
     }
 
-    /// Records the veils of a survey of this size. Returns the group that lines read the veils with.
-    pub(super) fn record(
-        &self,
-        factory: &PipelineFactory,
-        encoder: &mut wgpu::CommandEncoder,
-        survey: &BindGroup,
-        texels: [u32; 2],
-    ) -> BindGroup {
+    /// Records the veils of the survey. Returns the group that lines read the veils with.
+    fn veils(&self, encoder: &mut wgpu::CommandEncoder, pipelines: &LinePipelines, survey: &BindGroup) -> BindGroup {
+        let factory = self.factory;
+        let texels = self.survey.texture();
         // Each level has half of the squares of the finer one, and none is left over.
-        let size = texels.map(|texels| texels.div_ceil(SQUARE).next_power_of_two());
+        let size = [texels.width(), texels.height()].map(|texels| texels.div_ceil(SQUARE).next_power_of_two());
         let levels = size[0].max(size[1]).ilog2() + 1;
         let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
         let plain = plain_texture("veils", size, VEIL, usage);
@@ -382,15 +303,14 @@ impl Veils {
                 ..Default::default()
             })
         };
-        let group = |of: &wgpu::TextureView| factory.group(&self.layout, &[BindingResource::TextureView(of)]);
-        let mut draw = |pipeline: &wgpu::RenderPipeline, target: u32, source: &BindGroup| {
-            let nothing = Some(wgpu::Color::TRANSPARENT);
-            let mut pass = color_pass(encoder, "veils", (&level(target), None), nothing, None);
+        let group = |of: &TextureView| factory.group(&pipelines.seen, &[BindingResource::TextureView(of)]);
+        let mut draw = |pipeline: &RenderPipeline, target: u32, source: &BindGroup| {
+            let mut pass = color_pass(encoder, "veils", (&level(target), None), Some(Color::TRANSPARENT), None);
             factory.draw(&mut pass, pipeline, &[source], 3);
         };
-        draw(&self.finest, 0, survey);
+        draw(&pipelines.veil, 0, survey);
         for target in 1..levels {
-            draw(&self.coarser, target, &group(&level(target - 1)));
+            draw(&pipelines.coarser_veil, target, &group(&level(target - 1)));
         }
         group(&view(&texture))
     }

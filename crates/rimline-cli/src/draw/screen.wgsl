@@ -1,4 +1,4 @@
-// Passes after frame.wgsl: contact_shadow.rs blurs; outline_picture.rs finds ambient occlusion and darkens by it.
+// Passes of outline_picture.rs after frame.wgsl: the blur of the contact shadow, ambient occlusion, and darkening by it.
 
 @group(1) @binding(0) var sharp: texture_2d<f32>;
 @group(1) @binding(1) var linear: sampler;

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use tempfile::{NamedTempFile, TempPath};
@@ -10,7 +10,7 @@ use tempfile::{NamedTempFile, TempPath};
 use super::Film;
 use crate::failure::Failure;
 use crate::files::Inputs;
-use crate::image::Picture;
+use crate::image::{Picture, png_encoder};
 use crate::output::{Line, Output, note};
 use crate::shadow::args::FilmArgs;
 use crate::signals::{make_unfinished, remove_unfinished};
@@ -36,12 +36,10 @@ impl Format {
 /// Most pictures a second that browsers show of a GIF.
 const GIF_FPS: f32 = 50.0;
 
-pub(super) struct Clip {
-    out: PathBuf,
+pub(super) struct Clip<'a> {
+    args: &'a FilmArgs,
     output: Output,
     format: Format,
-    fps: f32,
-    size: [u32; 2],
     encoder: Option<Encoder>,
 }
 
@@ -51,22 +49,21 @@ enum Encoder {
     Mp4(Ffmpeg),
 }
 
-impl Clip {
+impl<'a> Clip<'a> {
     /// Refuses before long work what cannot be written.
-    pub(super) fn begin(out: &Path, format: Format, args: &FilmArgs) -> Result<Self, Failure> {
+    pub(super) fn begin(args: &'a FilmArgs, format: Format) -> Result<Self, Failure> {
         if args.resume {
             return Err(Failure::usage(
                 "--resume keeps the pictures of a folder; give --out the name of a folder, or leave it out",
             ));
         }
-        let (size, fps) = (args.scene.view.size, args.fps);
         match format {
-            Format::Gif if size.iter().any(|&side| u16::try_from(side).is_err()) => {
+            Format::Gif if args.scene.view.size.iter().any(|&side| u16::try_from(side).is_err()) => {
                 return Err(Failure::usage(
                     "a GIF has at most 65535 pixels in each direction; give a smaller --size, or .apng",
                 ));
             }
-            Format::Gif if fps > GIF_FPS => {
+            Format::Gif if args.fps > GIF_FPS => {
                 note(&format!(
                     "warning: programs show at most {GIF_FPS} pictures of a GIF a second, so it takes longer than it \
                      says"
@@ -76,50 +73,41 @@ impl Clip {
                 Failure::usage(format!(
                     "{} needs ffmpeg, and no program of this name can be started: {source}; install it (on Debian \
                      `sudo apt-get install ffmpeg`), or give a folder, .gif or .apng",
-                    out.display()
+                    args.out.display()
                 ))
             })?,
             _ => {}
         }
-        Ok(Self { out: out.to_owned(), output: Output::create(out)?, format, fps, size, encoder: None })
+        Ok(Self { args, output: Output::create(&args.out)?, format, encoder: None })
     }
 
-    fn failed(&self, source: io::Error) -> Failure {
-        Failure::Output { file: self.out.clone(), source }
+    fn encoder(&self, file: File, frames: u32) -> io::Result<Encoder> {
+        let (size @ [width, height], fps) = (self.args.scene.view.size, self.args.fps);
+        let file = BufWriter::with_capacity(1 << 18, file);
+        Ok(match self.format {
+            Format::Gif => {
+                let encoder = gif::Encoder::new(file, width as u16, height as u16, &[]);
+                let mut encoder = encoder.map_err(io::Error::other)?;
+                encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
+                Encoder::Gif(Box::new(encoder))
+            }
+            Format::Apng => {
+                let mut encoder = png_encoder(file, size, false);
+                let (numerator, denominator) = delay(fps);
+                encoder.set_animated(frames, 0)?;
+                encoder.set_frame_delay(numerator, denominator)?;
+                Encoder::Apng(Box::new(encoder.write_header()?))
+            }
+            Format::Mp4 => Encoder::Mp4(Ffmpeg::start(size, fps)?),
+        })
     }
 }
 
-impl Film for Clip {
-    fn start(&mut self, frames: u32, inputs: &Inputs, _size: [u32; 2], _identity: String) -> Result<(), Failure> {
-        inputs.spare(&self.out)?;
-        let file = || -> Result<_, Failure> { Ok(BufWriter::with_capacity(1 << 18, self.output.handle()?)) };
-        let [width, height] = self.size;
-        let encoder = match self.format {
-            Format::Gif => {
-                let encoder = gif::Encoder::new(file()?, width as u16, height as u16, &[]);
-                let encoder = encoder.and_then(|mut encoder| {
-                    encoder.set_repeat(gif::Repeat::Infinite)?;
-                    Ok(encoder)
-                });
-                Encoder::Gif(Box::new(encoder.map_err(|error| self.failed(io::Error::other(error)))?))
-            }
-            Format::Apng => {
-                let mut encoder = png::Encoder::new(file()?, width, height);
-                encoder.set_color(png::ColorType::Rgb);
-                encoder.set_depth(png::BitDepth::Eight);
-                encoder.set_filter(png::Filter::NoFilter);
-                encoder.set_deflate_compression(png::DeflateCompression::Level(5));
-                encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-                let (numerator, denominator) = delay(self.fps);
-                let encoder = encoder
-                    .set_animated(frames, 0)
-                    .and_then(|()| encoder.set_frame_delay(numerator, denominator))
-                    .and_then(|()| encoder.write_header());
-                Encoder::Apng(Box::new(encoder.map_err(|error| self.failed(error.into()))?))
-            }
-            Format::Mp4 => Encoder::Mp4(Ffmpeg::start(self.size, self.fps).map_err(|error| self.failed(error))?),
-        };
-        self.encoder = Some(encoder);
+impl Film for Clip<'_> {
+    fn start(&mut self, frames: u32, files: &[&Path]) -> Result<(), Failure> {
+        Inputs::new(files).spare(&self.args.out)?;
+        let encoder = self.encoder(self.output.handle()?, frames);
+        self.encoder = Some(encoder.map_err(Failure::output(&self.args.out))?);
         Ok(())
     }
 
@@ -129,7 +117,7 @@ impl Film for Clip {
             None => Ok(()),
             Some(Encoder::Gif(encoder)) => {
                 // Delays are rounded so that the film keeps its length.
-                let at = |frame: u32| (100.0 * f64::from(frame) / f64::from(self.fps)).round() as u64;
+                let at = |frame: u32| (100.0 * f64::from(frame) / f64::from(self.args.fps)).round() as u64;
                 let mut picture = gif::Frame::from_rgb_speed(width as u16, height as u16, &rgb, 10);
                 picture.delay = (at(frame + 1) - at(frame)).clamp(2, 65535) as u16;
                 encoder.write_frame(&picture).map_err(io::Error::other)
@@ -137,11 +125,12 @@ impl Film for Clip {
             Some(Encoder::Apng(encoder)) => encoder.write_image_data(&rgb).map_err(io::Error::from),
             Some(Encoder::Mp4(ffmpeg)) => ffmpeg.write(&rgb),
         };
-        written.map_err(|error| self.failed(error))
+        written.map_err(Failure::output(&self.args.out))
     }
 
-    fn finish(mut self: Box<Self>, frames: u32) -> Result<String, Failure> {
-        let finished = match self.encoder.take() {
+    fn finish(self: Box<Self>, frames: u32) -> Result<String, Failure> {
+        let Self { args, output, encoder, .. } = *self;
+        let finished = match encoder {
             None => Ok(None),
             Some(Encoder::Gif(encoder)) => {
                 encoder.into_inner().map_err(io::Error::other).and_then(|mut file| file.flush()).map(|()| None)
@@ -149,11 +138,11 @@ impl Film for Clip {
             Some(Encoder::Apng(encoder)) => encoder.finish().map_err(io::Error::from).map(|()| None),
             Some(Encoder::Mp4(mut ffmpeg)) => ffmpeg.finish().map(|()| Some(ffmpeg)),
         };
-        let made = finished.map_err(|error| self.failed(error))?;
-        self.output.finish(|to| -> io::Result<()> {
+        let made = finished.map_err(Failure::output(&args.out))?;
+        output.finish(|to| -> io::Result<()> {
             made.map_or(Ok(()), |ffmpeg| io::copy(&mut File::open(&ffmpeg.made)?, to).map(drop))
         })?;
-        Ok(format!("wrote {}, {frames} pictures", Line(self.out.display())))
+        Ok(format!("wrote {}, {frames} pictures", Line(args.out.display())))
     }
 }
 
@@ -200,10 +189,7 @@ impl Ffmpeg {
     }
 
     fn write(&mut self, rgb: &[u8]) -> io::Result<()> {
-        let written = match &mut self.child.stdin {
-            Some(stdin) => stdin.write_all(rgb),
-            None => Ok(()),
-        };
+        let written = self.child.stdin.as_mut().map_or(Ok(()), |stdin| stdin.write_all(rgb));
         // It says more than a broken pipe does.
         if written.is_err() { self.ended().and(written) } else { Ok(()) }
     }

@@ -5,22 +5,22 @@ use std::path::{Path, PathBuf};
 
 use super::Film;
 use crate::failure::Failure;
-use crate::files::{Inputs, check_folder};
+use crate::files::{Inputs, check_folder, is_stdout};
 use crate::image::Picture;
 use crate::output::{Folder, Line, Output, is_quiet};
+use crate::shadow::args::FilmArgs;
 use crate::signals::{self, create_unfinished, remove_unfinished};
 
 const PNG: &str = "png";
 
 /// A folder that is claimed for a film. What is in it is dropped before the folder, which is removed if it is empty then.
-pub(super) struct Frames {
-    folder: PathBuf,
+pub(super) struct Frames<'a> {
+    args: &'a FilmArgs,
     /// The first picture's file, until it is written.
     first: Option<Output>,
     _claim: Claim,
     _made: Folder,
     count: u32,
-    resumes: bool,
     identity: String,
     kept: u32,
     written: u32,
@@ -30,14 +30,14 @@ pub(super) struct Frames {
 const FILM: &str = "rimline film";
 
 /// A name for the film of these options and inputs: a hash, FNV-1a, of all that decides the pictures.
-pub(super) fn identity<P: AsRef<Path>>(options: &str, files: impl IntoIterator<Item = P>) -> String {
+fn identity(options: &str, files: &[&Path]) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut take = |bytes: &[u8]| {
         hash = bytes.iter().fold(hash, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
     };
     take(options.as_bytes());
     // A pipe cannot be read again, and a file that is missing, such as a picture that a model names, decides nothing.
-    let readable = files.into_iter().filter(|file| file.as_ref().is_file());
+    let readable = files.iter().filter(|file| file.is_file());
     for file in readable.filter_map(|file| std::fs::File::open(file).ok()) {
         let mut reader = io::BufReader::with_capacity(1 << 16, file);
         while let Ok(bytes @ [_, ..]) = reader.fill_buf() {
@@ -49,45 +49,44 @@ pub(super) fn identity<P: AsRef<Path>>(options: &str, files: impl IntoIterator<I
     format!("{hash:016x}")
 }
 
-impl Frames {
+impl<'a> Frames<'a> {
     /// Claims the folder before long work: a place that cannot be had is known at once.
-    pub(super) fn begin(folder: &Path, resumes: bool) -> Result<Self, Failure> {
+    pub(super) fn begin(args: &'a FilmArgs) -> Result<Self, Failure> {
+        if is_stdout(&args.out) {
+            return Err(Failure::usage(
+                "a film is no stream for standard output; give --out the name of a folder, or one that ends in .gif, \
+                 .apng or .mp4",
+            ));
+        }
         check_folder(
-            folder,
+            &args.out,
             "--out is the folder for numbered PNG files; give the name of a folder, or one that ends in \
              .gif, .apng or .mp4",
         )?;
-        let (made, claim) = (Folder::create(folder)?, Claim::take(folder)?);
-        Ok(Self {
-            folder: folder.to_owned(),
-            first: None,
-            _claim: claim,
-            _made: made,
-            count: 0,
-            resumes,
-            identity: String::new(),
-            kept: 0,
-            written: 0,
-        })
+        let (made, claim) = (Folder::create(&args.out)?, Claim::take(&args.out)?);
+        let (count, identity, kept, written) = (0, String::new(), 0, 0);
+        Ok(Self { args, first: None, _claim: claim, _made: made, count, identity, kept, written })
     }
 
     fn file(&self, frame: u32) -> PathBuf {
-        frame_file(&self.folder, frame, self.count, PNG)
+        frame_file(&self.args.out, frame, self.count, PNG)
     }
 
     /// Sets the words that a signal should say.
     fn tell(&self) {
-        let (done, folder) = (self.kept + self.written, Line(self.folder.display()));
+        let (done, folder) = (self.kept + self.written, Line(self.args.out.display()));
         if !is_quiet() {
             signals::say_at_end(format!("{done} of {} pictures are in {folder}; --resume goes on", self.count));
         }
     }
 }
 
-impl Film for Frames {
+impl Film for Frames<'_> {
     /// Refuses also to stand among pictures of another film.
-    fn start(&mut self, count: u32, inputs: &Inputs, size: [u32; 2], identity: String) -> Result<(), Failure> {
-        (self.count, self.identity) = (count, identity);
+    fn start(&mut self, count: u32, files: &[&Path]) -> Result<(), Failure> {
+        let FilmArgs { scene, fps, orbit, out, .. } = self.args;
+        (self.count, self.identity) = (count, identity(&format!("{scene:?} {fps} {orbit:?} {count}"), files));
+        let inputs = Inputs::new(files);
         for frame in 0..count {
             let file = self.file(frame);
             inputs.spare(&file)?;
@@ -96,9 +95,9 @@ impl Film for Frames {
                 return Err(Failure::output(&file)(io::Error::other(why)));
             }
         }
-        check_earlier(&self.folder, count, PNG)?;
+        check_earlier(out, count, PNG)?;
         let kept: Vec<PathBuf> = (0..count).filter(|&frame| self.has(frame)).map(|frame| self.file(frame)).collect();
-        if let Some(file) = kept.iter().find(|file| !is_of(file, &self.identity, size)) {
+        if let Some(file) = kept.iter().find(|file| !is_of(file, &self.identity, scene.view.size)) {
             return Err(Failure::usage(format!(
                 "{} is of a film with other options, models or another size, so --resume would mix two; give those \
                  of that film, or leave --resume out, which draws all pictures anew, or choose another folder",
@@ -113,7 +112,7 @@ impl Film for Frames {
 
     /// All pictures are complete.
     fn has(&self, frame: u32) -> bool {
-        self.resumes && self.file(frame).is_file()
+        self.args.resume && self.file(frame).is_file()
     }
 
     fn write(&mut self, frame: u32, picture: &Picture) -> Result<(), Failure> {
@@ -121,7 +120,7 @@ impl Film for Frames {
         output.finish(|file| picture.write_png(file, Some((FILM, &self.identity))))?;
         self.written += 1;
         self.tell();
-        if frame == 0 && !self.resumes {
+        if frame == 0 && !self.args.resume {
             remove_earlier((1..self.count).map(|frame| self.file(frame)))?;
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
@@ -12,61 +13,60 @@ use crate::failure::Failure;
 use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CountingArg {
-    /// z-pass if nothing is between the light and the near rectangle, else ZP+. The GPU decides for each model and light
-    Auto,
-    /// z-pass with near caps, which Rimline clips itself
-    #[value(name = "zp+")]
-    ZpPlus,
-    /// ZP+ as published in 2005, with its corrective quads and its switch to z-fail. For comparison. Where more than 255
-    /// faces lie over each other, it may be wrong, and a warning says so
-    #[value(name = "zp+paper")]
-    ZpPlus2005,
-    /// Count the hidden faces of shadow volumes, with light and dark caps
-    ZFail,
-    /// Count the visible faces of shadow volumes. Wrong if a shadow volume reaches the near plane. For comparison
-    ZPass,
+/// A value of an option, its name and its help.
+type Named<T> = (T, &'static str, &'static str);
+
+/// How to count shadow volumes.
+const METHODS: [Named<Counting>; 5] = [
+    (
+        Counting::Auto,
+        "auto",
+        "z-pass if nothing is between the light and the near rectangle, else ZP+. The GPU decides for each model and light",
+    ),
+    (Counting::ZpPlus, "zp+", "z-pass with near caps, which Rimline clips itself"),
+    (
+        Counting::ZpPlus2005,
+        "zp+paper",
+        "ZP+ as published in 2005, with its corrective quads and its switch to z-fail. For comparison. Where more than 255 \
+         faces lie over each other, it may be wrong, and a warning says so",
+    ),
+    (Counting::ZFail, "z-fail", "Count the hidden faces of shadow volumes, with light and dark caps"),
+    (
+        Counting::ZPass,
+        "z-pass",
+        "Count the visible faces of shadow volumes. Wrong if a shadow volume reaches the near plane. For comparison",
+    ),
+];
+
+/// How to draw shadows.
+const MODES: [Named<Mode>; 4] = [
+    (
+        Mode::Additive,
+        "additive",
+        "Ambient light, plus each light where it is not in shadow. Right for any number of lights",
+    ),
+    (Mode::Ambient, "ambient", "Full light; places in the shadow of any light have ambient light only"),
+    (Mode::Black, "black", "Full light; places in the shadow of any light are black"),
+    (Mode::Composited, "composited", "Full light; each shadow on a place halves its light, highlights included"),
+];
+
+/// Reads one of these values by its name.
+fn one_of<T: Clone + Send + Sync + 'static>(values: &'static [Named<T>]) -> impl TypedValueParser<Value = T> {
+    let possible = values.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(possible).try_map(move |given| {
+        let found = values.iter().find(|(_, name, _)| *name == given);
+        found.map(|(value, ..)| value.clone()).ok_or("there is no such value")
+    })
+}
+
+/// The name that `--method` has for a way to count.
+pub(super) fn method_name(counting: Counting) -> &'static str {
+    METHODS.iter().find(|(method, ..)| *method == counting).map_or("auto", |(_, name, _)| *name)
 }
 
 /// The name that an option's value goes by.
 pub(crate) fn value_name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
-impl CountingArg {
-    pub(crate) fn counting(self) -> Counting {
-        match self {
-            Self::Auto => Counting::Auto,
-            Self::ZpPlus => Counting::ZpPlus,
-            Self::ZpPlus2005 => Counting::ZpPlus2005,
-            Self::ZFail => Counting::ZFail,
-            Self::ZPass => Counting::ZPass,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ModeArg {
-    /// Ambient light, plus each light where it is not in shadow. Right for any number of lights
-    Additive,
-    /// Full light; places in the shadow of any light have ambient light only
-    Ambient,
-    /// Full light; places in the shadow of any light are black
-    Black,
-    /// Full light; each shadow on a place halves its light, highlights included
-    Composited,
-}
-
-impl ModeArg {
-    pub(crate) fn mode(self) -> Mode {
-        match self {
-            Self::Additive => Mode::Additive,
-            Self::Ambient => Mode::Ambient,
-            Self::Black => Mode::Black,
-            Self::Composited => Mode::Composited,
-        }
-    }
 }
 
 /// Options that pictures with shadows share.
@@ -105,12 +105,12 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) ground: Option<Coordinate>,
 
     /// How to count shadow volumes
-    #[arg(long, value_enum, default_value_t = CountingArg::Auto)]
-    pub(crate) method: CountingArg,
+    #[arg(long, value_parser = one_of(&METHODS), default_value = "auto")]
+    pub(crate) method: Counting,
 
     /// How to draw shadows
-    #[arg(long, value_enum, default_value_t = ModeArg::Additive)]
-    pub(crate) mode: ModeArg,
+    #[arg(long, value_parser = one_of(&MODES), default_value = "additive")]
+    pub(crate) mode: Mode,
 
     /// Soft shadows: every light without a radius of its own has this shape. Sizes of lights at infinity are measured at
     /// distance 1. Without a size, the radius is 0.04 of the distance to the middle of the models. A picture is drawn in 16
@@ -121,8 +121,8 @@ pub(crate) struct ShadowSceneArgs {
 
     /// The number of samples of each light with an area, 1 to 32; all share one extraction [default: 16, with --one-pattern
     /// 32]
-    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = spec::samples)]
-    pub(crate) samples: Option<usize>,
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
+    samples: Option<u32>,
 
     /// Give every pixel the same samples of areas, for measurements: the light at a place is then the share of samples that reach
     /// it, and soft shadows show one step for each sample. Without it, neighbouring pixels use different samples, out of
@@ -145,8 +145,8 @@ pub(crate) struct ShadowSceneArgs {
 impl ShadowSceneArgs {
     /// Lights that stand for one with an area.
     pub(crate) fn samples(&self) -> usize {
-        let usual = if self.one_pattern { spec::MOST_SAMPLES } else { spec::MOST_SAMPLES / 2 };
-        self.samples.unwrap_or(usual as usize)
+        let usual = if self.one_pattern { MOST_SAMPLES } else { MOST_SAMPLES / 2 };
+        self.samples.map_or(usual, i64::from) as usize
     }
 
     /// Whether some light has an area.
@@ -168,8 +168,8 @@ impl ShadowSceneArgs {
                 )));
             }
         }
-        if self.is_soft() && self.mode != ModeArg::Additive {
-            let mode = value_name(&self.mode);
+        if self.is_soft() && self.mode != Mode::Additive {
+            let mode = self.mode.name();
             return Err(Failure::usage(format!(
                 "--mode {mode} cannot draw soft shadows; leave out --mode {mode}, or --area and radius="
             )));
@@ -178,10 +178,8 @@ impl ShadowSceneArgs {
     }
 }
 
-/// Help that both commands end with.
-macro_rules! light_options {
-    () => {
-        "\
+/// Help that both commands end with, before their examples.
+const LIGHT_OPTIONS: &str = "\
 Options of a light, after its SPEC:
   color=R,G,B   linear color; 1,1,1 without it. The sum of all lights sets the exposure
   intensity=I   times the color; 1 without it
@@ -197,12 +195,14 @@ Options of a light, after its SPEC:
 Lights of the file have color, range and cone as KHR_lights_punctual says, unless an option changes
 them. Masks are 0 outside a cone. Intensities of these lights are measured at the middle of the
 models; the brightest one counts as 1. Options of file:all apply to each light that can have them.
-"
-    };
-}
+";
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(SHADOW_EXAMPLES), after_help = SHADOW_REMARKS, mut_arg("device", drawing_device))]
+#[command(
+    help_template = verbatim(&[LIGHT_OPTIONS, SHADOW_EXAMPLES].concat()),
+    after_help = SHADOW_REMARKS,
+    mut_arg("device", drawing_device),
+)]
 pub(crate) struct ShadowArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
@@ -309,9 +309,7 @@ impl ShadowArgs {
     }
 }
 
-const SHADOW_EXAMPLES: &str = concat!(
-    light_options!(),
-    "
+const SHADOW_EXAMPLES: &str = "
 Examples:
   rimline shadow fox.glb --out fox.png
   rimline shadow fox.glb --animation Run --time 0.4 --out fox.png \\
@@ -322,8 +320,7 @@ Examples:
   rimline shadow house.glb chairs.glb --hide-covered --volumes --out house.png
   rimline shadow fox.glb --from-depth 2048 --mask fox
   rimline shadow room.glb --depth lamp.npz --volumes --out room.png
-"
-);
+";
 
 const SHADOW_REMARKS: &str = "\
 World space is right-handed with +Y up. The ground is visible from above only: an eye below it sees no ground.
@@ -348,7 +345,7 @@ stages).";
 
 #[derive(Args, Debug)]
 #[command(
-    help_template = verbatim(FILM_EXAMPLES),
+    help_template = verbatim(&[LIGHT_OPTIONS, FILM_EXAMPLES].concat()),
     after_help = FILM_REMARKS,
     mut_arg("device", drawing_device),
     mut_arg("animations", film_animation),
@@ -398,14 +395,11 @@ fn film_animation(arg: clap::Arg) -> clap::Arg {
     )
 }
 
-const FILM_EXAMPLES: &str = concat!(
-    light_options!(),
-    "
+const FILM_EXAMPLES: &str = "
 Examples:
   rimline film house.glb --orbit 360 --out house.gif
   rimline film fox.glb --animation Run --fps 30 --out frames
-"
-);
+";
 
 const FILM_REMARKS: &str = "\
 Every file in the folder is complete. Ctrl-C keeps the finished pictures, \
@@ -420,3 +414,6 @@ Keys of --json: adapter, out, frames, fps, size.";
 
 /// Five digits of frames.
 pub(crate) const MAX_FRAMES: i64 = 100_000;
+
+/// At most so many lights stand for one.
+const MOST_SAMPLES: i64 = 32;

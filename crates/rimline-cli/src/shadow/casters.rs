@@ -80,7 +80,7 @@ impl<'a> Casters<'a> {
         shown.clear();
         for (number, body) in bodies.iter().enumerate() {
             for light in 0..covered.found.len() {
-                if let Some(mesh) = covered.casting(number, body, light)? {
+                if let Some(mesh) = covered.casting(bodies, number, light)? {
                     shown.push((Some(light), number, Extracted::new(gpu, &mesh, body, self.max_lights)?));
                 }
             }

@@ -1,16 +1,15 @@
 //! The casters of a frame as all ways to shadows take them, the silhouettes of a file by itself, and faces that
 //! other faces hide from the lights.
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
-use std::ops::{ControlFlow, Range};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 
 use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
 use rimline::internals::cpu::is_finite;
 use rimline::internals::layout::ExtractionStatistics;
 use rimline::mesh::MAX_FACES;
-use rimline::{Displacement, Geometry, Light, LightError, Mesh, MeshError, Predicate, ShadowCamera, wgpu};
+use rimline::{Displacement, Geometry, Light, Mesh, MeshError, Predicate, ShadowCamera, wgpu};
 use rimline_picture::FacingMasks;
 
 use crate::device::{Gpu, GpuError, On as _};
@@ -27,23 +26,16 @@ pub(crate) struct CastInputs<'a> {
     pub(crate) lights: &'a [Light],
 }
 
-/// Gives a scene these lights: their handles are in order.
+/// Gives a scene these lights, which have been checked: their handles are in order.
 pub(super) fn set_lights(
     scene: &mut Scene,
     handles: &mut Vec<LightHandle>,
     lights: &[Light],
 ) -> Result<(), ShadowError> {
     for (number, &light) in lights.iter().enumerate() {
-        // The scene sees one light.
-        let numbered = |error| match error {
-            ShadowError::Light(LightError::NegativeWeight { w, .. }) => {
-                LightError::NegativeWeight { index: number, w }.into()
-            }
-            error => error,
-        };
         match handles.get(number) {
-            Some(&handle) => scene.set_light(handle, light).map_err(numbered)?,
-            None => handles.push(scene.add_light(light).map_err(numbered)?),
+            Some(&handle) => scene.set_light(handle, light)?,
+            None => handles.push(scene.add_light(light)?),
         }
     }
     Ok(())
@@ -59,7 +51,7 @@ pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
 
 /// The extractor of a single file's mesh, and what it extracted last.
 pub(super) struct Extracted {
-    pub(super) extractor: Extractor,
+    extractor: Extractor,
     pub(super) extraction: Option<Extraction>,
     /// Topologies that its mesh was made of.
     topologies: Vec<Topology>,
@@ -84,9 +76,9 @@ impl Extracted {
         body: &PosedModel<'_>,
         lights: &[Light],
         timer: Option<&mut StageTimer>,
-    ) -> Result<&Extraction, GpuError> {
-        let extraction = self.extractor.encode_timed(encoder, body.positions.buffer(), lights, timer)?;
-        Ok(self.extraction.insert(extraction))
+    ) -> Result<(), GpuError> {
+        self.extraction = Some(self.extractor.encode_timed(encoder, body.positions.buffer(), lights, timer)?);
+        Ok(())
     }
 
     /// Where the facing masks of the body's faces lie.
@@ -107,40 +99,24 @@ impl Extracted {
 /// The version of all positions: they stay.
 pub(super) const VERSION: u64 = 0;
 
-/// The casters of all files: the instances of one after those of the other.
+/// Faces whose shadow other faces cast, of the instances of all files.
 pub(crate) struct CoveredFaces {
-    files: Vec<File>,
-    lights: Vec<Light>,
+    /// For each file.
+    meshes: Vec<BTreeMap<Topology, Mesh>>,
     /// For each light.
     pub(super) found: Vec<OccludedFaces>,
 }
 
-struct File {
-    meshes: BTreeMap<Topology, Mesh>,
-    /// The topology of each instance, and where its vertices are among the file's.
-    instances: Vec<(Topology, Range<usize>)>,
-    /// How many instances files before have.
-    first: usize,
-}
-
 impl CoveredFaces {
     pub(crate) fn find(bodies: &[PosedModel<'_>], lights: &[Light]) -> Result<Self, Failure> {
-        let (mut files, mut first) = (Vec::with_capacity(bodies.len()), 0);
-        for body in bodies {
-            let (mut meshes, mut instances, mut vertices) = (BTreeMap::new(), Vec::new(), 0);
-            for &topology in &body.topologies {
-                if let Entry::Vacant(entry) = meshes.entry(topology) {
-                    entry.insert(body.mesh_of(topology)?);
-                }
-                let end = vertices + body.input.model().geometries()[topology.geometry].positions().len();
-                instances.push((topology, vertices..end));
-                vertices = end;
-            }
-            first += instances.len();
-            files.push(File { meshes, first: first - instances.len(), instances });
-        }
+        let meshes = |body: &PosedModel<'_>| {
+            let topologies: BTreeSet<Topology> = body.topologies.iter().copied().collect();
+            let meshes = topologies.into_iter().map(|topology| Ok((topology, body.mesh_of(topology)?)));
+            meshes.collect::<Result<BTreeMap<_, _>, Failure>>()
+        };
+        let meshes = bodies.iter().map(meshes).collect::<Result<Vec<_>, _>>()?;
         let casters: Vec<OcclusionCaster<'_>> =
-            files.iter().zip(bodies).flat_map(|(file, body)| file.casters(body)).collect();
+            meshes.iter().zip(bodies).flat_map(|(meshes, body)| casters(meshes, body)).collect();
         let options = OcclusionOptions::default();
         let search = |&light: &Light| {
             OccludedFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(()))
@@ -148,43 +124,51 @@ impl CoveredFaces {
         };
         let found = lights.iter().map(search).collect::<Result<Vec<_>, _>>()?;
         drop(casters);
-        Ok(Self { files, lights: lights.to_vec(), found })
+        Ok(Self { meshes, found })
     }
 
     /// The faces of a file's instances that cast for a light where averted faces suffice, as a mesh over the file's vertices.
     /// There is none if no face casts.
-    pub(super) fn casting(&self, file: usize, body: &PosedModel<'_>, light: usize) -> Result<Option<Mesh>, Failure> {
-        let (Some(of), Some(found), Some(&light)) =
-            (self.files.get(file), self.found.get(light), self.lights.get(light))
+    pub(super) fn casting(
+        &self,
+        bodies: &[PosedModel<'_>],
+        file: usize,
+        light: usize,
+    ) -> Result<Option<Mesh>, Failure> {
+        let (Some(meshes), Some(body), Some(found)) = (self.meshes.get(file), bodies.get(file), self.found.get(light))
         else {
             return Ok(None);
         };
-        let mut faces = Vec::new();
-        for (number, (OcclusionCaster { mesh, positions, .. }, (_, vertices))) in
-            (of.first..).zip(of.casters(body).zip(&of.instances))
-        {
-            let extracted = cpu::extract(positions, mesh, &[light], Predicate::Exact, Threads::default());
+        let first: usize = bodies.iter().take(file).map(|body| body.topologies.len()).sum();
+        let (mut faces, mut first_vertex) = (Vec::new(), 0);
+        for (number, OcclusionCaster { mesh, positions, .. }) in (first..).zip(casters(meshes, body)) {
+            let extracted = cpu::extract(positions, mesh, &[found.light()], Predicate::Exact, Threads::default());
             let facing = extracted.map_err(|error| Failure::usage(error.to_string()))?.facing;
             let covered = found.faces(number);
             for ((face, corners), mask) in (0_u32..).zip(mesh.faces()).zip(facing) {
                 let casts = mask & 1 == 0 || !mesh.is_closed();
                 if casts && covered.binary_search(&face).is_err() {
-                    faces.push(corners.map(|vertex| vertex + vertices.start as u32));
+                    faces.push(corners.map(|vertex| vertex + first_vertex));
                 }
             }
+            first_vertex += positions.len() as u32;
         }
-        body.part(body.world.len(), faces)
+        body.part(faces)
     }
 }
 
-impl File {
-    fn casters<'a>(&'a self, body: &'a PosedModel<'_>) -> impl Iterator<Item = OcclusionCaster<'a>> {
-        self.instances.iter().map(|(topology, vertices)| OcclusionCaster {
-            mesh: &self.meshes[topology],
-            positions: &body.world[vertices.clone()],
-            version: Some(VERSION),
-        })
-    }
+/// The instances of a file, with the positions of one after those of the other.
+fn casters<'a>(
+    meshes: &'a BTreeMap<Topology, Mesh>,
+    body: &'a PosedModel<'_>,
+) -> impl Iterator<Item = OcclusionCaster<'a>> {
+    let mut rest = body.world.as_slice();
+    body.topologies.iter().map(move |topology| {
+        let mesh = &meshes[topology];
+        let (positions, others) = rest.split_at(mesh.vertex_count() as usize);
+        rest = others;
+        OcclusionCaster { mesh, positions, version: Some(VERSION) }
+    })
 }
 
 /// The faces of an instance: those of a geometry, turned if its pose mirrors it. Instances of the same topology share a
@@ -238,7 +222,9 @@ impl<'a> PosedModel<'a> {
     }
 
     fn set_pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), GpuError> {
-        let topologies = self.topologies_now();
+        let instances = self.input.model().instances().iter().zip(self.input.turned(&self.shape));
+        let topologies: Vec<Topology> =
+            instances.map(|(instance, is_turned)| Topology { geometry: instance.geometry(), is_turned }).collect();
         if topologies != self.topologies {
             self.faces = faces(self.input, &topologies);
             self.colors = if self.is_plain { None } else { self.input.corner_colors(&self.shape) };
@@ -249,20 +235,15 @@ impl<'a> PosedModel<'a> {
         Ok(())
     }
 
-    fn topologies_now(&self) -> Vec<Topology> {
-        let instances = self.input.model().instances().iter().zip(self.input.turned(&self.shape));
-        instances.map(|(instance, is_turned)| Topology { geometry: instance.geometry(), is_turned }).collect()
-    }
-
     pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {
         let geometry = &self.input.model().geometries()[topology.geometry];
         let mesh = Mesh::from_faces(geometry.positions().len(), topology.faces(geometry, 0).collect());
         mesh.map_err(|error| Failure::input(&self.input.file)(error.into()))
     }
 
-    /// A mesh of some faces over so many vertices, or none of none.
-    pub(super) fn part(&self, vertices: usize, faces: Vec<[u32; 3]>) -> Result<Option<Mesh>, Failure> {
-        match Mesh::from_faces(vertices, faces) {
+    /// A mesh of some faces over all vertices, or none of none.
+    pub(super) fn part(&self, faces: Vec<[u32; 3]>) -> Result<Option<Mesh>, Failure> {
+        match Mesh::from_faces(self.world.len(), faces) {
             Err(MeshError::NoFaces) => Ok(None),
             mesh => mesh.map(Some).map_err(|error| Failure::input(&self.input.file)(error.into())),
         }
@@ -279,7 +260,7 @@ impl<'a> PosedModel<'a> {
 
     /// The triangles of polygons, as a mesh over the same vertices.
     pub(crate) fn triangles(&self) -> Result<Option<Mesh>, Failure> {
-        if self.has_polygons() { self.part(self.world.len(), self.faces.clone()) } else { Ok(None) }
+        if self.has_polygons() { self.part(self.faces.clone()) } else { Ok(None) }
     }
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.

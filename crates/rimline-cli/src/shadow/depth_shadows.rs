@@ -22,7 +22,7 @@ use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
 use crate::image::Picture;
 
-pub(crate) struct DepthShadows<'a> {
+pub(super) struct DepthShadows<'a> {
     gpu: &'a Gpu,
     pipelines: Arc<DepthMapPipelines>,
     from: FromDepth,
@@ -76,7 +76,7 @@ impl Shadows for DepthShadows<'_> {
                 None => LightCameras::new(light, &points, from.size[0])?,
                 Some(map) => map.cameras.clone(),
             };
-            if !made.get(number).is_some_and(|maps| maps.fits(&cameras)) {
+            if made.get(number).is_none_or(|maps| maps.cameras.is_cube() != cameras.is_cube()) {
                 let maps = LightMaps::new(gpu, pipelines, from, &cameras).map_err(|error| from.failed(error))?;
                 put(made, number, maps);
             }
@@ -107,7 +107,7 @@ impl Shadows for DepthShadows<'_> {
         let of_file = |file: &File| {
             let (silhouettes, extraction) = file.surface.found(self.gpu, self.max_lights)?;
             let lights = vec![Choice { casting: "depth map", counting: "parity" }; self.max_lights];
-            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics()?, is_whole: true })
+            Ok(Found { lights, silhouettes, extraction, shadow: self.statistics()? })
         };
         self.files.iter().map(of_file).collect()
     }
@@ -118,12 +118,18 @@ impl Shadows for DepthShadows<'_> {
     }
 
     fn depths_found(&self) -> Result<Option<DepthsFound>, GpuError> {
-        let lights = self.lights.iter().map(|maps| maps.found(self.gpu)).collect::<Result<_, _>>()?;
+        let found = |maps: &LightMaps| {
+            let (capacity, cells, _) = maps.rebuilt();
+            Ok::<_, GpuError>(DepthFound { maps: maps.views.len(), listed: self.gpu.read_first(cells)?, capacity })
+        };
+        let lights = self.lights.iter().map(found).collect::<Result<_, _>>()?;
         Ok(Some(DepthsFound { size: self.from.size, has_walls: self.from.has_walls(), lights }))
     }
 
     fn shown_maps(&self, light: usize) -> Option<ShownDepths<'_>> {
-        self.lights.get(light).and_then(LightMaps::shown)
+        let maps = self.lights.get(light)?;
+        let (_, cells, texture) = maps.rebuilt();
+        Some((&maps.shown, cells, texture?))
     }
 
     fn saved_maps(&self, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
@@ -157,15 +163,15 @@ fn draw_map(
     Ok(())
 }
 
-pub(super) struct LightMaps {
+struct LightMaps {
     maps: Maps,
-    pub(super) views: Vec<wgpu::TextureView>,
+    views: Vec<wgpu::TextureView>,
     /// Distances that maps are converted from, and what converts them: one for each map, or none if the maps are depths.
     distances: Vec<(wgpu::TextureView, DepthMapConversion, DepthMetric)>,
     objects: Option<wgpu::TextureView>,
     /// Cameras with which the maps were encoded.
     cameras: LightCameras,
-    pub(super) frame: Option<DepthMapFrame>,
+    frame: Option<DepthMapFrame>,
     shown: ShownMaps,
 }
 
@@ -175,7 +181,7 @@ enum Maps {
 }
 
 impl LightMaps {
-    pub(super) fn new(
+    fn new(
         gpu: &Gpu,
         pipelines: &DepthMapPipelines,
         from: &FromDepth,
@@ -205,12 +211,8 @@ impl LightMaps {
         Ok(Self { maps, views, distances, objects, cameras, frame: None, shown })
     }
 
-    pub(super) fn fits(&self, cameras: &LightCameras) -> bool {
-        self.cameras.is_cube() == cameras.is_cube()
-    }
-
     /// Records how shadows are rebuilt from what is in the maps.
-    pub(super) fn find(
+    fn find(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
@@ -235,7 +237,7 @@ impl LightMaps {
                 let map = DepthMap { texture, light, objects: self.objects.as_ref() };
                 volumes.encode_timed(encoder, &map, eye, timer)?
             }
-            // The caller asks `fits`.
+            // There are as many cameras as when they were made.
             _ => return Err(DepthMapError::StaleFrame.into()),
         };
         let (capacity, ..) = self.rebuilt();
@@ -243,16 +245,6 @@ impl LightMaps {
         self.cameras = cameras.clone();
         self.frame = Some(frame);
         Ok(())
-    }
-
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, GpuError> {
-        let (capacity, cells, _) = self.rebuilt();
-        Ok(DepthFound { maps: self.views.len(), listed: gpu.read_first(cells)?, capacity })
-    }
-
-    pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
-        let (_, cells, texture) = self.rebuilt();
-        Some((&self.shown, cells, texture?))
     }
 
     /// The cells that the list has room for, the list, and one map or six in one.
@@ -264,7 +256,7 @@ impl LightMaps {
     }
 
     /// The maps as they were drawn, and what they were drawn with. Waits for the device.
-    pub(super) fn saved(&self, gpu: &Gpu, origin: Origin) -> Result<DepthMapArrays, GpuError> {
+    fn saved(&self, gpu: &Gpu, origin: Origin) -> Result<DepthMapArrays, GpuError> {
         let mut depths = Vec::new();
         let mut size = [0; 2];
         for view in &self.views {

@@ -4,6 +4,7 @@
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 use rimline::gpu::depth_map::{DepthMapCube, DepthMapError};
 use rimline::{DepthDirection, Light, ShadowCamera, wgpu};
+use rimline_picture::filled;
 
 use crate::device::Gpu;
 
@@ -116,13 +117,10 @@ const INSTANCES: [u32; 2] = [1, 2];
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct DepthView {
-    across: [f32; 4],
-    up: [f32; 4],
-    depth: [f32; 4],
-    middle: [f32; 4],
-    far_across: [f32; 4],
-    far_up: [f32; 4],
-    far_middle: [f32; 4],
+    /// Across, up, depth and middle.
+    whole: [[f32; 4]; 4],
+    /// Across, up and middle.
+    far: [[f32; 4]; 3],
 }
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -147,9 +145,9 @@ pub(crate) struct ShownMaps {
 
 impl ShownMaps {
     pub(super) fn new(gpu: &Gpu, has_walls: bool) -> Self {
-        let draws = gpu.buffer("draws of shown depth maps", 64, wgpu::BufferUsages::INDIRECT);
         let of_each = INSTANCES.map(|instances| [0, instances, 0, 0]);
-        gpu.queue.write_buffer(&draws, 0, bytemuck::cast_slice(&[of_each, of_each]));
+        let (on, draws) = ((&gpu.device, &gpu.queue), [of_each, of_each]);
+        let draws = filled(on, "draws of shown maps", bytemuck::cast_slice(&draws), wgpu::BufferUsages::INDIRECT);
         let views = gpu.buffer("shown depth maps", size_of::<DepthViews>() as u64, wgpu::BufferUsages::UNIFORM);
         Self { views, draws, has_walls }
     }
@@ -204,16 +202,8 @@ fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, light_position: Option<
         Some(_) => ray(inverse.w_axis + near * inverse.z_axis),
         None => to_eye * away.extend(0.0),
     };
-    let f32s = |column: DVec4| column.as_vec4().to_array();
-    DepthView {
-        across: f32s(whole.x_axis),
-        up: f32s(whole.y_axis),
-        depth: f32s(whole.z_axis),
-        middle: f32s(whole.w_axis),
-        far_across: f32s(ray(inverse.x_axis)),
-        far_up: f32s(ray(inverse.y_axis)),
-        far_middle: f32s(far_middle),
-    }
+    let far = [ray(inverse.x_axis), ray(inverse.y_axis), far_middle];
+    DepthView { whole: whole.as_mat4().to_cols_array_2d(), far: far.map(|column| column.as_vec4().to_array()) }
 }
 
 /// A light's maps as they are shown, the list of cells, and one map or six in one.
@@ -221,14 +211,13 @@ pub(crate) type ShownDepths<'a> = (&'a ShownMaps, &'a wgpu::Buffer, &'a wgpu::Te
 
 #[cfg(test)]
 mod tests {
+    use rimline_picture::Bounds;
+
     use super::*;
 
     fn corners(half: f32, at: [f32; 3]) -> Vec<[f32; 3]> {
-        let corner = |number: u32| {
-            let sign = |bit: u32| if number >> bit & 1 == 1 { half } else { -half };
-            [at[0] + sign(0), at[1] + sign(1), at[2] + sign(2)]
-        };
-        (0..8).map(corner).collect()
+        let at = Vec3::from(at);
+        Bounds { min: at - half, max: at + half }.corners().map(|corner| corner.to_array()).to_vec()
     }
 
     #[test]

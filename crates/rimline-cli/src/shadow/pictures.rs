@@ -35,7 +35,10 @@ impl Pictures {
             pipelines: resources.pipelines(light.samples, method)?,
             passes: PicturePipelines::new(shared, format, mode),
             targets: Targets::new(&shared.factory, format, *size, TextureUsages::empty()),
-            overlay: volumes.then(|| Overlay::new(shared, light, method.from_depth.is_some())),
+            overlay: volumes.then(|| match method.from_depth {
+                None => Overlay::Volumes(VolumeOverlay::new(shared, light)),
+                Some(_) => Overlay::Maps(MapOverlay::new(shared, light)),
+            }),
         })
     }
 
@@ -46,7 +49,8 @@ impl Pictures {
         subject: &DrawInputs<'_>,
         part: usize,
     ) -> Result<(), GpuError> {
-        let subject = DrawInputs { drawn: Some((&self.pipelines, self.overlay.as_ref())), ..*subject };
+        let (pipelines, overlay) = (Some(&self.pipelines), self.overlay.as_ref());
+        let subject = DrawInputs { pipelines, overlay, ..*subject };
         self.passes.record(encoder, &subject.casters.resources.shared, &self.targets.attachments[part], &subject)
     }
 
@@ -95,7 +99,7 @@ impl Masks {
         subject: &DrawInputs<'_>,
         light: usize,
     ) -> Result<&wgpu::Texture, GpuError> {
-        let subject = DrawInputs { drawn: Some((&self.pipelines, None)), ..*subject };
+        let subject = DrawInputs { pipelines: Some(&self.pipelines), ..*subject };
         let grey = 128.0 / 255.0;
         let nothing = wgpu::Color { r: grey, g: grey, b: grey, a: 1.0 };
         let mut pass = subject.begin(self.attachments.pass(encoder, "mask", Some(nothing)));
@@ -114,8 +118,10 @@ impl Masks {
 #[derive(Clone, Copy)]
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters<'a>,
-    /// The pipelines of the shadow volumes, and the overlay over the light. `None`: not known yet.
-    pub(super) drawn: Option<(&'a VolumePipelines, Option<&'a Overlay>)>,
+    /// The pipelines of the shadow volumes. `None`: not known yet.
+    pub(super) pipelines: Option<&'a VolumePipelines>,
+    /// What is drawn over the light.
+    pub(super) overlay: Option<&'a Overlay>,
     /// Samples of all lights together.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,
@@ -139,17 +145,15 @@ impl Subject for DrawInputs<'_> {
     }
 
     fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), GpuError> {
-        self.drawn.map_or(Ok(()), |(pipelines, _)| self.casters.shadows.draw(pass, pipelines, light))
+        self.pipelines.map_or(Ok(()), |pipelines| self.casters.shadows.draw(pass, pipelines, light))
     }
 
     fn has_overlays(&self) -> bool {
-        self.drawn.is_some_and(|(_, overlay)| overlay.is_some())
+        self.overlay.is_some()
     }
 
     fn draw_overlays(&self, pass: &mut wgpu::RenderPass<'_>) -> Result<(), GpuError> {
-        self.drawn
-            .and_then(|(_, overlay)| overlay)
-            .map_or(Ok(()), |overlay| overlay.draw(pass, self.casters, self.samples))
+        self.overlay.map_or(Ok(()), |overlay| overlay.draw(pass, self.casters, self.samples))
     }
 
     fn begin<'e>(&self, mut pass: wgpu::RenderPass<'e>) -> wgpu::RenderPass<'e> {
@@ -171,14 +175,6 @@ pub(crate) struct MapOverlay {
 }
 
 impl Overlay {
-    pub(super) fn new(resources: &Resources, target: Target, of_maps: bool) -> Self {
-        if of_maps {
-            Self::Maps(MapOverlay::new(resources, target))
-        } else {
-            Self::Volumes(VolumeOverlay::new(resources, target))
-        }
-    }
-
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

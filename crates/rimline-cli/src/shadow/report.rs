@@ -10,17 +10,17 @@ use rimline::{MAX_LIGHTS, Origin};
 use rimline_picture::ShadedLight;
 use serde_json::{Value, json};
 
-use super::args::{ShadowArgs, ShadowSceneArgs, value_name};
+use super::args::{ShadowArgs, ShadowSceneArgs, method_name};
 use super::casters::Casters;
 use super::casting::CoveredFaces;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::shadow_scene::ShadowScene;
-use super::shadows::{Found, sum};
+use super::shadows::{Found, each};
 use crate::coordinates;
-use crate::device::{Gpu, GpuError, On as _, describe};
+use crate::device::{GpuError, describe};
 use crate::failure::Failure;
 use crate::files::{Inputs, check_ending, is_same_file};
-use crate::image::Picture;
+use crate::image::wrote;
 use crate::output::{Line, Output};
 use crate::report::{self, Lines, Times};
 use crate::spec::LightSpec;
@@ -114,9 +114,10 @@ impl<'a> Report<'a> {
             }
             of_light
         };
-        let statistics = |(name, Found { shadow, extraction, is_whole, .. }): (String, &Found)| {
-            // With several files, these are known for all of them together.
-            let if_whole = |count: u32| is_whole.then_some(count);
+        // A scene knows some bounds and overflows for all files together.
+        let is_whole = self.found.len() == 1 || self.depth.is_some();
+        let if_whole = |count: u32| is_whole.then_some(count);
+        let statistics = |(name, Found { shadow, extraction, .. }): (String, &Found)| {
             json!({
                 "file": name,
                 "skipped": shadow.skipped,
@@ -129,7 +130,8 @@ impl<'a> Report<'a> {
                 "overflowed_lists": extraction.overflowed_lists,
             })
         };
-        let extraction = self.found.iter().map(|found| found.extraction).reduce(sum);
+        let extraction = self.found.iter().map(|found| found.extraction);
+        let extraction = extraction.reduce(|one, other| each(one, other, u32::saturating_add));
         let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,
@@ -144,8 +146,8 @@ impl<'a> Report<'a> {
         }
         let report = json!({
             "adapter": self.adapter,
-            "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
-            "mode": value_name(&args.mode),
+            "method": if self.depth.is_some() { "parity" } else { method_name(args.method) },
+            "mode": args.mode.name(),
             "files": self.files().map(|(name, _)| name).collect::<Vec<_>>(),
             "faces": self.set.bodies.iter().map(|body| body.faces.len()).collect::<Vec<_>>(),
             "samples": lights.iter().map(|light| light.samples.len()).max(),
@@ -197,7 +199,7 @@ impl<'a> Report<'a> {
             lines.line("covered", value);
         }
         lines.times(times);
-        let pictures = pictures.iter().map(|file| crate::image::wrote(file, size));
+        let pictures = pictures.iter().map(|file| wrote(file, size));
         let archives = archives.iter().map(|file| format!("wrote {}", Line(file.display())));
         let wrote: String = pictures.chain(archives).map(|line| line + "\n").collect();
         lines.0 + &wrote
@@ -206,9 +208,9 @@ impl<'a> Report<'a> {
 
 /// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
-    picture: Option<Output>,
-    masks: Vec<Output>,
-    maps: Vec<Output>,
+    pub(super) picture: Option<Output>,
+    pub(super) masks: Vec<Output>,
+    pub(super) maps: Vec<Output>,
     /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
 }
@@ -246,35 +248,6 @@ impl ResultFiles {
         for ((outputs, names), files) in [&mut self.masks, &mut self.maps].into_iter().zip(&mut self.names).zip(files) {
             *outputs = files.iter().map(|file| Output::create(file)).collect::<Result<_, _>>()?;
             names.extend(files);
-        }
-        Ok(())
-    }
-
-    pub(super) fn finish_picture(&mut self, gpu: &Gpu, picture: &Picture) -> Result<(), Failure> {
-        gpu.check()?;
-        self.picture.take().map_or(Ok(()), |output| output.finish(|file| picture.write_png(file, None)))
-    }
-
-    /// Writes the masks that `draw` draws for each light.
-    pub(super) fn finish_masks(
-        &mut self,
-        gpu: &Gpu,
-        mut draw: impl FnMut(usize) -> Result<Picture, Failure>,
-    ) -> Result<(), Failure> {
-        for (light, output) in std::mem::take(&mut self.masks).into_iter().enumerate() {
-            let mask = draw(light)?;
-            gpu.check()?;
-            output.finish(|file| mask.write_png(file, None))?;
-        }
-        Ok(())
-    }
-
-    /// Writes the depth maps of each light as they were drawn.
-    pub(super) fn finish_maps(&mut self, gpu: &Gpu, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
-        for (light, output) in std::mem::take(&mut self.maps).into_iter().enumerate() {
-            let maps = casters.shadows.saved_maps(light, origin).on(gpu)?;
-            gpu.check()?;
-            maps.map_or(Ok(()), |maps| output.finish(|file| maps.write(file)))?;
         }
         Ok(())
     }

@@ -16,7 +16,7 @@ use rimline_picture::FacingMasks;
 
 use super::casting::{CastInputs, CoveredFaces, Extracted, PosedModel, Topology, VERSION, set_lights};
 use super::layers::Layers;
-use super::shadows::{Choice, Found, Shadows, VolumePipelines, scene_options, sum};
+use super::shadows::{Choice, Found, Shadows, VolumePipelines, each, scene_options};
 use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
 
@@ -91,11 +91,6 @@ impl<'a> SceneShadows<'a> {
     fn frame(&self) -> Result<&SceneFrame, ShadowError> {
         self.frame.as_ref().ok_or(ShadowError::NotEncoded)
     }
-}
-
-/// The index of a caster in the table, and its group.
-fn index_and_group(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), ShadowError> {
-    frame.locate(caster).ok_or(ShadowError::Removed { what: "caster" })
 }
 
 impl Shadows for SceneShadows<'_> {
@@ -189,7 +184,7 @@ impl Shadows for SceneShadows<'_> {
             let mut groups = BTreeSet::new();
             let mut words = vec![0; CHOICE_WORDS * frame.batches()];
             for &(_, caster) in &file.casters {
-                let (index, group) = index_and_group(frame, caster)?;
+                let (index, group) = frame.locate(caster).ok_or(ShadowError::Removed { what: "caster" })?;
                 groups.insert(group);
                 for (batch, sum) in words.chunks_exact_mut(CHOICE_WORDS).enumerate() {
                     let choice = chosen.iter().skip(CHOICE_WORDS * (batch * casters + index as usize));
@@ -202,7 +197,8 @@ impl Shadows for SceneShadows<'_> {
                 let counted = silhouettes.iter_mut().skip(32 * group.batch);
                 counted.zip(first_words(self.gpu, group.lists, 32)?).for_each(|(sum, count)| *sum += count);
                 let record = first_words(self.gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
-                extraction = sum(extraction, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record)));
+                let record = bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record));
+                extraction = each(extraction, record, u32::saturating_add);
             }
             let lights = Choice::all(self.counting, &words, lights);
             let count = |casting| lights.iter().filter(|light| light.casting == casting).count() as u32;
@@ -210,7 +206,7 @@ impl Shadows for SceneShadows<'_> {
             // The fourth word has the lights with near caps.
             let near_capped = words.iter().skip(3).step_by(CHOICE_WORDS).map(|word| word.count_ones()).sum();
             let shadow = ShadowStatistics { skipped, every_face, near_capped, ..all };
-            Ok(Found { lights, silhouettes, extraction, shadow, is_whole: self.files.len() == 1 })
+            Ok(Found { lights, silhouettes, extraction, shadow })
         };
         self.files.iter().map(of_file).collect()
     }
@@ -228,8 +224,7 @@ impl Shadows for SceneShadows<'_> {
     }
 
     fn count_layers(&mut self, inputs: CastInputs<'_>, all: &[Light]) -> Result<(), Failure> {
-        let CastInputs { bodies, .. } = inputs;
-        let gpu = self.gpu;
+        let (gpu, bodies) = (self.gpu, inputs.bodies);
         self.layers = None;
         let is_counted = self.counting != Counting::ZpPlus2005 && !bodies.iter().any(PosedModel::has_polygons);
         if !is_counted || self.statistics().on(gpu)?.may_wrap == 0 {

@@ -6,23 +6,23 @@ use glam::{DVec3, Vec3};
 use rimline::gltf::{SceneLight, SpotCone};
 use rimline::gpu::StageTimer;
 use rimline::internals::light::check_shadow_lights;
-use rimline::{AreaLight, AreaShape, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
+use rimline::{AreaLight, AreaShape, Counting, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
-use super::args::{CountingArg, ShadowSceneArgs};
+use super::args::{ShadowSceneArgs, method_name};
 use super::casters::Casters;
 use super::casting::{CastInputs, PosedModel};
 use super::pictures::DrawInputs;
 use super::shadows::too_coarse;
-use crate::camera::{AZIMUTH, camera, elevation, outermost};
+use crate::camera::{AZIMUTH, camera, elevation, of_file, outermost};
 use crate::coordinates::relative;
 use crate::device::{self, Gpu, GpuError, Wanted};
 use crate::failure::{DRAW_ON_CPU, Failure, NO_FINITE_FACE};
-use crate::image::{check_bounds, check_size, too_large};
+use crate::image::{check_bounds, check_size};
 use crate::input::{ChosenLight, Input, play, read_displacement};
 use crate::input_args::PlacedView;
 use crate::output::{listed_animations, note, numbered_name};
-use crate::spec::{AreaSpec, LightSpec, ShadedLightSpec};
+use crate::spec::{AreaSpec, ShadedLightSpec};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
@@ -30,7 +30,6 @@ const ELEVATION: f64 = 24.0;
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
     pub(crate) displacement: Option<Displacement>,
-    is_plain: bool,
 }
 
 impl ShadowInputs {
@@ -45,7 +44,7 @@ impl ShadowInputs {
         if !args.plain {
             inputs.iter().for_each(Input::note_colors);
         }
-        Ok(Self { inputs, displacement, is_plain: args.plain })
+        Ok(Self { inputs, displacement })
     }
 
     /// The files that were read, and those that models name.
@@ -53,8 +52,9 @@ impl ShadowInputs {
         self.inputs.iter().flat_map(Input::files).chain(args.posed.displace.as_deref())
     }
 
-    pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<PosedModel<'_>>, Failure> {
-        let body = |input| PosedModel::new(gpu, input, time_s, self.displacement.as_ref(), self.is_plain);
+    pub(crate) fn bodies(&self, gpu: &Gpu, args: &ShadowSceneArgs) -> Result<Vec<PosedModel<'_>>, Failure> {
+        let time_s = args.posed.pose.time;
+        let body = |input| PosedModel::new(gpu, input, time_s, self.displacement.as_ref(), args.plain);
         self.inputs.iter().map(body).collect()
     }
 }
@@ -74,14 +74,8 @@ pub(crate) fn take_first_animation(input: &mut Input) {
 /// Opens the device, if it can draw such a picture.
 pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
     let gpu = device::open_gpu(&Wanted::parse(&args.posed.device.device))?;
-    check_size(&gpu, args.view.size)?;
-    let [width, height] = args.view.size;
     // The multisampled linear picture is the largest array.
-    let needed = 4 * 8 * u64::from(width) * u64::from(height);
-    let limit = gpu.device.limits().max_buffer_size;
-    if needed > limit {
-        return Err(too_large(&gpu, args.view.size, 4 * 8));
-    }
+    check_size(&gpu, args.view.size, 4 * 8)?;
     Ok(gpu)
 }
 
@@ -108,7 +102,7 @@ impl<'a> ShadowScene<'a> {
         let bounds = Bounds::of(points).ok_or_else(|| failed(NO_FINITE_FACE.into()))?;
         check_bounds(&bounds).map_err(failed)?;
         let origin = first.input.origin();
-        let view = placed(args, first, args.posed.pose.time)?;
+        let view = first.input.view(&args.view, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
         let shaded_lights = shaded_lights(args, (first, &view), &stage, file_light)?;
@@ -116,7 +110,7 @@ impl<'a> ShadowScene<'a> {
         if samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
             return Err(Failure::usage(format!(
-                "{lights} lights have {samples} samples, and at most {limit} fit; give fewer --samples"
+                "{lights} lights have {samples} samples, and at most {limit} fit; give fewer lights or --samples"
             )));
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
@@ -132,12 +126,8 @@ impl<'a> ShadowScene<'a> {
         let seen = points.iter().chain(&shadows).copied();
         let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
         match camera.far {
-            Some(_) if matches!(args.method, CountingArg::ZFail | CountingArg::ZpPlus2005) => {
-                let what = if args.method == CountingArg::ZFail { "--method z-fail" } else { "--method zp+paper" };
-                return Err(Failure::usage(format!(
-                    "{what} takes a perspective view, and this one is orthographic; leave it out, or leave out \
-                     --ortho or the --camera"
-                )));
+            Some(_) if matches!(args.method, Counting::ZFail | Counting::ZpPlus2005) => {
+                return Err(not_orthographic(&format!("--method {}", method_name(args.method))));
             }
             // The ground that is seen lies between its planes, too.
             Some(far) if view.is_parallel => {
@@ -161,12 +151,9 @@ impl<'a> ShadowScene<'a> {
 
     /// The camera of the file at another time, if one is asked for.
     pub(crate) fn camera_at(&self, time_s: f32) -> Result<Option<Camera>, Failure> {
-        if self.args.view.camera.wanted.is_none() {
-            return Ok(None);
-        }
-        let view = placed(self.args, &self.bodies[0], time_s)?;
-        let camera = camera(&view, ELEVATION, &self.stage.models, std::iter::empty())?;
-        Ok(Some(Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
+        let camera = self.bodies[0].input.camera(&self.args.view.camera, time_s)?;
+        let camera = camera.map(|camera| of_file(&camera, self.args.view.size));
+        Ok(camera.map(|camera| Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
     }
 
     /// A point of the vertical line that a camera on an orbit goes around: what it looks at.
@@ -207,7 +194,7 @@ impl<'a> ShadowScene<'a> {
 
     pub(crate) fn subject<'b>(&self, casters: &'b Casters<'b>) -> DrawInputs<'b> {
         let (samples, has_ground) = (self.samples(), self.view().sees_ground());
-        DrawInputs { casters, drawn: None, samples, has_ground, is_trial: false }
+        DrawInputs { casters, pipelines: None, overlay: None, samples, has_ground, is_trial: false }
     }
 
     /// The same with one pixel of one light.
@@ -269,8 +256,11 @@ impl<'a> ShadowScene<'a> {
     }
 }
 
-fn placed(args: &ShadowSceneArgs, first: &PosedModel<'_>, time_s: f32) -> Result<PlacedView, Failure> {
-    first.input.view(&args.view, time_s)
+/// Refuses an orthographic view for an option.
+pub(super) fn not_orthographic(option: &str) -> Failure {
+    Failure::usage(format!(
+        "{option} takes a perspective view, and this one is orthographic; leave it out, or leave out --ortho or the --camera"
+    ))
 }
 
 /// The near plane for models with these points.
@@ -304,7 +294,7 @@ fn check_near(near: f32, farthest: f32) -> Result<(), Failure> {
 const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
 
 /// The lights of the command line, or else `file_light`, or the one that is there by default.
-pub(crate) fn shaded_lights(
+fn shaded_lights(
     args: &ShadowSceneArgs,
     (first, view): (&PosedModel<'_>, &PlacedView),
     stage: &SceneBounds,
@@ -312,8 +302,7 @@ pub(crate) fn shaded_lights(
 ) -> Result<Vec<ShadedLight>, Failure> {
     let mut chosen = Vec::new();
     for spec in &args.lights {
-        let wanted = std::slice::from_ref(&spec.light);
-        let lights = first.input.chosen_lights(wanted, args.posed.pose.time)?;
+        let lights = first.input.chosen_lights(std::slice::from_ref(&spec.light), args.posed.pose.time)?;
         check_options(spec, &lights)?;
         chosen.extend(lights.into_iter().map(|light| (spec, light)));
     }
@@ -329,13 +318,12 @@ pub(crate) fn shaded_lights(
     }
     if shaded_lights.is_empty() {
         let light = file_light.unwrap_or_else(|| default_light(view, stage));
-        let spec = ShadedLightSpec { color: Some(DEFAULT_COLOR), ..ShadedLightSpec::new(LightSpec::All) };
-        shaded_lights.push(shaded(&spec, &ChosenLight { light, of_file: None }, 0.0, stage));
+        shaded_lights.push(ShadedLight { color: DEFAULT_COLOR, ..ShadedLight::new(light) });
     }
     // Once for every way to cast: depth maps and areas would take such a light for another.
     let lights: Vec<Light> = shaded_lights.iter().map(|shaded| shaded.light).collect();
     check_shadow_lights(&lights, usize::MAX).map_err(|error| Failure::usage(error.to_string()))?;
-    let sphere = |radius| AreaSpec::Given(AreaShape::Sphere { radius });
+    let sphere = |radius| AreaSpec { shape: AreaShape::Sphere { radius }, is_relative: false };
     let areas = chosen.iter().map(|(spec, _)| spec.radius.map(sphere)).chain([None]);
     for (shaded, area) in shaded_lights.iter_mut().zip(areas) {
         if let Some(area) = area.or(args.area) {
@@ -389,18 +377,17 @@ fn cone(
 fn spread(shaded: &mut ShadedLight, area: AreaSpec, count: usize, stage: &SceneBounds) {
     let normal = stage.models.centre().as_dvec3() - shaded.position_or_direction();
     let distance = normal.length().max(1e-3 * f64::from(stage.models.extent()));
-    let shape = match area {
-        AreaSpec::Given(shape) => shape,
-        AreaSpec::Chosen(shape) => {
-            let by = (AREA_RADIUS * if shaded.light.w == 0.0 { 1.0 } else { distance }) as f32;
-            match shape {
-                AreaShape::Rectangle { width, height } => {
-                    AreaShape::Rectangle { width: width * by, height: height * by }
-                }
-                AreaShape::Disc { radius } => AreaShape::Disc { radius: radius * by },
-                AreaShape::Sphere { radius } => AreaShape::Sphere { radius: radius * by },
-            }
-        }
+    let scale = if !area.is_relative {
+        1.0
+    } else if shaded.light.w == 0.0 {
+        AREA_RADIUS as f32
+    } else {
+        (AREA_RADIUS * distance) as f32
+    };
+    let shape = match area.shape {
+        AreaShape::Rectangle { width, height } => AreaShape::Rectangle { width: width * scale, height: height * scale },
+        AreaShape::Disc { radius } => AreaShape::Disc { radius: radius * scale },
+        AreaShape::Sphere { radius } => AreaShape::Sphere { radius: radius * scale },
     };
     let normal = normal.normalize_or_zero().as_vec3().into();
     let area = AreaLight { light: shaded.light, shape, normal };
@@ -439,21 +426,12 @@ fn lamp_options(light: &ChosenLight, problem: &str) -> Failure {
 
 /// Refuses options that none of the lights that they are given to can have.
 fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), Failure> {
-    let mut first = None;
-    let mut wrong = 0;
-    for chosen in lights {
-        let Err((is_grave, problem)) = spec.check(chosen.light, chosen.of_file.as_ref()) else { continue };
-        wrong += 1;
-        if is_grave || first.is_none() {
-            first = Some(lamp_options(chosen, &problem));
-        }
-        if is_grave {
-            wrong = lights.len();
-            break;
-        }
-    }
+    let checked = lights.iter().map(|chosen| (chosen, spec.check(chosen.light, chosen.of_file.as_ref())));
+    let wrong: Vec<_> = checked.filter_map(|(chosen, checked)| Some((chosen, checked.err()?))).collect();
     // With `file:all`, options apply to the lights that can have them.
-    first.filter(|_| wrong == lights.len()).map_or(Ok(()), Err)
+    let of_all = wrong.first().filter(|_| wrong.len() == lights.len());
+    let found = wrong.iter().find(|(_, (is_grave, _))| *is_grave).or(of_all);
+    found.map_or(Ok(()), |(chosen, (_, problem))| Err(lamp_options(chosen, problem)))
 }
 
 /// To the left of the eye, above, and a little before the models: their shadow falls beside them.

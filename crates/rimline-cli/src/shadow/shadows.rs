@@ -82,9 +82,6 @@ pub(crate) struct Found {
     pub(super) silhouettes: Vec<u32>,
     pub(super) extraction: ExtractionStatistics,
     pub(super) shadow: ShadowStatistics,
-    /// Whether the bounds and overflows of `shadow` are the file's own. With several files they are known for all of
-    /// them together.
-    pub(super) is_whole: bool,
 }
 
 /// The faces that cast for a light and how they are counted, in words of the report.
@@ -242,13 +239,11 @@ fn too_many_pieces(&ShadowStatistics { lost_pieces, most_pieces, .. }: &ShadowSt
     })
 }
 
-/// Each number of one statistic and the same of the other.
-pub(super) fn sum<T: bytemuck::Pod>(one: T, other: T) -> T {
-    let mut sum = one;
-    let words = bytemuck::cast_slice::<T, u32>(std::slice::from_ref(&other)).iter();
-    let sums = bytemuck::cast_slice_mut::<T, u32>(std::slice::from_mut(&mut sum)).iter_mut();
-    sums.zip(words).for_each(|(sum, word)| *sum = sum.saturating_add(*word));
-    sum
+/// A statistic of two, number by number.
+pub(crate) fn each<T: bytemuck::Pod>(mut one: T, other: T, of: fn(u32, u32) -> u32) -> T {
+    let numbers = bytemuck::cast_slice_mut::<T, u32>(std::slice::from_mut(&mut one)).iter_mut();
+    numbers.zip(bytemuck::cast_slice::<T, u32>(&[other])).for_each(|(number, other)| *number = of(*number, *other));
+    one
 }
 
 #[cfg(test)]
@@ -287,6 +282,7 @@ mod tests {
     #[test]
     fn sums_do_not_wrap() {
         let found = |count_bound, skipped| ShadowStatistics { count_bound, skipped, ..Zeroable::zeroed() };
+        let sum = |one, other| each(one, other, u32::saturating_add);
         let both = sum(found(200, 1), found(100, 2));
         assert_eq!((both.count_bound, both.skipped, both.near_capped), (300, 3, 0));
         assert_eq!(sum(found(u32::MAX, 0), found(2, 0)).count_bound, u32::MAX);

@@ -89,21 +89,21 @@ const SLACK: f64 = 1e-11;
 
 /// Faces as rays from the light see them: a place stands for all on its ray. With a light at infinity rays are
 /// parallel, and a place is where its ray meets a plane before the light.
-pub(super) struct Rays {
-    pub(super) positions: Vec<DVec3>,
-    pub(super) faces: Vec<[u32; 3]>,
+struct Rays {
+    positions: Vec<DVec3>,
+    faces: Vec<[u32; 3]>,
 }
 
 /// A projected edge at which the number of faces changes by up to `weight`.
 #[derive(Clone, Copy)]
-pub(super) struct Side {
-    pub(super) ends: [u32; 2],
-    pub(super) weight: u32,
+struct Side {
+    ends: [u32; 2],
+    weight: u32,
 }
 
 /// Rays `ahead + u·right + v·up` with `u` and `v` between these bounds.
 #[derive(Clone, Copy)]
-pub(super) struct Cell {
+struct Cell {
     ahead: DVec3,
     right: DVec3,
     up: DVec3,
@@ -112,7 +112,7 @@ pub(super) struct Cell {
 }
 
 impl Cell {
-    fn whole(ahead: DVec3, right: DVec3, up: DVec3) -> Self {
+    fn whole([ahead, right, up]: [DVec3; 3]) -> Self {
         Self { ahead, right, up, low: [-1.0; 2], high: [1.0; 2] }
     }
 
@@ -121,23 +121,23 @@ impl Cell {
     }
 
     /// A ray in its middle that few edges pass through by design.
-    pub(super) fn middle(&self) -> DVec3 {
+    fn middle(&self) -> DVec3 {
         let between = |axis: usize, part: f64| self.low[axis] + part * (self.high[axis] - self.low[axis]);
         self.ray([between(0, 0.487_13), between(1, 0.533_91)])
     }
 
-    pub(super) fn corners(&self) -> [DVec3; 4] {
+    fn corners(&self) -> [DVec3; 4] {
         let ([a, b], [c, d]) = (self.low, self.high);
         [[a, b], [c, b], [c, d], [a, d]].map(|at| self.ray(at))
     }
 
     /// Planes through the light, the cell in front of all.
-    pub(super) fn planes(&self) -> [DVec3; 5] {
+    fn planes(&self) -> [DVec3; 5] {
         let Self { ahead, right, up, low, high } = *self;
         [ahead, right - low[0] * ahead, high[0] * ahead - right, up - low[1] * ahead, high[1] * ahead - up]
     }
 
-    pub(super) fn quarters(&self) -> [Self; 4] {
+    fn quarters(&self) -> [Self; 4] {
         let [a, b] = [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]));
         let ([left, bottom], [right, top]) = (self.low, self.high);
         let part = |low, high| Self { low, high, ..*self };
@@ -152,7 +152,7 @@ impl Cell {
 
 impl Rays {
     /// And cells that hold all rays.
-    pub(super) fn new(light: Light, positions: &[[f32; 3]], faces: Vec<[u32; 3]>) -> (Self, Vec<Cell>) {
+    fn new(light: Light, positions: &[[f32; 3]], faces: Vec<[u32; 3]>) -> (Self, Vec<Cell>) {
         let [x, y, z, w] = light.to_array().map(f64::from);
         let world = positions.iter().map(|&[x, y, z]| DVec3::new(x.into(), y.into(), z.into()));
         let (i, j, k) = (DVec3::X, DVec3::Y, DVec3::Z);
@@ -160,7 +160,7 @@ impl Rays {
             let apex = DVec3::new(x, y, z) / w;
             let positions = world.map(|p| p - apex).collect();
             let sides = [[i, j, k], [-i, j, k], [j, k, i], [-j, k, i], [k, i, j], [-k, i, j]];
-            return (Self { positions, faces }, sides.map(|[ahead, right, up]| Cell::whole(ahead, right, up)).to_vec());
+            return (Self { positions, faces }, sides.map(Cell::whole).to_vec());
         }
         let towards = (DVec3::new(x, y, z) / x.abs().max(y.abs()).max(z.abs())).normalize_or(j);
         let (right, up) = towards.any_orthonormal_pair();
@@ -174,10 +174,10 @@ impl Rays {
         for position in &mut positions {
             *position = ((*position - middle) / scale).with_z(1.0);
         }
-        (Self { positions, faces }, vec![Cell::whole(k, i, j)])
+        (Self { positions, faces }, vec![Cell::whole([k, i, j])])
     }
 
-    pub(super) fn corners(&self, face: u32) -> [DVec3; 3] {
+    fn corners(&self, face: u32) -> [DVec3; 3] {
         self.faces[face as usize].map(|v| self.positions[v as usize])
     }
 
@@ -190,7 +190,7 @@ impl Rays {
     }
 
     /// The edges at which faces that all turn to the light begin or end, or may.
-    pub(super) fn sides(&self) -> Vec<Side> {
+    fn sides(&self) -> Vec<Side> {
         let mut half_edges = Vec::with_capacity(3 * self.faces.len());
         for (number, &[a, b, c]) in (0..).zip(&self.faces) {
             let facing = self.facing(number);
@@ -211,7 +211,7 @@ impl Rays {
     }
 
     /// Whether a ray meets a face, or rounding leaves it open.
-    pub(super) fn meets(&self, ray: DVec3, face: u32) -> bool {
+    fn meets(&self, ray: DVec3, face: u32) -> bool {
         let [a, b, c] = self.corners(face);
         let within = |way: f64| {
             [(a, b), (b, c), (c, a)]
@@ -226,7 +226,7 @@ impl Rays {
 }
 
 /// Whether a face, or an edge, may meet rays of a cell.
-pub(super) fn may_meet<const N: usize>(positions: [DVec3; N], planes: &[DVec3; 5], corners: &[DVec3; 4]) -> bool {
+fn may_meet<const N: usize>(positions: [DVec3; N], planes: &[DVec3; 5], corners: &[DVec3; 4]) -> bool {
     let sizes = positions.map(DVec3::length);
     let is_outside = |plane: &DVec3| {
         positions.iter().zip(sizes).all(|(position, size)| plane.dot(*position) < -SLACK * size * plane.length())
@@ -315,50 +315,17 @@ fn components(vertices: usize, faces: &[[u32; 3]]) -> Vec<Vec<u32>> {
 
 #[cfg(test)]
 mod tests {
+    use rimline_testkit::shapes::{Shape, globe, plane_grid};
+
     use super::*;
-
-    /// Two triangles for each square of a lattice in a plane at this height.
-    fn sheet(height: f32, squares: u32, positions: &mut Vec<[f32; 3]>, faces: &mut Vec<[u32; 3]>) {
-        let first = positions.len() as u32;
-        let at = |n: u32| 2.0 * n as f32 / squares as f32 - 1.0;
-        positions.extend((0..=squares).flat_map(|z| (0..=squares).map(move |x| [at(x), height, at(z)])));
-        for z in 0..squares {
-            for x in 0..squares {
-                let a = first + z * (squares + 1) + x;
-                faces.extend([[a, a + squares + 1, a + 1], [a + 1, a + squares + 1, a + squares + 2]]);
-            }
-        }
-    }
-
-    /// A sphere of two poles with many faces around each.
-    fn sphere(segments: u32, rings: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-        let mut positions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
-        for ring in 1..rings {
-            let polar = std::f32::consts::PI * ring as f32 / rings as f32;
-            positions.extend((0..segments).map(|segment| {
-                let turn = std::f32::consts::TAU * segment as f32 / segments as f32;
-                [polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin()]
-            }));
-        }
-        let at = |ring: u32, segment: u32| 2 + (ring - 1) * segments + segment % segments;
-        let mut faces = Vec::new();
-        for s in 0..segments {
-            faces.extend([[0, at(1, s + 1), at(1, s)], [1, at(rings - 1, s), at(rings - 1, s + 1)]]);
-            for r in 1..rings - 1 {
-                faces.push([at(r, s), at(r, s + 1), at(r + 1, s)]);
-                faces.push([at(r, s + 1), at(r + 1, s + 1), at(r + 1, s)]);
-            }
-        }
-        (positions, faces)
-    }
 
     #[test]
     fn bounds_hold_and_are_not_far_off() {
         let above = [Light::point([0.1, 30.0, 0.2]), Light::directional([0.1, 1.0, 0.05])];
         for light in above {
             for layers in [1, 40, 300] {
-                let (mut positions, mut faces) = (Vec::new(), Vec::new());
-                (0..layers).for_each(|n| sheet(n as f32 / 256.0, 3, &mut positions, &mut faces));
+                let sheet = |layer: u32| plane_grid(3, 3).placed(|[x, _, z]| [x, layer as f32 / 256.0, z]);
+                let Shape { positions, faces } = Shape::joined(&(0..layers).map(sheet).collect::<Vec<_>>());
                 let found = deepest(light, &positions, &faces, 255);
                 // A bound of at most 255 is valid, although a smaller one may exist.
                 assert!(found >= layers, "{light:?}, {layers} layers: {found}");
@@ -369,7 +336,8 @@ mod tests {
 
     #[test]
     fn poles_and_lights_within_are_no_layers() {
-        let (positions, faces) = sphere(300, 30);
+        // Many faces lie around each of two poles.
+        let Shape { positions, faces } = globe(300, 30).placed(|[x, y, z]| [y, z, x]);
         for light in [[0.0, 3.0, 0.0], [0.0, 0.0, 0.0], [0.3, -0.2, 0.1], [0.0, 1.0, 0.0]] {
             let found = deepest(Light::point(light), &positions, &faces, 255);
             assert!((1..=255).contains(&found), "{light:?}: {found}");

@@ -3,7 +3,7 @@
 
 mod deepest;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use rimline::gpu::{
     Caster, FrameInputs, LightHandle, Pipelines, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat,
@@ -26,7 +26,7 @@ pub(super) struct Layers {
     batches: Vec<Batch>,
 }
 
-pub(super) struct Batch {
+struct Batch {
     scene: Scene,
     lights: Vec<LightHandle>,
     frame: Option<SceneFrame>,
@@ -50,22 +50,15 @@ impl Layers {
             positions.extend(&body.world);
             faces.extend(body.faces.iter().map(|face| face.map(|v| first + v)));
         }
-        let mut most = 0;
-        let deep: Vec<Light> = lights
-            .iter()
-            .copied()
-            .filter(|&light| {
-                let found = deepest::deepest(light, &positions, &faces, MOST);
-                most = most.max(found);
-                found > MOST
-            })
-            .collect();
+        let found: Vec<u32> = lights.iter().map(|&light| deepest::deepest(light, &positions, &faces, MOST)).collect();
+        let deep = lights.iter().zip(&found).filter(|(_, found)| **found > MOST);
+        let deep: Vec<Light> = deep.map(|(&light, _)| light).collect();
         if deep.is_empty() {
-            return Ok(Some(Self { most: Some(most), batches: Vec::new() }));
+            return Ok(Some(Self { most: found.into_iter().max(), batches: Vec::new() }));
         }
         // The others are counted in the same batches.
         let Some(found) = deepest::batches(&deep, &positions, &faces, MOST_OF_BATCH) else { return Ok(None) };
-        let batch = |of: &Vec<u32>| Batch::new(gpu, bodies, counting, max_lights, of);
+        let batch = |faces: &Vec<u32>| Batch::new(gpu, bodies, counting, max_lights, faces);
         Ok(Some(Self { most: None, batches: found.iter().map(batch).collect::<Result<_, _>>()? }))
     }
 
@@ -87,51 +80,46 @@ impl Layers {
         if self.batches.is_empty() {
             return Ok(false);
         }
-        let made = pipelines.get()?;
+        let (counting, resolve) = pipelines.get()?;
         for (number, batch) in self.batches.iter().enumerate() {
             if number > 0 {
-                made.resolve(pass);
+                // Where a count is not 0, sets the bit of darkness and the count to 0.
+                pass.set_pipeline(resolve);
+                pass.set_stencil_reference(MOST_OF_BATCH + 1);
+                pass.draw(0..3, 0..1);
+                pass.set_stencil_reference(0);
             }
             let frame = batch.frame.as_ref().ok_or(ShadowError::NotEncoded)?;
             let handle = *batch.lights.get(light).ok_or(ShadowError::NotEncoded)?;
-            frame.draw(pass, &made.counting, 0, handle)?;
+            frame.draw(pass, counting, 0, handle)?;
         }
         Ok(true)
     }
 }
 
 impl Batch {
+    /// Faces of all bodies, by their numbers: a caster for each body.
     fn new(
         gpu: &Gpu,
         bodies: &[PosedModel<'_>],
         counting: Counting,
         max_lights: usize,
-        of: &[u32],
+        faces: &[u32],
     ) -> Result<Self, Failure> {
         let stencil = StencilCounts { count_bits: COUNT_BITS, ..StencilCounts::default() };
         let options = SceneOptions { max_lights, counting, stencil, ..SceneOptions::default() };
         let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).on(gpu)?;
-        let mut of = of.to_vec();
-        of.sort_unstable();
-        let mut of = of.as_slice();
-        let mut first_face = 0;
+        let mut faces = faces.to_vec();
+        faces.sort_unstable();
+        let (mut first, mut rest) = (0, faces.as_slice());
         for body in bodies {
-            let mut first_vertex = 0;
-            let mut end = first_face;
-            for (instance, topology) in body.topologies.iter().enumerate() {
-                let geometry = &body.input.model().geometries()[topology.geometry];
-                let rest = geometry.positions();
-                end += geometry.faces().len() as u32;
-                let (of_layer, others) = of.split_at(of.partition_point(|&face| face < end));
-                of = others;
-                let corners = |&face: &u32| body.faces[(face - first_face) as usize].map(|v| v - first_vertex);
-                let mesh = body.part(rest.len(), of_layer.iter().map(corners).collect())?;
-                first_vertex += rest.len() as u32;
-                let (Some(mesh), Some(positions)) = (mesh, body.positions.of_instance(instance)) else { continue };
-                let mesh = scene.add_mesh(&mesh, rest).on(gpu)?;
-                scene.insert(Caster::in_buffer(mesh, positions)).on(gpu)?;
-            }
-            first_face = end;
+            let end = first + body.faces.len() as u32;
+            let (of_body, others) = rest.split_at(rest.partition_point(|&face| face < end));
+            let corners = of_body.iter().map(|&face| body.faces[(face - first) as usize]).collect();
+            (first, rest) = (end, others);
+            let Some(mesh) = body.part(corners)? else { continue };
+            let mesh = scene.add_mesh(&mesh, &body.world).on(gpu)?;
+            scene.insert(Caster::in_buffer(mesh, body.positions.buffer())).on(gpu)?;
         }
         Ok(Self { scene, lights: Vec::new(), frame: None })
     }
@@ -148,46 +136,31 @@ impl Batch {
     }
 }
 
-pub(super) const COUNT_BITS: u32 = 7;
-pub(super) const MOST_OF_BATCH: u32 = (1 << COUNT_BITS) - 1;
+const COUNT_BITS: u32 = 7;
+const MOST_OF_BATCH: u32 = (1 << COUNT_BITS) - 1;
 
-/// Made when they are first needed, as most pictures do without.
-#[derive(Clone)]
+/// Pipelines of batches, made when they are first needed, as most pictures do without: they count volumes, and make
+/// counts a bit of darkness.
 pub(crate) struct BatchPipelines {
     pipelines: Pipelines,
     format: ShadowFormat,
     counting: Counting,
-    made: Arc<OnceLock<Made>>,
-}
-
-pub(super) struct Made {
-    pub(super) counting: ShadowPipelines,
-    resolve: wgpu::RenderPipeline,
+    made: OnceLock<Box<(ShadowPipelines, wgpu::RenderPipeline)>>,
 }
 
 impl BatchPipelines {
     pub(crate) fn new(pipelines: &Pipelines, format: &ShadowFormat, counting: Counting) -> Self {
         let format = ShadowFormat { count_bits: COUNT_BITS, ..format.clone() };
-        Self { pipelines: pipelines.clone(), format, counting, made: Arc::default() }
+        Self { pipelines: pipelines.clone(), format, counting, made: OnceLock::new() }
     }
 
-    pub(super) fn get(&self) -> Result<&Made, GpuError> {
+    fn get(&self) -> Result<&(ShadowPipelines, wgpu::RenderPipeline), GpuError> {
         if let Some(made) = self.made.get() {
             return Ok(made);
         }
         let counting = ShadowPipelines::new(&self.pipelines, &self.format, self.counting)?;
-        let resolve = resolve(self.pipelines.device(), &self.format);
-        Ok(self.made.get_or_init(|| Made { counting, resolve }))
-    }
-}
-
-impl Made {
-    /// Where a count is not 0, sets the bit of darkness and the count to 0.
-    pub(super) fn resolve(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_pipeline(&self.resolve);
-        pass.set_stencil_reference(MOST_OF_BATCH + 1);
-        pass.draw(0..3, 0..1);
-        pass.set_stencil_reference(0);
+        let made = Box::new((counting, resolve(self.pipelines.device(), &self.format)));
+        Ok(self.made.get_or_init(|| made))
     }
 }
 
@@ -195,17 +168,14 @@ fn resolve(device: &wgpu::Device, format: &ShadowFormat) -> wgpu::RenderPipeline
     // The reference has no bit of the count, so the comparison is with 0.
     let face = wgpu::StencilFaceState {
         compare: wgpu::CompareFunction::NotEqual,
-        fail_op: wgpu::StencilOperation::Keep,
-        depth_fail_op: wgpu::StencilOperation::Keep,
         pass_op: wgpu::StencilOperation::Replace,
+        ..wgpu::StencilFaceState::IGNORE
     };
-    let depth = depth_state(format.depth_stencil, false, wgpu::CompareFunction::Always, face);
+    let mut depth = depth_state(format.depth_stencil, false, wgpu::CompareFunction::Always, face);
+    depth.stencil.read_mask = MOST_OF_BATCH;
     let pass = Pass {
         samples: format.samples,
-        depth: Some(wgpu::DepthStencilState {
-            stencil: wgpu::StencilState { read_mask: MOST_OF_BATCH, ..depth.stencil.clone() },
-            ..depth
-        }),
+        depth: Some(depth),
         ..Pass::over("resolve", "@fragment fn resolve_fragment() {}", &[], None)
     };
     pass.pipeline(device, COMMON, None)
