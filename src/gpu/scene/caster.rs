@@ -1,5 +1,6 @@
 //! Casters: the caller's description, and the scene's records.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -93,7 +94,6 @@ pub(crate) struct MeshEntry {
     pub(crate) order: Option<Arc<SlotOrder>>,
     /// `None`: it has only triangles.
     pub(crate) polygons: Option<PolygonMesh>,
-    pub(crate) casters: usize,
 }
 
 impl MeshEntry {
@@ -118,7 +118,12 @@ impl MeshEntry {
         }
         let (vertices, faces, counts) = (mesh.vertex_count(), mesh.faces().len() as u32, mesh.edges().counts());
         let is_closed = mesh.is_closed();
-        Self { region, vertices, faces, counts, is_closed, low, high, is_holed, order, polygons, casters: 0 }
+        Self { region, vertices, faces, counts, is_closed, low, high, is_holed, order, polygons }
+    }
+
+    /// The slots of some of its faces.
+    pub(crate) fn slots(&self, faces: &[u32]) -> Arc<[u32]> {
+        self.order.as_ref().map_or_else(|| faces.into(), |order| order.slots(faces).into())
     }
 
     pub(crate) fn edges(&self) -> u32 {
@@ -129,13 +134,8 @@ impl MeshEntry {
 
 /// The scene's record of a caster.
 #[derive(Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "facts that do not depend on each other")]
 pub(crate) struct CasterEntry {
-    pub(crate) mesh: DefaultKey,
-    /// Whether the mesh has polygons, whose bits are computed in each encode.
-    pub(crate) has_polygons: bool,
-    /// The source of its positions.
-    pub(crate) source: DefaultKey,
+    pub(crate) mesh: Arc<MeshEntry>,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
     /// For each light the slots of faces that the caller excludes, counted from the caster's first slot.
@@ -178,29 +178,25 @@ impl CasterEntry {
     /// `f32`.
     pub(crate) fn light(&self, lights: &Lights, bit: u32) -> Option<Light> {
         let light = lights.get(bit).filter(|_| self.lights.has(bit))?;
-        let moved = match self.placement {
+        let moved = match &self.placement {
             Placement::World { .. } => light,
             Placement::Rigid(rigid) => rigid.space?.light(light)?,
         };
         Some(moved).filter(|light| light.to_array() != [0.0; 4])
     }
 
-    /// Its transform, if it is rigid.
-    pub(crate) fn rigid(&self) -> Option<Rigid> {
-        if let Placement::Rigid(rigid) = self.placement { Some(rigid) } else { None }
-    }
-
     /// The word of its first vertex in the bound positions, and the words from vertex to vertex.
-    pub(crate) fn position_words(&self, mesh: &MeshEntry) -> [u32; 2] {
+    pub(crate) fn position_words(&self) -> [u32; 2] {
         match self.placement {
-            Placement::Rigid(_) => [3 * mesh.region.ranges[2].start, 3],
-            Placement::World { offset, stride } => [offset, stride],
+            Placement::Rigid(_) => [3 * self.mesh.region.ranges[2].start, 3],
+            Placement::World { offset, stride, .. } => [offset, stride],
         }
     }
 
     /// Whether each encode computes its bits: its positions may have changed, or it has polygons.
     pub(crate) fn is_uncached(&self) -> bool {
-        self.has_polygons || matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
+        self.mesh.polygons.is_some()
+            || matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
     }
 }
 
@@ -226,12 +222,19 @@ pub(super) struct OcclusionCaster {
 }
 
 /// The space and the location of a caster's positions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) enum Placement {
     /// Mesh space, in the page.
     Rigid(Rigid),
     /// World space, in the bound part of a caller's buffer: the word of vertex 0, and the words from vertex to vertex.
-    World { offset: u32, stride: u32 },
+    World { bound: BoundBuffer, offset: u32, stride: u32 },
+}
+
+/// The part of a caller's buffer that is bound.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct BoundBuffer {
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) range: Range<u64>,
 }
 
 /// A transform, with derived values.

@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::handles::CasterHandle;
-use super::handles::{LightHandle, SceneId};
+use super::handles::{CasterHandle, LightHandle, SceneId};
+use super::layout::{CasterSlots, Layout};
 use super::mask::LightMask;
 use super::occluded_faces::OccludedCounts;
 use super::structure::Structure;
@@ -249,7 +249,7 @@ impl SceneFrame {
             let views = of.and_then(|of| of.lists.get(number));
             let sizes = volumes.and_then(|volumes| volumes.sizes.parts.get(number));
             Some(SceneGroupResults {
-                clusters: &self.structure.topology.get(part.group)?.clusters,
+                clusters: &self.structure.topology.get(part.group)?.page.clusters,
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
                 side_capacity: sizes.map_or(0, |sizes| sizes.shape.side_capacity),
                 group: part.group,
@@ -290,26 +290,27 @@ impl SceneFrame {
     /// The group of a caster, and the slots of its faces in the facing masks of that group.
     #[doc(hidden)]
     pub fn face_slots(&self, caster: CasterHandle) -> Option<(usize, Range<u32>)> {
-        let (index, group) = self.locate(caster)?;
-        Some((group, self.structure.layout.face_slots.get(index as usize)?.clone()))
+        let (_, slots) = self.slots(caster)?;
+        Some((slots.group, slots.faces.clone()))
     }
 
     /// The face of each face slot of a caster. `None`: the order of the mesh.
     #[doc(hidden)]
     pub fn slot_order(&self, caster: CasterHandle) -> Option<&[u32]> {
-        let (index, _) = self.locate(caster)?;
-        let order = self.structure.layout.slot_orders.get(index as usize)?.as_ref()?;
-        Some(&order.faces)
+        let (_, slots) = self.slots(caster)?;
+        Some(&slots.order.as_ref()?.faces)
     }
 
     /// The index of a caster in the scene table, and that of its group.
     #[doc(hidden)]
     pub fn locate(&self, caster: CasterHandle) -> Option<(u32, usize)> {
-        let layout = &self.structure.layout;
-        if caster.scene != self.scene {
-            return None;
-        }
-        let index = layout.order.iter().position(|&key| key == caster.key)? as u32;
-        layout.groups.iter().rposition(|group| group.first <= index).map(|group| (index, group))
+        self.slots(caster).map(|(index, slots)| (index as u32, slots.group))
+    }
+
+    /// The index of a caster in the scene table, and its slots.
+    fn slots(&self, caster: CasterHandle) -> Option<(usize, &CasterSlots)> {
+        let Layout { order, slots, .. } = &self.structure.layout;
+        let key = caster.key_in(self.scene).ok()?;
+        order.iter().zip(slots).enumerate().find_map(|(index, (&of, slots))| (of == key).then_some((index, slots)))
     }
 }

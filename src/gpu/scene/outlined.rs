@@ -45,15 +45,15 @@ impl<'a> Outlined<'a> {
             whole(&structure.table),
             whole(&structure.buffers.relevant_lights),
             part(positions, range.clone()),
-            whole(&topology.edge_vertices),
-            whole(&topology.edge_faces),
+            whole(&topology.page.edge_vertices),
+            whole(&topology.page.edge_faces),
             part(&buffers.facing, 0..sizes.facing()),
             part(&buffers.lists, 0..sizes.lists),
         ]
     }
 
     pub(crate) fn faces(self) -> &'a wgpu::Buffer {
-        &self.topology.faces
+        &self.topology.page.faces
     }
 
     /// The edge slots.

@@ -27,14 +27,20 @@ pub(crate) struct Region {
 }
 
 /// The buffers of a page.
-#[derive(Debug)]
-pub(crate) struct Page<B = wgpu::Buffer> {
+#[derive(Clone, Debug)]
+pub(crate) struct PageBuffers<B = wgpu::Buffer> {
     pub(crate) faces: B,
     pub(crate) edge_vertices: B,
     pub(crate) edge_faces: B,
     pub(crate) positions: B,
     /// The words of [`Topology::clusters`].
     pub(crate) clusters: B,
+}
+
+/// The buffers of a page, and what is free there.
+#[derive(Debug)]
+struct Page {
+    buffers: PageBuffers,
     /// Whether it is for one mesh alone, which begins it.
     is_of_one: bool,
     /// Free ranges of each kind.
@@ -51,7 +57,7 @@ pub(crate) struct Pages {
     pub(crate) bytes: u64,
 }
 
-impl<B> Page<B> {
+impl<B> PageBuffers<B> {
     fn plan(items: [u64; KINDS], mut make: impl FnMut(Wanted<'static>) -> B) -> Self {
         let [faces, edges, vertices, words] = items;
         Self {
@@ -60,8 +66,6 @@ impl<B> Page<B> {
             edge_faces: make(Wanted::new("scene edge faces", 8 * edges)),
             positions: make(Wanted::new("scene rest positions", 12 * vertices)),
             clusters: make(Wanted::new("scene clusters", 4 * words)),
-            is_of_one: false,
-            free: items.map(|items| RangeAllocator::new(0..items as u32)),
         }
     }
 }
@@ -87,8 +91,8 @@ impl Pages {
         Self { all: Vec::new(), freed: Vec::new(), bytes: 0 }
     }
 
-    pub(crate) fn get(&self, page: usize) -> Option<&Page> {
-        self.all.get(page)
+    pub(crate) fn get(&self, page: usize) -> Option<&PageBuffers> {
+        self.all.get(page).map(|page| &page.buffers)
     }
 
     /// Allocates a mesh, in a new page if the others have no room. `used` are the bytes of the scene beside its pages. If
@@ -120,13 +124,14 @@ impl Pages {
         let sizes = page_sizes(shared, items, limits.binding)?;
         let sizes = if is_alone { items } else { sizes };
         let mut all = Vec::new();
-        Page::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
+        PageBuffers::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
         let bytes = check(&all, limits.buffer, None)?;
         let others = used + self.bytes;
         all.push(Allocation { label: "the rest of the scene", bytes: others });
         check(&all, u64::MAX, memory_limit)?;
-        let mut made = guarded(device, bytes + others, || Page::plan(sizes, |wanted| wanted.make(device)))?;
-        made.is_of_one = is_alone;
+        let buffers = guarded(device, bytes + others, || PageBuffers::plan(sizes, |wanted| wanted.make(device)))?;
+        let free = sizes.map(|items| RangeAllocator::new(0..items as u32));
+        let mut made = Page { buffers, is_of_one: is_alone, free };
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
         self.all.push(made);
@@ -144,7 +149,7 @@ impl Pages {
         mesh: &Topology<'_>,
         positions: &[[f32; 3]],
     ) -> Result<(), DeviceError> {
-        let Some(page) = self.all.get(region.page) else { return Ok(()) };
+        let Some(page) = self.get(region.page) else { return Ok(()) };
         let [faces, edges, vertices, words] = region.ranges.clone().map(|range| u64::from(range.start));
         let write = || {
             queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(&mesh.faces));

@@ -161,8 +161,7 @@ impl<'a> Binder<'a> {
         let GroupBuffers { facing, excluded, record, lists, polygons, .. } =
             structure.buffers.groups.get(group)?.get(batch)?;
         let PolygonBuffers { lights: light_batch, undecided, arguments, pieces } = polygons.as_ref()?;
-        let GroupTopology { faces, edge_vertices, edge_faces, positions: (positions, range), .. } =
-            structure.topology.get(group)?;
+        let GroupTopology { page, positions: (positions, range), .. } = structure.topology.get(group)?;
         let PolygonCaster { mesh, offset_words, stride_words, .. } = structure.polygons(inputs.content, group)?;
         // One binding holds them, so this is no error.
         let windows = limits.windows("positions", range.end - range.start).ok()?;
@@ -182,9 +181,9 @@ impl<'a> Binder<'a> {
             polygons: Some(sizes.polygons?),
         };
         let buffers = extract::buffers::Buffers {
-            faces: faces.clone(),
-            edge_vertices: edge_vertices.clone(),
-            edge_faces: edge_faces.clone(),
+            faces: page.faces.clone(),
+            edge_vertices: page.edge_vertices.clone(),
+            edge_faces: page.edge_faces.clone(),
             edge_corners: None,
             facing: vec![facing.clone()],
             masks: Vec::new(),
@@ -211,7 +210,7 @@ impl<'a> Binder<'a> {
         let Buffers { relevant_lights, active_lights, cache, work, statistics, .. } = buffers;
         let &GroupBatch { group, batch, ref sizes, offset, shape, .. } = group_batch;
         let of_group = buffers.groups.get(group)?.get(batch)?;
-        let topology = self.structure.topology.get(group)?;
+        let GroupTopology { page, positions: (positions, range), .. } = self.structure.topology.get(group)?;
         let extraction_statistics = || part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64);
         Some(match name {
             "group" => uniform::<SceneDispatch>(uniforms, offset),
@@ -226,11 +225,11 @@ impl<'a> Binder<'a> {
             "statistics" if stage == ARGUMENTS.name => extraction_statistics(),
             "statistics" => whole(statistics),
             "extraction_statistics" => extraction_statistics(),
-            "cluster_words" => whole(&topology.clusters),
-            "positions" => part(&topology.positions.0, topology.positions.1.clone()),
-            "faces" => whole(&topology.faces),
-            "edge_vertices" => whole(&topology.edge_vertices),
-            "edge_faces" => whole(&topology.edge_faces),
+            "cluster_words" => whole(&page.clusters),
+            "positions" => part(positions, range.clone()),
+            "faces" => whole(&page.faces),
+            "edge_vertices" => whole(&page.edge_vertices),
+            "edge_faces" => whole(&page.edge_faces),
             "facing_masks" => part(&of_group.facing, 0..sizes.masks),
             "excluded_masks" => part(&of_group.excluded, 0..sizes.masks),
             "record" => part(&of_group.record, 0..sizes.record),

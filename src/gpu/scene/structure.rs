@@ -99,8 +99,7 @@ impl Structure {
         old: Option<&Self>,
         versions: Versions,
     ) -> Result<Self, ShadowError> {
-        let Inputs { pipelines, content: Content { casters, lights, sources, pages, .. }, options, views, .. } =
-            *inputs;
+        let Inputs { pipelines, content: Content { casters, lights, pages, .. }, options, views, .. } = *inputs;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let batches = table.batches;
@@ -160,10 +159,7 @@ impl Structure {
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let upload = || exclusions.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>();
         let exclusions = guarded(device, exclusion_bytes, upload)?;
-        let topology = |group: &Group| {
-            let source = sources.get(group.source)?;
-            Some(source.topology(pages.get(source.page)?))
-        };
+        let topology = |group: &Group| Some(group.source.topology(pages.get(group.source.page)?));
         Ok(Self {
             topology: layout.groups.iter().filter_map(topology).collect(),
             layout,
@@ -186,16 +182,11 @@ impl Structure {
     }
 
     /// The caster of a group of polygons.
-    pub(crate) fn polygons<'a>(
-        &self,
-        Content { meshes, casters, .. }: &'a Content,
-        group: usize,
-    ) -> Option<PolygonCaster<'a>> {
+    pub(crate) fn polygons<'a>(&self, content: &'a Content, group: usize) -> Option<PolygonCaster<'a>> {
         let first = self.layout.groups.get(group)?.first;
-        let caster = casters.get(*self.layout.order.get(first as usize)?)?;
-        let mesh = meshes.get(caster.mesh)?;
-        let [offset_words, stride_words] = caster.position_words(mesh);
-        Some(PolygonCaster { caster, mesh: mesh.polygons.as_ref()?, offset_words, stride_words })
+        let caster = content.casters.get(*self.layout.order.get(first as usize)?)?;
+        let [offset_words, stride_words] = caster.position_words();
+        Some(PolygonCaster { caster, mesh: caster.mesh.polygons.as_ref()?, offset_words, stride_words })
     }
 
     /// For each caster of polygons and batch its lights, and the uniform that they are uploaded to.
@@ -218,16 +209,14 @@ fn caller_exclusions(
 ) -> Vec<Option<Vec<u32>>> {
     let batches = table.batches;
     let mut exclusions = vec![None; layout.groups.len() * batches];
-    for ((&key, slots), index) in layout.order.iter().zip(&layout.face_slots).zip(0_u32..) {
-        let Some(caster) = casters.get(key).filter(|caster| caster.is_excluding()) else { continue };
-        let Some(number) = layout.groups.iter().rposition(|group| group.first <= index) else { continue };
-        let room = layout.groups.get(number).map_or(0, Group::face_slots);
+    for (&key, slots) in layout.order.iter().zip(&layout.slots) {
+        let Some((caster, group)) = casters.get(key).zip(layout.groups.get(slots.group)) else { continue };
         for (light, faces) in caster.all_excluded() {
             let bit = light.bit as usize;
-            let Some(masks) = exclusions.get_mut(number * batches + bit / 32) else { continue };
-            let masks = masks.get_or_insert_with(|| vec![0; room as usize]);
+            let Some(masks) = exclusions.get_mut(slots.group * batches + bit / 32) else { continue };
+            let masks = masks.get_or_insert_with(|| vec![0; group.face_slots() as usize]);
             for &slot in &**faces {
-                if let Some(mask) = masks.get_mut((slots.start + slot) as usize) {
+                if let Some(mask) = masks.get_mut((slots.faces.start + slot) as usize) {
                     *mask |= 1 << (bit % 32);
                 }
             }
