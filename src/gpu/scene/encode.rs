@@ -12,7 +12,7 @@ use super::options::Measuring;
 use super::receivers::{self, ReceiverState, ViewVersion};
 use super::scene::Scene;
 use super::stages::steps;
-use super::structure::{Inputs, Structure, Versions};
+use super::structure::{Inputs, Structure};
 use super::table::Part;
 use super::view::{FrameInputs, View};
 use super::volumes::Volumes;
@@ -265,13 +265,13 @@ impl Scene {
 
     fn lay_out(&mut self) -> Result<Arc<Structure>, ShadowError> {
         self.structures = self.structures.wrapping_add(1).max(1);
-        let versions = Versions { structure: self.structures, encode: self.encode_number() };
-        self.content.lights.update_versions(versions.encode);
+        let encode = self.encode_number();
+        self.content.lights.update_versions(encode);
         self.index_deforming();
         let limits = DispatchLimits::new(&self.pipelines.device().limits());
-        let layout = Layout::new(&mut self.table, &mut self.content, versions.encode, &limits)?;
+        let layout = Layout::new(&mut self.table, &mut self.content, encode, &limits)?;
         let inputs = self.inputs();
-        let made = Arc::new(Structure::new(&inputs, layout, &self.table, self.last.as_deref(), versions)?);
+        let made = Arc::new(Structure::new(&inputs, layout, &self.table, self.last.as_deref(), self.structures)?);
         self.steps = steps(&inputs, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));

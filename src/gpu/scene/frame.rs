@@ -75,8 +75,6 @@ pub struct SceneGroupResults<'a> {
     pub draws: &'a wgpu::Buffer,
     /// Begins with [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
     pub record: &'a wgpu::Buffer,
-    /// The clusters of its page: [`Arranged::words`](crate::internals::clusters::Arranged::words) of each mesh.
-    pub clusters: &'a wgpu::Buffer,
     /// The uniform of the stages.
     pub dispatch: SceneDispatch,
 }
@@ -92,8 +90,6 @@ pub struct SceneResults<'a> {
     pub active_lights: &'a wgpu::Buffer,
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics).
     pub statistics: &'a wgpu::Buffer,
-    /// The versions that bits and lists were computed from, as `wgsl/scene/table.wgsl` says.
-    pub cache: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
     /// The lights in each view, [`ViewLight`](crate::layout::ViewLight)s of all bits, and the sizes of the first group and
@@ -104,9 +100,6 @@ pub struct SceneResults<'a> {
     /// After one word the receivers of each view, and how many words each has: a head and the levels of
     /// `wgsl/shadow/receivers.wgsl`. `None`: no view.
     pub receivers: Option<(&'a wgpu::Buffer, u64)>,
-    /// The versions of the lists of views: for each group, batch and view 32 pairs of words, the encode that made the
-    /// silhouettes and the version of the camera. `None`: no view.
-    pub listed: Option<&'a wgpu::Buffer>,
     /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters a row of
     /// the stage `stencil_crossings`. `None`: bounds are off.
     pub bound: Option<[&'a wgpu::Buffer; 2]>,
@@ -244,36 +237,32 @@ impl SceneFrame {
         let Structure { table, buffers, parts, .. } = &*self.structure;
         let volumes = self.volumes.as_ref().map(|volumes| &volumes.buffers);
         let of = volumes.map(|volumes| &volumes.of);
-        let parts = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
-        let groups = parts.filter_map(|(number, (part, buffers))| {
+        let groups = parts.iter().enumerate().map(|(number, part)| {
             let views = of.and_then(|of| of.lists.get(number));
             let sizes = volumes.and_then(|volumes| volumes.sizes.parts.get(number));
-            Some(SceneGroupResults {
-                clusters: &self.structure.topology.get(part.group)?.page.clusters,
+            SceneGroupResults {
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
                 side_capacity: sizes.map_or(0, |sizes| sizes.shape.side_capacity),
                 group: part.group,
                 batch: part.batch,
-                facing: &buffers.facing,
-                excluded: &buffers.excluded,
-                lists: &buffers.lists,
+                facing: &part.buffers.facing,
+                excluded: &part.buffers.excluded,
+                lists: &part.buffers.lists,
                 capacity: part.sizes.capacity,
-                draws: &buffers.draws,
-                record: &buffers.record,
+                draws: &part.buffers.draws,
+                record: &part.buffers.record,
                 dispatch: part.dispatch,
-            })
+            }
         });
         Ok(SceneResults {
             view_lights: volumes.map(|volumes| (&volumes.of.view_lights, volumes.sizes.shape(0))),
             choices: of.map(|of| &of.choices),
             receivers: volumes.map(|volumes| (&volumes.of.receivers, volumes.sizes.receivers)),
-            listed: of.map(|of| &of.list_versions),
             bound: of.and_then(|of| of.bound.as_ref()).map(|bound| [&bound.pencils, &bound.bin_rows]),
             shadow_draws: of.map_or(&[][..], |of| &of.draws),
             table,
             relevant_lights: &buffers.relevant_lights,
             active_lights: &buffers.active_lights,
-            cache: &buffers.cache,
             statistics: &buffers.statistics,
             work: &buffers.work,
             groups: groups.collect(),

@@ -89,7 +89,7 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
                     steps.extend(binder.polygons(part).transpose()?.unwrap_or_default());
                 }
             }
-            let dispatch = |part: &GroupBatch| {
+            let dispatch = |part| {
                 pipeline.dispatch(device, binder.workgroups(items, part), |name| binder.get(pipeline.label, name, part))
             };
             let parts = parts.iter().filter(|part| !items.is_of_triangles() || part.sizes.polygons.is_none());
@@ -101,14 +101,14 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
 
 /// Clears counts and statistics, and writes the masks of faces that callers exclude.
 fn clears(structure: &Structure) -> Vec<Step> {
-    let Structure { parts, buffers, exclusions, .. } = structure;
+    let Structure { parts, buffers, .. } = structure;
     let counts = Step::Clear(buffers.work.clone(), 0..4 * WORK_WORDS * parts.len() as u64);
     let mut steps = vec![counts, Step::clear(&buffers.statistics)];
-    for ((part, masks), buffers) in parts.iter().zip(exclusions).zip(buffers.groups.iter().flatten()) {
+    for part in parts {
         // In groups without exclusions `facing` clears the masks.
         let excludes = structure.layout.groups.get(part.group).is_some_and(|group| group.excludes);
-        let (excluded, bytes) = (buffers.excluded.clone(), part.sizes.masks);
-        match masks {
+        let (excluded, bytes) = (part.buffers.excluded.clone(), part.sizes.masks);
+        match &part.exclusions {
             Some(masks) => steps.push(Step::Copy([(masks.clone(), 0), (excluded, 0)], bytes)),
             None if excludes => steps.push(Step::Clear(excluded, 0..bytes)),
             None => {}
@@ -133,8 +133,7 @@ impl<'a> Binder<'a> {
 
     fn workgroups(&self, items: Items, part: &GroupBatch) -> Workgroups {
         let most = self.limits.workgroups;
-        let chunks = self.structure.layout.groups.get(part.group).map(|group| (group.face_chunks, group.edge_chunks));
-        let (faces, edges) = chunks.unwrap_or_default();
+        let SceneDispatch { face_chunks: faces, edge_chunks: edges, .. } = part.dispatch;
         let in_turn = |items: u32| u64::from(loops_of(self.device, items, SCENE_ITEMS));
         let (count, rows) = match items {
             Items::Pairs => {
@@ -147,7 +146,7 @@ impl<'a> Binder<'a> {
             Items::Faces => (in_turn(LANES * faces), 1),
             Items::Edges => (in_turn(LANES * edges), 1),
             Items::Undecided => {
-                (exact_workgroups(self.device, CHUNK * faces, scene_exact_items(part.lights)).into(), 1)
+                (exact_workgroups(self.device, CHUNK * faces, scene_exact_items(part.sizes.lights)).into(), 1)
             }
             Items::One => (1, 1),
         };
@@ -157,9 +156,8 @@ impl<'a> Binder<'a> {
     /// The extraction of the polygons of a group.
     fn polygons(&self, group_batch: &GroupBatch) -> Option<Result<Vec<Step>, DeviceError>> {
         let Self { structure, inputs, limits, .. } = self;
-        let &GroupBatch { group, batch, ref sizes, lights, .. } = group_batch;
-        let GroupBuffers { facing, excluded, record, lists, polygons, .. } =
-            structure.buffers.groups.get(group)?.get(batch)?;
+        let &GroupBatch { group, ref sizes, ref buffers, ref exclusions, .. } = group_batch;
+        let GroupBuffers { facing, excluded, record, lists, polygons, .. } = buffers;
         let PolygonBuffers { lights: light_batch, undecided, arguments, pieces } = polygons.as_ref()?;
         let GroupTopology { page, positions: (positions, range), .. } = structure.topology.get(group)?;
         let PolygonCaster { mesh, offset_words, stride_words, .. } = structure.polygons(inputs.content, group)?;
@@ -172,7 +170,7 @@ impl<'a> Binder<'a> {
             vertices: 0,
             faces: layout.face_slots() as usize,
             edges: consistent + inconsistent + boundary,
-            max_lights: lights as usize,
+            max_lights: sizes.lights as usize,
             capacity: sizes.capacity,
             lists_head: LISTS_HEAD,
             blocks: 0,
@@ -200,16 +198,14 @@ impl<'a> Binder<'a> {
             statistics: arguments.clone(),
             unused: arguments.clone(),
         };
-        let given = structure.exclusions.get(group * structure.batches + batch)?.as_ref();
-        Some(polygon_steps(inputs.pipelines, &shape, buffers, (positions, &bound), given))
+        Some(polygon_steps(inputs.pipelines, &shape, buffers, (positions, &bound), exclusions.as_ref()))
     }
 
     /// The resource that a stage binds by this name. Stages and draws of shadow volumes have it here, too.
-    pub(crate) fn get(&self, stage: &str, name: &str, group_batch: &GroupBatch) -> Option<Resource<'a>> {
+    pub(crate) fn get(&self, stage: &str, name: &str, group_batch: &'a GroupBatch) -> Option<Resource<'a>> {
         let Structure { table, uniforms, shapes, buffers, .. } = self.structure;
         let Buffers { relevant_lights, active_lights, cache, work, statistics, .. } = buffers;
-        let &GroupBatch { group, batch, ref sizes, offset, shape, .. } = group_batch;
-        let of_group = buffers.groups.get(group)?.get(batch)?;
+        let &GroupBatch { group, ref sizes, buffers: ref of_group, offset, shape, .. } = group_batch;
         let GroupTopology { page, positions: (positions, range), .. } = self.structure.topology.get(group)?;
         let extraction_statistics = || part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64);
         Some(match name {

@@ -58,7 +58,7 @@ fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) ->
             ..ShadowShape::zeroed()
         };
         let edges_and_faces = [group.counts.boundary as u32, CHUNK * group.proxy_chunks];
-        Some(PartSizes::new(inputs.options, shape, part.lights, edges_and_faces, limits))
+        Some(PartSizes::new(inputs.options, shape, part.sizes.lights, edges_and_faces, limits))
     };
     VolumeSizes {
         options: *inputs.options,
