@@ -46,12 +46,10 @@ impl Scene {
         check_timer(inputs.timer.as_deref(), self.pipelines.device())?;
         let views = Self::check_views(inputs.views)?;
         // The encode must find this layout: another one would discard the positions.
-        self.prepare_views(views.len())?;
+        self.prepare(views.len(), 0)?;
         let Some(needs) = self.find_needs(inputs.views, &views)? else { return Ok(()) };
         let uploads: Vec<_> = self.deform_uploads(&needs).collect();
-        if !uploads.is_empty() {
-            upload(self.pipelines.device(), encoder, &uploads)?;
-        }
+        upload(self.pipelines.device(), encoder, &uploads)?;
         let states = self.record_needs(encoder, &needs, inputs.timer);
         self.deformed = Some(Deformed { states, views });
         // Earlier frames draw with positions that are overwritten here.

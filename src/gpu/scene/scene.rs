@@ -15,7 +15,7 @@ use super::occluders;
 use super::options::{Capacities, Measuring, SceneOptions};
 use super::pages::Pages;
 use super::receivers::ViewVersion;
-use super::structure::Structure;
+use super::structure::{Room, Structure};
 use super::table::Table;
 use super::topology::Topology;
 use super::volumes::Volumes;
@@ -56,10 +56,7 @@ pub struct Scene {
     pub(super) steps: Vec<Step>,
     /// Shadow volumes of the structure, if any view was asked for.
     pub(super) volumes: Option<Arc<Volumes>>,
-    /// The most views of an encode so far.
-    pub(super) views: usize,
-    /// Words for the receivers of each view: the most so far.
-    pub(super) receiver_words: u64,
+    pub(super) room: Room,
     /// The views of the last encode.
     pub(super) view_versions: Vec<ViewVersion>,
     pub(super) models: SlotMap<DefaultKey, ModelEntry>,
@@ -116,8 +113,7 @@ impl Scene {
             last: None,
             steps: Vec::new(),
             volumes: None,
-            views: 0,
-            receiver_words: 0,
+            room: Room::default(),
             view_versions: Vec::new(),
             models: SlotMap::new(),
             deformed_bytes: 0,

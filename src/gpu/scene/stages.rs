@@ -69,11 +69,11 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
 /// # Errors
 /// [`DeviceError::Refused`] if a caller destroyed the buffer of a caster.
 pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
-    let Inputs { pipelines, options, views, .. } = *inputs;
+    let Inputs { pipelines, options, room, .. } = *inputs;
     let (device, predicate) = (pipelines.device(), options.predicate());
     let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };
     let mut programs = programs(predicate);
-    if views > 0 {
+    if room.views > 0 {
         let has_pieces = structure.layout.groups.iter().any(|group| group.polygons.is_some());
         programs.extend(shadow::stages::programs(has_pieces, options));
     }

@@ -76,10 +76,21 @@ pub(crate) struct Inputs<'a> {
     /// The bytes of pages and deformers.
     pub(crate) others: u64,
     pub(crate) options: &'a SceneOptions,
-    /// Views that the table has room for.
+    pub(crate) room: Room,
+}
+
+/// The most views of an encode so far, and the most words for the receivers of each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Room {
     pub(crate) views: usize,
+    pub(crate) receiver_words: u64,
+}
+
+impl Room {
     /// Whether views may have receivers.
-    pub(crate) has_receivers: bool,
+    pub(crate) fn has_receivers(self) -> bool {
+        self.receiver_words > 0
+    }
 }
 
 impl Structure {
@@ -92,11 +103,11 @@ impl Structure {
         old: Option<&Self>,
         number: u32,
     ) -> Result<Self, ShadowError> {
-        let Inputs { pipelines, content: Content { casters, lights, pages, .. }, options, views, .. } = *inputs;
+        let Inputs { pipelines, content: Content { casters, lights, pages, .. }, options, room, .. } = *inputs;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let batches = table.batches;
-        let [_, choices] = choice_bytes(options, inputs.has_receivers, [table.casters, 32 * batches, views]);
+        let [_, choices] = choice_bytes(options, room.has_receivers(), [table.casters, 32 * batches, room.views]);
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
         if table_bytes > limits.binding {
             let limit = limits.binding;
@@ -116,7 +127,7 @@ impl Structure {
             world_lights_offset: layout.occluders.lights_offset as u32,
             ..SceneDispatch::zeroed()
         };
-        let sizes_of = |group: &Group, batch| GroupSizes::new(group, room(lights, batch), options, &limits);
+        let sizes_of = |group: &Group, batch| GroupSizes::new(group, used_bits(lights, batch), options, &limits);
         let (sizes, dispatches) = plan(&shared, &layout.groups, sizes_of);
         let needed_states_offset = sizes.work as u32;
         let sizes = Sizes {
@@ -214,7 +225,7 @@ fn caller_exclusions(
 }
 
 /// The bits of a batch up to the last light.
-fn room(lights: &Lights, batch: usize) -> u32 {
+fn used_bits(lights: &Lights, batch: usize) -> u32 {
     32 - lights.used.word(batch).leading_zeros()
 }
 

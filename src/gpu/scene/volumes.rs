@@ -21,11 +21,11 @@ pub(crate) struct Volumes {
 }
 
 impl Volumes {
-    /// Makes the volumes of a structure, with `receivers` words for the receivers of each view.
-    pub(crate) fn new(inputs: &Inputs<'_>, structure: &Structure, receivers: u64) -> Result<Self, ShadowError> {
+    /// Makes the volumes of a structure.
+    pub(crate) fn new(inputs: &Inputs<'_>, structure: &Structure) -> Result<Self, ShadowError> {
         let device = inputs.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let sizes = VolumeSizes { receivers, ..sizes(inputs, structure, &limits) };
+        let sizes = sizes(inputs, structure, &limits);
         let bytes = inputs.others + structure.bytes();
         let others = Allocation { label: "the scene without volumes", bytes };
         let buffers = SizedBuffers::new(device, sizes, others, &limits)?;
@@ -64,9 +64,9 @@ fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) ->
         options: *inputs.options,
         casters: structure.layout.order.len(),
         lights: 32 * structure.batches,
-        views: inputs.views,
+        views: inputs.room.views,
         choices_offset: structure.choices_offset,
         parts: structure.parts.iter().filter_map(sizes_of).collect(),
-        receivers: 0,
+        receivers: inputs.room.receiver_words,
     }
 }
