@@ -77,7 +77,7 @@ impl Scene {
             volumes.stages.record(encoder, structure.batches, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
-        self.content.pages.reclaim(encode);
+        self.content.pages.reclaim();
         let (encodes, lights) = (Arc::clone(&self.encodes), self.content.lights.listed());
         Ok(SceneFrame {
             structure,

@@ -51,8 +51,8 @@ struct Page {
 #[derive(Debug)]
 pub(crate) struct Pages {
     all: Vec<Page>,
-    /// Freed regions, and the number of encodes at that time.
-    freed: Vec<(Region, u64)>,
+    /// The regions that were freed since the last encode, and between it and the one before.
+    freed: [Vec<Region>; 2],
     /// The size of all pages in bytes.
     pub(crate) bytes: u64,
 }
@@ -88,7 +88,7 @@ impl Page {
 
 impl Pages {
     pub(crate) fn new() -> Self {
-        Self { all: Vec::new(), freed: Vec::new(), bytes: 0 }
+        Self { all: Vec::new(), freed: Default::default(), bytes: 0 }
     }
 
     pub(crate) fn get(&self, page: usize) -> Option<&PageBuffers> {
@@ -161,15 +161,16 @@ impl Pages {
         any_error(device, write).map_err(|message| DeviceError::Refused { message })
     }
 
-    /// Frees a region. Recorded frames may still read it. `encodes` is the number of encodes so far.
-    pub(crate) fn free(&mut self, region: Region, encodes: u64) {
-        self.freed.push((region, encodes));
+    /// Frees a region. Recorded frames may still read it.
+    pub(crate) fn free(&mut self, region: Region) {
+        self.freed[0].push(region);
     }
 
-    /// Makes freed regions available from the second encode after they were freed on. The queue would otherwise write them
-    /// before frames that are recorded but not yet submitted.
-    pub(crate) fn reclaim(&mut self, encodes: u64) {
-        for (region, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
+    /// Makes regions available that were freed before the last encode but this one. Each encode calls it. The queue would
+    /// otherwise write them before frames that are recorded but not yet submitted.
+    pub(crate) fn reclaim(&mut self) {
+        let [since_last, before] = &mut self.freed;
+        for region in std::mem::replace(before, std::mem::take(since_last)) {
             if let Some(page) = self.all.get_mut(region.page) {
                 page.free.iter_mut().zip(region.ranges).for_each(|(free, range)| free.free_range(range));
             }

@@ -1,7 +1,7 @@
 //! The scene: meshes, casters and lights, and their extraction.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 
 use slotmap::{DefaultKey, SlotMap};
 
@@ -169,7 +169,7 @@ impl Scene {
             limit,
         )?;
         if let Err(error) = self.content.pages.upload(device, &self.queue, &region, topology, positions) {
-            self.content.pages.free(region, self.encodes.load(Ordering::Relaxed));
+            self.content.pages.free(region);
             return Err(error.into());
         }
         self.content.pages.bytes += further;
@@ -210,7 +210,7 @@ impl Scene {
         }
         if let Some(entry) = self.content.meshes.remove(key) {
             self.content.pages.bytes -= entry.polygons.as_ref().map_or(0, PolygonMesh::bytes);
-            self.content.pages.free(entry.region.clone(), self.encodes.load(Ordering::Relaxed));
+            self.content.pages.free(entry.region.clone());
         }
         Ok(())
     }
