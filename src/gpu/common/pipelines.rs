@@ -255,7 +255,7 @@ impl Pipeline {
         // They are read from the WGSL of a module once.
         let read = || Arc::new(Bindings::of(wgsl));
         let bindings = pipelines.0.bindings.get(pipelines.device(), &stage.module, read);
-        let layout = pipelines.layout(stage.name, bindings.entries().to_vec());
+        let layout = pipelines.layout(stage.name, bindings.named().map(|(_, entry)| entry).collect());
         let mut groups = vec![Some(&layout)];
         groups.extend(further.as_ref().map(Some));
         let device = pipelines.device();

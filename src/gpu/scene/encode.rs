@@ -161,17 +161,19 @@ impl Scene {
         for (number, (given, &ViewVersion { view, version, .. })) in views.iter().zip(&self.view_versions).enumerate() {
             let receivers = if given.depth.is_some() { receivers::offset(number, sizes.receivers) } else { 0 };
             for bit in 0..sizes.lights as u32 {
-                let light = self
-                    .content
-                    .lights
-                    .get(bit)
-                    .map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
-                let in_view = ViewLight { view, light, version: [version, receivers, 0, 0], ..ViewLight::zeroed() };
-                all.push(if given.lights.has(bit) { in_view } else { ViewLight::zeroed() });
+                let version = [version, receivers, 0, 0];
+                let in_view = || ViewLight { version, ..self.light_in_view(&given.camera, view, bit) };
+                all.push(if given.lights.has(bit) { in_view() } else { ViewLight::zeroed() });
             }
         }
         all.resize(sizes.view_lights(), ViewLight::zeroed());
         all
+    }
+
+    /// The light of a bit, or zeros, as a camera sees it.
+    pub(super) fn light_in_view(&self, camera: &ShadowCamera, view: ShadowView, bit: u32) -> ViewLight {
+        let light = self.content.lights.get(bit).map_or_else(ShadowLight::zeroed, |light| camera.light(&view, light));
+        ViewLight { view, light, ..ViewLight::zeroed() }
     }
 
     /// Updates the structure and the volumes, with room for `views` views and `words` words for the receivers of each.

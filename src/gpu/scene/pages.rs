@@ -59,13 +59,13 @@ pub(crate) struct Pages {
 
 impl<B> PageBuffers<B> {
     fn plan(items: [u64; KINDS], mut make: impl FnMut(Wanted<'static>) -> B) -> Self {
-        let [faces, edges, vertices, words] = items;
+        let [faces, edges, vertices, words] = bytes_of(items);
         Self {
-            faces: make(Wanted::new("scene faces", 12 * faces)),
-            edge_vertices: make(Wanted::new("scene edge vertices", 8 * edges)),
-            edge_faces: make(Wanted::new("scene edge faces", 8 * edges)),
-            positions: make(Wanted::new("scene rest positions", 12 * vertices)),
-            clusters: make(Wanted::new("scene clusters", 4 * words)),
+            faces: make(Wanted::new("scene faces", faces)),
+            edge_vertices: make(Wanted::new("scene edge vertices", edges)),
+            edge_faces: make(Wanted::new("scene edge faces", edges)),
+            positions: make(Wanted::new("scene rest positions", vertices)),
+            clusters: make(Wanted::new("scene clusters", words)),
         }
     }
 }
@@ -150,13 +150,13 @@ impl Pages {
         positions: &[[f32; 3]],
     ) -> Result<(), DeviceError> {
         let Some(page) = self.get(region.page) else { return Ok(()) };
-        let [faces, edges, vertices, words] = region.ranges.clone().map(|range| u64::from(range.start));
+        let [faces, edges, vertices, words] = bytes_of(region.ranges.clone().map(|range| u64::from(range.start)));
         let write = || {
-            queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(&mesh.faces));
-            queue.write_buffer(&page.edge_vertices, 8 * edges, bytemuck::cast_slice(&mesh.edge_vertices));
-            queue.write_buffer(&page.edge_faces, 8 * edges, bytemuck::cast_slice(&mesh.edge_faces));
-            queue.write_buffer(&page.clusters, 4 * words, bytemuck::cast_slice(&mesh.clusters));
-            queue.write_buffer(&page.positions, 12 * vertices, bytemuck::cast_slice(positions));
+            queue.write_buffer(&page.faces, faces, bytemuck::cast_slice(&mesh.faces));
+            queue.write_buffer(&page.edge_vertices, edges, bytemuck::cast_slice(&mesh.edge_vertices));
+            queue.write_buffer(&page.edge_faces, edges, bytemuck::cast_slice(&mesh.edge_faces));
+            queue.write_buffer(&page.clusters, words, bytemuck::cast_slice(&mesh.clusters));
+            queue.write_buffer(&page.positions, vertices, bytemuck::cast_slice(positions));
         };
         any_error(device, write).map_err(|message| DeviceError::Refused { message })
     }
@@ -176,6 +176,11 @@ impl Pages {
             }
         }
     }
+}
+
+/// The bytes of some elements of each kind.
+fn bytes_of(items: [u64; KINDS]) -> [u64; KINDS] {
+    std::array::from_fn(|kind| BYTES[kind] * items[kind])
 }
 
 /// The elements of each kind in a new page: at least those of the mesh.

@@ -2,7 +2,7 @@
 
 use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, PolygonBuffers, WORK_WORDS};
 use super::sources::GroupTopology;
-use super::structure::{GroupBatch, Inputs, PolygonCaster, Structure};
+use super::structure::{GroupBatch, Inputs, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, exact_workgroups, loops_of};
@@ -160,7 +160,8 @@ impl<'a> Binder<'a> {
         let GroupBuffers { facing, excluded, record, lists, polygons, .. } = buffers;
         let PolygonBuffers { lights: light_batch, undecided, arguments, pieces } = polygons.as_ref()?;
         let GroupTopology { page, positions: (positions, range), .. } = structure.topology.get(group)?;
-        let PolygonCaster { mesh, offset_words, stride_words, .. } = structure.polygons(inputs.content, group)?;
+        let caster = structure.first_caster(inputs.content, group)?;
+        let [offset_words, stride_words] = caster.position_words();
         // One binding holds them, so this is no error.
         let windows = limits.windows("positions", range.end - range.start).ok()?;
         let bound = BoundPositions { base: range.start, windows, offset_words, stride_words };
@@ -191,7 +192,7 @@ impl<'a> Binder<'a> {
             block_offsets: arguments.clone(),
             counts: lists.clone(),
             draw_arguments: arguments.clone(),
-            polygons: Some(mesh.buffers([undecided, arguments, pieces])),
+            polygons: Some(caster.mesh.polygons.as_ref()?.buffers([undecided, arguments, pieces])),
             light_batches: light_batch.clone(),
             chunks: arguments.clone(),
             draw_shape: arguments.clone(),

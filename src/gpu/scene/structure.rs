@@ -17,7 +17,6 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, filled, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::uniforms::UniformTable;
-use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::sizes::choice_bytes;
 use crate::layout::{CHUNK, DrawShape, FACE_ENTRY, LightBatch, SceneDispatch};
@@ -58,15 +57,6 @@ pub(crate) struct Structure {
     pub(crate) shapes: wgpu::Buffer,
     /// For each group.
     pub(crate) topology: Vec<GroupTopology>,
-}
-
-/// The only caster of a group of polygons.
-pub(crate) struct PolygonCaster<'a> {
-    pub(crate) caster: &'a CasterEntry,
-    pub(crate) mesh: &'a PolygonMesh,
-    /// The word of its first vertex in the bound positions, and words from vertex to vertex.
-    pub(crate) offset_words: u32,
-    pub(crate) stride_words: u32,
 }
 
 /// The parts of a scene that a structure is made from.
@@ -180,19 +170,18 @@ impl Structure {
         self.buffers.bytes + self.table.size() + exclusions
     }
 
-    /// The caster of a group of polygons.
-    pub(crate) fn polygons<'a>(&self, content: &'a Content, group: usize) -> Option<PolygonCaster<'a>> {
+    /// The first caster of a group. A group of polygons has no other.
+    pub(crate) fn first_caster<'a>(&self, content: &'a Content, group: usize) -> Option<&'a CasterEntry> {
         let first = self.layout.groups.get(group)?.first;
-        let caster = content.casters.get(*self.layout.order.get(first as usize)?)?;
-        let [offset_words, stride_words] = caster.position_words();
-        Some(PolygonCaster { caster, mesh: caster.mesh.polygons.as_ref()?, offset_words, stride_words })
+        content.casters.get(*self.layout.order.get(first as usize)?)
     }
 
     /// For each caster of polygons and batch its lights, and the uniform that they are uploaded to.
     pub(crate) fn light_batches(&self, content: &Content) -> Vec<(wgpu::Buffer, LightBatch)> {
         let light_batch = |part: &GroupBatch| {
             let buffers = part.buffers.polygons.as_ref()?;
-            let PolygonCaster { caster, offset_words, stride_words, .. } = self.polygons(content, part.group)?;
+            let caster = self.first_caster(content, part.group)?;
+            let [offset_words, stride_words] = caster.position_words();
             let light = |bit: usize| caster.light(&content.lights, (32 * part.batch + bit) as u32).map(Light::to_array);
             Some((buffers.lights.clone(), LightBatch::of_bits(light, part.sizes.lights, offset_words, stride_words)))
         };
