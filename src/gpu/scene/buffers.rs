@@ -103,7 +103,7 @@ impl GroupSizes {
 pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// For each group one for each batch.
     pub(crate) groups: Vec<GroupBuffers<B>>,
-    batches: usize,
+    pub(crate) batches: usize,
     /// The relevant lights of each batch and caster.
     pub(crate) relevant_lights: B,
     /// The active lights of each batch and caster.

@@ -74,7 +74,7 @@ impl Scene {
         }
         record(self.steps.iter().chain(&receiver_steps), encoder, 0..1, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
-            volumes.stages.record(encoder, structure.batches, timer);
+            volumes.stages.record(encoder, structure.buffers.batches, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.content.pages.reclaim();
@@ -132,7 +132,7 @@ impl Scene {
         Inputs {
             pipelines: &self.pipelines,
             content: &self.content,
-            others: self.content.pages.bytes + self.deformed_bytes,
+            others: self.content.pages.bytes + self.deformed_bytes(),
             options: &self.options,
             room: self.room,
         }

@@ -125,7 +125,7 @@ impl SceneFrame {
 
     /// The number of batches of 32 lights, up to the highest bit.
     pub fn batches(&self) -> usize {
-        self.structure.batches
+        self.structure.buffers.batches
     }
 
     /// The number of groups of casters. A group has one page of topology and one source of positions. Casters of more

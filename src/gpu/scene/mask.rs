@@ -48,9 +48,7 @@ impl LightMask {
 
     /// The lights in both masks.
     pub(crate) fn and(&self, other: &Self) -> Self {
-        let mut both = *self;
-        both.0.iter_mut().zip(other.0).for_each(|(word, other)| *word &= other);
-        both
+        Self(std::array::from_fn(|word| self.0[word] & other.0[word]))
     }
 
     pub(crate) fn has(&self, bit: u32) -> bool {

@@ -55,9 +55,8 @@ impl Scene {
         pose: impl Into<PoseInputs<'a>>,
         options: DeformerOptions<'_>,
     ) -> Result<ModelHandle, ShadowError> {
-        let used = self.used() + self.content.pages.bytes;
-        let deformer = Deformer::beside(&self.pipelines, model, options, (used, self.options.memory_limit))?;
-        self.deformed_bytes += deformer.bytes;
+        let limit = self.options.memory_limit;
+        let deformer = Deformer::beside(&self.pipelines, model, options, (self.used(), limit))?;
         let geometry = |geometry: &Geometry| (geometry.positions().len(), geometry.faces().into());
         let key = self.models.insert(ModelEntry {
             deformer,
@@ -116,7 +115,6 @@ impl Scene {
         let removed = ShadowError::Removed { what: "model" };
         let entry = self.models.remove(model.key_in(self.id)?).ok_or(removed)?;
         self.deformed = None;
-        self.deformed_bytes -= entry.deformer.bytes;
         for caster in entry.casters {
             self.remove_caster(caster.key);
         }

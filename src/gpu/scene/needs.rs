@@ -154,7 +154,7 @@ impl Scene {
         ];
         let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
         let bytes = check(&allocations, limits.binding, None)?;
-        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.content.pages.bytes };
+        let others = Allocation { label: "the rest of the scene", bytes: self.used() };
         check(&[Allocation { label: "needs", bytes }, others], u64::MAX, self.options.memory_limit)?;
         let [view_lights, records, states] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
         let mut table = UniformTable::default();

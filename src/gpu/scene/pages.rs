@@ -95,7 +95,7 @@ impl Pages {
         self.all.get(page).map(|page| &page.buffers)
     }
 
-    /// Allocates a mesh, in a new page if the others have no room. `used` are the bytes of the scene beside its pages. If
+    /// Allocates a mesh, in a new page if the others have no room. `used` are the bytes of the scene so far. If
     /// `is_alone`, the mesh begins a page, which is no larger than the mesh.
     pub(crate) fn add(
         &mut self,
@@ -126,10 +126,9 @@ impl Pages {
         let mut all = Vec::new();
         PageBuffers::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
         let bytes = check(&all, limits.buffer, None)?;
-        let others = used + self.bytes;
-        all.push(Allocation { label: "the rest of the scene", bytes: others });
+        all.push(Allocation { label: "the rest of the scene", bytes: used });
         check(&all, u64::MAX, memory_limit)?;
-        let buffers = guarded(device, bytes + others, || PageBuffers::plan(sizes, |wanted| wanted.make(device)))?;
+        let buffers = guarded(device, bytes + used, || PageBuffers::plan(sizes, |wanted| wanted.make(device)))?;
         let free = sizes.map(|items| RangeAllocator::new(0..items as u32));
         let mut made = Page { buffers, is_of_one: is_alone, free };
         // A page is at least as large as the mesh.

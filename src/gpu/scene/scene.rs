@@ -60,8 +60,6 @@ pub struct Scene {
     /// The views of the last encode.
     pub(super) view_versions: Vec<ViewVersion>,
     pub(super) models: SlotMap<DefaultKey, ModelEntry>,
-    /// The bytes of their deformers.
-    pub(super) deformed_bytes: u64,
     /// The casters of all models, in the order of the structure's words for them.
     pub(super) deforming: Vec<DefaultKey>,
     /// Set if the models were deformed for the next encode.
@@ -116,7 +114,6 @@ impl Scene {
             room: Room::default(),
             view_versions: Vec::new(),
             models: SlotMap::new(),
-            deformed_bytes: 0,
             deforming: Vec::new(),
             deformed: None,
             occluded: Vec::new(),
@@ -158,7 +155,7 @@ impl Scene {
         positions: &[[f32; 3]],
     ) -> Result<DefaultKey, ShadowError> {
         let (device, used, limit) = (self.pipelines.device(), self.used(), self.options.memory_limit);
-        let polygons = PolygonMesh::new(device, mesh, used + self.content.pages.bytes, limit)?;
+        let polygons = PolygonMesh::new(device, mesh, used, limit)?;
         let further = polygons.as_ref().map_or(0, PolygonMesh::bytes);
         let region = self.content.pages.add(
             device,
@@ -177,10 +174,16 @@ impl Scene {
         Ok(self.content.meshes.insert(Arc::new(entry)))
     }
 
-    /// The bytes of all but pages.
+    /// The bytes of all buffers.
     pub(super) fn used(&self) -> u64 {
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
-        self.last.as_ref().map_or(0, |last| last.bytes()) + volumes + self.deformed_bytes
+        let last = self.last.as_ref().map_or(0, |last| last.bytes());
+        last + volumes + self.deformed_bytes() + self.content.pages.bytes
+    }
+
+    /// The bytes of the deformers of models.
+    pub(super) fn deformed_bytes(&self) -> u64 {
+        self.models.values().map(|model| model.deformer.bytes).sum()
     }
 
     /// The topology of a mesh to upload. Predicates other than the exact one may decide faces differently from clusters, so

@@ -137,7 +137,7 @@ impl<'a> Binder<'a> {
         let in_turn = |items: u32| u64::from(loops_of(self.device, items, SCENE_ITEMS));
         let (count, rows) = match items {
             Items::Pairs => {
-                let pairs = self.structure.layout.order.len() * self.structure.batches;
+                let pairs = self.structure.layout.order.len() * self.structure.buffers.batches;
                 let workgroups = (pairs as u64).div_ceil(SMALL_WORKGROUP);
                 (workgroups, workgroups.div_ceil(most).clamp(1, most) as u32)
             }

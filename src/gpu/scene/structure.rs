@@ -51,7 +51,6 @@ pub(crate) struct Structure {
     /// The first word of the work lists with the states of deforming casters, one each.
     pub(crate) needed_states_offset: u32,
     pub(crate) buffers: Buffers,
-    pub(crate) batches: usize,
     pub(crate) parts: Vec<GroupBatch>,
     pub(crate) uniforms: wgpu::Buffer,
     pub(crate) shapes: wgpu::Buffer,
@@ -156,7 +155,6 @@ impl Structure {
             choices_offset: table.parts.len(),
             needed_states_offset,
             buffers,
-            batches,
             parts,
             uniforms: uniforms.into_buffer(device, "scene dispatches"),
             shapes: shapes.into_buffer(device, "draw shapes"),

@@ -30,7 +30,7 @@ impl Volumes {
         let others = Allocation { label: "the scene without volumes", bytes };
         let buffers = SizedBuffers::new(device, sizes, others, &limits)?;
         let binder = Binder::new(inputs, structure);
-        let part = |group: usize, batch: usize| structure.parts.get(group * structure.batches + batch);
+        let part = |group: usize, batch: usize| structure.parts.get(group * structure.buffers.batches + batch);
         let source = VolumeSource {
             table: &structure.table,
             has_boxes: structure.topology.iter().map(|topology| topology.are_at_rest).collect(),
@@ -63,7 +63,7 @@ fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) ->
     VolumeSizes {
         options: *inputs.options,
         casters: structure.layout.order.len(),
-        lights: 32 * structure.batches,
+        lights: 32 * structure.buffers.batches,
         views: inputs.room.views,
         choices_offset: structure.choices_offset,
         parts: structure.parts.iter().filter_map(sizes_of).collect(),
