@@ -10,7 +10,6 @@ use super::handles::{LightHandle, MeshHandle};
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::pages::Region;
-use super::topology::SlotOrder;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::light::MeshSpace;
@@ -91,7 +90,7 @@ pub(crate) struct MeshEntry {
     /// Whether another face has a vertex that is not finite.
     pub(crate) is_holed: bool,
     /// The faces of its slots. `None`: the order of the mesh, without clusters.
-    pub(crate) order: Option<Arc<SlotOrder>>,
+    pub(crate) order: Option<Arc<[u32]>>,
     /// `None`: it has only triangles.
     pub(crate) polygons: Option<PolygonMesh>,
 }
@@ -101,7 +100,7 @@ impl MeshEntry {
         region: Region,
         mesh: &Mesh,
         positions: &[[f32; 3]],
-        order: Option<Arc<SlotOrder>>,
+        order: Option<Arc<[u32]>>,
         polygons: Option<PolygonMesh>,
     ) -> Self {
         let (mut low, mut high, mut is_holed) = ([f32::MAX; 3], [f32::MIN; 3], false);
@@ -123,7 +122,14 @@ impl MeshEntry {
 
     /// The slots of some of its faces.
     pub(crate) fn slots(&self, faces: &[u32]) -> Arc<[u32]> {
-        self.order.as_ref().map_or_else(|| faces.into(), |order| order.slots(faces).into())
+        let Some(order) = &self.order else { return faces.into() };
+        let mut slots = vec![0; order.len()];
+        for (slot, &face) in (0..).zip(order.iter()) {
+            if let Some(slot_of_face) = slots.get_mut(face as usize) {
+                *slot_of_face = slot;
+            }
+        }
+        faces.iter().filter_map(|&face| slots.get(face as usize).copied()).collect()
     }
 
     pub(crate) fn edges(&self) -> u32 {

@@ -286,8 +286,7 @@ impl SceneFrame {
     /// The face of each face slot of a caster. `None`: the order of the mesh.
     #[doc(hidden)]
     pub fn slot_order(&self, caster: CasterHandle) -> Option<&[u32]> {
-        let (_, slots) = self.slots(caster)?;
-        Some(&slots.order.as_ref()?.faces)
+        self.slots(caster)?.1.order.as_deref()
     }
 
     /// The index of a caster in the scene table, and that of its group.

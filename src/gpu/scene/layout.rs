@@ -13,7 +13,6 @@ use super::mask::LightMask;
 use super::occluders::OccluderLayout;
 use super::sources::Source;
 use super::table::{LIGHT_PARTS, Part, Table, flag};
-use super::topology::SlotOrder;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::extract::buffers::smooth_edges;
@@ -54,7 +53,7 @@ pub(crate) struct CasterSlots {
     pub(crate) faces: Range<u32>,
     first_edge: u32,
     /// The faces of the slots. `None`: the order of the mesh.
-    pub(crate) order: Option<Arc<SlotOrder>>,
+    pub(crate) order: Option<Arc<[u32]>>,
 }
 
 /// The part of a scene that changes only if casters or lights are added or removed.

@@ -13,7 +13,6 @@ use crate::gpu::extract::buffers::Shape;
 use crate::gpu::extract::of_scene::polygon_steps;
 use crate::gpu::{extract, shadow};
 use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
-use crate::mesh::EdgeCounts;
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, CULL_LIGHTS, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
 use crate::turns::{SCENE_ITEMS, scene_exact_items};
@@ -166,11 +165,10 @@ impl<'a> Binder<'a> {
         let windows = limits.windows("positions", range.end - range.start).ok()?;
         let bound = BoundPositions { base: range.start, windows, offset_words, stride_words };
         let layout = structure.layout.groups.get(group)?;
-        let EdgeCounts { consistent, inconsistent, boundary } = layout.counts;
         let shape = Shape {
             vertices: 0,
             faces: layout.face_slots() as usize,
-            edges: consistent + inconsistent + boundary,
+            edges: caster.mesh.edges() as usize,
             max_lights: sizes.lights as usize,
             capacity: sizes.capacity,
             lists_head: LISTS_HEAD,
