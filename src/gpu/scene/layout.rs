@@ -181,8 +181,7 @@ impl Layout {
         limits: &DispatchLimits,
     ) -> Result<(), DeviceError> {
         let Content { casters, lights, .. } = content;
-        let parts = std::mem::take(&mut table.parts);
-        *table = Table { parts, casters: self.order.len(), batches: lights.batches(), ..*table };
+        (table.casters, table.batches) = (self.order.len(), lights.batches());
         let mut next = table.caster_lights_offset();
         // Casters in world space share lights if their masks are equal.
         let mut in_world: HashMap<LightMask, u32> = HashMap::new();
