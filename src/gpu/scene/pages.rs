@@ -48,7 +48,7 @@ struct Page {
 }
 
 /// All pages of a scene. A scene grows by further pages, so it copies nothing.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Pages {
     all: Vec<Page>,
     /// The regions that were freed since the last encode, and between it and the one before.
@@ -87,10 +87,6 @@ impl Page {
 }
 
 impl Pages {
-    pub(crate) fn new() -> Self {
-        Self { all: Vec::new(), freed: Default::default(), bytes: 0 }
-    }
-
     pub(crate) fn get(&self, page: usize) -> Option<&PageBuffers> {
         self.all.get(page).map(|page| &page.buffers)
     }

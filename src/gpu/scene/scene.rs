@@ -94,7 +94,7 @@ impl Scene {
             id,
             content: Content {
                 meshes: SlotMap::new(),
-                pages: Pages::new(),
+                pages: Pages::default(),
                 casters: SlotMap::new(),
                 lights: Lights::new(id, options.max_lights)?,
             },
