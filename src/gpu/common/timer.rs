@@ -2,6 +2,7 @@
 
 use super::clock_check::{ClockCheck, LEAST_MS, load_ticks};
 use super::device_error::DeviceError;
+use super::dispatch_limits::is_software;
 use super::memory::buffer;
 use super::readback::{read_back_vec, read_back_vec_async};
 
@@ -183,10 +184,6 @@ impl StageTimer {
             Ok(times)
         }
     }
-}
-
-fn is_software(device: &wgpu::Device) -> bool {
-    device.adapter_info().device_type == wgpu::DeviceType::Cpu
 }
 
 /// An error if the load took less time than it can.
