@@ -4,12 +4,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
-use slotmap::DefaultKey;
+use slotmap::{DefaultKey, SlotMap};
 
 use super::handles::{LightHandle, MeshHandle};
 use super::lights::Lights;
 use super::mask::LightMask;
-use super::pages::Region;
+use super::pages::{Pages, Region};
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::light::MeshSpace;
@@ -74,6 +74,16 @@ pub enum CasterPositions {
         /// Bytes from one vertex to the next. A multiple of 4, at least 12.
         stride: u64,
     },
+}
+
+/// The content of a scene: meshes with the pages that hold them, casters, and lights.
+#[derive(Debug)]
+pub(crate) struct Content {
+    /// Each caster of a mesh has it, too.
+    pub(crate) meshes: SlotMap<DefaultKey, Arc<MeshEntry>>,
+    pub(crate) pages: Pages,
+    pub(crate) casters: SlotMap<DefaultKey, CasterEntry>,
+    pub(crate) lights: Lights,
 }
 
 /// The scene's record of a mesh.

@@ -7,8 +7,7 @@ use std::sync::Arc;
 use bytemuck::Zeroable;
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{CasterEntry, MeshEntry, Placement};
-use super::content::Content;
+use super::caster::{CasterEntry, Content, MeshEntry, Placement};
 use super::mask::LightMask;
 use super::occluders::OccluderLayout;
 use super::sources::Source;

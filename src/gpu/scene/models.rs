@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use slotmap::DefaultKey;
 
-use super::caster::Caster;
-use super::content::Content;
+use super::caster::{Caster, Content};
 use super::handles::{CasterHandle, MeshHandle, ModelHandle};
 use super::model::ModelEntry;
 use super::scene::Scene;

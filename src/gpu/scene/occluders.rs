@@ -5,8 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, DVec4};
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
-use super::content::Content;
+use super::caster::{CasterEntry, Content, MeshEntry, Placement, Rigid};
 use super::mask::LightMask;
 use super::table::{Part, Table};
 use crate::Transform;

@@ -5,8 +5,7 @@ use std::sync::atomic::AtomicU64;
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, OccludedFacesOfLight, Placement, Rigid};
-use super::content::Content;
+use super::caster::{Caster, CasterEntry, CasterPositions, Content, MeshEntry, OccludedFacesOfLight, Placement, Rigid};
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;

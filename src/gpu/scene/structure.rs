@@ -4,8 +4,7 @@ use bytemuck::Zeroable;
 use slotmap::{DefaultKey, SlotMap};
 
 use super::buffers::{Buffers, CLUSTER_WORDS, GroupBuffers, GroupSizes, Sizes, WORK_WORDS};
-use super::caster::CasterEntry;
-use super::content::Content;
+use super::caster::{CasterEntry, Content};
 use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
