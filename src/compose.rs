@@ -4,7 +4,6 @@
 //! files. Items are in the order of the imports, and each file once.
 
 use std::collections::HashMap;
-use std::fmt::Write;
 
 /// A module, and where its lines come from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -186,13 +185,10 @@ fn words(text: &str) -> Vec<Word<'_>> {
 impl Composed {
     /// A message of a compiler about a line, counted from 1, as one about the file that the line comes from.
     pub fn located(&self, line: usize, message: &str) -> String {
-        let mut text = String::new();
-        let origin = line.checked_sub(1).and_then(|line| self.origins.get(line));
-        match origin {
-            Some((file, line)) => _ = write!(text, "wgsl/{file}.wgsl:{line}: {message}"),
-            None => text.push_str(message),
+        match line.checked_sub(1).and_then(|line| self.origins.get(line)) {
+            Some((file, line)) => format!("wgsl/{file}.wgsl:{line}: {message}"),
+            None => message.to_owned(),
         }
-        text
     }
 }
 

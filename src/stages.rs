@@ -18,16 +18,6 @@ pub struct Stage {
     pub entry_points: &'static [&'static str],
 }
 
-/// Takes the first value if there is one, or else the second.
-macro_rules! first {
-    ([$value:expr] $other:expr) => {
-        $value
-    };
-    ([] $other:expr) => {
-        $other
-    };
-}
-
 /// Lists stages: `STAGE = SUBJECT / NAME`, with `in FILE` if the file has another name, for a variant `as MODULE if
 /// FLAG`, and entry points that have other names than the stage.
 macro_rules! stages {
@@ -37,10 +27,14 @@ macro_rules! stages {
             #[doc = concat!("The stage `", stringify!($name), "`.")]
             pub const $stage: Stage = Stage {
                 name: stringify!($name),
-                module: first!([$(stringify!($module))?] stringify!($name)),
-                file: concat!(stringify!($subject), "/", first!([$(stringify!($file))?] stringify!($name))),
+                // The first of each list holds: what has another name than the stage.
+                module: [$(stringify!($module),)? stringify!($name)][0],
+                file: [
+                    $(concat!(stringify!($subject), "/", stringify!($file)),)?
+                    concat!(stringify!($subject), "/", stringify!($name)),
+                ][0],
                 flags: &[$(stringify!($flag))?],
-                entry_points: first!([$(&[$(stringify!($entry)),+])?] &[stringify!($name)]),
+                entry_points: [$(&[$(stringify!($entry)),+] as &[&str],)? &[stringify!($name)]][0],
             };
         )*
         $(#[$doc])*

@@ -7,17 +7,18 @@ use std::sync::Arc;
 use glam::{DVec3, DVec4};
 use rimline::cpu::{OccludedFaces, OcclusionCaster, OcclusionOptions};
 use rimline::gpu::{
-    Capacities, CasterHandle, CasterPositions, DeformError, DeformerOptions, FrameInputs, LightHandle, LightMask,
-    Measuring, ModelHandle, PoseInputs, Scene, SceneFrame, SceneOptions, SceneStatistics, ShadowError, View,
+    Capacities, Caster, CasterHandle, CasterPositions, DeformError, DeformerOptions, FrameInputs, LightHandle,
+    LightMask, Measuring, ModelHandle, PoseInputs, Scene, SceneFrame, SceneOptions, SceneStatistics, ShadowError, View,
 };
 use rimline::model::Box3;
 use rimline::{Cone, Displacement, Light, ModelError, Pose, ShadowCamera};
+use rimline_testkit::cases::case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{is, refusal, refused};
-use rimline_testkit::{is_long, must_fail, same};
+use rimline_testkit::{IDENTITY, is_long, must_fail, same, shapes};
 
 use crate::crowd::{Apart, Crowd, Walker, camera, lights, position, sees, walk};
 use crate::histories::{VolumeBuffers, Volumes, volumes};
@@ -32,6 +33,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("models_that_are_displaced", displaced),
     ("occluded_faces_do_not_hold_for_models", occluded),
     ("models_come_and_go", come_and_go),
+    ("a_deform_is_no_encode_for_regions_of_removed_meshes", removed_mesh),
     ("models_that_are_refused_change_nothing", refusals),
 ];
 
@@ -529,6 +531,34 @@ fn come_and_go() -> Result<(), String> {
         refusal("its handle", play.scene.set_pose(model, &pose), removed()),
         refusal("once more", play.scene.remove_model(model), removed()),
     ])
+}
+
+/// A frame finds its mesh though the mesh was removed, models were deformed, and one frame was encoded before it is
+/// submitted.
+fn removed_mesh() -> Result<(), String> {
+    let (_, positions, mesh) = case("cube", shapes::cube());
+    let mut counts = Vec::new();
+    for is_late in [false, true] {
+        let mut play = Play::new(4951, 3)?;
+        let cube = play.scene.add_mesh(&mesh, &positions).map_err(text)?;
+        let caster = play.scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
+        let mut late = encoder(&play.gpu);
+        let frame = play.scene.encode(&mut late, FrameInputs::default()).map_err(text)?;
+        let groups = frame.results().map_err(text)?.groups;
+        let lists = groups.last().ok_or("no group")?.lists.clone();
+        if is_late {
+            play.scene.remove(caster).map_err(text)?;
+            play.scene.remove_mesh(cube).map_err(text)?;
+            play.deform(&mut encoder(&play.gpu), &[])?;
+            play.scene.encode(&mut encoder(&play.gpu), FrameInputs::default()).map_err(text)?;
+            // All its corners are one point, which has no silhouette.
+            play.scene.add_mesh(&mesh, &vec![[0.0; 3]; positions.len()]).map_err(text)?;
+        }
+        play.gpu.queue.submit([late.finish()]);
+        counts.push(play.gpu.read::<u32>(&lists, play.next.lights.len())?);
+    }
+    same("edges of the late frame", &counts[1], &counts[0])?;
+    must_fail("no edges", &same("no edges", &counts[0], &vec![0; counts[0].len()]))
 }
 
 /// Calls that instances refuse, and poses that do not fit.

@@ -2,7 +2,7 @@
 
 use rimline::gpu::{
     Caster, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_BOUNDARY_EDGES, MeshHandle,
-    Scene, SceneOptions, ShadowError,
+    Scene, SceneOptions, ShadowError, StencilCounts,
 };
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_testkit::IDENTITY;
@@ -162,6 +162,13 @@ fn memory() -> Result<(), String> {
             encoded(gpu, &mut seen, views)?.map_err(text)?;
         }
     }
+    // The table of draws is refused before the host makes it.
+    let stencil = StencilCounts { count_batches: u32::MAX, ..StencilCounts::default() };
+    let mut batches =
+        Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { stencil, ..Default::default() }).map_err(text)?;
+    batches.add_light(LIGHT).map_err(text)?;
+    let table = shows(&["Device(BindingTooLarge { what: \"shadow draw lights\""]);
+    refused([refusal("batches of casters", encoded(gpu, &mut batches, 1)?, table)])?;
     // A mesh that one binding does not hold.
     let tight = limited(1 << 16, 1 << 20, 65_535)?;
     let shape = shapes::torus(60, 60, 1.0, 0.4);

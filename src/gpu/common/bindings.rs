@@ -7,10 +7,7 @@ use wgpu::BindingResource;
 
 /// The bindings of bind group 0, ordered by number.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Bindings {
-    names: Vec<String>,
-    entries: Vec<wgpu::BindGroupLayoutEntry>,
-}
+pub(crate) struct Bindings(Vec<(String, wgpu::BindGroupLayoutEntry)>);
 
 impl Bindings {
     /// Reads the bindings from the source of a module: buffers, and the kinds of textures that stages have. Source that
@@ -40,17 +37,12 @@ impl Bindings {
             ));
         }
         found.sort_by_key(|(_, entry)| entry.binding);
-        let (names, entries) = found.into_iter().unzip();
-        Self { names, entries }
-    }
-
-    pub(crate) fn entries(&self) -> &[wgpu::BindGroupLayoutEntry] {
-        &self.entries
+        Self(found)
     }
 
     /// The names with their entries, by number.
-    pub(crate) fn named(&self) -> impl Iterator<Item = (&str, &wgpu::BindGroupLayoutEntry)> {
-        self.names.iter().map(String::as_str).zip(&self.entries)
+    pub(crate) fn named(&self) -> impl Iterator<Item = (&str, wgpu::BindGroupLayoutEntry)> {
+        self.0.iter().map(|(name, entry)| (name.as_str(), *entry))
     }
 }
 
@@ -158,12 +150,11 @@ mod tests {
     #[test]
     fn bindings_are_those_of_the_wgsl() {
         let bindings = Bindings::of(WGSL);
-        assert_eq!(bindings.names, ["word", "faces", "out"]);
+        assert_eq!(bindings.named().map(|(name, _)| name).collect::<Vec<_>>(), ["word", "faces", "out"]);
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
         let found: Vec<_> = bindings
-            .entries()
-            .iter()
-            .map(|entry| match entry.ty {
+            .named()
+            .map(|(_, entry)| match entry.ty {
                 wgpu::BindingType::Buffer { ty, has_dynamic_offset, .. } => (entry.binding, ty, has_dynamic_offset),
                 _ => panic!("{entry:?}"),
             })

@@ -1,6 +1,5 @@
 //! A cache that makes each value once for its key, from any thread.
 
-use std::borrow::Borrow;
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -21,21 +20,17 @@ impl<K, V> Default for Cache<K, V> {
     }
 }
 
-impl<K: Eq + Hash, V: Clone> Cache<K, V> {
+impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
     /// The value of `key`. `make` makes it unless it exists. If the device reports an error, the value is not cached. It
     /// is then made again outside the cache's error scopes, because error scopes belong to the calling thread: the
     /// error goes where the caller wants it.
-    pub(crate) fn get<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V) -> V
-    where
-        K: Borrow<Q>,
-        Q: ToOwned<Owned = K> + Eq + Hash + ?Sized,
-    {
+    pub(crate) fn get(&self, device: &wgpu::Device, key: &K, make: impl Fn() -> V) -> V {
         let room = self.room(key);
         let mut held = lock(&room);
         if let Some(value) = &*held {
             return value.clone();
         }
-        if let Some(value) = without_error(device, &make) {
+        if let Ok(value) = any_error(device, &make) {
             return held.insert(value).clone();
         }
         // A caller's error handler may use the cache, so the lock must be free.
@@ -45,15 +40,11 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
 
     /// Makes the value of `key` unless it exists. If the device reports an error, none is cached, and a caller that needs
     /// the value gets the error.
-    pub(crate) fn fill<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V)
-    where
-        K: Borrow<Q>,
-        Q: ToOwned<Owned = K> + Eq + Hash + ?Sized,
-    {
+    pub(crate) fn fill(&self, device: &wgpu::Device, key: &K, make: impl FnOnce() -> V) {
         let room = self.room(key);
         let mut held = lock(&room);
         if held.is_none() {
-            *held = without_error(device, &make);
+            *held = any_error(device, make).ok();
         }
     }
 
@@ -63,16 +54,8 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
         room.is_some_and(|room| lock(&room).is_some())
     }
 
-    fn room<Q>(&self, key: &Q) -> Room<V>
-    where
-        K: Borrow<Q>,
-        Q: ToOwned<Owned = K> + Eq + Hash + ?Sized,
-    {
-        let mut rooms = lock(&self.0);
-        match rooms.get(key) {
-            Some(room) => Arc::clone(room),
-            None => Arc::clone(rooms.entry(key.to_owned()).or_default()),
-        }
+    fn room(&self, key: &K) -> Room<V> {
+        Arc::clone(lock(&self.0).entry(key.clone()).or_default())
     }
 
     /// The number of values. Waits for those that are being made.
@@ -85,9 +68,4 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
 /// Locks despite a panic elsewhere. A panic leaves values whole, since each is stored in one step.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The result of `make`, or `None` if the device reports an error of any kind.
-fn without_error<V>(device: &wgpu::Device, make: impl FnOnce() -> V) -> Option<V> {
-    any_error(device, make).ok()
 }

@@ -3,8 +3,9 @@
 //! Mesa's llvmpipe takes the timestamps around a compute pass late, both at once, as soon as the device has drawn
 //! anything. A load of a known least time between two timestamps shows it.
 
-use super::memory::any_error;
+use super::memory::{any_error, buffer};
 
+const LABEL: &str = "clock load";
 /// Passes of the load. Another program may delay one of two timestamps that are written at once, but hardly each time.
 const PASSES: u32 = 6;
 /// The least time of the load in milliseconds: a quarter of what 60,000 turns of eight dependent multiplications take
@@ -46,7 +47,7 @@ impl ClockCheck {
     }
 
     fn made(device: &wgpu::Device) -> Self {
-        let label = Some("clock load");
+        let label = Some(LABEL);
         let source = wgpu::ShaderSource::Wgsl(LOAD.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -57,10 +58,7 @@ impl ClockCheck {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        let buffer = |size, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
-        };
-        let bits = buffer(16, wgpu::BufferUsages::STORAGE);
+        let bits = buffer(device, LABEL, 16, wgpu::BufferUsages::STORAGE);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label,
             layout: &pipeline.get_bind_group_layout(0),
@@ -69,7 +67,7 @@ impl ClockCheck {
         let (ty, count) = (wgpu::QueryType::Timestamp, 2 * PASSES);
         let set = device.create_query_set(&wgpu::QuerySetDescriptor { label, ty, count });
         let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
-        let resolved = buffer(u64::from(count) * 8, usage);
+        let resolved = buffer(device, LABEL, u64::from(count) * 8, usage);
         Self { pipeline, group, set, resolved }
     }
 
@@ -78,7 +76,7 @@ impl ClockCheck {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for index in 0..PASSES {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("clock load"),
+                label: Some(LABEL),
                 timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
                     query_set: &self.set,
                     beginning_of_pass_write_index: Some(2 * index),

@@ -9,6 +9,11 @@ use crate::turns::ITEMS;
 /// The number of invocations of a workgroup, in every stage that works item by item.
 pub(crate) const WORKGROUP: u32 = 256;
 
+/// Whether a CPU executes the invocations.
+pub(crate) fn is_software(device: &wgpu::Device) -> bool {
+    device.adapter_info().device_type == wgpu::DeviceType::Cpu
+}
+
 /// The number of workgroups whose invocations take `items` in turn. A CPU executes invocations without work one after
 /// another, so it gets few.
 pub(crate) fn loops(device: &wgpu::Device, items: u32) -> u32 {
@@ -17,7 +22,7 @@ pub(crate) fn loops(device: &wgpu::Device, items: u32) -> u32 {
 
 /// The same with at most `turns` items for each invocation.
 pub(crate) fn loops_of(device: &wgpu::Device, items: u32, turns: u32) -> u32 {
-    let few = if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 64 } else { 4096 };
+    let few = if is_software(device) { 64 } else { 4096 };
     items.div_ceil(WORKGROUP).clamp(1, few).max(items.div_ceil(WORKGROUP * turns))
 }
 
@@ -25,7 +30,7 @@ pub(crate) fn loops_of(device: &wgpu::Device, items: u32, turns: u32) -> u32 {
 /// to `turns` each if every one of `faces` is undecided. A workgroup without work costs time, too: on an NVIDIA H100,
 /// 16,384 of them took longer than facing of their four million faces.
 pub(crate) fn exact_workgroups(device: &wgpu::Device, faces: u32, turns: u32) -> u32 {
-    let few = if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 0 } else { 1024 };
+    let few = if is_software(device) { 0 } else { 1024 };
     faces.div_ceil(64 * 4).min(few).max(faces.div_ceil(64 * turns))
 }
 

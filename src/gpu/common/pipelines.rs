@@ -53,7 +53,7 @@ struct Shared {
     modules: Cache<String, wgpu::ShaderModule>,
     layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
     /// Bindings by the name of the stage's module.
-    bindings: Cache<String, Arc<Bindings>>,
+    bindings: Cache<&'static str, Arc<Bindings>>,
     compute: Cache<Program, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
     /// Whether the device has what each [`Subject`] needs. It is checked once.
@@ -189,7 +189,7 @@ impl Pipelines {
 
     /// A shader module.
     pub(crate) fn module(&self, label: &str, wgsl: &str) -> wgpu::ShaderModule {
-        self.0.modules.get(self.device(), wgsl, || {
+        self.0.modules.get(self.device(), &wgsl.to_owned(), || {
             self.device().create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(label),
                 source: wgpu::ShaderSource::Wgsl(wgsl.into()),
@@ -254,8 +254,8 @@ impl Pipeline {
         let module = pipelines.module(stage.module, wgsl);
         // They are read from the WGSL of a module once.
         let read = || Arc::new(Bindings::of(wgsl));
-        let bindings = pipelines.0.bindings.get(pipelines.device(), stage.module, read);
-        let layout = pipelines.layout(stage.name, bindings.entries().to_vec());
+        let bindings = pipelines.0.bindings.get(pipelines.device(), &stage.module, read);
+        let layout = pipelines.layout(stage.name, bindings.named().map(|(_, entry)| entry).collect());
         let mut groups = vec![Some(&layout)];
         groups.extend(further.as_ref().map(Some));
         let device = pipelines.device();

@@ -20,7 +20,7 @@ pub fn read_back(
     mut take: impl FnMut(&[u8]),
 ) -> Result<(), DeviceError> {
     // The next piece is copied after `take` has this one, so only one piece is in memory twice.
-    for range in pieces(buffer, buffer.size())? {
+    for range in pieces(buffer, buffer.size(), PIECE)? {
         wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut take)?;
     }
     Ok(())
@@ -52,7 +52,7 @@ pub fn read_back_async<F: FnMut(&[u8])>(
     mut take: F,
 ) -> impl Future<Output = Result<(), DeviceError>> + use<F> {
     // The copy is submitted here and not at the first poll, so it reads the current content of the buffer.
-    let downloads = downloads(device, queue, buffer);
+    let downloads = downloads(device, queue, buffer, PIECE);
     async move {
         for download in downloads? {
             download.await?.hand_to(&mut take)?;
@@ -81,12 +81,12 @@ pub(crate) fn read_back_first<T: bytemuck::Pod>(
     buffer: &wgpu::Buffer,
     end: u64,
 ) -> Result<Vec<T>, DeviceError> {
-    let mut items = Items::with_capacity_for(end);
+    let mut items = room_for(end);
     // The next piece is copied after this one was read, so only one piece is in memory twice.
-    for range in pieces(buffer, end)? {
-        wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut |bytes| items.take(bytes))?;
+    for range in pieces(buffer, end, piece_of::<T>())? {
+        wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut |bytes| append(&mut items, bytes))?;
     }
-    Ok(items.items)
+    Ok(items)
 }
 
 /// Reads a whole buffer as [`read_back_vec`] does, without waiting. [`read_back_async`] says who polls.
@@ -98,51 +98,74 @@ pub fn read_back_vec_async<T: bytemuck::Pod>(
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
 ) -> impl Future<Output = Result<Vec<T>, DeviceError>> + use<T> {
-    let downloads = downloads(device, queue, buffer);
-    let mut items = Items::with_capacity_for(buffer.size());
+    let downloads = downloads(device, queue, buffer, piece_of::<T>());
+    let mut items = room_for(buffer.size());
     async move {
         for download in downloads? {
-            download.await?.hand_to(&mut |bytes| items.take(bytes))?;
+            download.await?.hand_to(&mut |bytes| append(&mut items, bytes))?;
         }
-        Ok(items.items)
+        Ok(items)
     }
 }
 
 /// Submits the copies of a whole buffer.
-fn downloads(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<Download>, DeviceError> {
-    pieces(buffer, buffer.size())?.map(|range| Download::new(device, queue, buffer, range)).collect()
+fn downloads(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    piece: u64,
+) -> Result<Vec<Download>, DeviceError> {
+    pieces(buffer, buffer.size(), piece)?.map(|range| Download::new(device, queue, buffer, range)).collect()
 }
 
 /// The ranges of bytes that are copied one by one.
-fn pieces(buffer: &wgpu::Buffer, end: u64) -> Result<impl Iterator<Item = Range<u64>> + use<>, DeviceError> {
+fn pieces(
+    buffer: &wgpu::Buffer,
+    end: u64,
+    piece: u64,
+) -> Result<impl Iterator<Item = Range<u64>> + use<>, DeviceError> {
     if !buffer.usage().contains(wgpu::BufferUsages::COPY_SRC) {
         return Err(DeviceError::NotCopySource);
     }
-    Ok((0..end).step_by(PIECE as usize).map(move |begin| begin..end.min(begin + PIECE)))
+    Ok((0..end).step_by(piece as usize).map(move |begin| begin..end.min(begin + piece)))
 }
 
-/// Collects bytes as items.
-struct Items<T> {
-    items: Vec<T>,
-    /// The beginning of an item that lies in two pieces.
-    rest: Vec<u8>,
+/// The largest size of one copy of items: whole items and whole words.
+fn piece_of<T>() -> u64 {
+    let step = 4 * size_of::<T>() as u64;
+    if step == 0 || step > PIECE { PIECE.max(step) } else { PIECE / step * step }
 }
 
-impl<T: bytemuck::Pod> Items<T> {
-    fn with_capacity_for(bytes: u64) -> Self {
-        Self { items: Vec::with_capacity(bytes as usize / size_of::<T>()), rest: Vec::new() }
+/// Room for the items in a buffer of `bytes`.
+fn room_for<T>(bytes: u64) -> Vec<T> {
+    Vec::with_capacity((bytes as usize).checked_div(size_of::<T>()).unwrap_or(0))
+}
+
+/// Appends the items of a piece. There are none of a type without a size.
+fn append<T: bytemuck::Pod>(items: &mut Vec<T>, bytes: &[u8]) {
+    if size_of::<T>() > 0 {
+        items.extend(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned::<T>));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_hold_whole_items_and_whole_words() {
+        assert_eq!([piece_of::<u8>(), piece_of::<u32>(), piece_of::<[u32; 16]>()], [PIECE; 3]);
+        assert_eq!([piece_of::<[u8; 3]>(), piece_of::<[u32; 3]>()], [PIECE - 4, PIECE - 16]);
+        assert_eq!([piece_of::<[u32; 5 << 20]>(), piece_of::<()>()], [80 << 20, PIECE]);
     }
 
-    fn take(&mut self, bytes: &[u8]) {
-        let Self { items, rest } = self;
-        let begin = if rest.is_empty() { 0 } else { (size_of::<T>() - rest.len()).min(bytes.len()) };
-        rest.extend_from_slice(&bytes[..begin]);
-        if rest.len() == size_of::<T>() {
-            items.push(bytemuck::pod_read_unaligned(rest));
-            rest.clear();
-        }
-        let whole = bytes[begin..].chunks_exact(size_of::<T>());
-        rest.extend_from_slice(whole.remainder());
-        items.extend(whole.map(bytemuck::pod_read_unaligned::<T>));
+    #[test]
+    fn items_are_appended_without_a_remainder() {
+        let mut items = room_for::<[u8; 3]>(8);
+        append(&mut items, &[1, 2, 3, 4, 5, 6, 7, 8]);
+        assert_eq!(items, [[1, 2, 3], [4, 5, 6]]);
+        let mut items = room_for::<()>(8);
+        append(&mut items, &[1, 2, 3]);
+        assert!(items.is_empty());
     }
 }

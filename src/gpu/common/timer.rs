@@ -2,6 +2,8 @@
 
 use super::clock_check::{ClockCheck, LEAST_MS, load_ticks};
 use super::device_error::DeviceError;
+use super::dispatch_limits::is_software;
+use super::memory::buffer;
 use super::readback::{read_back_vec, read_back_vec_async};
 
 /// The number of passes that a timer can hold. A query set has at most 4,096 queries, and a pass takes two.
@@ -45,18 +47,14 @@ impl StageTimer {
             return None;
         }
         let check = if is_software(device) { Some(ClockCheck::new(device)?) } else { None };
+        let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
         Some(Self {
             set: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("stages"),
                 ty: wgpu::QueryType::Timestamp,
                 count: 2 * MOST,
             }),
-            resolved: device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("stage timestamps"),
-                size: u64::from(2 * MOST) * 8,
-                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            }),
+            resolved: buffer(device, "stage timestamps", u64::from(2 * MOST) * 8, usage),
             device: device.clone(),
             period_ns: queue.get_timestamp_period(),
             names: Vec::new(),
@@ -186,10 +184,6 @@ impl StageTimer {
             Ok(times)
         }
     }
-}
-
-fn is_software(device: &wgpu::Device) -> bool {
-    device.adapter_info().device_type == wgpu::DeviceType::Cpu
 }
 
 /// An error if the load took less time than it can.

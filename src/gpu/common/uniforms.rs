@@ -39,12 +39,16 @@ impl UniformTable {
 }
 
 /// Records that each target is set to its contents from here on. Commands recorded before still see the old content, so an
-/// encoder may hold several uses of a buffer. Records nothing if the device is lost. Contents are whole words.
+/// encoder may hold several uses of a buffer. Records nothing if the device is lost, or without targets. Contents are whole
+/// words.
 pub(crate) fn upload(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,
     targets: &[(&wgpu::Buffer, &[u8])],
 ) -> Result<(), DeviceError> {
+    if targets.is_empty() {
+        return Ok(());
+    }
     let contents = targets.iter().map(|(_, contents)| *contents).collect::<Vec<_>>().concat();
     let make = || mapped(device, "upload", contents.len() as u64, wgpu::BufferUsages::COPY_SRC);
     let staging = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;

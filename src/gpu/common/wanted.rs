@@ -1,7 +1,7 @@
 //! The planner of buffers.
 
 use super::device_error::DeviceError;
-use super::memory::{Allocation, buffer, filled, padded};
+use super::memory::{Allocation, buffer, check_bindings, filled, padded};
 use super::uniforms::UniformTable;
 
 /// A buffer to make, with all its properties. A subject lists its buffers once, in a function
@@ -88,9 +88,6 @@ impl Account {
 
     /// Checks the arrays that are bound as a whole.
     pub(crate) fn check_whole(&self, limit: u64) -> Result<(), DeviceError> {
-        match self.whole.iter().find(|allocation| padded(allocation.bytes) > limit) {
-            Some(&Allocation { label, bytes }) => Err(DeviceError::BindingTooLarge { what: label, bytes, limit }),
-            None => Ok(()),
-        }
+        check_bindings(&self.whole, limit)
     }
 }

@@ -246,9 +246,7 @@ impl Deformer {
         check_timer(timer.as_deref(), &self.device)?;
         let (words, uniforms) = (self.pose_words(pose)?, self.uniforms(time_s));
         let uploads: Vec<_> = self.uploads(&words, &uniforms).collect();
-        if !uploads.is_empty() {
-            upload(&self.device, encoder, &uploads)?;
-        }
+        upload(&self.device, encoder, &uploads)?;
         self.record(encoder, None, resources, timer);
         Ok(())
     }

@@ -133,7 +133,7 @@ impl SceneDepth {
         let group = guard(device, || {
             let [casters, chunks] = [bytemuck::cast_slice(&casters), bytemuck::cast_slice(&chunks)];
             let [casters, chunks] = [casters, chunks].map(|contents| storage(device, contents));
-            let positions = part(depth_group.positions, depth_group.range.clone());
+            let positions = part(&depth_group.positions, depth_group.range.clone());
             let resources = [whole(view), positions, whole(&casters), whole(depth_group.faces), whole(&chunks)];
             group(device, "scene depth", &self.pipeline.layout, &resources)
         })?;

@@ -8,7 +8,7 @@ use crate::gpu::common::memory::{Allocation, check, guarded, padded};
 use crate::gpu::common::wanted::{Account, Wanted};
 use crate::gpu::extract::buffers::{RECORD_HEAD, default_capacity};
 use crate::gpu::extract::polygon_buffers::{HEAD_WORDS, PolygonShape};
-use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, LightBatch, SceneStatistics};
+use crate::layout::{DrawArguments, LightBatch, SceneStatistics};
 use crate::method::Predicate;
 
 /// Bytes before the entries of lists: a count for each of 32 lights, and as much again, since bindings begin at multiples of
@@ -55,7 +55,8 @@ pub(crate) struct GroupSizes {
     pub(crate) capacity: u32,
     /// For a caster of polygons.
     pub(crate) polygons: Option<PolygonShape>,
-    lights: u32,
+    /// Bits of the batch up to the last light.
+    pub(crate) lights: u32,
 }
 
 impl GroupSizes {
@@ -100,8 +101,9 @@ impl GroupSizes {
 /// The buffers of all groups and batches, and the shared ones.
 #[derive(Clone, Debug)]
 pub(crate) struct Buffers<B = wgpu::Buffer> {
-    /// For each group and batch.
-    pub(crate) groups: Vec<Vec<GroupBuffers<B>>>,
+    /// For each group one for each batch.
+    pub(crate) groups: Vec<GroupBuffers<B>>,
+    pub(crate) batches: usize,
     /// The relevant lights of each batch and caster.
     pub(crate) relevant_lights: B,
     /// The active lights of each batch and caster.
@@ -118,28 +120,19 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
 }
 
 /// The counts that decide the sizes of buffers.
-#[derive(Clone, Copy)]
-pub(crate) struct Sizes<'a> {
-    /// The sizes of each group and batch.
-    pub(crate) groups: &'a [Vec<GroupSizes>],
+#[derive(Default)]
+pub(crate) struct Sizes {
+    /// For each group one for each batch.
+    pub(crate) groups: Vec<GroupSizes>,
+    pub(crate) batches: usize,
     /// Pairs of batch and caster.
     pub(crate) pairs: u64,
-    pub(crate) batches: usize,
-    /// Face chunks of all groups.
-    pub(crate) face_chunks: u64,
-    /// Words of work lists.
+    /// Words of the cache, and of work lists.
+    pub(crate) cache: u64,
     pub(crate) work: u64,
     /// Bytes of the rest of the scene.
     pub(crate) others: u64,
     pub(crate) memory_limit: Option<u64>,
-}
-
-impl Sizes<'_> {
-    /// Bytes of the cache.
-    fn cache(&self) -> u64 {
-        let (batches, groups) = (self.batches as u64, self.groups.len() as u64);
-        4 * (4 + 32 * batches + 2 * self.pairs + batches * (32 * groups + u64::from(CLUSTER_WORDS) * self.face_chunks))
-    }
 }
 
 /// Whether an old buffer is large enough, and not far too large.
@@ -152,21 +145,9 @@ impl Buffers {
     pub(crate) fn new(
         device: &wgpu::Device,
         old: Option<&Self>,
-        sizes: &Sizes<'_>,
+        sizes: &Sizes,
         limits: &DispatchLimits,
     ) -> Result<Self, DeviceError> {
-        let groups = || sizes.groups.iter().flatten();
-        let undecided = |sizes: &GroupSizes| sizes.polygons.map_or(0, |polygons| polygons.undecided_bytes());
-        for (what, bytes) in [
-            ("versions of casters", sizes.cache()),
-            ("lists of chunks", 4 * sizes.work),
-            ("facing masks", groups().map(GroupSizes::facing).max().unwrap_or(0)),
-            ("undecided boundaries", groups().map(undecided).max().unwrap_or(0)),
-        ] {
-            if bytes > limits.binding {
-                return Err(DeviceError::BindingTooLarge { what, bytes, limit: limits.binding });
-            }
-        }
         let with_headroom = Self::make(device, old, sizes, limits, limits.binding);
         with_headroom.or_else(|_| Self::make(device, old, sizes, limits, 0))
     }
@@ -176,12 +157,12 @@ impl Buffers {
     fn make(
         device: &wgpu::Device,
         old: Option<&Self>,
-        sizes: &Sizes<'_>,
+        sizes: &Sizes,
         limits: &DispatchLimits,
         headroom: u64,
     ) -> Result<Self, DeviceError> {
         // With a new cache, all buffers are new. The old sizes then still tell how much may be needed soon.
-        let reuses = old.is_some_and(|old| fits(&old.cache, sizes.cache()));
+        let reuses = old.is_some_and(|old| fits(&old.cache, 4 * sizes.cache));
         let sized = |wanted: Wanted<'static>, old: Option<&wgpu::Buffer>| {
             let bytes = match old {
                 Some(old) if fits(old, wanted.bytes) => old.size(),
@@ -194,6 +175,7 @@ impl Buffers {
         };
         let mut account = Account::default();
         Buffers::<()>::plan(old, sizes, |wanted, old| account.note(&sized(wanted, old)));
+        account.check_whole(limits.binding)?;
         let bytes = check(&account.all, limits.buffer, None)?;
         account.all.push(Allocation { label: "pages and table", bytes: sizes.others });
         let all = check(&account.all, u64::MAX, sizes.memory_limit)?;
@@ -209,19 +191,24 @@ impl<B> Buffers<B> {
     /// Calls `make` for each buffer, with the old one.
     fn plan(
         old: Option<&Buffers>,
-        sizes: &Sizes<'_>,
+        sizes: &Sizes,
         mut make: impl FnMut(Wanted<'static>, Option<&wgpu::Buffer>) -> B,
     ) -> Self {
+        let batches = sizes.batches;
+        let cache = Wanted::new("versions of casters", 4 * sizes.cache).whole_if(true);
+        let cache = make(cache, old.map(|old| &old.cache));
+        let work = Wanted::new("lists of chunks", 4 * sizes.work).whole_if(true);
+        let work = make(work, old.map(|old| &old.work));
         let draws = Wanted::new("draw arguments", 32 * size_of::<DrawArguments>() as u64).indirect();
-        let mut group = |sizes: &GroupSizes, old: Option<&GroupBuffers>| GroupBuffers {
-            facing: make(Wanted::new("facing masks", sizes.facing()), old.map(|old| &old.facing)),
+        let mut of_part = |sizes: &GroupSizes, old: Option<&GroupBuffers>| GroupBuffers {
+            facing: make(Wanted::new("facing masks", sizes.facing()).whole_if(true), old.map(|old| &old.facing)),
             excluded: make(Wanted::new("excluded masks", sizes.masks), old.map(|old| &old.excluded)),
             record: make(Wanted::new("undecided faces", sizes.record), old.map(|old| &old.record)),
             lists: make(Wanted::new("edge lists", sizes.lists), old.map(|old| &old.lists)),
             draws: make(draws, old.map(|old| &old.draws)),
             polygons: sizes.polygons.map(|polygons| {
                 let old = old.and_then(|old| old.polygons.as_ref());
-                let undecided = Wanted::new("undecided boundaries", polygons.undecided_bytes());
+                let undecided = Wanted::new("undecided boundaries", polygons.undecided_bytes()).whole_if(true);
                 let arguments = Wanted::new("boundary dispatch", 4 * HEAD_WORDS).indirect();
                 PolygonBuffers {
                     lights: make(Wanted::uniform("light batch", size_of::<LightBatch>()), old.map(|old| &old.lights)),
@@ -231,30 +218,24 @@ impl<B> Buffers<B> {
                 }
             }),
         };
-        let mut group_batches = |(number, batches): (usize, &Vec<GroupSizes>)| {
-            let old = old.and_then(|old| old.groups.get(number));
-            let batches = batches.iter().enumerate();
-            batches.map(|(batch, sizes)| group(sizes, old.and_then(|old| old.get(batch)))).collect()
-        };
+        let groups = sizes.groups.iter().enumerate().map(|(number, sizes)| {
+            let (group, batch) = (number / batches, number % batches);
+            let old = old.filter(|old| batch < old.batches);
+            of_part(sizes, old.and_then(|old| old.groups.get(group * old.batches + batch)))
+        });
+        let groups = groups.collect();
         let statistics = size_of::<SceneStatistics>() as u64;
         Self {
-            groups: sizes.groups.iter().enumerate().map(&mut group_batches).collect(),
+            groups,
+            batches,
             relevant_lights: make(Wanted::new("relevant lights", 4 * sizes.pairs), old.map(|old| &old.relevant_lights)),
             active_lights: make(Wanted::new("active lights", 4 * sizes.pairs), old.map(|old| &old.active_lights)),
-            cache: make(Wanted::new("versions of casters", sizes.cache()), old.map(|old| &old.cache)),
-            work: make(Wanted::new("lists of chunks", 4 * sizes.work), old.map(|old| &old.work)),
+            cache,
+            work,
             statistics: make(Wanted::new("scene statistics", statistics), old.map(|old| &old.statistics)),
             bytes: 0,
         }
     }
-}
-
-/// Words of the work lists of a group and batch: the first of its four counts, and of its two lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct WorkOffsets {
-    pub(crate) count: u64,
-    pub(crate) faces: u64,
-    pub(crate) edges: u64,
 }
 
 /// Words of a group and batch before the lists: the numbers of listed face chunks and edge chunks, the lights with dirty
@@ -264,18 +245,3 @@ pub(crate) const WORK_WORDS: u64 = 4;
 /// Words of the cache for each chunk of faces and batch: the lights for which all faces of its cluster have one bit, and
 /// these bits.
 pub(crate) const CLUSTER_WORDS: u32 = 2;
-
-/// The offsets of all groups and batches, and the number of words. Counts come first, so that one command clears them.
-pub(crate) fn work_offsets(groups: &[Group], batches: usize) -> (Vec<Vec<WorkOffsets>>, u64) {
-    let mut next = WORK_WORDS * (groups.len() * batches) as u64;
-    let mut count = 0;
-    let mut offsets = |group: &Group| {
-        let faces = next;
-        let edges = faces + u64::from(FACE_ENTRY * (group.face_slots() / CHUNK));
-        next = edges + u64::from(group.edge_slots() / CHUNK);
-        count += WORK_WORDS;
-        WorkOffsets { count: count - WORK_WORDS, faces, edges }
-    };
-    let all = groups.iter().map(|group| (0..batches).map(|_| offsets(group)).collect()).collect();
-    (all, next)
-}

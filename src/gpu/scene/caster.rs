@@ -1,15 +1,15 @@
 //! Casters: the caller's description, and the scene's records.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
-use slotmap::DefaultKey;
+use slotmap::{DefaultKey, SlotMap};
 
 use super::handles::{LightHandle, MeshHandle};
 use super::lights::Lights;
 use super::mask::LightMask;
-use super::pages::Region;
-use super::topology::SlotOrder;
+use super::pages::{Pages, Region};
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::light::MeshSpace;
@@ -76,6 +76,16 @@ pub enum CasterPositions {
     },
 }
 
+/// The content of a scene: meshes with the pages that hold them, casters, and lights.
+#[derive(Debug)]
+pub(crate) struct Content {
+    /// Each caster of a mesh has it, too.
+    pub(crate) meshes: SlotMap<DefaultKey, Arc<MeshEntry>>,
+    pub(crate) pages: Pages,
+    pub(crate) casters: SlotMap<DefaultKey, CasterEntry>,
+    pub(crate) lights: Lights,
+}
+
 /// The scene's record of a mesh.
 #[derive(Debug)]
 pub(crate) struct MeshEntry {
@@ -90,10 +100,9 @@ pub(crate) struct MeshEntry {
     /// Whether another face has a vertex that is not finite.
     pub(crate) is_holed: bool,
     /// The faces of its slots. `None`: the order of the mesh, without clusters.
-    pub(crate) order: Option<Arc<SlotOrder>>,
+    pub(crate) order: Option<Arc<[u32]>>,
     /// `None`: it has only triangles.
     pub(crate) polygons: Option<PolygonMesh>,
-    pub(crate) casters: usize,
 }
 
 impl MeshEntry {
@@ -101,7 +110,7 @@ impl MeshEntry {
         region: Region,
         mesh: &Mesh,
         positions: &[[f32; 3]],
-        order: Option<Arc<SlotOrder>>,
+        order: Option<Arc<[u32]>>,
         polygons: Option<PolygonMesh>,
     ) -> Self {
         let (mut low, mut high, mut is_holed) = ([f32::MAX; 3], [f32::MIN; 3], false);
@@ -118,7 +127,19 @@ impl MeshEntry {
         }
         let (vertices, faces, counts) = (mesh.vertex_count(), mesh.faces().len() as u32, mesh.edges().counts());
         let is_closed = mesh.is_closed();
-        Self { region, vertices, faces, counts, is_closed, low, high, is_holed, order, polygons, casters: 0 }
+        Self { region, vertices, faces, counts, is_closed, low, high, is_holed, order, polygons }
+    }
+
+    /// The slots of some of its faces.
+    pub(crate) fn slots(&self, faces: &[u32]) -> Arc<[u32]> {
+        let Some(order) = &self.order else { return faces.into() };
+        let mut slots = vec![0; order.len()];
+        for (slot, &face) in (0..).zip(order.iter()) {
+            if let Some(slot_of_face) = slots.get_mut(face as usize) {
+                *slot_of_face = slot;
+            }
+        }
+        faces.iter().filter_map(|&face| slots.get(face as usize).copied()).collect()
     }
 
     pub(crate) fn edges(&self) -> u32 {
@@ -129,13 +150,8 @@ impl MeshEntry {
 
 /// The scene's record of a caster.
 #[derive(Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "facts that do not depend on each other")]
 pub(crate) struct CasterEntry {
-    pub(crate) mesh: DefaultKey,
-    /// Whether the mesh has polygons, whose bits are computed in each encode.
-    pub(crate) has_polygons: bool,
-    /// The source of its positions.
-    pub(crate) source: DefaultKey,
+    pub(crate) mesh: Arc<MeshEntry>,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
     /// For each light the slots of faces that the caller excludes, counted from the caster's first slot.
@@ -178,29 +194,25 @@ impl CasterEntry {
     /// `f32`.
     pub(crate) fn light(&self, lights: &Lights, bit: u32) -> Option<Light> {
         let light = lights.get(bit).filter(|_| self.lights.has(bit))?;
-        let moved = match self.placement {
+        let moved = match &self.placement {
             Placement::World { .. } => light,
             Placement::Rigid(rigid) => rigid.space?.light(light)?,
         };
         Some(moved).filter(|light| light.to_array() != [0.0; 4])
     }
 
-    /// Its transform, if it is rigid.
-    pub(crate) fn rigid(&self) -> Option<Rigid> {
-        if let Placement::Rigid(rigid) = self.placement { Some(rigid) } else { None }
-    }
-
     /// The word of its first vertex in the bound positions, and the words from vertex to vertex.
-    pub(crate) fn position_words(&self, mesh: &MeshEntry) -> [u32; 2] {
+    pub(crate) fn position_words(&self) -> [u32; 2] {
         match self.placement {
-            Placement::Rigid(_) => [3 * mesh.region.ranges[2].start, 3],
-            Placement::World { offset, stride } => [offset, stride],
+            Placement::Rigid(_) => [3 * self.mesh.region.ranges[2].start, 3],
+            Placement::World { offset, stride, .. } => [offset, stride],
         }
     }
 
     /// Whether each encode computes its bits: its positions may have changed, or it has polygons.
     pub(crate) fn is_uncached(&self) -> bool {
-        self.has_polygons || matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
+        self.mesh.polygons.is_some()
+            || matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
     }
 }
 
@@ -226,12 +238,19 @@ pub(super) struct OcclusionCaster {
 }
 
 /// The space and the location of a caster's positions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) enum Placement {
     /// Mesh space, in the page.
     Rigid(Rigid),
     /// World space, in the bound part of a caller's buffer: the word of vertex 0, and the words from vertex to vertex.
-    World { offset: u32, stride: u32 },
+    World { bound: BoundBuffer, offset: u32, stride: u32 },
+}
+
+/// The part of a caller's buffer that is bound.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct BoundBuffer {
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) range: Range<u64>,
 }
 
 /// A transform, with derived values.

@@ -5,9 +5,10 @@ use std::ops::Range;
 
 use slotmap::DefaultKey;
 
-use super::caster::{CasterEntry, MeshEntry, Placement};
+use super::caster::{CasterEntry, Placement};
 use super::handles::{CasterHandle, LightHandle};
 use super::scene::Scene;
+use super::sources::Source;
 use crate::Matrix3x4;
 use crate::gpu::shadow::errors::ShadowError;
 
@@ -31,9 +32,9 @@ pub enum SceneDepthCasters<'a> {
 /// Casters that are drawn together, with faces and positions in the same buffers.
 #[derive(Debug)]
 pub(crate) struct DepthGroup<'a> {
-    source: DefaultKey,
+    source: Source,
     pub(crate) faces: &'a wgpu::Buffer,
-    pub(crate) positions: &'a wgpu::Buffer,
+    pub(crate) positions: wgpu::Buffer,
     /// The bound part of `positions`, in bytes.
     pub(crate) range: Range<u64>,
     pub(crate) casters: Vec<DepthCaster>,
@@ -52,9 +53,10 @@ pub(crate) struct DepthCaster {
 
 impl DepthCaster {
     /// `None`: its transform is singular or not finite.
-    fn new(caster: &CasterEntry, mesh: &MeshEntry) -> Option<Self> {
-        let [offset, stride] = caster.position_words(mesh);
-        let (rows, bounds) = match caster.placement {
+    fn new(caster: &CasterEntry) -> Option<Self> {
+        let mesh = &caster.mesh;
+        let [offset, stride] = caster.position_words();
+        let (rows, bounds) = match &caster.placement {
             Placement::Rigid(rigid) => {
                 rigid.space?;
                 // A face with a vertex that is not finite is in no box, and a box of degenerate faces alone is empty.
@@ -96,23 +98,20 @@ impl Scene {
             if !is_chosen(key, caster) {
                 continue;
             }
-            let Some(drawn) = self.content.meshes.get(caster.mesh).and_then(|mesh| DepthCaster::new(caster, mesh))
-            else {
-                continue;
-            };
-            match groups.iter_mut().find(|group| group.source == caster.source) {
+            let Some(drawn) = DepthCaster::new(caster) else { continue };
+            let source = Source::of(caster);
+            match groups.iter_mut().find(|group| group.source == source) {
                 Some(group) => group.casters.push(drawn),
-                None => groups.extend(self.depth_group(caster.source, drawn)),
+                None => groups.extend(self.depth_group(source, drawn)),
             }
         }
         Ok(groups)
     }
 
     /// A group with one caster.
-    fn depth_group(&self, source: DefaultKey, caster: DepthCaster) -> Option<DepthGroup<'_>> {
-        let positions = self.content.sources.get(source)?;
-        let page = self.content.pages.get(positions.page)?;
-        let (positions, range) = positions.bound_positions(page);
+    fn depth_group(&self, source: Source, caster: DepthCaster) -> Option<DepthGroup<'_>> {
+        let page = self.content.pages.get(source.page)?;
+        let (positions, range) = source.bound_positions(page);
         Some(DepthGroup { source, faces: &page.faces, positions, range, casters: vec![caster] })
     }
 }

@@ -1,6 +1,5 @@
 //! Encodes of a scene: brings table, buffers and volumes up to date, and records the stages.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -12,7 +11,7 @@ use super::options::Measuring;
 use super::receivers::{self, ReceiverState, ViewVersion};
 use super::scene::Scene;
 use super::stages::steps;
-use super::structure::{Inputs, Structure, Versions};
+use super::structure::{Inputs, Room, Structure};
 use super::table::Part;
 use super::view::{FrameInputs, View};
 use super::volumes::Volumes;
@@ -45,7 +44,7 @@ impl Scene {
         let views = &*self.check_depths(inputs.views)?;
         let words = views.iter().filter_map(|view| view.depth).map(|depth| depth.words()).max().unwrap_or(0);
         let deformed = self.take_deformed(&shadow_views);
-        let (structure, volumes) = self.prepare_receivers(views.len(), words)?;
+        let (structure, volumes) = self.prepare(views.len(), words)?;
         let needs = if deformed.is_some() { None } else { self.find_needs(views, &shadow_views)? };
         let needed_states_offset = if self.deforming.is_empty() { 0 } else { structure.needed_states_offset };
         let origin = views.iter().flat_map(|view| view.camera.origin).fold(0.0_f32, |size, c| size.max(c.abs()));
@@ -67,9 +66,7 @@ impl Scene {
             );
             uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
         }
-        if !uploads.is_empty() {
-            upload(self.pipelines.device(), encoder, &uploads)?;
-        }
+        upload(self.pipelines.device(), encoder, &uploads)?;
         let needed_states = needs.map(|needs| self.record_needs(encoder, &needs, timer.as_deref_mut())).or(deformed);
         if let Some(words) = needed_states.filter(|_| !structure.parts.is_empty()) {
             let (to, bytes) = (4 * u64::from(needed_states_offset), 4 * self.deforming.len() as u64);
@@ -77,10 +74,10 @@ impl Scene {
         }
         record(self.steps.iter().chain(&receiver_steps), encoder, 0..1, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
-            volumes.stages.record(encoder, structure.batches, timer);
+            volumes.stages.record(encoder, structure.buffers.batches, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
-        self.content.pages.reclaim(encode);
+        self.content.pages.reclaim();
         let (encodes, lights) = (Arc::clone(&self.encodes), self.content.lights.listed());
         Ok(SceneFrame {
             structure,
@@ -113,37 +110,13 @@ impl Scene {
     }
 
     /// The views, without depths if receivers cull nothing.
-    fn check_depths<'a, 'r>(&self, views: &'a [View<'r>]) -> Result<Cow<'a, [View<'r>]>, ShadowError> {
-        for (number, view) in views.iter().enumerate() {
-            view.depth.map_or(Ok(()), |depth| depth.check(number))?;
-        }
-        Ok(if self.options.measuring.has(Measuring::CULLED_BY_RECEIVERS) {
-            views.iter().map(|view| View { depth: None, ..*view }).collect()
-        } else {
-            Cow::Borrowed(views)
-        })
-    }
-
-    /// Updates the structure and the volumes, with room for `views` views and `words` words for the receivers of each.
-    fn prepare_receivers(
-        &mut self,
-        views: usize,
-        words: u64,
-    ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
-        let before = self.receiver_words;
-        // With receivers the table also has room for the ends of volumes.
-        let set = |scene: &mut Self, words| {
-            (scene.receiver_words, scene.volumes) = (words, None);
-            scene.structure = scene.structure.take().filter(|_| before > 0);
+    fn check_depths<'a>(&self, views: &[View<'a>]) -> Result<Vec<View<'a>>, ShadowError> {
+        let cull = !self.options.measuring.has(Measuring::CULLED_BY_RECEIVERS);
+        let check = |(number, view): (usize, &View<'a>)| {
+            let checked = view.depth.map_or(Ok(()), |depth| depth.check(number));
+            checked.map(|()| View { depth: view.depth.filter(|_| cull), ..*view })
         };
-        if words > before {
-            set(self, words);
-        }
-        let made = self.prepare_views(views);
-        if made.is_err() && words > before {
-            set(self, before);
-        }
-        made
+        views.iter().enumerate().map(check).collect()
     }
 
     /// The settings that pipelines must have to draw a camera's volumes.
@@ -159,21 +132,10 @@ impl Scene {
         Inputs {
             pipelines: &self.pipelines,
             content: &self.content,
-            others: self.content.pages.bytes + self.deformed_bytes,
+            others: self.content.pages.bytes + self.deformed_bytes(),
             options: &self.options,
-            views: self.views,
-            has_receivers: self.receiver_words > 0,
+            room: self.room,
         }
-    }
-
-    /// The volumes of the structure.
-    fn volumes(&mut self, structure: &Structure) -> Result<Arc<Volumes>, ShadowError> {
-        if let Some(volumes) = &self.volumes {
-            return Ok(Arc::clone(volumes));
-        }
-        let made = Arc::new(Volumes::new(&self.inputs(), structure, self.receiver_words)?);
-        self.volumes = Some(Arc::clone(&made));
-        Ok(made)
     }
 
     /// Gives this encode's version to views that changed.
@@ -199,63 +161,74 @@ impl Scene {
         for (number, (given, &ViewVersion { view, version, .. })) in views.iter().zip(&self.view_versions).enumerate() {
             let receivers = if given.depth.is_some() { receivers::offset(number, sizes.receivers) } else { 0 };
             for bit in 0..sizes.lights as u32 {
-                let light = self
-                    .content
-                    .lights
-                    .get(bit)
-                    .map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
-                let in_view = ViewLight { view, light, version: [version, receivers, 0, 0], ..ViewLight::zeroed() };
-                all.push(if given.lights.has(bit) { in_view } else { ViewLight::zeroed() });
+                let version = [version, receivers, 0, 0];
+                let in_view = || ViewLight { version, ..self.light_in_view(&given.camera, view, bit) };
+                all.push(if given.lights.has(bit) { in_view() } else { ViewLight::zeroed() });
             }
         }
         all.resize(sizes.view_lights(), ViewLight::zeroed());
         all
     }
 
-    /// Updates the structure and the volumes, with room for `views` views.
-    pub(super) fn prepare_views(
+    /// The light of a bit, or zeros, as a camera sees it.
+    pub(super) fn light_in_view(&self, camera: &ShadowCamera, view: ShadowView, bit: u32) -> ViewLight {
+        let light = self.content.lights.get(bit).map_or_else(ShadowLight::zeroed, |light| camera.light(&view, light));
+        ViewLight { view, light, ..ViewLight::zeroed() }
+    }
+
+    /// Updates the structure and the volumes, with room for `views` views and `words` words for the receivers of each.
+    pub(super) fn prepare(
         &mut self,
         views: usize,
+        words: u64,
     ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
-        let before = self.views;
-        if views > before {
-            self.views = views;
-            self.structure = None;
-        }
-        let made = match self.prepare_all(views) {
+        let before = self.room;
+        self.set_room(Room { views: before.views.max(views), receiver_words: before.receiver_words.max(words) });
+        let made = match self.prepare_in_room(views) {
             Err(ShadowError::Device(DeviceError::MemoryLimit { .. } | DeviceError::OutOfMemory { .. })) => {
                 // Reused buffers may be larger than needed.
                 (self.structure, self.last, self.volumes) = (None, None, None);
-                self.prepare_all(views)
+                self.prepare_in_room(views)
             }
             made => made,
         };
-        if made.is_err() && views > before {
-            self.views = before;
-            self.structure = None;
+        if made.is_err() {
+            self.set_room(before);
         }
         made
     }
 
-    fn prepare_all(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
-        let structure = self.prepare()?;
-        let volumes = if views == 0 { None } else { Some(self.volumes(&structure)?) };
-        Ok((structure, volumes))
+    fn set_room(&mut self, room: Room) {
+        let before = std::mem::replace(&mut self.room, room);
+        // With receivers the table also has room for the ends of volumes.
+        if room.views != before.views || room.has_receivers() != before.has_receivers() {
+            self.structure = None;
+        }
+        if room.receiver_words != before.receiver_words {
+            self.volumes = None;
+        }
     }
 
-    /// Updates the table, and the structure if casters or lights were added or removed.
-    fn prepare(&mut self) -> Result<Arc<Structure>, ShadowError> {
+    /// Updates the table, the structure if casters or lights were added or removed, and the volumes if there are views.
+    fn prepare_in_room(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
         self.update_occluded_faces();
-        let structure = match &self.structure {
+        let structure = match self.structure.clone() {
             Some(structure) => {
-                let structure = Arc::clone(structure);
                 self.update(&structure);
                 structure
             }
             None => self.lay_out()?,
         };
         self.moved.clear();
-        Ok(structure)
+        if views == 0 {
+            return Ok((structure, None));
+        }
+        let volumes = match self.volumes.clone() {
+            Some(volumes) => volumes,
+            None => Arc::new(Volumes::new(&self.inputs(), &structure)?),
+        };
+        self.volumes = Some(Arc::clone(&volumes));
+        Ok((structure, Some(volumes)))
     }
 
     /// The number of the encode that is being recorded.
@@ -265,13 +238,13 @@ impl Scene {
 
     fn lay_out(&mut self) -> Result<Arc<Structure>, ShadowError> {
         self.structures = self.structures.wrapping_add(1).max(1);
-        let versions = Versions { structure: self.structures, encode: self.encode_number() };
-        self.content.lights.update_versions(versions.encode);
+        let encode = self.encode_number();
+        self.content.lights.update_versions(encode);
         self.index_deforming();
         let limits = DispatchLimits::new(&self.pipelines.device().limits());
-        let layout = Layout::new(&mut self.table, &mut self.content, versions.encode, &limits)?;
+        let layout = Layout::new(&mut self.table, &mut self.content, encode, &limits)?;
         let inputs = self.inputs();
-        let made = Arc::new(Structure::new(&inputs, layout, &self.table, self.last.as_deref(), versions)?);
+        let made = Arc::new(Structure::new(&inputs, layout, &self.table, self.last.as_deref(), self.structures)?);
         self.steps = steps(&inputs, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));

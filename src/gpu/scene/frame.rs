@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::handles::CasterHandle;
-use super::handles::{LightHandle, SceneId};
+use super::handles::{CasterHandle, LightHandle, SceneId};
+use super::layout::{CasterSlots, Layout};
 use super::mask::LightMask;
 use super::occluded_faces::OccludedCounts;
 use super::structure::Structure;
@@ -75,8 +75,6 @@ pub struct SceneGroupResults<'a> {
     pub draws: &'a wgpu::Buffer,
     /// Begins with [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
     pub record: &'a wgpu::Buffer,
-    /// The clusters of its page: [`Arranged::words`](crate::internals::clusters::Arranged::words) of each mesh.
-    pub clusters: &'a wgpu::Buffer,
     /// The uniform of the stages.
     pub dispatch: SceneDispatch,
 }
@@ -92,8 +90,6 @@ pub struct SceneResults<'a> {
     pub active_lights: &'a wgpu::Buffer,
     /// The [`SceneStatistics`](crate::gpu::SceneStatistics).
     pub statistics: &'a wgpu::Buffer,
-    /// The versions that bits and lists were computed from, as `wgsl/scene/table.wgsl` says.
-    pub cache: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
     /// The lights in each view, [`ViewLight`](crate::layout::ViewLight)s of all bits, and the sizes of the first group and
@@ -104,9 +100,6 @@ pub struct SceneResults<'a> {
     /// After one word the receivers of each view, and how many words each has: a head and the levels of
     /// `wgsl/shadow/receivers.wgsl`. `None`: no view.
     pub receivers: Option<(&'a wgpu::Buffer, u64)>,
-    /// The versions of the lists of views: for each group, batch and view 32 pairs of words, the encode that made the
-    /// silhouettes and the version of the camera. `None`: no view.
-    pub listed: Option<&'a wgpu::Buffer>,
     /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters a row of
     /// the stage `stencil_crossings`. `None`: bounds are off.
     pub bound: Option<[&'a wgpu::Buffer; 2]>,
@@ -132,7 +125,7 @@ impl SceneFrame {
 
     /// The number of batches of 32 lights, up to the highest bit.
     pub fn batches(&self) -> usize {
-        self.structure.batches
+        self.structure.buffers.batches
     }
 
     /// The number of groups of casters. A group has one page of topology and one source of positions. Casters of more
@@ -244,36 +237,32 @@ impl SceneFrame {
         let Structure { table, buffers, parts, .. } = &*self.structure;
         let volumes = self.volumes.as_ref().map(|volumes| &volumes.buffers);
         let of = volumes.map(|volumes| &volumes.of);
-        let parts = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
-        let groups = parts.filter_map(|(number, (part, buffers))| {
+        let groups = parts.iter().enumerate().map(|(number, part)| {
             let views = of.and_then(|of| of.lists.get(number));
             let sizes = volumes.and_then(|volumes| volumes.sizes.parts.get(number));
-            Some(SceneGroupResults {
-                clusters: &self.structure.topology.get(part.group)?.clusters,
+            SceneGroupResults {
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
                 side_capacity: sizes.map_or(0, |sizes| sizes.shape.side_capacity),
                 group: part.group,
                 batch: part.batch,
-                facing: &buffers.facing,
-                excluded: &buffers.excluded,
-                lists: &buffers.lists,
+                facing: &part.buffers.facing,
+                excluded: &part.buffers.excluded,
+                lists: &part.buffers.lists,
                 capacity: part.sizes.capacity,
-                draws: &buffers.draws,
-                record: &buffers.record,
+                draws: &part.buffers.draws,
+                record: &part.buffers.record,
                 dispatch: part.dispatch,
-            })
+            }
         });
         Ok(SceneResults {
             view_lights: volumes.map(|volumes| (&volumes.of.view_lights, volumes.sizes.shape(0))),
             choices: of.map(|of| &of.choices),
             receivers: volumes.map(|volumes| (&volumes.of.receivers, volumes.sizes.receivers)),
-            listed: of.map(|of| &of.list_versions),
             bound: of.and_then(|of| of.bound.as_ref()).map(|bound| [&bound.pencils, &bound.bin_rows]),
             shadow_draws: of.map_or(&[][..], |of| &of.draws),
             table,
             relevant_lights: &buffers.relevant_lights,
             active_lights: &buffers.active_lights,
-            cache: &buffers.cache,
             statistics: &buffers.statistics,
             work: &buffers.work,
             groups: groups.collect(),
@@ -290,26 +279,26 @@ impl SceneFrame {
     /// The group of a caster, and the slots of its faces in the facing masks of that group.
     #[doc(hidden)]
     pub fn face_slots(&self, caster: CasterHandle) -> Option<(usize, Range<u32>)> {
-        let (index, group) = self.locate(caster)?;
-        Some((group, self.structure.layout.face_slots.get(index as usize)?.clone()))
+        let (_, slots) = self.slots(caster)?;
+        Some((slots.group, slots.faces.clone()))
     }
 
     /// The face of each face slot of a caster. `None`: the order of the mesh.
     #[doc(hidden)]
     pub fn slot_order(&self, caster: CasterHandle) -> Option<&[u32]> {
-        let (index, _) = self.locate(caster)?;
-        let order = self.structure.layout.slot_orders.get(index as usize)?.as_ref()?;
-        Some(&order.faces)
+        self.slots(caster)?.1.order.as_deref()
     }
 
     /// The index of a caster in the scene table, and that of its group.
     #[doc(hidden)]
     pub fn locate(&self, caster: CasterHandle) -> Option<(u32, usize)> {
-        let layout = &self.structure.layout;
-        if caster.scene != self.scene {
-            return None;
-        }
-        let index = layout.order.iter().position(|&key| key == caster.key)? as u32;
-        layout.groups.iter().rposition(|group| group.first <= index).map(|group| (index, group))
+        self.slots(caster).map(|(index, slots)| (index as u32, slots.group))
+    }
+
+    /// The index of a caster in the scene table, and its slots.
+    fn slots(&self, caster: CasterHandle) -> Option<(usize, &CasterSlots)> {
+        let Layout { order, slots, .. } = &self.structure.layout;
+        let key = caster.key_in(self.scene).ok()?;
+        order.iter().zip(slots).enumerate().find_map(|(index, (&of, slots))| (of == key).then_some((index, slots)))
     }
 }

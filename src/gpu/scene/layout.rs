@@ -4,19 +4,20 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use slotmap::{DefaultKey, SecondaryMap, SlotMap};
+use bytemuck::Zeroable;
+use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{CasterEntry, MeshEntry, Placement};
-use super::content::Content;
+use super::caster::{CasterEntry, Content, MeshEntry, Placement};
 use super::mask::LightMask;
 use super::occluders::OccluderLayout;
-use super::table::{LIGHT_PARTS, Part, Slots, Table};
-use super::topology::SlotOrder;
+use super::sources::Source;
+use super::table::{LIGHT_PARTS, Part, Table, flag};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::extract::buffers::smooth_edges;
 use crate::gpu::extract::polygon_buffers::PolygonCounts;
-use crate::layout::CHUNK;
+use crate::layout::caster_flags::GROUP_EXCLUDES;
+use crate::layout::{CHUNK, SceneCaster};
 use crate::mesh::EdgeCounts;
 
 /// Casters of one page that read positions from one source: one dispatch of each stage for each batch of lights. A source
@@ -24,7 +25,7 @@ use crate::mesh::EdgeCounts;
 /// of `Extractor` extract it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
-    pub(crate) source: DefaultKey,
+    pub(crate) source: Source,
     /// Its first caster in the table. The casters of a group lie one after the other.
     pub(crate) first: u32,
     pub(crate) face_chunks: u32,
@@ -44,16 +45,24 @@ pub(crate) struct Group {
     pub(crate) polygons: Option<PolygonCounts>,
 }
 
+/// The slots of a caster in its group.
+#[derive(Debug)]
+pub(crate) struct CasterSlots {
+    pub(crate) group: usize,
+    pub(crate) faces: Range<u32>,
+    first_edge: u32,
+    /// The faces of the slots. `None`: the order of the mesh.
+    pub(crate) order: Option<Arc<[u32]>>,
+}
+
 /// The part of a scene that changes only if casters or lights are added or removed.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     pub(crate) groups: Vec<Group>,
     /// The casters, in the order of the table.
     pub(crate) order: Vec<DefaultKey>,
-    /// Their face slots in their groups.
-    pub(crate) face_slots: Vec<Range<u32>>,
-    /// The faces of their slots. `None`: the order of the mesh.
-    pub(crate) slot_orders: Vec<Option<Arc<SlotOrder>>>,
+    /// Their slots.
+    pub(crate) slots: Vec<CasterSlots>,
     /// The occluders in the table: none if occluders cull nothing.
     pub(crate) occluders: OccluderLayout,
     /// Parts of the table that each encode uploads. The casters of chunks follow, and are written once.
@@ -61,23 +70,22 @@ pub(crate) struct Layout {
 }
 
 impl Group {
-    fn new(source: DefaultKey, first: u32) -> Self {
-        Self { source, first, ..Self::default() }
+    fn new(source: &Source, first: u32) -> Self {
+        Self { source: source.clone(), first, ..Self::default() }
     }
 
-    /// Adds a caster and returns its slots.
-    fn add(&mut self, mesh: &MeshEntry, in_depth: bool) -> Slots {
-        let (first_face, first_edge) = (CHUNK * self.face_chunks, CHUNK * self.edge_chunks);
-        let slots = Slots { first_face, first_edge, ..Slots::default() };
+    /// Adds a caster.
+    fn add(&mut self, caster: &CasterEntry) {
+        let mesh = &caster.mesh;
+        self.excludes |= caster.is_excluding();
         self.polygons = mesh.polygons.as_ref().map(|polygons| polygons.counts);
         self.face_chunks += mesh.face_chunks();
-        self.proxy_chunks += if in_depth { 0 } else { mesh.face_chunks() };
+        self.proxy_chunks += if caster.in_depth { 0 } else { mesh.face_chunks() };
         self.edge_chunks += mesh.edge_chunks();
         self.counts.consistent += mesh.counts.consistent;
         self.counts.inconsistent += mesh.counts.inconsistent;
         self.counts.boundary += mesh.counts.boundary;
         self.smooth += smooth_edges(mesh.counts.consistent);
-        slots
     }
 
     /// Whether the slots of a further mesh fit.
@@ -105,60 +113,63 @@ impl Layout {
         encode: u32,
         limits: &DispatchLimits,
     ) -> Result<Self, DeviceError> {
-        let Content { meshes, casters, lights, .. } = content;
+        let Content { casters, lights, .. } = content;
         // Excluded faces of removed lights end.
         for caster in casters.values_mut() {
             caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
             caster.occluded.retain(|(light, _)| lights.check(*light).is_ok());
         }
-        let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
-        let mut sources = Vec::new();
-        for (key, caster) in &*casters {
-            let Some(entry) = by_source.entry(caster.source) else { continue };
-            let keys = entry.or_insert_with(|| {
-                sources.push(caster.source);
-                Vec::new()
-            });
-            keys.push(key);
-        }
         let mut layout = Self::default();
-        let mut slots = Vec::with_capacity(casters.len());
-        for source in sources {
-            let mut group = Group::new(source, layout.order.len() as u32);
-            for &key in by_source.get(source).into_iter().flatten() {
-                let Some(caster) = casters.get(key) else { continue };
-                let Some(mesh) = meshes.get(caster.mesh) else { continue };
-                let is_begun = layout.order.len() as u32 > group.first;
-                let is_alone = group.polygons.is_some() || mesh.polygons.is_some();
-                if (is_begun && is_alone) || (group.face_chunks > 0 && !group.has_room(mesh, limits)) {
-                    let next = Group::new(source, layout.order.len() as u32);
-                    layout.groups.push(std::mem::replace(&mut group, next));
-                }
-                let caster_slots = group.add(mesh, caster.in_depth);
-                layout.face_slots.push(caster_slots.first_face..caster_slots.first_face + mesh.faces);
-                slots.push(Slots { group: layout.groups.len() as u32, first_caster: group.first, ..caster_slots });
-                layout.order.push(key);
-                layout.slot_orders.push(mesh.order.clone());
-            }
-            layout.groups.push(group);
-        }
-        layout.mark_excluding_groups(casters, &mut slots);
+        layout.add_casters(casters, limits);
         layout.assign_offsets(table, content, limits)?;
-        layout.write(table, content, &slots, encode);
+        layout.write(table, content, encode);
         Ok(layout)
     }
 
-    /// Marks the casters of groups in which the caller excludes faces.
-    fn mark_excluding_groups(&mut self, casters: &SlotMap<DefaultKey, CasterEntry>, slots: &mut [Slots]) {
-        let excluding = |key: DefaultKey| casters.get(key).is_some_and(CasterEntry::is_excluding);
-        for (slots, _) in slots.iter().zip(&self.order).filter(|(_, key)| excluding(**key)) {
-            if let Some(group) = self.groups.get_mut(slots.group as usize) {
-                group.excludes = true;
+    /// Adds the groups of all casters, source by source.
+    #[allow(clippy::mutable_key_type, reason = "buffers are compared by identity")]
+    fn add_casters(&mut self, casters: &SlotMap<DefaultKey, CasterEntry>, limits: &DispatchLimits) {
+        let mut by_source: HashMap<Source, Vec<(DefaultKey, &CasterEntry)>> = HashMap::new();
+        let mut sources = Vec::new();
+        for (key, caster) in casters {
+            let new = |source: &Source| {
+                sources.push(source.clone());
+                Vec::new()
+            };
+            by_source.entry(Source::of(caster)).or_insert_with_key(new).push((key, caster));
+        }
+        for source in sources {
+            self.add_groups(&source, by_source.get(&source).into_iter().flatten(), limits);
+        }
+    }
+
+    /// Adds the groups of a source.
+    fn add_groups<'a>(
+        &mut self,
+        source: &Source,
+        casters: impl Iterator<Item = &'a (DefaultKey, &'a CasterEntry)>,
+        limits: &DispatchLimits,
+    ) {
+        let mut group = Group::new(source, self.order.len() as u32);
+        for &(key, caster) in casters {
+            let mesh = &caster.mesh;
+            let is_begun = self.order.len() as u32 > group.first;
+            let is_alone = group.polygons.is_some() || mesh.polygons.is_some();
+            if (is_begun && is_alone) || (group.face_chunks > 0 && !group.has_room(mesh, limits)) {
+                let next = Group::new(source, self.order.len() as u32);
+                self.groups.push(std::mem::replace(&mut group, next));
             }
+            let first_face = group.face_slots();
+            self.slots.push(CasterSlots {
+                group: self.groups.len(),
+                faces: first_face..first_face + mesh.faces,
+                first_edge: group.edge_slots(),
+                order: mesh.order.clone(),
+            });
+            self.order.push(key);
+            group.add(caster);
         }
-        for slots in slots {
-            slots.group_excludes = self.groups.get(slots.group as usize).is_some_and(|group| group.excludes);
-        }
+        self.groups.push(group);
     }
 
     /// Assigns offsets in the table.
@@ -169,8 +180,7 @@ impl Layout {
         limits: &DispatchLimits,
     ) -> Result<(), DeviceError> {
         let Content { casters, lights, .. } = content;
-        let parts = std::mem::take(&mut table.parts);
-        *table = Table { parts, casters: self.order.len(), batches: lights.batches(), ..*table };
+        (table.casters, table.batches) = (self.order.len(), lights.batches());
         let mut next = table.caster_lights_offset();
         // Casters in world space share lights if their masks are equal.
         let mut in_world: HashMap<LightMask, u32> = HashMap::new();
@@ -207,41 +217,34 @@ impl Layout {
         Ok(())
     }
 
-    fn write(&self, table: &mut Table, content: &mut Content, slots: &[Slots], encode: u32) {
-        let Content { meshes, casters, lights, .. } = content;
-        for (&key, &slots) in self.order.iter().zip(slots) {
-            let Some(caster) = casters.get_mut(key) else { continue };
+    /// Writes the table: casters with their lights, the caster of each chunk, and what all casters share.
+    fn write(&self, table: &mut Table, content: &mut Content, encode: u32) {
+        let Content { casters, lights, .. } = content;
+        for (&key, slots) in self.order.iter().zip(&self.slots) {
+            let Some((caster, group)) = casters.get_mut(key).zip(self.groups.get(slots.group)) else { continue };
             caster.is_moved = false;
             caster.version = encode;
-            if let Some(mesh) = meshes.get(caster.mesh) {
-                table.put_caster(caster, mesh, slots);
-            }
+            let slots = SceneCaster {
+                flags: flag(group.excludes, GROUP_EXCLUDES),
+                first_face_slot: slots.faces.start,
+                first_edge_slot: slots.first_edge,
+                group: slots.group as u32,
+                first_caster: group.first,
+                ..SceneCaster::zeroed()
+            };
+            table.put_caster(caster, slots);
             table.put_lights(caster, lights);
+            for (offset, first_slot, chunks) in [
+                (group.face_chunks_offset, slots.first_face_slot, caster.mesh.face_chunks()),
+                (group.edge_chunks_offset, slots.first_edge_slot, caster.mesh.edge_chunks()),
+            ] {
+                let first = 4 * offset + (first_slot / CHUNK) as usize;
+                let words = table.parts.as_flattened_mut().get_mut(first..first + chunks as usize);
+                words.unwrap_or_default().fill(caster.index);
+            }
         }
         table.put_ranges(lights);
         self.occluders.write(table, &self.order, content);
-        self.write_chunks(table, content);
-    }
-
-    /// Writes the caster of each chunk.
-    fn write_chunks(&self, table: &mut Table, Content { meshes, casters, .. }: &Content) {
-        let ends = self.groups.iter().skip(1).map(|group| group.first).chain([self.order.len() as u32]);
-        for (group, end) in self.groups.iter().zip(ends) {
-            let casters_with_meshes = || {
-                let keys = self.order.get(group.first as usize..end as usize).unwrap_or_default();
-                let meshes = keys.iter().map(|&key| casters.get(key).and_then(|caster| meshes.get(caster.mesh)));
-                (group.first..).zip(meshes).filter_map(|(index, mesh)| mesh.map(|mesh| (index, mesh)))
-            };
-            for (offset, chunks_of) in [
-                (group.face_chunks_offset, MeshEntry::face_chunks as fn(&MeshEntry) -> u32),
-                (group.edge_chunks_offset, MeshEntry::edge_chunks),
-            ] {
-                let words = table.parts.get_mut(offset..).unwrap_or_default().as_flattened_mut();
-                let chunks = casters_with_meshes()
-                    .flat_map(|(index, mesh)| std::iter::repeat_n(index, chunks_of(mesh) as usize));
-                words.iter_mut().zip(chunks).for_each(|(word, index)| *word = index);
-            }
-        }
     }
 }
 

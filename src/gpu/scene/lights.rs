@@ -28,14 +28,12 @@ pub(crate) struct Lights {
     pub(crate) used: LightMask,
     /// Lights that changed since the last encode.
     pub(crate) moved: LightMask,
-    /// The lights as frames list them. `None`: a light changed.
-    listed: Option<Arc<[(LightHandle, Light)]>>,
 }
 
 impl Lights {
     pub(crate) fn new(scene: SceneId, limit: usize) -> Result<Self, ShadowError> {
         check_room(limit)?;
-        Ok(Self { scene, limit, bits: Vec::new(), used: LightMask::NONE, moved: LightMask::NONE, listed: None })
+        Ok(Self { scene, limit, bits: Vec::new(), used: LightMask::NONE, moved: LightMask::NONE })
     }
 
     pub(crate) fn add(&mut self, light: Light) -> Result<LightHandle, ShadowError> {
@@ -88,7 +86,6 @@ impl Lights {
         }
         self.used.set(handle.bit, light.is_some());
         self.moved.set(handle.bit, true);
-        self.listed = None;
     }
 
     /// Gives this encode's version to lights that changed.
@@ -114,15 +111,11 @@ impl Lights {
     }
 
     /// All lights, in the order of their bits.
-    pub(crate) fn listed(&mut self) -> Arc<[(LightHandle, Light)]> {
-        let Self { scene, bits, listed, .. } = self;
-        let list = || {
-            let with_light = (0..).zip(bits.iter()).filter_map(|(bit, Bit { light, generation, .. })| {
-                light.map(|light| (LightHandle { scene: *scene, bit, generation: *generation }, light))
-            });
-            with_light.collect()
+    pub(crate) fn listed(&self) -> Arc<[(LightHandle, Light)]> {
+        let listed = |(bit, &Bit { light, generation, .. }): (u32, &Bit)| {
+            light.map(|light| (LightHandle { scene: self.scene, bit, generation }, light))
         };
-        Arc::clone(listed.get_or_insert_with(list))
+        (0..).zip(&self.bits).filter_map(listed).collect()
     }
 }
 

@@ -48,9 +48,7 @@ impl LightMask {
 
     /// The lights in both masks.
     pub(crate) fn and(&self, other: &Self) -> Self {
-        let mut both = *self;
-        both.0.iter_mut().zip(other.0).for_each(|(word, other)| *word &= other);
-        both
+        Self(std::array::from_fn(|word| self.0[word] & other.0[word]))
     }
 
     pub(crate) fn has(&self, bit: u32) -> bool {
@@ -61,9 +59,15 @@ impl LightMask {
         *self == Self::NONE
     }
 
-    /// The number of batches up to the last bit.
+    /// The number of bits up to the last light.
+    pub(crate) fn bits(&self) -> u32 {
+        let last = self.0.iter().rposition(|&word| word != 0);
+        last.map_or(0, |last| 32 * last as u32 + 32 - self.word(last).leading_zeros())
+    }
+
+    /// The number of batches up to the last light.
     pub(crate) fn batches(&self) -> usize {
-        self.0.iter().rposition(|&word| word != 0).map_or(0, |last| last + 1)
+        batches(self.bits() as usize)
     }
 
     /// The number of lights in the first `batches` batches.
@@ -96,7 +100,8 @@ mod tests {
         let light = |bit| LightHandle { scene, bit, generation: 0 };
         let mask = LightMask::only([light(0), light(31), light(32), light(1023)]);
         assert_eq!([mask.word(0), mask.word(1), mask.word(31)], [1 << 31 | 1, 1, 1 << 31]);
-        assert_eq!((mask.count(1), mask.count(32), mask.batches()), (2, 4, 32));
+        assert_eq!((mask.count(1), mask.count(32), mask.batches(), mask.bits()), (2, 4, 32, 1024));
+        assert_eq!((LightMask::only([light(33)]).bits(), LightMask::NONE.bits()), (34, 0));
         assert!(mask.contains(light(31)) && !mask.contains(light(30)));
         assert_eq!(mask.without(light(1023)).batches(), 2);
         assert_eq!(LightMask::ALL.and(&mask), mask);

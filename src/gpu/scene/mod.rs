@@ -3,7 +3,6 @@
 
 pub(crate) mod buffers;
 pub(crate) mod caster;
-pub(crate) mod content;
 #[cfg(feature = "depth-map")]
 pub(crate) mod depths;
 mod encode;

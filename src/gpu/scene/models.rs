@@ -1,10 +1,11 @@
 //! Models of a scene. Each encode morphs, skins and displaces the instances that its frame needs.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use slotmap::DefaultKey;
 
-use super::caster::Caster;
+use super::caster::{Caster, Content};
 use super::handles::{CasterHandle, MeshHandle, ModelHandle};
 use super::model::ModelEntry;
 use super::scene::Scene;
@@ -53,9 +54,8 @@ impl Scene {
         pose: impl Into<PoseInputs<'a>>,
         options: DeformerOptions<'_>,
     ) -> Result<ModelHandle, ShadowError> {
-        let used = self.used() + self.content.pages.bytes;
-        let deformer = Deformer::beside(&self.pipelines, model, options, (used, self.options.memory_limit))?;
-        self.deformed_bytes += deformer.bytes;
+        let limit = self.options.memory_limit;
+        let deformer = Deformer::beside(&self.pipelines, model, options, (self.used(), limit))?;
         let geometry = |geometry: &Geometry| (geometry.positions().len(), geometry.faces().into());
         let key = self.models.insert(ModelEntry {
             deformer,
@@ -114,7 +114,6 @@ impl Scene {
         let removed = ShadowError::Removed { what: "model" };
         let entry = self.models.remove(model.key_in(self.id)?).ok_or(removed)?;
         self.deformed = None;
-        self.deformed_bytes -= entry.deformer.bytes;
         for caster in entry.casters {
             self.remove_caster(caster.key);
         }
@@ -210,21 +209,13 @@ impl Scene {
 
     /// Gives an instance another mesh, with the same faces turned. Slots of excluded faces stay the same.
     fn set_mesh(&mut self, caster: DefaultKey, mesh: DefaultKey) {
-        let Some(entry) = self.content.casters.get(caster).filter(|entry| entry.mesh != mesh) else { return };
-        let Some(buffer) = self.content.sources.get(entry.source).map(|source| source.buffer.clone()) else { return };
-        let page = self.content.meshes.get(mesh).map_or(0, |mesh| mesh.region.page);
-        let source = self.content.sources.acquire(page, buffer);
-        if let Some(entry) = self.content.casters.get_mut(caster) {
-            self.content.sources.release(std::mem::replace(&mut entry.source, source));
-            let before = std::mem::replace(&mut entry.mesh, mesh);
-            if let Some(before) = self.content.meshes.get_mut(before) {
-                before.casters -= 1;
-            }
-            if let Some(mesh) = self.content.meshes.get_mut(mesh) {
-                mesh.casters += 1;
-            }
+        let Content { casters, meshes, .. } = &mut self.content;
+        if let Some((entry, mesh)) = casters.get_mut(caster).zip(meshes.get(mesh))
+            && !Arc::ptr_eq(&entry.mesh, mesh)
+        {
+            entry.mesh = Arc::clone(mesh);
+            self.structure = None;
         }
-        self.structure = None;
     }
 
     /// Gives the instances of all models their indices, for a new structure.

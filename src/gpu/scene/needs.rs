@@ -17,7 +17,7 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::gpu::common::wanted::Wanted;
 use crate::gpu::shadow::errors::ShadowError;
-use crate::layout::{LightCone, NeedsDispatch, ShadowLight, ShadowView, ViewLight};
+use crate::layout::{LightCone, NeedsDispatch, ShadowView, ViewLight};
 use crate::stages::NEEDS;
 use crate::turns::NEEDS_BOXES;
 
@@ -46,12 +46,10 @@ impl Scene {
         check_timer(inputs.timer.as_deref(), self.pipelines.device())?;
         let views = Self::check_views(inputs.views)?;
         // The encode must find this layout: another one would discard the positions.
-        self.prepare_views(views.len())?;
+        self.prepare(views.len(), 0)?;
         let Some(needs) = self.find_needs(inputs.views, &views)? else { return Ok(()) };
         let uploads: Vec<_> = self.deform_uploads(&needs).collect();
-        if !uploads.is_empty() {
-            upload(self.pipelines.device(), encoder, &uploads)?;
-        }
+        upload(self.pipelines.device(), encoder, &uploads)?;
         let states = self.record_needs(encoder, &needs, inputs.timer);
         self.deformed = Some(Deformed { states, views });
         // Earlier frames draw with positions that are overwritten here.
@@ -125,24 +123,21 @@ impl Scene {
             let [low, high] = entry.bounds.unwrap_or_default().map(|corner| corner.map(f32::to_bits));
             records.push([low[0], low[1], low[2], entry.bounds.is_some().into()]);
             records.push([high[0], high[1], high[2], 0]);
-            let word =
-                |batch| if batch < batches { entry.lights.and(&self.content.lights.used).word(batch) } else { 0 };
-            records.extend((0..batches.div_ceil(4)).map(|part| [0, 1, 2, 3].map(|batch| word(4 * part + batch))));
+            let mask = entry.lights.and(&self.content.lights.used);
+            records.extend((0..batches.div_ceil(4)).map(|part| [0, 1, 2, 3].map(|batch| mask.word(4 * part + batch))));
         }
         records
     }
 
     /// The lights of each view, up to the last light and at least one.
     fn view_lights_for_needs(&self, given: &[View<'_>], views: &[ShadowView]) -> Vec<ViewLight> {
-        let last = (0..32 * self.content.lights.batches() as u32).rfind(|&bit| self.content.lights.get(bit).is_some());
-        let lights = last.unwrap_or(0) + 1;
+        let lights = self.content.lights.used.bits().max(1);
         let mut all = Vec::with_capacity(views.len() * lights as usize);
         for (given, &view) in given.iter().zip(views) {
             for bit in 0..lights {
-                let given_light = self.content.lights.get(bit);
-                let light = given_light.map_or_else(ShadowLight::zeroed, |light| given.camera.light(&view, light));
-                let cone = given_light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
-                all.push(ViewLight { view, light, cone, ..ViewLight::zeroed() });
+                let light = self.content.lights.get(bit);
+                let cone = light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
+                all.push(ViewLight { cone, ..self.light_in_view(&given.camera, view, bit) });
             }
         }
         all
@@ -159,7 +154,7 @@ impl Scene {
         ];
         let allocations = wanted.map(|Wanted { label, bytes, .. }| Allocation { label, bytes });
         let bytes = check(&allocations, limits.binding, None)?;
-        let others = Allocation { label: "the rest of the scene", bytes: self.used() + self.content.pages.bytes };
+        let others = Allocation { label: "the rest of the scene", bytes: self.used() };
         check(&[Allocation { label: "needs", bytes }, others], u64::MAX, self.options.memory_limit)?;
         let [view_lights, records, states] = guarded(device, bytes, || wanted.map(|wanted| wanted.make(device)))?;
         let mut table = UniformTable::default();

@@ -77,14 +77,11 @@ impl Scene {
         for (number, (caster, of_caster)) in casters.iter().zip(occluded.casters()).enumerate() {
             let key = caster.key_in(self.id)?;
             let entry = self.content.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
-            let mesh = self.content.meshes.get(entry.mesh);
-            let faces = mesh.map_or(0, |mesh| mesh.faces as usize);
+            let faces = entry.mesh.faces as usize;
             if faces != of_caster.face_count || !keys.insert(key) {
                 return Err(ShadowError::OcclusionCaster { caster: number, faces, found: of_caster.face_count });
             }
-            let order = mesh.and_then(|mesh| mesh.order.as_ref());
-            let faces = of_caster.faces.as_slice();
-            let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
+            let slots = entry.mesh.slots(&of_caster.faces);
             sources.push(OcclusionCaster { key, version: of_caster.version, slots });
         }
         let count = sources.iter().map(|source| source.slots.len()).sum();

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, DVec4};
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
-use super::content::Content;
+use super::caster::{CasterEntry, Content, MeshEntry, Placement, Rigid};
 use super::mask::LightMask;
 use super::table::{Part, Table};
 use crate::Transform;
@@ -70,7 +69,7 @@ impl OccluderLayout {
 
     /// Writes the occluders and the lights.
     pub(crate) fn write(&self, table: &mut Table, order: &[DefaultKey], content: &Content) {
-        let Content { meshes, casters, lights, .. } = content;
+        let Content { casters, lights, .. } = content;
         if self.count == 0 {
             return;
         }
@@ -79,9 +78,8 @@ impl OccluderLayout {
         table.put(self.lights_offset, bytemuck::cast_slice(&scaled));
         let mut corners_offset = self.lights_offset + scaled.len();
         for (number, (caster, corners)) in occluders(order, casters).enumerate() {
-            let Placement::Rigid(rigid) = caster.placement else { continue };
-            let is_closed = meshes.get(caster.mesh).is_some_and(|mesh| mesh.is_closed);
-            let corners = in_world(corners, &rigid);
+            let Placement::Rigid(rigid) = &caster.placement else { continue };
+            let corners = in_world(corners, rigid);
             // A caster with excluded faces culls nothing.
             let may_cull = !caster.is_excluding() && rigid.space.is_some();
             let allowed = if may_cull { caster.lights.and(&lights.used) } else { LightMask::NONE };
@@ -89,7 +87,7 @@ impl OccluderLayout {
                 let [mut usable, mut facing] = [0_u32; 2];
                 for bit in bits(allowed.word(batch)) {
                     let Some(&light) = scaled.get(32 * batch + bit as usize) else { continue };
-                    if let Some(is_facing) = culling_side(&corners, light, rigid.is_mirrored, is_closed) {
+                    if let Some(is_facing) = culling_side(&corners, light, rigid.is_mirrored, caster.mesh.is_closed) {
                         usable |= 1 << bit;
                         facing |= u32::from(is_facing) << bit;
                     }

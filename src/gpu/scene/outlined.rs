@@ -1,22 +1,18 @@
 //! Groups of casters whose outlines are drawn for a light.
 
-use super::buffers::GroupBuffers;
 use super::frame::SceneFrame;
 use super::handles::LightHandle;
-use super::layout::Group;
 use super::sources::GroupTopology;
 use super::structure::{GroupBatch, Structure};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{Resource, part, whole};
-use crate::layout::{DrawArguments, OutlinedGroup};
+use crate::layout::{CHUNK, DrawArguments, OutlinedGroup};
 
 /// A group of casters and a light.
 #[derive(Clone, Copy)]
 pub(crate) struct Outlined<'a> {
     structure: &'a Structure,
     part: &'a GroupBatch,
-    group: &'a Group,
-    buffers: &'a GroupBuffers,
     topology: &'a GroupTopology,
     bit: u32,
 }
@@ -29,7 +25,7 @@ impl<'a> Outlined<'a> {
             edge_chunks_offset: dispatch.edge_chunks_offset,
             relevant_lights_offset: dispatch.batch * dispatch.casters,
             capacity: sizes.capacity,
-            twisted_offset: if sizes.polygons.is_some() { self.group.face_slots() } else { 0 },
+            twisted_offset: if sizes.polygons.is_some() { CHUNK * dispatch.face_chunks } else { 0 },
             bit,
             reserved_0: 0,
             reserved_1: 0,
@@ -39,31 +35,31 @@ impl<'a> Outlined<'a> {
 
     /// The resources of the draw beside the uniform, in the order of its bindings.
     pub(crate) fn resources(self) -> [Resource<'a>; 7] {
-        let Self { structure, part: GroupBatch { sizes, .. }, buffers, topology, .. } = self;
+        let Self { structure, part: GroupBatch { sizes, buffers, .. }, topology, .. } = self;
         let (positions, range) = &topology.positions;
         [
             whole(&structure.table),
             whole(&structure.buffers.relevant_lights),
             part(positions, range.clone()),
-            whole(&topology.edge_vertices),
-            whole(&topology.edge_faces),
+            whole(&topology.page.edge_vertices),
+            whole(&topology.page.edge_faces),
             part(&buffers.facing, 0..sizes.facing()),
             part(&buffers.lists, 0..sizes.lists),
         ]
     }
 
     pub(crate) fn faces(self) -> &'a wgpu::Buffer {
-        &self.topology.faces
+        &self.topology.page.faces
     }
 
     /// The edge slots.
     pub(crate) fn edges(self) -> u32 {
-        self.group.edge_slots()
+        CHUNK * self.part.dispatch.edge_chunks
     }
 
     /// The arguments of the draw of the light's list, or of all edge slots if it overflowed.
     pub(crate) fn arguments(self) -> (&'a wgpu::Buffer, u64) {
-        (&self.buffers.draws, u64::from(self.bit) * size_of::<DrawArguments>() as u64)
+        (&self.part.buffers.draws, u64::from(self.bit) * size_of::<DrawArguments>() as u64)
     }
 }
 
@@ -73,14 +69,7 @@ impl SceneFrame {
         let (structure, batch) = (&*self.structure, light.bit as usize / 32);
         let parts = structure.parts.iter().filter(move |part| part.batch == batch);
         parts.filter_map(move |part| {
-            Some(Outlined {
-                structure,
-                part,
-                group: structure.layout.groups.get(part.group)?,
-                buffers: structure.buffers.groups.get(part.group)?.get(batch)?,
-                topology: structure.topology.get(part.group)?,
-                bit: light.bit % 32,
-            })
+            Some(Outlined { structure, part, topology: structure.topology.get(part.group)?, bit: light.bit % 32 })
         })
     }
 

@@ -27,14 +27,20 @@ pub(crate) struct Region {
 }
 
 /// The buffers of a page.
-#[derive(Debug)]
-pub(crate) struct Page<B = wgpu::Buffer> {
+#[derive(Clone, Debug)]
+pub(crate) struct PageBuffers<B = wgpu::Buffer> {
     pub(crate) faces: B,
     pub(crate) edge_vertices: B,
     pub(crate) edge_faces: B,
     pub(crate) positions: B,
     /// The words of [`Topology::clusters`].
     pub(crate) clusters: B,
+}
+
+/// The buffers of a page, and what is free there.
+#[derive(Debug)]
+struct Page {
+    buffers: PageBuffers,
     /// Whether it is for one mesh alone, which begins it.
     is_of_one: bool,
     /// Free ranges of each kind.
@@ -42,26 +48,24 @@ pub(crate) struct Page<B = wgpu::Buffer> {
 }
 
 /// All pages of a scene. A scene grows by further pages, so it copies nothing.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Pages {
     all: Vec<Page>,
-    /// Freed regions, and the number of encodes at that time.
-    freed: Vec<(Region, u64)>,
+    /// The regions that were freed since the last encode, and between it and the one before.
+    freed: [Vec<Region>; 2],
     /// The size of all pages in bytes.
     pub(crate) bytes: u64,
 }
 
-impl<B> Page<B> {
+impl<B> PageBuffers<B> {
     fn plan(items: [u64; KINDS], mut make: impl FnMut(Wanted<'static>) -> B) -> Self {
-        let [faces, edges, vertices, words] = items;
+        let [faces, edges, vertices, words] = bytes_of(items);
         Self {
-            faces: make(Wanted::new("scene faces", 12 * faces)),
-            edge_vertices: make(Wanted::new("scene edge vertices", 8 * edges)),
-            edge_faces: make(Wanted::new("scene edge faces", 8 * edges)),
-            positions: make(Wanted::new("scene rest positions", 12 * vertices)),
-            clusters: make(Wanted::new("scene clusters", 4 * words)),
-            is_of_one: false,
-            free: items.map(|items| RangeAllocator::new(0..items as u32)),
+            faces: make(Wanted::new("scene faces", faces)),
+            edge_vertices: make(Wanted::new("scene edge vertices", edges)),
+            edge_faces: make(Wanted::new("scene edge faces", edges)),
+            positions: make(Wanted::new("scene rest positions", vertices)),
+            clusters: make(Wanted::new("scene clusters", words)),
         }
     }
 }
@@ -83,15 +87,11 @@ impl Page {
 }
 
 impl Pages {
-    pub(crate) fn new() -> Self {
-        Self { all: Vec::new(), freed: Vec::new(), bytes: 0 }
+    pub(crate) fn get(&self, page: usize) -> Option<&PageBuffers> {
+        self.all.get(page).map(|page| &page.buffers)
     }
 
-    pub(crate) fn get(&self, page: usize) -> Option<&Page> {
-        self.all.get(page)
-    }
-
-    /// Allocates a mesh, in a new page if the others have no room. `used` are the bytes of the scene beside its pages. If
+    /// Allocates a mesh, in a new page if the others have no room. `used` are the bytes of the scene so far. If
     /// `is_alone`, the mesh begins a page, which is no larger than the mesh.
     pub(crate) fn add(
         &mut self,
@@ -120,13 +120,13 @@ impl Pages {
         let sizes = page_sizes(shared, items, limits.binding)?;
         let sizes = if is_alone { items } else { sizes };
         let mut all = Vec::new();
-        Page::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
+        PageBuffers::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
         let bytes = check(&all, limits.buffer, None)?;
-        let others = used + self.bytes;
-        all.push(Allocation { label: "the rest of the scene", bytes: others });
+        all.push(Allocation { label: "the rest of the scene", bytes: used });
         check(&all, u64::MAX, memory_limit)?;
-        let mut made = guarded(device, bytes + others, || Page::plan(sizes, |wanted| wanted.make(device)))?;
-        made.is_of_one = is_alone;
+        let buffers = guarded(device, bytes + used, || PageBuffers::plan(sizes, |wanted| wanted.make(device)))?;
+        let free = sizes.map(|items| RangeAllocator::new(0..items as u32));
+        let mut made = Page { buffers, is_of_one: is_alone, free };
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
         self.all.push(made);
@@ -144,32 +144,38 @@ impl Pages {
         mesh: &Topology<'_>,
         positions: &[[f32; 3]],
     ) -> Result<(), DeviceError> {
-        let Some(page) = self.all.get(region.page) else { return Ok(()) };
-        let [faces, edges, vertices, words] = region.ranges.clone().map(|range| u64::from(range.start));
+        let Some(page) = self.get(region.page) else { return Ok(()) };
+        let [faces, edges, vertices, words] = bytes_of(region.ranges.clone().map(|range| u64::from(range.start)));
         let write = || {
-            queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(&mesh.faces));
-            queue.write_buffer(&page.edge_vertices, 8 * edges, bytemuck::cast_slice(&mesh.edge_vertices));
-            queue.write_buffer(&page.edge_faces, 8 * edges, bytemuck::cast_slice(&mesh.edge_faces));
-            queue.write_buffer(&page.clusters, 4 * words, bytemuck::cast_slice(&mesh.clusters));
-            queue.write_buffer(&page.positions, 12 * vertices, bytemuck::cast_slice(positions));
+            queue.write_buffer(&page.faces, faces, bytemuck::cast_slice(&mesh.faces));
+            queue.write_buffer(&page.edge_vertices, edges, bytemuck::cast_slice(&mesh.edge_vertices));
+            queue.write_buffer(&page.edge_faces, edges, bytemuck::cast_slice(&mesh.edge_faces));
+            queue.write_buffer(&page.clusters, words, bytemuck::cast_slice(&mesh.clusters));
+            queue.write_buffer(&page.positions, vertices, bytemuck::cast_slice(positions));
         };
         any_error(device, write).map_err(|message| DeviceError::Refused { message })
     }
 
-    /// Frees a region. Recorded frames may still read it. `encodes` is the number of encodes so far.
-    pub(crate) fn free(&mut self, region: Region, encodes: u64) {
-        self.freed.push((region, encodes));
+    /// Frees a region. Recorded frames may still read it.
+    pub(crate) fn free(&mut self, region: Region) {
+        self.freed[0].push(region);
     }
 
-    /// Makes freed regions available from the second encode after they were freed on. The queue would otherwise write them
-    /// before frames that are recorded but not yet submitted.
-    pub(crate) fn reclaim(&mut self, encodes: u64) {
-        for (region, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
+    /// Makes regions available that were freed before the last encode but this one. Each encode calls it. The queue would
+    /// otherwise write them before frames that are recorded but not yet submitted.
+    pub(crate) fn reclaim(&mut self) {
+        let [since_last, before] = &mut self.freed;
+        for region in std::mem::replace(before, std::mem::take(since_last)) {
             if let Some(page) = self.all.get_mut(region.page) {
                 page.free.iter_mut().zip(region.ranges).for_each(|(free, range)| free.free_range(range));
             }
         }
     }
+}
+
+/// The bytes of some elements of each kind.
+fn bytes_of(items: [u64; KINDS]) -> [u64; KINDS] {
+    std::array::from_fn(|kind| BYTES[kind] * items[kind])
 }
 
 /// The elements of each kind in a new page: at least those of the mesh.

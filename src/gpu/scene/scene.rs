@@ -1,12 +1,11 @@
 //! The scene: meshes, casters and lights, and their extraction.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, OccludedFacesOfLight, Placement, Rigid};
-use super::content::Content;
+use super::caster::{Caster, CasterEntry, CasterPositions, Content, MeshEntry, OccludedFacesOfLight, Placement, Rigid};
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;
@@ -15,14 +14,12 @@ use super::occluders;
 use super::options::{Capacities, Measuring, SceneOptions};
 use super::pages::Pages;
 use super::receivers::ViewVersion;
-use super::sources::{Sources, bind};
-use super::structure::Structure;
+use super::structure::{Room, Structure};
 use super::table::Table;
 use super::topology::Topology;
 use super::volumes::Volumes;
 use crate::gpu::common::pass::Step;
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
 use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::gpu::shadow::errors::ShadowError;
@@ -58,15 +55,10 @@ pub struct Scene {
     pub(super) steps: Vec<Step>,
     /// Shadow volumes of the structure, if any view was asked for.
     pub(super) volumes: Option<Arc<Volumes>>,
-    /// The most views of an encode so far.
-    pub(super) views: usize,
-    /// Words for the receivers of each view: the most so far.
-    pub(super) receiver_words: u64,
+    pub(super) room: Room,
     /// The views of the last encode.
     pub(super) view_versions: Vec<ViewVersion>,
     pub(super) models: SlotMap<DefaultKey, ModelEntry>,
-    /// The bytes of their deformers.
-    pub(super) deformed_bytes: u64,
     /// The casters of all models, in the order of the structure's words for them.
     pub(super) deforming: Vec<DefaultKey>,
     /// Set if the models were deformed for the next encode.
@@ -101,9 +93,8 @@ impl Scene {
             id,
             content: Content {
                 meshes: SlotMap::new(),
-                pages: Pages::new(),
+                pages: Pages::default(),
                 casters: SlotMap::new(),
-                sources: Sources::default(),
                 lights: Lights::new(id, options.max_lights)?,
             },
             pipelines,
@@ -119,11 +110,9 @@ impl Scene {
             last: None,
             steps: Vec::new(),
             volumes: None,
-            views: 0,
-            receiver_words: 0,
+            room: Room::default(),
             view_versions: Vec::new(),
             models: SlotMap::new(),
-            deformed_bytes: 0,
             deforming: Vec::new(),
             deformed: None,
             occluded: Vec::new(),
@@ -165,7 +154,7 @@ impl Scene {
         positions: &[[f32; 3]],
     ) -> Result<DefaultKey, ShadowError> {
         let (device, used, limit) = (self.pipelines.device(), self.used(), self.options.memory_limit);
-        let polygons = PolygonMesh::new(device, mesh, used + self.content.pages.bytes, limit)?;
+        let polygons = PolygonMesh::new(device, mesh, used, limit)?;
         let further = polygons.as_ref().map_or(0, PolygonMesh::bytes);
         let region = self.content.pages.add(
             device,
@@ -176,17 +165,24 @@ impl Scene {
             limit,
         )?;
         if let Err(error) = self.content.pages.upload(device, &self.queue, &region, topology, positions) {
-            self.content.pages.free(region, self.encodes.load(Ordering::Relaxed));
+            self.content.pages.free(region);
             return Err(error.into());
         }
         self.content.pages.bytes += further;
-        Ok(self.content.meshes.insert(MeshEntry::new(region, mesh, positions, topology.order.clone(), polygons)))
+        let entry = MeshEntry::new(region, mesh, positions, topology.order.clone(), polygons);
+        Ok(self.content.meshes.insert(Arc::new(entry)))
     }
 
-    /// The bytes of all but pages.
+    /// The bytes of all buffers.
     pub(super) fn used(&self) -> u64 {
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
-        self.last.as_ref().map_or(0, |last| last.bytes()) + volumes + self.deformed_bytes
+        let last = self.last.as_ref().map_or(0, |last| last.bytes());
+        last + volumes + self.deformed_bytes() + self.content.pages.bytes
+    }
+
+    /// The bytes of the deformers of models.
+    pub(super) fn deformed_bytes(&self) -> u64 {
+        self.models.values().map(|model| model.deformer.bytes).sum()
     }
 
     /// The topology of a mesh to upload. Predicates other than the exact one may decide faces differently from clusters, so
@@ -208,13 +204,15 @@ impl Scene {
     /// [`ShadowError::MeshInUse`], or an error of the handle.
     pub fn remove_mesh(&mut self, mesh: MeshHandle) -> Result<(), ShadowError> {
         let key = mesh.key_in(self.id)?;
-        let casters = self.content.meshes.get(key).ok_or(ShadowError::Removed { what: "mesh" })?.casters;
+        let entry = self.content.meshes.get(key).ok_or(ShadowError::Removed { what: "mesh" })?;
+        // Only casters share it.
+        let casters = Arc::strong_count(entry) - 1;
         if casters > 0 {
             return Err(ShadowError::MeshInUse { casters });
         }
         if let Some(entry) = self.content.meshes.remove(key) {
             self.content.pages.bytes -= entry.polygons.as_ref().map_or(0, PolygonMesh::bytes);
-            self.content.pages.free(entry.region, self.encodes.load(Ordering::Relaxed));
+            self.content.pages.free(entry.region.clone());
         }
         Ok(())
     }
@@ -253,18 +251,11 @@ impl Scene {
     /// An error of the mesh's handle, or of the position buffer.
     pub fn insert(&mut self, caster: Caster) -> Result<CasterHandle, ShadowError> {
         let Caster { mesh, positions, lights, in_depth } = caster;
-        let mesh = mesh.key_in(self.id)?;
-        let (placement, source) = self.placement_of(mesh, positions)?;
-        let mut has_polygons = false;
-        if let Some(entry) = self.content.meshes.get_mut(mesh) {
-            entry.casters += 1;
-            has_polygons = entry.polygons.is_some();
-        }
+        let mesh = self.content.meshes.get(mesh.key_in(self.id)?).ok_or(ShadowError::Removed { what: "mesh" })?;
+        let placement = Placement::new(&self.pipelines, positions, mesh.vertices)?;
         self.structure = None;
         let entry = CasterEntry {
-            mesh,
-            has_polygons,
-            source,
+            mesh: Arc::clone(mesh),
             lights,
             in_depth,
             excluded: Vec::new(),
@@ -294,11 +285,11 @@ impl Scene {
         mesh_to_world: impl Into<Transform>,
     ) -> Result<(), ShadowError> {
         let mesh_to_world = mesh_to_world.into().rows();
-        let (key, entry) = self.entry_of_caller(caster)?;
+        let entry = self.entry_of_caller(caster)?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(ShadowError::NotRigid) };
         if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
             *rigid = Rigid::new(mesh_to_world);
-            self.mark_changed(key);
+            self.mark_changed(caster.key);
         }
         Ok(())
     }
@@ -309,10 +300,10 @@ impl Scene {
     /// # Errors
     /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], or an error of the handle.
     pub fn set_position_version(&mut self, caster: CasterHandle, version: Option<u64>) -> Result<(), ShadowError> {
-        let (key, entry) = self.entry_in_buffer(caster)?;
+        let entry = self.entry_in_buffer(caster)?;
         if entry.positions_version != version {
             entry.positions_version = version;
-            self.mark_changed(key);
+            self.mark_changed(caster.key);
         }
         Ok(())
     }
@@ -328,7 +319,7 @@ impl Scene {
     /// [`ShadowError::NoBuffer`] for a rigid caster, [`ShadowError::OfModel`], [`ShadowError::Bounds`] for a box that
     /// is none, or an error of the handle.
     pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), ShadowError> {
-        let (key, entry) = self.entry_in_buffer(caster)?;
+        let entry = self.entry_in_buffer(caster)?;
         if let Some([low, high]) = bounds
             && !low.iter().zip(high).all(|(low, high)| low.is_finite() && high.is_finite() && *low <= high)
         {
@@ -336,27 +327,26 @@ impl Scene {
         }
         if entry.bounds != bounds {
             entry.bounds = bounds;
-            self.mark_changed(key);
+            self.mark_changed(caster.key);
         }
         Ok(())
     }
 
     /// A caster.
-    fn entry(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
-        let key = caster.key_in(self.id)?;
-        self.content.casters.get_mut(key).map(|entry| (key, entry)).ok_or(ShadowError::Removed { what: "caster" })
+    fn entry(&mut self, caster: CasterHandle) -> Result<&mut CasterEntry, ShadowError> {
+        self.content.casters.get_mut(caster.key_in(self.id)?).ok_or(ShadowError::Removed { what: "caster" })
     }
 
     /// A caster that is no instance of a model.
-    fn entry_of_caller(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
-        let (key, entry) = self.entry(caster)?;
-        if entry.is_of_model { Err(ShadowError::OfModel) } else { Ok((key, entry)) }
+    fn entry_of_caller(&mut self, caster: CasterHandle) -> Result<&mut CasterEntry, ShadowError> {
+        let entry = self.entry(caster)?;
+        if entry.is_of_model { Err(ShadowError::OfModel) } else { Ok(entry) }
     }
 
     /// A caster with positions in a buffer of the caller's.
-    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<(DefaultKey, &mut CasterEntry), ShadowError> {
-        let (key, entry) = self.entry_of_caller(caster)?;
-        if let Placement::Rigid(_) = entry.placement { Err(ShadowError::NoBuffer) } else { Ok((key, entry)) }
+    fn entry_in_buffer(&mut self, caster: CasterHandle) -> Result<&mut CasterEntry, ShadowError> {
+        let entry = self.entry_of_caller(caster)?;
+        if let Placement::Rigid(_) = entry.placement { Err(ShadowError::NoBuffer) } else { Ok(entry) }
     }
 
     /// Marks a caster that must be written to the table.
@@ -377,38 +367,15 @@ impl Scene {
         caster: CasterHandle,
         positions: impl Into<CasterPositions>,
     ) -> Result<(), ShadowError> {
-        let (key, entry) = self.entry_of_caller(caster)?;
-        let mesh = entry.mesh;
-        let (placement, source) = self.placement_of(mesh, positions.into())?;
-        if let Some(entry) = self.content.casters.get_mut(key) {
-            entry.placement = placement;
-            (entry.positions_version, entry.bounds) = (None, None);
-            if let Placement::World { .. } = entry.placement {
-                entry.occluders.clear();
-            }
-            self.content.sources.release(std::mem::replace(&mut entry.source, source));
+        let pipelines = self.pipelines.clone();
+        let entry = self.entry_of_caller(caster)?;
+        entry.placement = Placement::new(&pipelines, positions.into(), entry.mesh.vertices)?;
+        (entry.positions_version, entry.bounds) = (None, None);
+        if let Placement::World { .. } = entry.placement {
+            entry.occluders.clear();
         }
         self.structure = None;
         Ok(())
-    }
-
-    /// The placement of a caster of a mesh, and the source of its positions, which counts the caster.
-    fn placement_of(
-        &mut self,
-        mesh: DefaultKey,
-        positions: CasterPositions,
-    ) -> Result<(Placement, DefaultKey), ShadowError> {
-        let entry = self.content.meshes.get(mesh).ok_or(ShadowError::Removed { what: "mesh" })?;
-        let (page, vertices) = (entry.region.page, entry.vertices);
-        let (placement, bound) = match positions {
-            CasterPositions::Rigid(transform) => (Placement::Rigid(Rigid::new(transform.rows())), None),
-            CasterPositions::Buffer { buffer, offset, stride } => {
-                let positions = PositionBuffer { buffer: &buffer, offset, stride };
-                let (placement, bound) = bind(&self.pipelines, &positions, vertices)?;
-                (placement, Some(bound))
-            }
-        };
-        Ok((placement, self.content.sources.acquire(page, bound)))
     }
 
     /// Changes the lights for which a caster throws shadows.
@@ -416,7 +383,7 @@ impl Scene {
     /// # Errors
     /// An error of the handle.
     pub fn set_lights(&mut self, caster: CasterHandle, lights: LightMask) -> Result<(), ShadowError> {
-        let (_, entry) = self.entry(caster)?;
+        let entry = self.entry(caster)?;
         if entry.lights != lights {
             entry.lights = lights;
             self.structure = None;
@@ -436,19 +403,16 @@ impl Scene {
         let key = caster.key_in(self.id)?;
         self.content.lights.check(light)?;
         let entry = self.content.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
-        let mesh = self.content.meshes.get(entry.mesh);
-        let count = mesh.map_or(0, |mesh| mesh.faces);
+        let count = entry.mesh.faces;
         if let Some(&face) = faces.iter().find(|&&face| face >= count) {
             return Err(ShadowError::NoSuchFace { face, faces: count });
         }
-        if entry.has_polygons && !faces.is_empty() {
+        if entry.mesh.polygons.is_some() && !faces.is_empty() {
             return Err(ShadowError::Polygons);
         }
         entry.excluded.retain(|(of, _)| *of != light && self.content.lights.check(*of).is_ok());
         if !faces.is_empty() {
-            let order = mesh.and_then(|mesh| mesh.order.as_ref());
-            let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
-            entry.excluded.push((light, slots));
+            entry.excluded.push((light, entry.mesh.slots(faces)));
         }
         self.structure = None;
         Ok(())
@@ -467,15 +431,12 @@ impl Scene {
     /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of
     /// the handle.
     pub fn set_occluders(&mut self, caster: CasterHandle, polygons: &[&[[f32; 3]]]) -> Result<(), ShadowError> {
-        let key = caster.key_in(self.id)?;
-        let entry = self.content.casters.get_mut(key).ok_or(ShadowError::Removed { what: "caster" })?;
+        let entry = self.entry(caster)?;
         if matches!(entry.placement, Placement::World { .. }) {
             return Err(ShadowError::NotRigid);
         }
-        if let Some(mesh) = self.content.meshes.get(entry.mesh) {
-            for (number, polygon) in polygons.iter().enumerate() {
-                occluders::check(number, polygon, mesh)?;
-            }
+        for (number, polygon) in polygons.iter().enumerate() {
+            occluders::check(number, polygon, &entry.mesh)?;
         }
         entry.occluders = polygons.iter().map(|&polygon| polygon.into()).collect();
         self.structure = None;
@@ -487,17 +448,14 @@ impl Scene {
     /// # Errors
     /// [`ShadowError::OfModel`], or an error of the handle.
     pub fn remove(&mut self, caster: CasterHandle) -> Result<(), ShadowError> {
-        let (key, _) = self.entry_of_caller(caster)?;
-        self.remove_caster(key);
+        self.entry_of_caller(caster)?;
+        self.remove_caster(caster.key);
         Ok(())
     }
 
     pub(super) fn remove_caster(&mut self, key: DefaultKey) {
-        let Some(entry) = self.content.casters.remove(key) else { return };
-        if let Some(mesh) = self.content.meshes.get_mut(entry.mesh) {
-            mesh.casters -= 1;
+        if self.content.casters.remove(key).is_some() {
+            self.structure = None;
         }
-        self.content.sources.release(entry.source);
-        self.structure = None;
     }
 }

@@ -2,7 +2,7 @@
 
 use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, PolygonBuffers, WORK_WORDS};
 use super::sources::GroupTopology;
-use super::structure::{GroupBatch, Inputs, PolygonCaster, Structure};
+use super::structure::{GroupBatch, Inputs, Structure};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, exact_workgroups, loops_of};
@@ -13,7 +13,6 @@ use crate::gpu::extract::buffers::Shape;
 use crate::gpu::extract::of_scene::polygon_steps;
 use crate::gpu::{extract, shadow};
 use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
-use crate::mesh::EdgeCounts;
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, CULL_LIGHTS, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
 use crate::turns::{SCENE_ITEMS, scene_exact_items};
@@ -69,11 +68,11 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
 /// # Errors
 /// [`DeviceError::BufferRefused`] if a caller destroyed the buffer of a caster.
 pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
-    let Inputs { pipelines, options, views, .. } = *inputs;
+    let Inputs { pipelines, options, room, .. } = *inputs;
     let (device, predicate) = (pipelines.device(), options.predicate());
     let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };
     let mut programs = programs(predicate);
-    if views > 0 {
+    if room.views > 0 {
         let has_pieces = structure.layout.groups.iter().any(|group| group.polygons.is_some());
         programs.extend(shadow::stages::programs(has_pieces, options));
     }
@@ -89,7 +88,7 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
                     steps.extend(binder.polygons(part).transpose()?.unwrap_or_default());
                 }
             }
-            let dispatch = |part: &GroupBatch| {
+            let dispatch = |part| {
                 pipeline.dispatch(device, binder.workgroups(items, part), |name| binder.get(pipeline.label, name, part))
             };
             let parts = parts.iter().filter(|part| !items.is_of_triangles() || part.sizes.polygons.is_none());
@@ -101,14 +100,14 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
 
 /// Clears counts and statistics, and writes the masks of faces that callers exclude.
 fn clears(structure: &Structure) -> Vec<Step> {
-    let Structure { parts, buffers, exclusions, .. } = structure;
+    let Structure { parts, buffers, .. } = structure;
     let counts = Step::Clear(buffers.work.clone(), 0..4 * WORK_WORDS * parts.len() as u64);
     let mut steps = vec![counts, Step::clear(&buffers.statistics)];
-    for ((part, masks), buffers) in parts.iter().zip(exclusions).zip(buffers.groups.iter().flatten()) {
+    for part in parts {
         // In groups without exclusions `facing` clears the masks, and for polygons their first steps do.
         let excludes = structure.layout.groups.get(part.group).is_some_and(|group| group.excludes);
-        let (excluded, bytes) = (buffers.excluded.clone(), part.sizes.masks);
-        match masks {
+        let (excluded, bytes) = (part.buffers.excluded.clone(), part.sizes.masks);
+        match &part.exclusions {
             Some(masks) => steps.push(Step::Copy([(masks.clone(), 0), (excluded, 0)], bytes)),
             None if excludes => steps.push(Step::Clear(excluded, 0..bytes)),
             None => {}
@@ -133,12 +132,11 @@ impl<'a> Binder<'a> {
 
     fn workgroups(&self, items: Items, part: &GroupBatch) -> Workgroups {
         let most = self.limits.workgroups;
-        let chunks = self.structure.layout.groups.get(part.group).map(|group| (group.face_chunks, group.edge_chunks));
-        let (faces, edges) = chunks.unwrap_or_default();
+        let SceneDispatch { face_chunks: faces, edge_chunks: edges, .. } = part.dispatch;
         let in_turn = |items: u32| u64::from(loops_of(self.device, items, SCENE_ITEMS));
         let (count, rows) = match items {
             Items::Pairs => {
-                let pairs = self.structure.layout.order.len() * self.structure.batches;
+                let pairs = self.structure.layout.order.len() * self.structure.buffers.batches;
                 let workgroups = (pairs as u64).div_ceil(SMALL_WORKGROUP);
                 (workgroups, workgroups.div_ceil(most).clamp(1, most) as u32)
             }
@@ -147,7 +145,7 @@ impl<'a> Binder<'a> {
             Items::Faces => (in_turn(LANES * faces), 1),
             Items::Edges => (in_turn(LANES * edges), 1),
             Items::Undecided => {
-                (exact_workgroups(self.device, CHUNK * faces, scene_exact_items(part.lights)).into(), 1)
+                (exact_workgroups(self.device, CHUNK * faces, scene_exact_items(part.sizes.lights)).into(), 1)
             }
             Items::One => (1, 1),
         };
@@ -157,23 +155,21 @@ impl<'a> Binder<'a> {
     /// The extraction of the polygons of a group.
     fn polygons(&self, group_batch: &GroupBatch) -> Option<Result<Vec<Step>, DeviceError>> {
         let Self { structure, inputs, limits, .. } = self;
-        let &GroupBatch { group, batch, ref sizes, lights, .. } = group_batch;
-        let GroupBuffers { facing, excluded, record, lists, polygons, .. } =
-            structure.buffers.groups.get(group)?.get(batch)?;
+        let &GroupBatch { group, ref sizes, ref buffers, ref exclusions, .. } = group_batch;
+        let GroupBuffers { facing, excluded, record, lists, polygons, .. } = buffers;
         let PolygonBuffers { lights: light_batch, undecided, arguments, pieces } = polygons.as_ref()?;
-        let GroupTopology { faces, edge_vertices, edge_faces, positions: (positions, range), .. } =
-            structure.topology.get(group)?;
-        let PolygonCaster { mesh, offset_words, stride_words, .. } = structure.polygons(inputs.content, group)?;
+        let GroupTopology { page, positions: (positions, range), .. } = structure.topology.get(group)?;
+        let caster = structure.first_caster(inputs.content, group)?;
+        let [offset_words, stride_words] = caster.position_words();
         // One binding holds them, so this is no error.
         let windows = limits.windows("positions", range.end - range.start).ok()?;
         let bound = BoundPositions { base: range.start, windows, offset_words, stride_words };
         let layout = structure.layout.groups.get(group)?;
-        let EdgeCounts { consistent, inconsistent, boundary } = layout.counts;
         let shape = Shape {
             vertices: 0,
             faces: layout.face_slots() as usize,
-            edges: consistent + inconsistent + boundary,
-            max_lights: lights as usize,
+            edges: caster.mesh.edges() as usize,
+            max_lights: sizes.lights as usize,
             capacity: sizes.capacity,
             lists_head: LISTS_HEAD,
             blocks: 0,
@@ -182,9 +178,9 @@ impl<'a> Binder<'a> {
             polygons: Some(sizes.polygons?),
         };
         let buffers = extract::buffers::Buffers {
-            faces: faces.clone(),
-            edge_vertices: edge_vertices.clone(),
-            edge_faces: edge_faces.clone(),
+            faces: page.faces.clone(),
+            edge_vertices: page.edge_vertices.clone(),
+            edge_faces: page.edge_faces.clone(),
             edge_corners: None,
             facing: vec![facing.clone()],
             masks: Vec::new(),
@@ -194,24 +190,22 @@ impl<'a> Binder<'a> {
             block_offsets: arguments.clone(),
             counts: lists.clone(),
             draw_arguments: arguments.clone(),
-            polygons: Some(mesh.buffers([undecided, arguments, pieces])),
+            polygons: Some(caster.mesh.polygons.as_ref()?.buffers([undecided, arguments, pieces])),
             light_batches: light_batch.clone(),
             chunks: arguments.clone(),
             draw_shape: arguments.clone(),
             statistics: arguments.clone(),
             unused: arguments.clone(),
         };
-        let given = structure.exclusions.get(group * structure.batches + batch)?.as_ref();
-        Some(polygon_steps(inputs.pipelines, &shape, buffers, (positions, &bound), given))
+        Some(polygon_steps(inputs.pipelines, &shape, buffers, (positions, &bound), exclusions.as_ref()))
     }
 
     /// The resource that a stage binds by this name. Stages and draws of shadow volumes have it here, too.
-    pub(crate) fn get(&self, stage: &str, name: &str, group_batch: &GroupBatch) -> Option<Resource<'a>> {
+    pub(crate) fn get(&self, stage: &str, name: &str, group_batch: &'a GroupBatch) -> Option<Resource<'a>> {
         let Structure { table, uniforms, shapes, buffers, .. } = self.structure;
         let Buffers { relevant_lights, active_lights, cache, work, statistics, .. } = buffers;
-        let &GroupBatch { group, batch, ref sizes, offset, shape, .. } = group_batch;
-        let of_group = buffers.groups.get(group)?.get(batch)?;
-        let topology = self.structure.topology.get(group)?;
+        let &GroupBatch { group, ref sizes, buffers: ref of_group, offset, shape, .. } = group_batch;
+        let GroupTopology { page, positions: (positions, range), .. } = self.structure.topology.get(group)?;
         let extraction_statistics = || part(&of_group.record, 0..size_of::<ExtractionStatistics>() as u64);
         Some(match name {
             "group" => uniform::<SceneDispatch>(uniforms, offset),
@@ -226,11 +220,11 @@ impl<'a> Binder<'a> {
             "statistics" if stage == ARGUMENTS.name => extraction_statistics(),
             "statistics" => whole(statistics),
             "extraction_statistics" => extraction_statistics(),
-            "cluster_words" => whole(&topology.clusters),
-            "positions" => part(&topology.positions.0, topology.positions.1.clone()),
-            "faces" => whole(&topology.faces),
-            "edge_vertices" => whole(&topology.edge_vertices),
-            "edge_faces" => whole(&topology.edge_faces),
+            "cluster_words" => whole(&page.clusters),
+            "positions" => part(positions, range.clone()),
+            "faces" => whole(&page.faces),
+            "edge_vertices" => whole(&page.edge_vertices),
+            "edge_faces" => whole(&page.edge_faces),
             "facing_masks" => part(&of_group.facing, 0..sizes.masks),
             "excluded_masks" => part(&of_group.excluded, 0..sizes.masks),
             "record" => part(&of_group.record, 0..sizes.record),

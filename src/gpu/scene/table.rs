@@ -2,12 +2,10 @@
 
 use bytemuck::Zeroable;
 
-use super::caster::{CasterEntry, MeshEntry, Placement};
+use super::caster::{CasterEntry, Placement};
 use super::lights::Lights;
 use crate::Transform;
-use crate::layout::caster_flags::{
-    BOUNDED, CLOSED, EXCLUDES, GROUP_EXCLUDES, MIRRORED, NON_FINITE, PROXY, RIGID, UNCACHED,
-};
+use crate::layout::caster_flags::{BOUNDED, CLOSED, EXCLUDES, MIRRORED, NON_FINITE, PROXY, RIGID, UNCACHED};
 use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, SceneCaster, bits};
 use crate::light::Light;
 use crate::light_batch::ScaledLight;
@@ -34,18 +32,6 @@ pub(crate) struct Table {
     pub(crate) culls_by_range: bool,
     /// Whether occluders cull casters.
     pub(crate) culls_by_occluders: bool,
-}
-
-/// The slots of a caster.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Slots {
-    pub(crate) first_face: u32,
-    pub(crate) first_edge: u32,
-    pub(crate) group: u32,
-    /// The first caster of the group.
-    pub(crate) first_caster: u32,
-    /// Whether the caller excludes faces of a caster of the group.
-    pub(crate) group_excludes: bool,
 }
 
 impl Table {
@@ -86,11 +72,12 @@ impl Table {
         }
     }
 
-    /// Writes a caster with its slots.
-    pub(crate) fn put_caster(&mut self, entry: &CasterEntry, mesh: &MeshEntry, slots: Slots) {
+    /// Writes a caster. `slots` has its group, its slots there, and the flag of the group.
+    pub(crate) fn put_caster(&mut self, entry: &CasterEntry, slots: SceneCaster) {
+        let mesh = &entry.mesh;
         let [faces, edges, _, clusters] = mesh.region.ranges.clone().map(|range| range.start);
-        let [position_offset, position_stride] = entry.position_words(mesh);
-        let is_rigid = entry.rigid().is_some();
+        let [position_offset, position_stride] = entry.position_words();
+        let is_rigid = matches!(entry.placement, Placement::Rigid(_));
         let [row_0, row_1, row_2] = Transform::UNIT;
         let mut caster = SceneCaster {
             row_0,
@@ -99,24 +86,20 @@ impl Table {
             low: mesh.low,
             scale: 1.0,
             high: mesh.high,
-            flags: flag(mesh.is_closed, CLOSED)
+            flags: slots.flags
+                | flag(mesh.is_closed, CLOSED)
                 | flag(!entry.in_depth, PROXY)
                 | flag(is_rigid, RIGID)
                 | flag(is_rigid && mesh.is_holed, NON_FINITE)
-                | flag(entry.is_excluding(), EXCLUDES)
-                | flag(slots.group_excludes, GROUP_EXCLUDES),
-            first_face_slot: slots.first_face,
+                | flag(entry.is_excluding(), EXCLUDES),
             faces: mesh.faces,
             first_face: faces,
             position_offset,
-            first_edge_slot: slots.first_edge,
             edges: mesh.edges(),
             first_edge: edges,
             position_stride,
-            version: 0,
-            group: slots.group,
-            first_caster: slots.first_caster,
             clusters_or_deforming_index: if mesh.order.is_some() { clusters } else { NO_CLUSTERS },
+            ..slots
         };
         set_changes(&mut caster, entry);
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
@@ -196,7 +179,7 @@ fn set_changes(caster: &mut SceneCaster, entry: &CasterEntry) {
     caster.version = entry.version;
 }
 
-fn flag(is_set: bool, flag: u32) -> u32 {
+pub(crate) fn flag(is_set: bool, flag: u32) -> u32 {
     if is_set { flag } else { 0 }
 }
 

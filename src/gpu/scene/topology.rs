@@ -16,14 +16,8 @@ pub(crate) struct Topology<'a> {
     pub(crate) edge_faces: Cow<'a, [[u32; 2]]>,
     /// The clusters, as the GPU has them. Empty: slots have the order of the mesh.
     pub(crate) clusters: Vec<u32>,
-    pub(crate) order: Option<Arc<SlotOrder>>,
-}
-
-/// The order of a mesh in clusters.
-#[derive(Debug)]
-pub(crate) struct SlotOrder {
-    /// The face of each face slot.
-    pub(crate) faces: Vec<u32>,
+    /// The face of each face slot, for a mesh in clusters.
+    pub(crate) order: Option<Arc<[u32]>>,
 }
 
 impl<'a> Topology<'a> {
@@ -42,26 +36,12 @@ impl<'a> Topology<'a> {
     pub(crate) fn in_clusters(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
         let clusters = Clusters::new(mesh, positions, Threads::all());
         let Arranged { faces, edge_vertices, edge_faces, words } = Arranged::new(mesh, &clusters, Threads::all());
-        let order = SlotOrder { faces: clusters.into_faces() };
         Self {
             faces: faces.into(),
             edge_vertices: edge_vertices.into(),
             edge_faces: edge_faces.into(),
             clusters: words,
-            order: Some(Arc::new(order)),
+            order: Some(clusters.into_faces().into()),
         }
-    }
-}
-
-impl SlotOrder {
-    /// The slots of some faces of the mesh.
-    pub(crate) fn slots(&self, faces: &[u32]) -> Vec<u32> {
-        let mut slots = vec![0; self.faces.len()];
-        for (slot, &face) in (0..).zip(&self.faces) {
-            if let Some(slot_of_face) = slots.get_mut(face as usize) {
-                *slot_of_face = slot;
-            }
-        }
-        faces.iter().filter_map(|&face| slots.get(face as usize).copied()).collect()
     }
 }

@@ -21,16 +21,16 @@ pub(crate) struct Volumes {
 }
 
 impl Volumes {
-    /// Makes the volumes of a structure, with `receivers` words for the receivers of each view.
-    pub(crate) fn new(inputs: &Inputs<'_>, structure: &Structure, receivers: u64) -> Result<Self, ShadowError> {
+    /// Makes the volumes of a structure.
+    pub(crate) fn new(inputs: &Inputs<'_>, structure: &Structure) -> Result<Self, ShadowError> {
         let device = inputs.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let sizes = VolumeSizes { receivers, ..sizes(inputs, structure, &limits) };
+        let sizes = sizes(inputs, structure, &limits);
         let bytes = inputs.others + structure.bytes();
         let others = Allocation { label: "the scene without volumes", bytes };
         let buffers = SizedBuffers::new(device, sizes, others, &limits)?;
         let binder = Binder::new(inputs, structure);
-        let part = |group: usize, batch: usize| structure.parts.get(group * structure.batches + batch);
+        let part = |group: usize, batch: usize| structure.parts.get(group * structure.buffers.batches + batch);
         let source = VolumeSource {
             table: &structure.table,
             has_boxes: structure.topology.iter().map(|topology| topology.are_at_rest).collect(),
@@ -58,15 +58,15 @@ fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) ->
             ..ShadowShape::zeroed()
         };
         let edges_and_faces = [group.counts.boundary as u32, CHUNK * group.proxy_chunks];
-        Some(PartSizes::new(inputs.options, shape, part.lights, edges_and_faces, limits))
+        Some(PartSizes::new(inputs.options, shape, part.sizes.lights, edges_and_faces, limits))
     };
     VolumeSizes {
         options: *inputs.options,
         casters: structure.layout.order.len(),
-        lights: 32 * structure.batches,
-        views: inputs.views,
+        lights: 32 * structure.buffers.batches,
+        views: inputs.room.views,
         choices_offset: structure.choices_offset,
         parts: structure.parts.iter().filter_map(sizes_of).collect(),
-        receivers: 0,
+        receivers: inputs.room.receiver_words,
     }
 }

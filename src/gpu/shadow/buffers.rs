@@ -71,6 +71,15 @@ impl SizedBuffers {
         others: Allocation,
         limits: &DispatchLimits,
     ) -> Result<Self, DeviceError> {
+        // The host makes a table of draws, for as many views and batches of casters as the caller wants.
+        let view_lights = sizes.view_lights() as u64;
+        let draws = view_lights.saturating_mul(sizes.options.stencil.count_batches.into());
+        let draw_bytes = draws.saturating_mul(UniformTable::stride::<ShadowDraw>() as u64);
+        let of_views = [
+            Allocation { label: "lights of views", bytes: view_lights * size_of::<ViewLight>() as u64 },
+            Allocation { label: "shadow draw lights", bytes: draw_bytes },
+        ];
+        check_bindings(&of_views, limits.binding)?;
         let account = |sizes: &VolumeSizes, tables: &[UniformTable; 2]| {
             let mut account = Account::default();
             VolumeBuffers::<()>::plan(sizes, tables, |wanted| account.note(&wanted));
