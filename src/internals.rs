@@ -57,7 +57,7 @@ pub mod depth_map {
     use crate::gpu::depth_map::DepthMapError;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     pub use crate::gpu::depth_map::metric::metric_steps;
-    use crate::gpu::depth_map::near::{NearShadow, near_shadow};
+    use crate::gpu::depth_map::near::near_shadow;
     pub use crate::gpu::depth_map::view::Placing;
     use crate::gpu::depth_map::view::depth_map_view;
     use crate::layout::{DepthMapView, DepthNearBox};
@@ -83,10 +83,7 @@ pub mod depth_map {
         eye: (&ShadowCamera, wgpu::TextureFormat),
         has_walls: bool,
     ) -> Option<DepthNearBox> {
-        match near_shadow(lights, size, eye, has_walls) {
-            NearShadow::Samples(near) => Some(near),
-            NearShadow::Lit | NearShadow::Unknown => None,
-        }
+        near_shadow(lights, size, eye, has_walls).ok()
     }
 }
 

@@ -146,9 +146,9 @@ impl DepthMapVolumes {
         let Some(stage) = &self.near else { return (DepthMapNearCap::Drawn, None) };
         let eye = (inputs.eye, self.eye.0);
         let near = match near_shadow(inputs.lights, self.shape.size, eye, self.contours.is_some()) {
-            NearShadow::Lit => return (DepthMapNearCap::Skipped, None),
-            NearShadow::Unknown => return (DepthMapNearCap::Drawn, None),
-            NearShadow::Samples(near) => near,
+            Ok(near) => near,
+            Err(NearShadow::Lit) => return (DepthMapNearCap::Skipped, None),
+            Err(NearShadow::Unknown) => return (DepthMapNearCap::Drawn, None),
         };
         let device = self.shared.device();
         let rectangle = filled(device, "near rectangle", bytemuck::bytes_of(&near), wgpu::BufferUsages::UNIFORM);
