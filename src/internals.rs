@@ -59,7 +59,7 @@ pub mod depth_map {
     pub use crate::gpu::depth_map::metric::metric_steps;
     use crate::gpu::depth_map::near::near_shadow;
     pub use crate::gpu::depth_map::view::Placing;
-    use crate::gpu::depth_map::view::depth_map_view;
+    use crate::gpu::depth_map::view::{depth_map_view, steps};
     use crate::layout::{DepthMapView, DepthNearBox};
 
     /// The input of the vertex stages for a map of `size` texels with depths in `format`. `eye` has the format of its depth
@@ -72,7 +72,7 @@ pub mod depth_map {
         eye: (&ShadowCamera, wgpu::TextureFormat),
         placing: &Placing,
     ) -> Result<DepthMapView, DepthMapError> {
-        depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
+        depth_map_view((light, size), steps([format], light.depth), eye, placing)
     }
 
     /// The samples that affect the near rectangle of an eye with a depth format, if they decide about it. `lights` are the

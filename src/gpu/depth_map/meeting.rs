@@ -1,6 +1,6 @@
 //! Makes and checks the cameras of a cube of six maps. docs/numerics/depth-maps.md.
 
-use glam::{DMat4, DVec3, DVec4, Mat4};
+use glam::{DMat4, DVec3, DVec4};
 
 use super::error::DepthMapError;
 use crate::ShadowCamera;
@@ -76,13 +76,12 @@ struct CubeCamera {
 
 fn cube_camera(face: usize, camera: &ShadowCamera, side: u32) -> Result<CubeCamera, DepthMapError> {
     camera.check_any_hand().map_err(|error| DepthMapError::CubeLight { face, error })?;
-    let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+    let matrix = camera.matrix();
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
     let scale = w.truncate().length();
     if scale == 0.0 {
         return Err(DepthMapError::Parallel { face });
     }
-    let origin = DVec3::from_array(camera.origin.map(f64::from));
     // The point where x, y and w are 0.
     let rows = glam::DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
     let from = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
@@ -92,7 +91,7 @@ fn cube_camera(face: usize, camera: &ShadowCamera, side: u32) -> Result<CubeCame
     let tangent = tangent(side);
     Ok(CubeCamera {
         axes: [w, x * tangent, y * tangent].map(|row| row.truncate() / scale),
-        position: from + origin,
+        position: from + camera.origin_point(),
         scale,
         depths: [at_infinity, share],
         near: share / (near_depth - at_infinity),
