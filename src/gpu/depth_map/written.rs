@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use super::error::{DepthMapError, guard};
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
-use crate::gpu::common::memory::{filled, guarded};
+use crate::gpu::common::memory::filled;
 use crate::gpu::common::pass::{Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{check_alive, check_timer};
@@ -22,7 +22,6 @@ pub(super) struct WrittenMap {
     shared: Pipelines,
     stage: Pipeline,
     shape: DepthMapShape,
-    texture: wgpu::Texture,
     view: wgpu::TextureView,
 }
 
@@ -42,14 +41,11 @@ impl WrittenMap {
             return Err(DepthMapError::Texture { size, max_side });
         }
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        let texture = guarded(shared.device(), 4 * texels, || {
-            written_texture(shared.device(), label, size, wgpu::TextureFormat::R32Float)
-        })?;
+        let view = written_texture(shared.device(), label, size, wgpu::TextureFormat::R32Float)?;
         // Fits: textures have at most about 2²⁸ texels.
         let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape { size, blocks, faces: 1, ..DepthMapShape::zeroed() };
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        Ok(Self { stage: shared.compute(stage, stage.name, &[]), shape, texture, view, shared })
+        Ok(Self { stage: shared.compute(stage, stage.name, &[]), shape, view, shared })
     }
 
     pub(super) fn view(&self) -> &wgpu::TextureView {
@@ -63,7 +59,7 @@ impl WrittenMap {
     /// Refuses a map that cannot be read. Returns its format.
     pub(super) fn check(&self, map: &wgpu::TextureView, name: &str) -> Result<wgpu::TextureFormat, DepthMapError> {
         let format = check_texture(map.texture(), self.shape.size, name)?;
-        if *map.texture() == self.texture { Err(DepthMapError::OwnResult) } else { Ok(format) }
+        if map.texture() == self.view.texture() { Err(DepthMapError::OwnResult) } else { Ok(format) }
     }
 
     /// Records the stage. `maps`: the textures that it reads, by name. `written`: the name of the map. `uniform`: name and
