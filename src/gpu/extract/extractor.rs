@@ -5,9 +5,8 @@ use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
-use super::extraction::{Extraction, PositionSlice, Shared};
+use super::extraction::{Extraction, ExtractionResults, PositionSlice, Shared};
 use super::options::ExtractorOptions;
-use super::results::ExtractionResults;
 use super::stages::{Binder, DispatchRanges, Made, from_facing, from_positions, made, programs};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;

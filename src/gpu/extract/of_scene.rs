@@ -10,7 +10,7 @@ use super::stages::{Binder, DispatchRanges, from_facing, from_positions, made, p
 use crate::Mesh;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, check, guarded};
+use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pass::Step;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::BoundPositions;
@@ -37,12 +37,9 @@ impl PolygonMesh {
         let counts = PolygonCounts::new(polygons)?;
         let table = boundaries(polygons);
         let wanted = Wanted::filled("boundaries", bytemuck::cast_slice(&table));
-        let limit = DispatchLimits::new(&device.limits()).binding;
-        if wanted.bytes > limit {
-            return Err(DeviceError::BindingTooLarge { what: wanted.label, bytes: wanted.bytes, limit }.into());
-        }
-        let others = Allocation { label: "the rest of the scene", bytes: used };
-        check(&[Allocation { label: wanted.label, bytes: wanted.bytes }, others], u64::MAX, memory_limit)?;
+        let boundaries = Allocation { label: wanted.label, bytes: wanted.bytes };
+        check_bindings(&[boundaries], DispatchLimits::new(&device.limits()).binding)?;
+        check(&[boundaries, Allocation { label: "the rest of the scene", bytes: used }], u64::MAX, memory_limit)?;
         let head = Wanted::filled("boundary head", bytemuck::cast_slice(&HEAD));
         let made = guarded(device, wanted.bytes, || (wanted.make(device), head.make(device)))?;
         Ok(Some(Self { counts, boundaries: made.0, head: made.1 }))

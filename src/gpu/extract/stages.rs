@@ -24,7 +24,7 @@ use crate::turns::EXACT_ITEMS;
 
 /// The items that a stage walks along.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Over {
+enum Over {
     Faces,
     Edges,
     Polygons,
@@ -131,11 +131,11 @@ pub(crate) fn of_triangles(device: &wgpu::Device, options: &ExtractorOptions) ->
 
 /// Items of a dispatch, for a batch of lights.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BatchItems {
-    pub(super) batch: usize,
-    pub(super) items: Range<usize>,
+struct BatchItems {
+    batch: usize,
+    items: Range<usize>,
     /// The offset of its `Chunk` in the table of chunks.
-    pub(super) chunk: u32,
+    chunk: u32,
 }
 
 impl BatchItems {
@@ -145,13 +145,9 @@ impl BatchItems {
     }
 }
 
-/// The dispatches over faces, edges and polygons: for each batch of lights those of its chunks.
+/// The dispatches over the items of each [`Over`], in order: for each batch of lights those of its chunks.
 #[derive(Debug)]
-pub(super) struct DispatchRanges {
-    pub(super) faces: Vec<Vec<BatchItems>>,
-    pub(super) edges: Vec<Vec<BatchItems>>,
-    pub(super) polygons: Vec<Vec<BatchItems>>,
-}
+pub(super) struct DispatchRanges([Vec<Vec<BatchItems>>; 3]);
 
 impl DispatchRanges {
     /// Writes the chunks to the table.
@@ -167,20 +163,15 @@ impl DispatchRanges {
         };
         let Shape { capacity, blocks, polygons, .. } = *shape;
         let (polygons, pieces) = polygons.map_or((0, 0), |polygons| (polygons.polygons, polygons.pieces));
-        Self {
-            faces: plan(faces, capacity, blocks),
-            edges: plan(edges, capacity, blocks),
-            polygons: plan(std::slice::from_ref(&(0..polygons)), pieces, 0),
-        }
+        Self([
+            plan(faces, capacity, blocks),
+            plan(edges, capacity, blocks),
+            plan(std::slice::from_ref(&(0..polygons)), pieces, 0),
+        ])
     }
 
     fn of(&self, over: Over, batch: usize) -> &[BatchItems] {
-        let ranges = match over {
-            Over::Faces => &self.faces,
-            Over::Edges => &self.edges,
-            Over::Polygons => &self.polygons,
-        };
-        ranges.get(batch).map_or(&[], Vec::as_slice)
+        self.0[over as usize].get(batch).map_or(&[], Vec::as_slice)
     }
 }
 
