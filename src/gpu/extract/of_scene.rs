@@ -6,7 +6,7 @@ use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
 use super::polygon_buffers::{HEAD, PolygonBuffers, PolygonCounts, boundaries};
-use super::stages::{Binder, DispatchRanges, from_facing, from_positions, made, programs};
+use super::stages::{Binder, DispatchRanges, from_facing, from_positions, programs};
 use crate::Mesh;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -80,10 +80,9 @@ pub(crate) fn polygon_steps(
     // The scene makes draw arguments.
     all.pop();
     pipelines.make_together(&all);
-    let (reading, others) = (made(pipelines, reading), made(pipelines, others));
     let Buffers { record, counts, .. } = &buffers;
     let mut steps = vec![Step::Clear(record.clone(), 0..RECORD_HEAD), Step::Clear(counts.clone(), 0..shape.lists_head)];
-    let binder = Binder { device, shape, buffers: &buffers, ranges, facing, positions: Some(positions), given };
+    let binder = Binder { pipelines, shape, buffers: &buffers, ranges, facing, positions: Some(positions), given };
     steps.extend(binder.read_positions(&reading, 0));
     steps.extend(binder.read_facing(&others, 0));
     Ok(steps)
