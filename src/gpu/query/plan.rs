@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::cpu::query::shadow_boxes::CLUSTER;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::layout::{FaceCluster, UndecidedFaces};
@@ -9,8 +10,6 @@ use crate::turns::QUERY_GROUPS;
 
 /// The number of clusters in a group. Dispatches begin at whole groups, whose offset in bytes suits any binding.
 pub(super) const GROUP: usize = 32;
-/// The number of faces in a cluster.
-pub(super) const CLUSTER: usize = 32;
 /// The number of invocations in a workgroup.
 const WORKGROUP: u64 = 64;
 /// The largest number of pairs of point and light in one dispatch, where bindings allow it. It is enough for the
