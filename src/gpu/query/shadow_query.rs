@@ -278,7 +278,8 @@ impl ShadowQuery {
             "range" => uniform::<FaceRange>(&tables.ranges, range),
             "clusters" => part(clusters, bytes(at.clusters.start)..bytes(at.clusters.end)),
             "points" => {
-                let end = byte(at.points.end).min(points.buffer.size());
+                // The last point may end before its stride does, and a binding has whole words.
+                let end = byte(at.points.end).min(points.buffer.size() / 4 * 4);
                 part(points.buffer, self.split.align_down(byte(at.points.start))..end)
             }
             "depths" => part(depths, depth(at.points.start)..depth(at.points.end)),
