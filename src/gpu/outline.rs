@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::common::bindings::{READ, UNIFORM, entries, float_texture, texture, whole};
+use super::common::bindings::{READ, UNIFORM, entries, float_texture, part, texture, whole};
 use super::common::device_error::{DeviceError, contain};
 use super::common::drawing::{Drawn, depth_stencil};
 use super::common::memory::{Allocation, any_error, check_bindings, filled};
@@ -446,14 +446,15 @@ impl OutlinePipeline {
         if let Some(given) = marked.map(wgpu::Buffer::size).filter(|&given| given < needed) {
             return Err(OutlineError::Marks { given, needed, edges });
         }
-        let arrays = [("faces", shared.buffers.faces.size()), ("marks", marked.map_or(0, wgpu::Buffer::size))];
+        let arrays = [("faces", shared.buffers.faces.size()), ("marks", marked.map_or(0, |_| needed))];
         check_bindings(&arrays.map(|(label, bytes)| Allocation { label, bytes }), shared.limits.binding)?;
         let pair = &self.of_extractions;
         let results = extraction.bind_group(&pair.layouts[0], light / 32)?;
         let of_view = any_error(device, || {
             let view = filled(device, "outline view", bytemuck::bytes_of(view), wgpu::BufferUsages::UNIFORM);
-            let marks = marked.unwrap_or(&shared.buffers.unused);
-            let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
+            // The caller's buffer may be longer, by any number of bytes.
+            let marks = marked.map_or_else(|| whole(&shared.buffers.unused), |marks| part(marks, 0..needed));
+            let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), marks];
             group(device, "outline", &pair.layouts[1], &resources)
         });
         let hint = "is `depth` a view of the depth aspect alone, of one layer, and has `marked` usage STORAGE?";
