@@ -246,7 +246,7 @@ fn refusing() -> Result<(), String> {
     let at = |buffer, offset, stride| PositionBuffer { buffer, offset, stride };
     let on_faces = |stride, face| QueryPoints { points: at(&with_faces, 0, stride), on_face: Some(face) };
     let (vertices, good, plain) = (at(&vertices, 0, 12), at(&points, 0, 12), at(&plain, 0, 12));
-    let (short, narrow) = (at(&points, 4, 12), at(&points, 0, 10));
+    let (short, narrow, far) = (at(&points, 4, 12), at(&points, 0, 10), at(&points, 4, u64::MAX - 3));
     let (light, negative) = (Light::point([1.0, 2.0, 3.0]), Light::homogeneous([1.0, 1.0, 1.0, -1.0]));
     gpu.submit(|encoder| {
         for (stride, offset) in [(12, 12), (16, 0), (16, 8), (16, 14), (16, 16), (20, 13), (20, 20), (20, u64::MAX - 3)]
@@ -274,6 +274,11 @@ fn refusing() -> Result<(), String> {
                 shows(&["Points(PositionsTooShort { vertices: 10"]),
             ),
             refusal("a bad stride", encode(vertices, narrow, 1, &[light]), is(stride)),
+            refusal(
+                "a far stride",
+                encode(vertices, far, 1, &[light]),
+                shows(&["BindingTooLarge { what: \"64 points\""]),
+            ),
             refusal(
                 "no storage",
                 encode(vertices, plain, 1, &[light]),

@@ -65,7 +65,8 @@ pub(super) fn point_chunks(
     let by_points = split.binding.saturating_sub(256) / stride;
     let range = by_undecided.min(by_points).min(split.binding / depths) / POINTS * POINTS;
     if range == 0 {
-        let bytes = POINTS * depths.max(stride).max(UNDECIDED * lights.min(32) as u64);
+        // A caller may give any stride for a single point.
+        let bytes = POINTS.saturating_mul(depths.max(stride).max(UNDECIDED * lights.min(32) as u64));
         return Err(DeviceError::BindingTooLarge { what: "64 points", bytes, limit: split.binding });
     }
     Ok((0..points).step_by(range as usize).map(|first| first..first.saturating_add(range as u32).min(points)).collect())
