@@ -1,24 +1,177 @@
-//! A map that a stage writes: a texture of `R32Float`, and the dispatch.
+//! Maps that stages write: of two maps, and of distances.
 
 use bytemuck::Zeroable;
 
 use super::error::{DepthMapError, guard};
+use super::metric::{DepthMetric, metric_view};
+use super::options::DepthMap;
+use super::texture::{check_texture, written_texture};
 use crate::gpu::common::bindings::{texture, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::filled;
 use crate::gpu::common::pass::{Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
-use crate::gpu::common::requirements::{check_alive, check_timer};
+use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::layout::DepthMapShape;
 use crate::shadow::DepthDirection;
-use crate::stages::Stage;
+use crate::stages::{DEPTH_MERGE, DEPTH_METRIC, Stage};
 
-use super::texture::{check_texture, written_texture};
+/// Merges two depth maps of one light by the nearer depth, for example one of static casters and one of moving ones. Both
+/// maps are made with the same camera. They may have different formats.
+///
+/// The result is a map of `R32Float`, to be given to [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes). Where a
+/// map has a coarser format, set [`DepthMapOptions::rounded_to`](crate::gpu::depth_map::DepthMapOptions::rounded_to) to it,
+/// so that the boundary moves by the map's errors. More maps are merged by further merges: the result of one may be a map of
+/// another.
+#[derive(Debug)]
+pub struct DepthMapMerge {
+    merged: WrittenMap,
+}
+
+impl DepthMapMerge {
+    /// Makes a texture of `size` texels for the result.
+    ///
+    /// # Errors
+    /// [`DepthMapError`] if the device lacks what the stage needs, or the texture does not fit it.
+    pub fn new(pipelines: impl Into<Pipelines>, size: [u32; 2]) -> Result<Self, DepthMapError> {
+        let pipelines = pipelines.into();
+        pipelines.clone().construct(Subject::DepthMap, || {
+            Ok(Self { merged: WrittenMap::new(pipelines, &DEPTH_MERGE, "merged depth map", size)? })
+        })
+    }
+
+    /// Records the stage. `depth` is the direction of both maps. A texel of the result has the nearer of the two depths. NaN
+    /// and depths beyond the far end count as far. Draws of volumes read the result, too, so record them before the next
+    /// merge.
+    ///
+    /// # Errors
+    /// [`DepthMapError`] if a texture is refused. Nothing is recorded then.
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: [&wgpu::TextureView; 2],
+        depth: DepthDirection,
+    ) -> Result<(), DepthMapError> {
+        self.encode_timed(encoder, maps, depth, None)
+    }
+
+    /// The same with a timestamp around each stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode`], and [`DepthMapError::Device`] for a timer of another device.
+    pub fn encode_timed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: [&wgpu::TextureView; 2],
+        depth: DepthDirection,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), DepthMapError> {
+        for (index, map) in maps.into_iter().enumerate() {
+            self.merged.check(map, &format!("map {index} of the merge"))?;
+        }
+        let [first, second] = maps;
+        let maps = [("depth_texture", first), ("second_texture", second)];
+        self.merged.record(encoder, depth, (&maps, "merged_texture"), None, timer)
+    }
+
+    /// The merged map: a view of `R32Float`.
+    pub fn texture(&self) -> &wgpu::TextureView {
+        &self.merged.view
+    }
+}
+
+/// Makes a depth map from a map of distances, as ray-marched distance fields and range images have them.
+///
+/// The result is a map of `R32Float` with the device depths of the map's camera, to be given to
+/// [`DepthMapVolumes`](crate::gpu::depth_map::DepthMapVolumes) with the same camera, to
+/// [`DepthMapMerge`](crate::gpu::depth_map::DepthMapMerge), or as a map of a cube. Set
+/// [`DepthMapOptions::metric`](crate::gpu::depth_map::DepthMapOptions::metric) to the same metric, so that the boundary
+/// moves by the error of the conversion.
+///
+/// ```no_run
+/// use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DepthMetric};
+/// use rimline::{ShadowCamera, wgpu};
+///
+/// # fn shadows(
+/// #     (pipelines, encoder): (&DepthMapPipelines, &mut wgpu::CommandEncoder),
+/// #     (device, distances): (&wgpu::Device, &wgpu::TextureView),
+/// #     (light, camera): (ShadowCamera, &ShadowCamera),
+/// # ) -> Result<(), Box<dyn std::error::Error>> {
+/// // Once:
+/// let metric = DepthMetric::AlongRay;
+/// let conversion = DepthMapConversion::new(device, [512, 512])?;
+/// let options = DepthMapOptions { metric, ..Default::default() };
+/// let mut volumes = DepthMapVolumes::new(pipelines, [512, 512], options)?;
+/// // Every frame, after what writes `distances`:
+/// conversion.encode(encoder, &DepthMap::new(distances, light), metric)?;
+/// let shadows = volumes.encode(encoder, &DepthMap::new(conversion.texture(), light), camera)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct DepthMapConversion {
+    converted: WrittenMap,
+}
+
+impl DepthMapConversion {
+    /// Makes a texture of `size` texels for the result.
+    ///
+    /// # Errors
+    /// [`DepthMapError`] if the device lacks what the stage needs, or the texture does not fit it.
+    pub fn new(pipelines: impl Into<Pipelines>, size: [u32; 2]) -> Result<Self, DepthMapError> {
+        let pipelines = pipelines.into();
+        pipelines.clone().construct(Subject::DepthMap, || {
+            Ok(Self { converted: WrittenMap::new(pipelines, &DEPTH_METRIC, "converted depth map", size)? })
+        })
+    }
+
+    /// Records the stage. `map` has distances of `metric` in a texture of `R32Float`, and the camera that they were measured
+    /// for; its objects are ignored. With [`DepthMetric::Device`] it may have any format of a map, and the result has its
+    /// depths, clamped. Draws of volumes read the result, too, so record them before the next conversion.
+    ///
+    /// # Errors
+    /// [`DepthMapError`] if the texture or the camera is refused. Nothing is recorded then.
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        metric: DepthMetric,
+    ) -> Result<(), DepthMapError> {
+        self.encode_timed(encoder, map, metric, None)
+    }
+
+    /// The same with a timestamp around each stage.
+    ///
+    /// # Errors
+    /// The errors of [`Self::encode`], and [`DepthMapError::Device`] for a timer of another device.
+    pub fn encode_timed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        metric: DepthMetric,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), DepthMapError> {
+        let format = self.converted.check(map.texture, "the map")?;
+        if metric != DepthMetric::Device && format != wgpu::TextureFormat::R32Float {
+            let accepted = "R32Float for distances, or `DepthMetric::Device` for device depths";
+            return Err(DepthMapError::MapFormat { map: "the map".to_owned(), format, accepted });
+        }
+        let view = metric_view(&map.light, self.converted.shape.size, metric)?;
+        let maps = [("depth_texture", map.texture)];
+        let uniform = Some(("metric_view", bytemuck::bytes_of(&view)));
+        self.converted.record(encoder, map.light.depth, (&maps, "converted_texture"), uniform, timer)
+    }
+
+    /// The converted map: a view of `R32Float`.
+    pub fn texture(&self) -> &wgpu::TextureView {
+        &self.converted.view
+    }
+}
 
 /// A stage with the map that it writes.
 #[derive(Debug)]
-pub(super) struct WrittenMap {
+struct WrittenMap {
     shared: Pipelines,
     stage: Pipeline,
     shape: DepthMapShape,
@@ -27,7 +180,7 @@ pub(super) struct WrittenMap {
 
 impl WrittenMap {
     /// A texture of `size` texels, and the pipeline of a stage.
-    pub(super) fn new(
+    fn new(
         shared: Pipelines,
         stage: &'static Stage,
         label: &'static str,
@@ -48,23 +201,15 @@ impl WrittenMap {
         Ok(Self { stage: shared.compute(stage, stage.name, &[]), shape, view, shared })
     }
 
-    pub(super) fn view(&self) -> &wgpu::TextureView {
-        &self.view
-    }
-
-    pub(super) fn size(&self) -> [u32; 2] {
-        self.shape.size
-    }
-
     /// Refuses a map that cannot be read. Returns its format.
-    pub(super) fn check(&self, map: &wgpu::TextureView, name: &str) -> Result<wgpu::TextureFormat, DepthMapError> {
+    fn check(&self, map: &wgpu::TextureView, name: &str) -> Result<wgpu::TextureFormat, DepthMapError> {
         let format = check_texture(map.texture(), self.shape.size, name)?;
         if map.texture() == self.view.texture() { Err(DepthMapError::OwnResult) } else { Ok(format) }
     }
 
     /// Records the stage. `maps`: the textures that it reads, by name. `written`: the name of the map. `uniform`: name and
     /// bytes of another uniform.
-    pub(super) fn record(
+    fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         depth: DepthDirection,
