@@ -142,7 +142,7 @@ impl DepthMapFrame {
     }
 
     /// Refuses pipelines that do not fit, and a frame whose list a later encode overwrites.
-    pub(super) fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
+    fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         check_same(["`DepthMapPipelines`", "the volumes"], [pipelines.shared().device(), &self.device])?;
         let (volumes, other) = (self.depth, pipelines.format().depth);
         if volumes != other {
@@ -160,7 +160,7 @@ impl DepthMapFrame {
     }
 
     /// Refuses a frame whose list a later encode overwrites.
-    pub(super) fn check_current(&self) -> Result<(), DepthMapError> {
+    fn check_current(&self) -> Result<(), DepthMapError> {
         if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(DepthMapError::StaleFrame) }
     }
 }

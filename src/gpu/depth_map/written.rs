@@ -13,7 +13,7 @@ use crate::gpu::common::pass::{Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::layout::DepthMapShape;
+use crate::layout::{DepthMapShape, DepthMetricView};
 use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_MERGE, DEPTH_METRIC, Stage};
 
@@ -71,8 +71,8 @@ impl DepthMapMerge {
             self.merged.check(map, &format!("map {index} of the merge"))?;
         }
         let [first, second] = maps;
-        let maps = [("depth_texture", first), ("second_texture", second)];
-        self.merged.record(encoder, depth, (&maps, "merged_texture"), None, timer)
+        let textures = [("depth_texture", first), ("second_texture", second), ("merged_texture", &self.merged.view)];
+        self.merged.record(encoder, depth, &textures, None, timer)
     }
 
     /// The merged map: a view of `R32Float`.
@@ -158,9 +158,8 @@ impl DepthMapConversion {
             return Err(DepthMapError::MapFormat { map: "the map".to_owned(), format, accepted });
         }
         let view = metric_view(&map.light, self.converted.shape.size, metric)?;
-        let maps = [("depth_texture", map.texture)];
-        let uniform = Some(("metric_view", bytemuck::bytes_of(&view)));
-        self.converted.record(encoder, map.light.depth, (&maps, "converted_texture"), uniform, timer)
+        let textures = [("depth_texture", map.texture), ("converted_texture", &self.converted.view)];
+        self.converted.record(encoder, map.light.depth, &textures, Some(&view), timer)
     }
 
     /// The converted map: a view of `R32Float`.
@@ -207,14 +206,14 @@ impl WrittenMap {
         if map.texture() == self.view.texture() { Err(DepthMapError::OwnResult) } else { Ok(format) }
     }
 
-    /// Records the stage. `maps`: the textures that it reads, by name. `written`: the name of the map. `uniform`: name and
-    /// bytes of another uniform.
+    /// Records the stage. `textures`: those that it reads, and the map that it writes, by name. `metric`: that of the map,
+    /// if the stage converts it.
     fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         depth: DepthDirection,
-        (maps, written): (&[(&str, &wgpu::TextureView)], &str),
-        other_uniform: Option<(&str, &[u8])>,
+        textures: &[(&str, &wgpu::TextureView)],
+        metric: Option<&DepthMetricView>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), DepthMapError> {
         let device = self.shared.device();
@@ -225,15 +224,11 @@ impl WrittenMap {
         let bind = || {
             let buffer = |bytes: &[u8]| filled(device, "depth map", bytes, wgpu::BufferUsages::UNIFORM);
             let shape_buffer = buffer(bytemuck::bytes_of(&shape));
-            let other = other_uniform.map(|(name, bytes)| (name, buffer(bytes)));
-            self.stage.dispatch(device, Workgroups::over(device, shape.blocks), |name| {
-                let map = maps.iter().find(|(of, _)| *of == name);
-                let other = other.as_ref().filter(|(of, _)| *of == name);
-                match name {
-                    "depth_map" => Some(uniform::<DepthMapShape>(&shape_buffer, 0)),
-                    _ if name == written => Some(texture(&self.view)),
-                    _ => map.map(|(_, map)| texture(map)).or_else(|| other.map(|(_, buffer)| whole(buffer))),
-                }
+            let metric_buffer = metric.map(|metric| buffer(bytemuck::bytes_of(metric)));
+            self.stage.dispatch(device, Workgroups::over(device, shape.blocks), |name| match name {
+                "depth_map" => Some(uniform::<DepthMapShape>(&shape_buffer, 0)),
+                "metric_view" => metric_buffer.as_ref().map(whole),
+                _ => textures.iter().find(|(of, _)| *of == name).map(|(_, view)| texture(view)),
             })
         };
         let dispatch = guard(device, bind)?;
