@@ -47,8 +47,6 @@ pub struct DepthMapCube {
     unwritten_objects: wgpu::TextureView,
     /// The objects of all maps. Made in the first encode with objects.
     objects: Option<wgpu::TextureView>,
-    /// Bytes of everything but `objects`, and the limit.
-    memory: (u64, Option<u64>),
 }
 
 impl DepthMapCube {
@@ -137,8 +135,7 @@ impl DepthMapCube {
         let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape { size: [side; 2], blocks, faces: 6, ..DepthMapShape::zeroed() };
         let stage = ObjectStage::new(&shared, &DEPTH_CUBE, "depth_cube", &[]);
-        let memory = (volumes.bytes + texture.bytes, options.memory_limit);
-        Ok(Self { stage, volumes, shape, view, nothing, unwritten_objects, objects: None, memory, shared })
+        Ok(Self { stage, volumes, shape, view, nothing, unwritten_objects, objects: None, shared })
     }
 
     /// Records the stages that merge the six maps and find their edges. `camera` is the eye's. Frames of earlier encodes can
@@ -236,9 +233,9 @@ impl DepthMapCube {
     fn object_texture(&self) -> Result<wgpu::TextureView, DepthMapError> {
         let (size, label) = ([3, 2].map(|maps| maps * self.shape.size[0]), "objects of a cube");
         let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
-        let allocations =
-            [Allocation { label: "everything else of a cube", bytes: self.memory.0 }, Allocation { label, bytes }];
-        check(&allocations, u64::MAX, self.memory.1)?;
+        // The texture of depths has as many bytes.
+        let others = Allocation { label: "everything else of a cube", bytes: self.volumes.bytes + bytes };
+        check(&[others, Allocation { label, bytes }], u64::MAX, self.volumes.options.memory_limit)?;
         Ok(written_texture(self.shared.device(), label, size, wgpu::TextureFormat::R32Uint)?)
     }
 
