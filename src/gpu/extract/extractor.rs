@@ -7,7 +7,7 @@ use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
 use super::extraction::{Extraction, ExtractionResults, PositionSlice, Shared};
 use super::options::ExtractorOptions;
-use super::stages::{Binder, DispatchRanges, Planned, from_facing, from_positions, programs};
+use super::stages::{Binder, DispatchRanges, Planned, arguments, from_facing, from_positions, programs};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::{Step, record};
@@ -73,7 +73,7 @@ impl Extractor {
         let twisted_offset = if shape.polygons.is_some() { shape.faces } else { 0 };
         let (reading, others) =
             (shape.reading(device, &options, 0), from_facing(&options, twisted_offset, facing.words));
-        pipelines.make_together(&programs(reading.iter().chain(&others), &options));
+        pipelines.make_together(&programs([&reading, &others], arguments(&options)));
         // If the device refuses one, the error is that of this constructor.
         reading.iter().for_each(|planned| drop(pipelines.get(&planned.program)));
         let binder = Binder {

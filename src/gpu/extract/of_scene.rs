@@ -76,10 +76,8 @@ pub(crate) fn polygon_steps(
     buffers.chunks = chunks.into_buffer(device, "chunks");
     let (reading, others) =
         (from_positions(device, &options, Some(true), 0), from_facing(&options, shape.faces, facing.words));
-    let mut all = programs(reading.iter().chain(&others), &options);
     // The scene makes draw arguments.
-    all.pop();
-    pipelines.make_together(&all);
+    pipelines.make_together(&programs([&reading, &others], None));
     let Buffers { record, counts, .. } = &buffers;
     let mut steps = vec![Step::Clear(record.clone(), 0..RECORD_HEAD), Step::Clear(counts.clone(), 0..shape.lists_head)];
     let binder = Binder { pipelines, shape, buffers: &buffers, ranges, facing, positions: Some(positions), given };

@@ -118,15 +118,19 @@ pub(super) fn from_facing(options: &ExtractorOptions, twisted_offset: usize, wor
     stages.map(|(program, size)| Planned { program, over: Over::Edges, size }).collect()
 }
 
-/// The programs of stages, and of draw arguments.
-pub(super) fn programs<'p>(stages: impl IntoIterator<Item = &'p Planned>, options: &ExtractorOptions) -> Vec<Program> {
-    let arguments = options.lists.map(|_| Program::of(&ARGUMENTS, &[]));
-    stages.into_iter().map(|planned| planned.program.clone()).chain(arguments).collect()
+/// The program of draw arguments, if there are lists.
+pub(super) fn arguments(options: &ExtractorOptions) -> Option<Program> {
+    options.lists.map(|_| Program::of(&ARGUMENTS, &[]))
+}
+
+/// The programs of stages, and another.
+pub(super) fn programs([reading, others]: [&[Planned]; 2], further: Option<Program>) -> Vec<Program> {
+    reading.iter().chain(others).map(|planned| planned.program.clone()).chain(further).collect()
 }
 
 /// The programs of all stages for triangles whose arrays each fit one window.
 pub(crate) fn of_triangles(device: &wgpu::Device, options: &ExtractorOptions) -> Vec<Program> {
-    programs(&[from_positions(device, options, None, 0), from_facing(options, 0, 0)].concat(), options)
+    programs([&from_positions(device, options, None, 0), &from_facing(options, 0, 0)], arguments(options))
 }
 
 /// Items of a dispatch, for a batch of lights.
@@ -319,8 +323,8 @@ impl<'a> Binder<'a> {
     pub(super) fn at_last(&self, options: &ExtractorOptions) -> Vec<Step> {
         let Buffers { record, statistics, .. } = self.buffers;
         let get = |name: &str| self.get(name, &BatchItems::default());
-        let pass = options.lists.map(|_| {
-            let pipeline = self.pipelines.get(&Program::of(&ARGUMENTS, &[]));
+        let pass = arguments(options).map(|program| {
+            let pipeline = self.pipelines.get(&program);
             let workgroups = self.in_turn(self.shape.max_lights.div_ceil(64));
             pipeline.pass([pipeline.dispatch(self.pipelines.device(), workgroups, get)])
         });
