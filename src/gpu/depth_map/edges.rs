@@ -119,8 +119,8 @@ impl EdgeStages {
         Self { detector, mark: ObjectStage::new(shared, &DEPTH_EDGES, "depth_edges_mark", &mark), stages, buffers }
     }
 
-    /// Marks, continues, counts. `share` and `constant`: the error of depths, from their formats. `get`: what all stages of
-    /// cells read. `few`: workgroups that loop over blocks.
+    /// Marks, continues, counts. `share` and `constant`: the error of depths, from their formats. `get`: what all stages
+    /// of cells read. `few`: workgroups that loop over blocks.
     pub(super) fn steps<'a>(
         &'a self,
         shared: &Pipelines,

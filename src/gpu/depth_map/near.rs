@@ -37,9 +37,9 @@ pub(crate) enum NearShadow {
     Unknown,
 }
 
-/// Finds the samples that decide whether a near rectangle is in shadow, if any do. `lights`: the cameras of one map or of
-/// six, of `size` texels each. `format`: that of the eye's depth. `has_walls`: the method has contours, so walls and flaps
-/// of whole tiles count.
+/// Finds the samples that decide whether a near rectangle is in shadow, if any do. `lights`: the cameras of one map or
+/// of six, of `size` texels each. `format`: that of the eye's depth. `has_walls`: the method has contours, so walls and
+/// flaps of whole tiles count.
 pub(crate) fn near_shadow(
     lights: &[ShadowCamera],
     size: [u32; 2],
@@ -140,7 +140,7 @@ impl Rectangle {
 }
 
 /// The key and the distance that samples are compared with: a surface with a larger one is behind the rectangle. The
-/// rectangle is lit if it is nearer to the light than any sample, and unknown if it may be beyond the far end of the depths.
+/// rectangle is lit if it is nearer to the light than any sample, and unknown if it may be beyond the far end of depths.
 fn limit(farthest: f64, depth: DepthDirection) -> Result<(u32, i32), NearShadow> {
     let one = 1.0_f32.to_bits();
     match depth {

@@ -7,8 +7,8 @@ use crate::ShadowCamera;
 use crate::layout::DepthMapView;
 use crate::shadow::DepthDirection;
 
-/// The error of depths in the coarsest of some formats, four steps between neighbouring depths: a share of the depth, and a
-/// constant.
+/// The error of depths in the coarsest of some formats, four steps between neighbouring depths: a share of the depth, and
+/// a constant.
 pub(crate) fn steps(formats: impl IntoIterator<Item = wgpu::TextureFormat>, depth: DepthDirection) -> [f64; 2] {
     use wgpu::TextureFormat::{Depth16Unorm, Depth32Float, Depth32FloatStencil8, R32Float};
     let of = |format: wgpu::TextureFormat| match (format, depth) {

@@ -129,8 +129,8 @@ impl ShadowQuery {
         Ok(query)
     }
 
-    /// The pipelines of boxes, depths, exact depths, arguments of the recount, and the recount. Where points name no face, the
-    /// inner loop has no test of it.
+    /// The pipelines of boxes, depths, exact depths, arguments of the recount, and the recount. Where points name no face,
+    /// the inner loop has no test of it.
     fn stages(&self, names_faces: bool, window_words: u32) -> [Pipeline; 5] {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", switch(self.options.skip_by_boxes));

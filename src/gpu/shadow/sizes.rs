@@ -17,8 +17,9 @@ const MEASURES: u64 = 8;
 /// Room for near caps in each group, in addition to sixteen times the root of the faces.
 const FEW_CAPS: u32 = 4096;
 
-/// Bytes of the choices of all casters, and with their measures, which `counting_methods` writes for each caster, light and
-/// view if it ends volumes or has ZP+ as published. `has_receivers`: views may have receivers, behind which volumes end.
+/// Bytes of the choices of all casters, and with their measures, which `counting_methods` writes for each caster, light
+/// and view if it ends volumes or has ZP+ as published. `has_receivers`: views may have receivers, behind which volumes
+/// end.
 pub(crate) fn choice_bytes(
     options: &SceneOptions,
     has_receivers: bool,
