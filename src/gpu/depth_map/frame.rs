@@ -90,20 +90,19 @@ impl DepthMapFrame {
     /// [`DepthMapError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         self.check(pipelines)?;
-        if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
-            let (walls, bit) = pipelines.walls()?;
-            pass.set_bind_group(0, group, &[]);
-            pass.set_pipeline(walls);
-            pass.draw_indirect(&self.draws, 0);
-            pass.set_pipeline(&bit.surface);
-            pass.draw_indirect(&self.draws, 16);
-            self.near_cap.draw(pass, &bit.near_cap);
-            return Ok(());
-        }
+        let walls = if self.has_walls { Some(pipelines.walls()?) } else { None };
         for (group, bit) in self.groups.iter().zip(&pipelines.draws) {
             pass.set_bind_group(0, group, &[]);
+            let (bit, cells) = match walls {
+                Some((walls, bit)) => {
+                    pass.set_pipeline(walls);
+                    pass.draw_indirect(&self.draws, 0);
+                    (bit, 16)
+                }
+                None => (bit, 0),
+            };
             pass.set_pipeline(&bit.surface);
-            pass.draw_indirect(&self.draws, 0);
+            pass.draw_indirect(&self.draws, cells);
             self.near_cap.draw(pass, &bit.near_cap);
         }
         Ok(())
