@@ -57,9 +57,9 @@ pub mod depth_map {
     use crate::gpu::depth_map::DepthMapError;
     pub use crate::gpu::depth_map::frame::DepthMapNearCap;
     pub use crate::gpu::depth_map::metric::metric_steps;
-    use crate::gpu::depth_map::near::{NearShadow, near_shadow};
+    use crate::gpu::depth_map::near::near_shadow;
     pub use crate::gpu::depth_map::view::Placing;
-    use crate::gpu::depth_map::view::depth_map_view;
+    use crate::gpu::depth_map::view::{depth_map_view, steps};
     use crate::layout::{DepthMapView, DepthNearBox};
 
     /// The input of the vertex stages for a map of `size` texels with depths in `format`. `eye` has the format of its depth
@@ -72,7 +72,7 @@ pub mod depth_map {
         eye: (&ShadowCamera, wgpu::TextureFormat),
         placing: &Placing,
     ) -> Result<DepthMapView, DepthMapError> {
-        depth_map_view((light, size), ([0.0; 2], &mut std::iter::once(format)), eye, placing)
+        depth_map_view((light, size), steps([format], light.depth), eye, placing)
     }
 
     /// The samples that affect the near rectangle of an eye with a depth format, if they decide about it. `lights` are the
@@ -83,10 +83,7 @@ pub mod depth_map {
         eye: (&ShadowCamera, wgpu::TextureFormat),
         has_walls: bool,
     ) -> Option<DepthNearBox> {
-        match near_shadow(lights, size, eye, has_walls) {
-            NearShadow::Samples(near) => Some(near),
-            NearShadow::Lit | NearShadow::Unknown => None,
-        }
+        near_shadow(lights, size, eye, has_walls).ok()
     }
 }
 

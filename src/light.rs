@@ -44,9 +44,10 @@ pub struct Cone {
 
 impl Cone {
     /// A cone about `axis` of this half angle, in radians. The cosine is rounded so that the cone has the whole angle.
+    /// An angle that is NaN gives a cosine that is NaN, and lights with it are refused.
     pub fn new(axis: [f32; 3], half_angle: f32) -> Self {
         let half_angle = f64::from(half_angle).clamp(0.0, std::f64::consts::PI);
-        Self { axis, cosine: (half_angle.cos() as f32).next_down().max(-1.0) }
+        Self { axis, cosine: (half_angle.cos() as f32).next_down().clamp(-1.0, 1.0) }
     }
 }
 
@@ -257,6 +258,7 @@ mod tests {
             let found = Cone::new(down, half_angle).cosine;
             assert!(found <= cosine && found > cosine - 2e-7, "{half_angle}: {found}");
         }
+        assert!(matches!(check(down, Cone::new(down, f32::NAN).cosine), Err(LightError::Cone { .. })));
     }
 
     #[test]

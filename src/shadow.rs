@@ -1,6 +1,6 @@
 //! Camera, depth direction and counting method of shadow volumes.
 
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 
 use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
@@ -53,7 +53,7 @@ pub enum Counting {
 impl Counting {
     /// Whether this is ZP+ as published.
     pub(crate) const fn is_zp_plus_2005(self) -> bool {
-        !matches!(self, Self::Auto | Self::ZPass | Self::ZpPlus | Self::ZFail)
+        matches!(self, Self::ZpPlus2005)
     }
 
     /// Whether z-fail may be used.
@@ -205,10 +205,10 @@ impl ShadowCamera {
     /// matrix has no far plane only where that plane lies exactly at infinity. The smallest tilt of the plane may clip
     /// points at infinity.
     pub fn has_far_plane(&self) -> bool {
-        let matrix = Mat4::from_cols_array_2d(&self.view_projection);
+        let matrix = self.matrix();
         let (depth, w) = (matrix.row(2), matrix.row(3));
         let [far, opposite] = match self.depth {
-            DepthDirection::Reversed => [depth, Vec4::ZERO],
+            DepthDirection::Reversed => [depth, DVec4::ZERO],
             DepthDirection::Standard => [w, depth],
         };
         far.truncate() != opposite.truncate()
@@ -235,16 +235,24 @@ impl ShadowCamera {
     /// on the screen. It has no meaning for cameras that [`Self::check`] refuses for another reason than
     /// [`CameraError::Mirrored`].
     pub fn mirrors(&self) -> bool {
-        let determinant = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4().determinant();
-        (determinant > 0.0) != (self.depth == DepthDirection::Reversed)
+        (self.matrix().determinant() > 0.0) != (self.depth == DepthDirection::Reversed)
+    }
+
+    /// Its matrix, in `f64`.
+    pub(crate) fn matrix(&self) -> DMat4 {
+        Mat4::from_cols_array_2d(&self.view_projection).as_dmat4()
+    }
+
+    /// The point that positions are relative to, in `f64`.
+    pub(crate) fn origin_point(&self) -> DVec3 {
+        Vec3::from_array(self.origin).as_dvec3()
     }
 
     /// The camera as the GPU needs it.
     pub(crate) fn view(&self) -> Result<ShadowView, CameraError> {
-        let matrix = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
-        let origin = Vec3::from_array(self.origin);
+        let matrix = self.matrix();
         let inverse = matrix.inverse();
-        if !inverse.is_finite() || !origin.is_finite() || matrix.determinant() == 0.0 {
+        if !inverse.is_finite() || !self.origin_point().is_finite() || matrix.determinant() == 0.0 {
             return Err(CameraError::Singular);
         }
         let (depth, w) = (matrix.row(2), matrix.row(3));
@@ -309,13 +317,13 @@ impl ShadowCamera {
         // The shaders see the values that f32 holds.
         let light = scaled.map(|c| c as f32);
         let [x, y, z, w] = light.map(f64::from);
-        let from_origin = (DVec3::new(x, y, z) - w * Vec3::from_array(self.origin).as_dvec3()).extend(w);
-        let matrix: DMat4 = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
-        let height = DVec4::from_array(view.near_plane.map(f64::from)).dot(from_origin);
+        let from_origin = (DVec3::new(x, y, z) - w * self.origin_point()).extend(w);
+        let matrix = self.matrix();
+        let plane = DVec4::from_array(view.near_plane.map(f64::from));
+        let height = plane.dot(from_origin);
         let clip = matrix * from_origin;
         // Hornus et al. 2005, section 3.1, without its rotation: w is positive between light and near plane.
         let side = if height < 0.0 { -1.0 } else { 1.0 };
-        let plane = DVec4::from_array(view.near_plane.map(f64::from));
         let frustum = |row: usize| (side * (height * matrix.row(row) - clip[row] * plane)).as_vec4().to_array();
         ShadowLight {
             light,
@@ -358,11 +366,11 @@ pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec4Swizzles;
     use glam::camera::rh::proj::directx::{
         orthographic, perspective, perspective_infinite, perspective_infinite_reverse,
     };
     use glam::camera::rh::view::look_at_mat4;
+    use glam::{Vec4, Vec4Swizzles};
     use rimline_testkit::random::Random;
 
     const REVERSED: DepthDirection = DepthDirection::Reversed;

@@ -22,11 +22,10 @@ pub use common::readback::{read_back, read_back_async, read_back_vec, read_back_
 pub use common::timer::{StageTimer, StageTimes};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions, PoseInputs};
 pub use extract::errors::ExtractorError;
-pub use extract::extraction::Extraction;
+pub use extract::extraction::{Extraction, ExtractionResults};
 pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
 pub use extract::options::{EdgeTopology, ExtractorOptions, ListOptions, MAX_BOUNDARY_EDGES};
-pub use extract::results::ExtractionResults;
 pub use mask::errors::MaskError;
 pub use mask::shadow_masks::{MaskInputs, ShadowMasks};
 pub use outline::{Outline, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};

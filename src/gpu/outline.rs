@@ -2,10 +2,10 @@
 
 use std::sync::OnceLock;
 
-use super::common::bindings::{READ, UNIFORM, entries, float_texture, texture, whole};
+use super::common::bindings::{READ, UNIFORM, entries, float_texture, part, texture, whole};
 use super::common::device_error::{DeviceError, contain};
 use super::common::drawing::{Drawn, depth_stencil};
-use super::common::memory::{any_error, filled};
+use super::common::memory::{Allocation, any_error, check_bindings, filled};
 use super::common::pipelines::{Pipelines, group};
 use super::common::requirements::{Subject, check_alive, check_same};
 use super::extract::errors::ExtractorError;
@@ -446,18 +446,15 @@ impl OutlinePipeline {
         if let Some(given) = marked.map(wgpu::Buffer::size).filter(|&given| given < needed) {
             return Err(OutlineError::Marks { given, needed, edges });
         }
-        let (limit, arrays) = (shared.limits.binding, [("faces", Some(&shared.buffers.faces)), ("marks", marked)]);
-        for (what, bytes) in arrays.into_iter().filter_map(|(what, buffer)| Some((what, buffer?.size()))) {
-            if bytes > limit {
-                return Err(DeviceError::BindingTooLarge { what, bytes, limit }.into());
-            }
-        }
+        let arrays = [("faces", shared.buffers.faces.size()), ("marks", marked.map_or(0, |_| needed))];
+        check_bindings(&arrays.map(|(label, bytes)| Allocation { label, bytes }), shared.limits.binding)?;
         let pair = &self.of_extractions;
         let results = extraction.bind_group(&pair.layouts[0], light / 32)?;
         let of_view = any_error(device, || {
             let view = filled(device, "outline view", bytemuck::bytes_of(view), wgpu::BufferUsages::UNIFORM);
-            let marks = marked.unwrap_or(&shared.buffers.unused);
-            let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), whole(marks)];
+            // The caller's buffer may be longer, by any number of bytes.
+            let marks = marked.map_or_else(|| whole(&shared.buffers.unused), |marks| part(marks, 0..needed));
+            let resources = [whole(&view), texture(depth), whole(&shared.buffers.faces), marks];
             group(device, "outline", &pair.layouts[1], &resources)
         });
         let hint = "is `depth` a view of the depth aspect alone, of one layer, and has `marked` usage STORAGE?";

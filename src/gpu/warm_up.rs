@@ -87,18 +87,12 @@ impl Pipelines {
                     programs.extend([of_tiles, &RECEIVER_PYRAMID].map(|stage| Program::of(stage, &[])));
                 }
                 Use::SceneModels => programs.extend([Program::of(&NEEDS, &[]), Program::deform(None, None)]),
-                Use::EndedVolumes(_) | Use::Proxies(_) => {}
+                // `of` makes the pipelines of a part if they are missing.
+                Use::EndedVolumes(pipelines) => _ = pipelines.volumes.of(Part::Ends),
+                Use::Proxies(pipelines) => _ = pipelines.volumes.of(Part::Proxies),
             }
         }
         self.make_together(&programs);
-        // `of` makes the pipelines of a part if they are missing.
-        for needed in uses {
-            match needed {
-                Use::EndedVolumes(pipelines) => _ = pipelines.volumes.of(Part::Ends),
-                Use::Proxies(pipelines) => _ = pipelines.volumes.of(Part::Proxies),
-                _ => {}
-            }
-        }
         Ok(())
     }
 }

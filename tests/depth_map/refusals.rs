@@ -288,6 +288,9 @@ fn cubes() -> Result<(), String> {
         refusal("0", made(0), is(DepthMapError::Side(0))),
         refusal("2", made(2), is(DepthMapError::Side(2))),
         refusal("most", made(most), is(DepthMapError::Texture { size: [3 * most, 2 * most], max_side: most })),
+        // The largest side that the message of the next one names.
+        refusal("9,460", made(9460), is(DepthMapError::Texture { size: [28_380, 18_920], max_side: most })),
+        refusal("9,461", made(9461), is(DepthMapError::Cells(9461))),
         refusal("20,000", made(20_000), is(DepthMapError::Cells(20_000))),
         refusal("u32::MAX", made(u32::MAX), is(DepthMapError::Cells(u32::MAX))),
         refusal("bits", DepthMapCube::new(&two, 16, DepthMapOptions::default()), is(DepthMapError::OneBit(2))),

@@ -124,6 +124,11 @@ fn refused() -> Result<(), String> {
     let style = |style| OutlineInputs { style, ..good };
     let default = OutlineStyle::default();
     let made = pipeline.prepare(&good).map_err(text)?;
+    // Marks may be longer than the edges, also by half a word.
+    let usage = wgpu::BufferUsages::STORAGE;
+    let descriptor = wgpu::BufferDescriptor { label: None, size: 146, usage, mapped_at_creation: false };
+    let longer = gpu.device.create_buffer(&descriptor);
+    pipeline.prepare(&OutlineInputs { marked: Some(&longer), ..good }).map_err(text)?;
     let rows = [
         ("lines", of(&two, 0), "draws 2 vertices for each edge, and outlines need 4"),
         ("no light", of(&four, 1), "light 1 asked for, and 1 lights were extracted"),

@@ -237,18 +237,16 @@ fn refusing() -> Result<(), String> {
     let mut query = new(gpu, options).map_err(text)?;
     let vertices = gpu.storage(&vec![[0.0_f32; 3]; 3500]);
     let points = gpu.storage(&[[0.0_f32; 3]; 10]);
-    let plain = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: 1 << 16,
-        usage: wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    // Ten points of 16 bytes, the last without its face.
-    let with_faces = gpu.storage(&[0_u32; 39]);
+    let sized = |size, usage| {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+    };
+    let plain = sized(1 << 16, wgpu::BufferUsages::COPY_DST);
+    // Ten points of 16 bytes, the last without its face, and the same with half a word behind them.
+    let (with_faces, uneven) = (gpu.storage(&[0_u32; 39]), sized(158, wgpu::BufferUsages::STORAGE));
     let at = |buffer, offset, stride| PositionBuffer { buffer, offset, stride };
     let on_faces = |stride, face| QueryPoints { points: at(&with_faces, 0, stride), on_face: Some(face) };
     let (vertices, good, plain) = (at(&vertices, 0, 12), at(&points, 0, 12), at(&plain, 0, 12));
-    let (short, narrow) = (at(&points, 4, 12), at(&points, 0, 10));
+    let (short, narrow, far) = (at(&points, 4, 12), at(&points, 0, 10), at(&points, 4, u64::MAX - 3));
     let (light, negative) = (Light::point([1.0, 2.0, 3.0]), Light::homogeneous([1.0, 1.0, 1.0, -1.0]));
     gpu.submit(|encoder| {
         for (stride, offset) in [(12, 12), (16, 0), (16, 8), (16, 14), (16, 16), (20, 13), (20, 20), (20, u64::MAX - 3)]
@@ -259,6 +257,7 @@ fn refusing() -> Result<(), String> {
         let ten = query.encode_at(encoder, vertices, on_faces(16, 12), 10, &[light]);
         let nine = query.encode_at(encoder, vertices, on_faces(16, 12), 9, &[light]);
         let faceless = query.encode_at(encoder, vertices, at(&with_faces, 0, 16), 10, &[light]);
+        let uneven = query.encode_at(encoder, vertices, at(&uneven, 0, 16), 10, &[light]);
         let mut encode =
             |positions, points, count, lights: &[Light]| query.encode_at(encoder, positions, points, count, lights);
         let negative_w = LightError::NegativeWeight { index: 0, w: -1.0 };
@@ -276,6 +275,11 @@ fn refusing() -> Result<(), String> {
             ),
             refusal("a bad stride", encode(vertices, narrow, 1, &[light]), is(stride)),
             refusal(
+                "a far stride",
+                encode(vertices, far, 1, &[light]),
+                shows(&["BindingTooLarge { what: \"64 points\""]),
+            ),
+            refusal(
                 "no storage",
                 encode(vertices, plain, 1, &[light]),
                 is(QueryError::Points(DeviceError::NotStorage)),
@@ -283,6 +287,7 @@ fn refusing() -> Result<(), String> {
             refusal("nine faces", ten, shows(&["Points(PositionsTooShort", "needed: 160", "bytes: 156"])),
             refusal("nine points", nine, Expected::Taken),
             refusal("ten points that name no face", faceless, Expected::Taken),
+            refusal("ten points before half a word", uneven, Expected::Taken),
             // Without a fault nothing is refused, and no lights are none.
             refusal("good", encode(vertices, good, 10, &[light; 2]), Expected::Taken),
             refusal("no light", encode(vertices, good, 10, &[]), Expected::Taken),

@@ -37,7 +37,7 @@ pub(super) struct Contours {
     mark: ObjectStage,
     /// In order: find tiles, list them, find crossings, count walls, scan the counts, list walls.
     stages: [Pipeline; 6],
-    pub(super) shape: ContourShape,
+    shape: ContourShape,
     pub(super) buffers: ContourBuffers,
 }
 

@@ -1,11 +1,12 @@
 //! The volumes of six depth maps around a light.
 
 use bytemuck::Zeroable;
+use glam::{DMat4, DVec4};
 
 use super::bound::ObjectStage;
 use super::error::DepthMapError;
 use super::frame::DepthMapFrame;
-use super::meeting::{cameras, check_meeting};
+use super::meeting::{AXES, check_meeting, tangent};
 use super::options::{DepthCubeMaps, DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
 use super::recording::Inputs;
@@ -14,7 +15,7 @@ use super::volumes::{DepthMapVolumes, MAX_CELLS};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
-use crate::gpu::common::memory::{Allocation, check, filled, guarded};
+use crate::gpu::common::memory::{Allocation, check, filled};
 use crate::gpu::common::pass::Workgroups;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::{Subject, check_alive};
@@ -42,13 +43,10 @@ pub struct DepthMapCube {
     view: wgpu::TextureView,
     /// Bound in place of a map that is missing.
     nothing: wgpu::TextureView,
-    no_objects: wgpu::TextureView,
     /// Bound in place of the objects of all maps, where there are none.
     unwritten_objects: wgpu::TextureView,
     /// The objects of all maps. Made in the first encode with objects.
     objects: Option<wgpu::TextureView>,
-    /// Bytes of everything but `objects`, and the limit.
-    memory: (u64, Option<u64>),
 }
 
 impl DepthMapCube {
@@ -65,7 +63,35 @@ impl DepthMapCube {
         depth: DepthDirection,
         side: u32,
     ) -> Result<[ShadowCamera; 6], DepthMapError> {
-        cameras(position, near, far, depth, side)
+        if side < 3 {
+            return Err(DepthMapError::Side(side));
+        }
+        if !position.iter().all(|coordinate| coordinate.is_finite()) {
+            return Err(DepthMapError::Position(position));
+        }
+        if !(near.is_finite() && near > 0.0) {
+            return Err(DepthMapError::Option { name: "near", given: near, range: "a finite distance above 0" });
+        }
+        if let Some(far) = far
+            && !(far.is_finite() && far > near)
+        {
+            return Err(DepthMapError::Far { near, far });
+        }
+        let (near, far) = (f64::from(near), far.map(f64::from));
+        let cameras = AXES.map(|[forward, right, up]| {
+            let scale = 1.0 / tangent(side);
+            let w = forward.extend(0.0);
+            let z = match (depth, far) {
+                (DepthDirection::Reversed, None) => DVec4::W * near,
+                (DepthDirection::Reversed, Some(far)) => (DVec4::W * far - w) * (near / (far - near)),
+                (DepthDirection::Standard, None) => w - DVec4::W * near,
+                (DepthDirection::Standard, Some(far)) => (w - DVec4::W * near) * (far / (far - near)),
+            };
+            let rows = DMat4::from_cols((scale * right).extend(0.0), (scale * up).extend(0.0), z, w);
+            ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: position, depth }
+        });
+        check_meeting(&cameras, side)?;
+        Ok(cameras)
     }
 
     /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`.
@@ -102,24 +128,14 @@ impl DepthMapCube {
         let texels = u64::from(size[0]) * u64::from(size[1]);
         let texture = Allocation { label: "cube of depth maps", bytes: 4 * texels };
         let volumes = DepthMapVolumes::with(pipelines, [side; 2], (6, &[texture]), options)?;
-        let (floats, numbers) = (wgpu::TextureFormat::R32Float, wgpu::TextureFormat::R32Uint);
+        let view = written_texture(device, texture.label, size, wgpu::TextureFormat::R32Float)?;
         // Stand-ins for missing maps have one texel.
-        let made = guarded(device, texture.bytes, || {
-            [
-                ("cube of depth maps", size, floats),
-                ("no depth map", [1, 1], floats),
-                ("no objects", [1, 1], numbers),
-                ("no objects of a cube", [1, 1], numbers),
-            ]
-            .map(|(label, size, format)| written_texture(device, label, size, format))
-        });
-        let [view, nothing, no_objects, unwritten_objects] =
-            made?.map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
+        let nothing = written_texture(device, "no depth map", [1, 1], wgpu::TextureFormat::R32Float)?;
+        let unwritten_objects = written_texture(device, "no objects of a cube", [1, 1], wgpu::TextureFormat::R32Uint)?;
         let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape { size: [side; 2], blocks, faces: 6, ..DepthMapShape::zeroed() };
         let stage = ObjectStage::new(&shared, &DEPTH_CUBE, "depth_cube", &[]);
-        let memory = (volumes.bytes + texture.bytes, options.memory_limit);
-        Ok(Self { stage, volumes, shape, view, nothing, no_objects, unwritten_objects, objects: None, memory, shared })
+        Ok(Self { stage, volumes, shape, view, nothing, unwritten_objects, objects: None, shared })
     }
 
     /// Records the stages that merge the six maps and find their edges. `camera` is the eye's. Frames of earlier encodes can
@@ -163,7 +179,7 @@ impl DepthMapCube {
         if has_objects && self.objects.is_none() {
             self.objects = Some(self.object_texture()?);
         }
-        let Self { shared, stage, shape, view, nothing, no_objects, unwritten_objects, .. } = &*self;
+        let Self { shared, stage, volumes, shape, view, nothing, unwritten_objects, .. } = &*self;
         let objects = self.objects.as_ref().filter(|_| has_objects);
         let before = || {
             let device = shared.device();
@@ -182,7 +198,7 @@ impl DepthMapCube {
                         (Some(index), _) => map(index),
                         (_, Some(index)) => {
                             let given = maps.objects.get(index).copied().flatten().filter(|_| has_objects);
-                            texture(given.unwrap_or(no_objects))
+                            texture(given.unwrap_or(&volumes.no_objects))
                         }
                         _ => return None,
                     },
@@ -192,7 +208,7 @@ impl DepthMapCube {
             Some(stage.pass([stage.dispatch(device, Workgroups::over(device, shape.blocks), get)]))
         };
         let inputs = Inputs { texture: view, objects, lights: &maps.lights, formats: &formats, eye: camera };
-        self.volumes.record(encoder, &inputs, before, timer)
+        volumes.record(encoder, &inputs, before, timer)
     }
 
     /// Refuses objects of another size, or for some maps only.
@@ -217,12 +233,10 @@ impl DepthMapCube {
     fn object_texture(&self) -> Result<wgpu::TextureView, DepthMapError> {
         let (size, label) = ([3, 2].map(|maps| maps * self.shape.size[0]), "objects of a cube");
         let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
-        let allocations =
-            [Allocation { label: "everything else of a cube", bytes: self.memory.0 }, Allocation { label, bytes }];
-        check(&allocations, u64::MAX, self.memory.1)?;
-        let device = self.shared.device();
-        let texture = guarded(device, bytes, || written_texture(device, label, size, wgpu::TextureFormat::R32Uint))?;
-        Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+        // The texture of depths has as many bytes.
+        let others = Allocation { label: "everything else of a cube", bytes: self.volumes.bytes + bytes };
+        check(&[others, Allocation { label, bytes }], u64::MAX, self.volumes.options.memory_limit)?;
+        Ok(written_texture(self.shared.device(), label, size, wgpu::TextureFormat::R32Uint)?)
     }
 
     /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of

@@ -3,7 +3,6 @@
 
 use super::bound::ObjectStage;
 use super::options::{DanglingEdges, DepthMapMethod};
-use super::view::steps;
 use crate::gpu::common::bindings::{Resource, uniform, whole};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::filled;
@@ -11,7 +10,6 @@ use crate::gpu::common::pass::{Dispatch, Step, Workgroups};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, switch};
 use crate::gpu::common::wanted::Wanted;
 use crate::layout::DepthEdgeRule;
-use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_EDGES;
 
 /// Samples of the lattice across, and down.
@@ -121,33 +119,22 @@ impl EdgeStages {
         Self { detector, mark: ObjectStage::new(shared, &DEPTH_EDGES, "depth_edges_mark", &mark), stages, buffers }
     }
 
-    /// The rule for depths that were rounded to `formats`.
-    pub(super) fn rule(
-        &self,
-        depth: DepthDirection,
-        formats: &mut dyn Iterator<Item = wgpu::TextureFormat>,
-    ) -> DepthEdgeRule {
-        let mut rule = self.detector.rule;
-        for format in formats {
-            let [share, constant] = steps(format, depth).map(|steps| steps as f32);
-            rule.noise = rule.noise.max(threshold_bits(constant));
-            if share > 0.0 {
-                rule.noise_exponents = FLOAT_EXPONENTS;
-            }
-        }
-        rule
-    }
-
-    /// Marks, continues, counts. `get`: what all stages of cells read. `few`: workgroups that loop over blocks.
+    /// Marks, continues, counts. `share` and `constant`: the error of depths, from their formats. `get`: what all stages
+    /// of cells read. `few`: workgroups that loop over blocks.
     pub(super) fn steps<'a>(
         &'a self,
         shared: &Pipelines,
-        rule: &DepthEdgeRule,
+        [share, constant]: [f64; 2],
         get: impl Fn(&str) -> Option<Resource<'a>>,
         (has_objects, few): (bool, u32),
     ) -> Vec<Step> {
         let device = shared.device();
-        let rules = filled(device, "edges of a depth map", bytemuck::bytes_of(rule), wgpu::BufferUsages::UNIFORM);
+        let rule = DepthEdgeRule {
+            noise: threshold_bits(constant as f32),
+            noise_exponents: if share > 0.0 { FLOAT_EXPONENTS } else { 0 },
+            ..self.detector.rule
+        };
+        let rules = filled(device, "edges of a depth map", bytemuck::bytes_of(&rule), wgpu::BufferUsages::UNIFORM);
         let continued = self.detector.dangling.map_or(0, |dangling| dangling.cells as usize);
         let bind = |stage: &Pipeline, count: u32, out: usize| -> Dispatch {
             let resource = |name: &str| {

@@ -85,7 +85,7 @@ pub enum DepthMapError {
     /// The maps of a cube have too many cells.
     #[error(
         "six maps of {0} × {0} texels have more than the 2²⁹ cells that volumes can have, 6 · (side − 1)²; take a `side` of at \
-         most 9,459"
+         most 9,460"
     )]
     Cells(u32),
     /// The position of the light of a cube is not finite.

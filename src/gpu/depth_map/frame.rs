@@ -1,10 +1,11 @@
-//! The result of an encode of volumes from a depth map, and its draws.
+//! The result of an encode of volumes from a depth map: its draws and its counts.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::DepthMapError;
 use super::pipelines::DepthMapPipelines;
+use crate::gpu::common::memory::filled;
 use crate::gpu::common::requirements::check_same;
 use crate::shadow::DepthDirection;
 
@@ -37,6 +38,29 @@ impl DepthMapNearCap {
     }
 }
 
+/// Counts of an encode of volumes on the GPU. [`DepthMapFrame::statistics`] copies them into a buffer, which
+/// [`read_back_vec`](crate::gpu::read_back_vec) reads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct DepthMapStatistics {
+    /// Cells in which the boundary has triangles. With
+    /// [`DepthMapMethod::Contours`](crate::gpu::depth_map::DepthMapMethod::Contours), walls and flaps.
+    pub found: u32,
+    /// Entries that the list has room for: [`DepthMapOptions::capacity`](crate::gpu::depth_map::DepthMapOptions::capacity).
+    pub capacity: u32,
+    /// Vertices of the near cap: 3 if it is drawn, 0 if it is skipped.
+    pub near_cap_vertices: u32,
+    /// 0.
+    pub unused: u32,
+}
+
+impl DepthMapStatistics {
+    /// Whether the list overflowed. Then every cell is drawn: the result is the same, but slower.
+    pub fn is_overflowed(&self) -> bool {
+        self.found > self.capacity
+    }
+}
+
 /// The volumes of one encode. Draw them after it, in the same encoder or a later one.
 #[derive(Clone, Debug)]
 pub struct DepthMapFrame {
@@ -66,20 +90,19 @@ impl DepthMapFrame {
     /// [`DepthMapError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         self.check(pipelines)?;
-        if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
-            let (walls, bit) = pipelines.walls()?;
-            pass.set_bind_group(0, group, &[]);
-            pass.set_pipeline(walls);
-            pass.draw_indirect(&self.draws, 0);
-            pass.set_pipeline(&bit.surface);
-            pass.draw_indirect(&self.draws, 16);
-            self.near_cap.draw(pass, &bit.near_cap);
-            return Ok(());
-        }
+        let walls = if self.has_walls { Some(pipelines.walls()?) } else { None };
         for (group, bit) in self.groups.iter().zip(&pipelines.draws) {
             pass.set_bind_group(0, group, &[]);
+            let (bit, cells) = match walls {
+                Some((walls, bit)) => {
+                    pass.set_pipeline(walls);
+                    pass.draw_indirect(&self.draws, 0);
+                    (bit, 16)
+                }
+                None => (bit, 0),
+            };
             pass.set_pipeline(&bit.surface);
-            pass.draw_indirect(&self.draws, 0);
+            pass.draw_indirect(&self.draws, cells);
             self.near_cap.draw(pass, &bit.near_cap);
         }
         Ok(())
@@ -93,6 +116,24 @@ impl DepthMapFrame {
         &self.draws
     }
 
+    /// Records a copy of the counts of this encode. The buffer has one [`DepthMapStatistics`] once the encoder is
+    /// submitted, and usage `COPY_SRC`. Call it after the encode, before the next one of the same volumes.
+    ///
+    /// # Errors
+    /// [`DepthMapError::StaleFrame`] if a later encode overwrites what is copied. Nothing is recorded then.
+    pub fn statistics(&self, encoder: &mut wgpu::CommandEncoder) -> Result<wgpu::Buffer, DepthMapError> {
+        self.check_current()?;
+        let near_cap_vertices = if self.near_cap == DepthMapNearCap::Drawn { 3 } else { 0 };
+        let known = DepthMapStatistics { capacity: self.capacity, near_cap_vertices, ..DepthMapStatistics::default() };
+        let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let statistics = filled(&self.device, "statistics of depth maps", bytemuck::bytes_of(&known), usage);
+        // A list begins with its count.
+        encoder.copy_buffer_to_buffer(&self.list, 0, &statistics, 0, 4);
+        if let DepthMapNearCap::Indirect(draw) = &self.near_cap {
+            encoder.copy_buffer_to_buffer(draw, 0, &statistics, 8, 4);
+        }
+        Ok(statistics)
+    }
     /// Whether its near cap is drawn.
     #[doc(hidden)]
     pub fn near_cap(&self) -> &DepthMapNearCap {
@@ -100,7 +141,7 @@ impl DepthMapFrame {
     }
 
     /// Refuses pipelines that do not fit, and a frame whose list a later encode overwrites.
-    pub(super) fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
+    fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
         check_same(["`DepthMapPipelines`", "the volumes"], [pipelines.shared().device(), &self.device])?;
         let (volumes, other) = (self.depth, pipelines.format().depth);
         if volumes != other {
@@ -118,7 +159,7 @@ impl DepthMapFrame {
     }
 
     /// Refuses a frame whose list a later encode overwrites.
-    pub(super) fn check_current(&self) -> Result<(), DepthMapError> {
+    fn check_current(&self) -> Result<(), DepthMapError> {
         if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(DepthMapError::StaleFrame) }
     }
 }

@@ -1,6 +1,6 @@
-//! Makes and checks the cameras of a cube of six maps. docs/numerics/depth-maps.md.
+//! Checks the cameras of a cube of six maps. docs/numerics/depth-maps.md.
 
-use glam::{DMat4, DVec3, DVec4, Mat4};
+use glam::{DMat3, DVec3};
 
 use super::error::DepthMapError;
 use crate::ShadowCamera;
@@ -10,7 +10,7 @@ use crate::shadow::DepthDirection;
 const TOLERANCE: f64 = 1.0 / 1_048_576.0;
 
 /// Forward, right and up of each map, along the axes of the cube.
-const AXES: [[DVec3; 3]; 6] = [
+pub(super) const AXES: [[DVec3; 3]; 6] = [
     [DVec3::X, DVec3::Z, DVec3::Y],
     [DVec3::NEG_X, DVec3::NEG_Z, DVec3::Y],
     [DVec3::Y, DVec3::X, DVec3::Z],
@@ -20,46 +20,8 @@ const AXES: [[DVec3; 3]; 6] = [
 ];
 
 /// The tangent of half the angle that a map of the cube sees: the middles of its outermost texels are 45° from its middle.
-fn tangent(side: u32) -> f64 {
+pub(super) fn tangent(side: u32) -> f64 {
     f64::from(side) / (f64::from(side) - 1.0)
-}
-
-pub(super) fn cameras(
-    position: [f32; 3],
-    near: f32,
-    far: Option<f32>,
-    depth: DepthDirection,
-    side: u32,
-) -> Result<[ShadowCamera; 6], DepthMapError> {
-    if side < 3 {
-        return Err(DepthMapError::Side(side));
-    }
-    if !position.iter().all(|coordinate| coordinate.is_finite()) {
-        return Err(DepthMapError::Position(position));
-    }
-    if !(near.is_finite() && near > 0.0) {
-        return Err(DepthMapError::Option { name: "near", given: near, range: "a finite distance above 0" });
-    }
-    if let Some(far) = far
-        && !(far.is_finite() && far > near)
-    {
-        return Err(DepthMapError::Far { near, far });
-    }
-    let (near, far) = (f64::from(near), far.map(f64::from));
-    let cameras = AXES.map(|[forward, right, up]| {
-        let scale = 1.0 / tangent(side);
-        let w = forward.extend(0.0);
-        let z = match (depth, far) {
-            (DepthDirection::Reversed, None) => DVec4::W * near,
-            (DepthDirection::Reversed, Some(far)) => (DVec4::W * far - w) * (near / (far - near)),
-            (DepthDirection::Standard, None) => w - DVec4::W * near,
-            (DepthDirection::Standard, Some(far)) => (w - DVec4::W * near) * (far / (far - near)),
-        };
-        let rows = DMat4::from_cols((scale * right).extend(0.0), (scale * up).extend(0.0), z, w);
-        ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: position, depth }
-    });
-    check_meeting(&cameras, side)?;
-    Ok(cameras)
 }
 
 /// A camera, from the rows of its matrix.
@@ -76,15 +38,14 @@ struct CubeCamera {
 
 fn cube_camera(face: usize, camera: &ShadowCamera, side: u32) -> Result<CubeCamera, DepthMapError> {
     camera.check_any_hand().map_err(|error| DepthMapError::CubeLight { face, error })?;
-    let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+    let matrix = camera.matrix();
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
     let scale = w.truncate().length();
     if scale == 0.0 {
         return Err(DepthMapError::Parallel { face });
     }
-    let origin = DVec3::from_array(camera.origin.map(f64::from));
     // The point where x, y and w are 0.
-    let rows = glam::DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
+    let rows = DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
     let from = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
     let at_infinity = z.truncate().dot(w.truncate()) / (scale * scale);
     let share = z.dot(from.extend(1.0)) / scale;
@@ -92,7 +53,7 @@ fn cube_camera(face: usize, camera: &ShadowCamera, side: u32) -> Result<CubeCame
     let tangent = tangent(side);
     Ok(CubeCamera {
         axes: [w, x * tangent, y * tangent].map(|row| row.truncate() / scale),
-        position: from + origin,
+        position: from + camera.origin_point(),
         scale,
         depths: [at_infinity, share],
         near: share / (near_depth - at_infinity),
@@ -103,7 +64,7 @@ fn cube_camera(face: usize, camera: &ShadowCamera, side: u32) -> Result<CubeCame
 pub(super) fn check_meeting(cameras: &[ShadowCamera; 6], side: u32) -> Result<(), DepthMapError> {
     let camera = |face: usize| cube_camera(face, &cameras[face], side);
     let first = camera(0)?;
-    let frame = glam::DMat3::from_cols(first.axes[0], camera(2)?.axes[0], camera(4)?.axes[0]);
+    let frame = DMat3::from_cols(first.axes[0], camera(2)?.axes[0], camera(4)?.axes[0]);
     let apart = |face, what| Err(DepthMapError::Apart { face, what });
     let is_off = |value: f64, limit: f64| value.is_nan() || value > limit;
     for (face, axes) in AXES.into_iter().enumerate() {

@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use glam::{DMat4, DVec3, DVec4};
 
 use super::error::DepthMapError;
-use super::view::{infinity, matrix};
+use super::view::infinity;
 use crate::ShadowCamera;
 use crate::layout::DepthMetricView;
 use crate::shadow::DepthDirection;
@@ -63,7 +63,7 @@ struct Planes {
 impl Planes {
     fn new(light: &ShadowCamera, metric: DepthMetric) -> Result<Self, DepthMapError> {
         light.check_any_hand().map_err(DepthMapError::Light)?;
-        let matrix = matrix(light);
+        let matrix = light.matrix();
         let inverse: DMat4 = matrix.inverse();
         let planes = match infinity(light, &inverse)? {
             Some(at_infinity) => Self::meeting(light, &matrix, &inverse, at_infinity),

@@ -28,50 +28,43 @@ const MAX_SAMPLES: u64 = 1 << 16;
 const RANGE: f64 = (1_u32 << 29) as f64;
 const DISTANCE_SLACK: i32 = 8;
 
-/// The samples of a map that decide whether a near rectangle is in shadow.
+/// Why no samples of a map have to be read for a near rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum NearShadow {
     /// No point of the rectangle is behind a surface, for any depths.
     Lit,
-    /// These samples decide.
-    Samples(DepthNearBox),
-    /// The near cap has to be drawn.
+    /// Samples do not decide, and the near cap has to be drawn.
     Unknown,
 }
 
-/// Finds the samples that decide. `lights`: the cameras of one map or of six, of `size` texels each. `format`: that of the
-/// eye's depth. `has_walls`: the method has contours, so walls and flaps of whole tiles count.
+/// Finds the samples that decide whether a near rectangle is in shadow, if any do. `lights`: the cameras of one map or
+/// of six, of `size` texels each. `format`: that of the eye's depth. `has_walls`: the method has contours, so walls and
+/// flaps of whole tiles count.
 pub(crate) fn near_shadow(
     lights: &[ShadowCamera],
     size: [u32; 2],
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
     has_walls: bool,
-) -> NearShadow {
-    let placing = |border| Placing { border, jitter: [0.0; 2], slope_bias: 0.0 };
+) -> Result<DepthNearBox, NearShadow> {
     let project = |light: &ShadowCamera, border| {
-        let columns = near_columns((light, size), (eye, format), &placing(border));
-        Rectangle::project(columns, light.depth)
+        let placing = Placing { border, jitter: [0.0; 2], slope_bias: 0.0 };
+        Rectangle::project(near_columns((light, size), (eye, format), &placing), light.depth)
     };
     if let [light] = lights {
-        return match project(light, 1.0) {
-            Projection::Behind => NearShadow::Lit,
-            Projection::Unknown => NearShadow::Unknown,
-            Projection::Ahead(rectangle) => {
-                let rectangle = if has_walls { rectangle.with_tiles() } else { rectangle };
-                rectangle.samples([0, 0], size.map(|texels| texels + 1), light.depth)
-            }
-        };
+        let rectangle = project(light, 1.0)?;
+        let rectangle = if has_walls { rectangle.with_tiles() } else { rectangle };
+        return rectangle.samples([0, 0], size.map(|texels| texels + 1), light.depth);
     }
     // If the rectangle is within one map of a cube, the others do not affect it.
     let last = size.map(|texels| texels.saturating_sub(1));
     for (face, light) in (0..).zip(lights) {
-        let Projection::Ahead(rectangle) = project(light, 0.0) else { continue };
+        let Ok(rectangle) = project(light, 0.0) else { continue };
         if rectangle.is_within(last) {
             let corner = [face % 3 * size[0], face / 3 * size[1]];
             return rectangle.samples(corner, last, light.depth);
         }
     }
-    NearShadow::Unknown
+    Err(NearShadow::Unknown)
 }
 
 /// The box of a near rectangle on the lattice of a map. The whole rectangle is before the light.
@@ -83,27 +76,21 @@ struct Rectangle {
     farthest: f64,
 }
 
-enum Projection {
-    /// All of it is beside or behind the light.
-    Behind,
-    Ahead(Rectangle),
-    Unknown,
-}
-
 impl Rectangle {
-    fn project([across, up, middle]: [DVec4; 3], depth: DepthDirection) -> Projection {
+    /// It is lit if all of it is beside or behind the light.
+    fn project([across, up, middle]: [DVec4; 3], depth: DepthDirection) -> Result<Self, NearShadow> {
         let error = ROUNDING * (across.abs() + up.abs() + middle.abs());
         let corner = |x: f64, y: f64| (1.0 + WIDENING) * (x * across + y * up) + middle;
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         if !corners.iter().all(|corner| corner.is_finite()) {
-            return Projection::Unknown;
+            return Err(NearShadow::Unknown);
         }
         if corners.iter().all(|corner| corner.w < -error.w) {
-            return Projection::Behind;
+            return Err(NearShadow::Lit);
         }
         let min_w = corners.iter().map(|corner| corner.w).fold(f64::INFINITY, f64::min) - error.w;
         if min_w <= 0.0 || error.w > MAX_ROUNDING * min_w {
-            return Projection::Unknown;
+            return Err(NearShadow::Unknown);
         }
         // The box of the corners, widened by rounding.
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -116,7 +103,7 @@ impl Rectangle {
             }
         }
         let farthest = if depth == DepthDirection::Reversed { low[2] } else { high[2] };
-        Projection::Ahead(Self { low: [low[0], low[1]], high: [high[0], high[1]], farthest })
+        Ok(Self { low: [low[0], low[1]], high: [high[0], high[1]], farthest })
     }
 
     /// Enlarged to all tiles whose flaps may cover it, and to the samples of those flaps.
@@ -132,15 +119,11 @@ impl Rectangle {
     }
 
     /// `corner`: sample 0 of the map. `last`: its last sample, counted from there.
-    fn samples(&self, corner: [u32; 2], last: [u32; 2], depth: DepthDirection) -> NearShadow {
+    fn samples(&self, corner: [u32; 2], last: [u32; 2], depth: DepthDirection) -> Result<DepthNearBox, NearShadow> {
         if (0..2).any(|axis| self.high[axis] < -MARGIN || self.low[axis] > f64::from(last[axis]) + MARGIN) {
-            return NearShadow::Lit;
+            return Err(NearShadow::Lit);
         }
-        let (key, distance) = match limit(self.farthest, depth) {
-            Limit::BeforeAll => return NearShadow::Lit,
-            Limit::Unknown => return NearShadow::Unknown,
-            Limit::Behind { key, distance } => (key, distance),
-        };
+        let (key, distance) = limit(self.farthest, depth)?;
         let range = [0, 1].map(|axis| {
             let last_sample = f64::from(last[axis]);
             let first = (self.low[axis] - MARGIN).floor().clamp(0.0, last_sample) as u32;
@@ -149,47 +132,38 @@ impl Rectangle {
         });
         let size = range.map(|[_, count]| count);
         if u64::from(size[0]) * u64::from(size[1]) > MAX_SAMPLES {
-            return NearShadow::Unknown;
+            return Err(NearShadow::Unknown);
         }
         let first = [0, 1].map(|axis| corner[axis] + range[axis][0]);
-        NearShadow::Samples(DepthNearBox { first, size, key, distance, unused: [0; 2] })
+        Ok(DepthNearBox { first, size, key, distance, unused: [0; 2] })
     }
 }
 
-/// The depth that samples are compared with.
-enum Limit {
-    /// The rectangle is nearer to the light than any sample.
-    BeforeAll,
-    /// A surface with a larger key or distance is behind the rectangle.
-    Behind { key: u32, distance: i32 },
-    /// The rectangle may be beyond the far end of the depths.
-    Unknown,
-}
-
-fn limit(farthest: f64, depth: DepthDirection) -> Limit {
+/// The key and the distance that samples are compared with: a surface with a larger one is behind the rectangle. The
+/// rectangle is lit if it is nearer to the light than any sample, and unknown if it may be beyond the far end of depths.
+fn limit(farthest: f64, depth: DepthDirection) -> Result<(u32, i32), NearShadow> {
     let one = 1.0_f32.to_bits();
     match depth {
         DepthDirection::Standard => {
             let limit = farthest + BEHIND * (1.0 + farthest.abs());
             if limit < 0.0 {
-                return Limit::BeforeAll;
+                return Err(NearShadow::Lit);
             }
             if limit >= 1.0 - BEHIND || limit.is_nan() {
-                return Limit::Unknown;
+                return Err(NearShadow::Unknown);
             }
-            let key = (limit as f32).to_bits() + 1;
-            Limit::Behind { key, distance: (limit * RANGE) as i32 + DISTANCE_SLACK }
+            Ok(((limit as f32).to_bits() + 1, (limit * RANGE) as i32 + DISTANCE_SLACK))
         }
         DepthDirection::Reversed => {
             let limit = farthest - BEHIND * farthest.abs();
             if limit > 1.0 {
-                return Limit::BeforeAll;
+                return Err(NearShadow::Lit);
             }
             if limit < 2.0 * f64::from(f32::MIN_POSITIVE) || limit.is_nan() {
-                return Limit::Unknown;
+                return Err(NearShadow::Unknown);
             }
             let key = one - ((limit as f32).to_bits() - 1);
-            Limit::Behind { key, distance: ((1.0 - limit) * RANGE).ceil() as i32 + DISTANCE_SLACK }
+            Ok((key, ((1.0 - limit) * RANGE).ceil() as i32 + DISTANCE_SLACK))
         }
     }
 }

@@ -12,7 +12,7 @@ use super::near::{NearShadow, near_shadow};
 use super::options::DepthMap;
 use super::pipelines::{surface_layout, wall_layout};
 use super::texture::{check_objects, check_texture};
-use super::view::{Placing, depth_map_view};
+use super::view::{Placing, depth_map_view, steps};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform, whole};
@@ -83,9 +83,10 @@ impl DepthMapVolumes {
     ) -> Result<DepthMapFrame, DepthMapError> {
         let device = self.shared.device();
         check_timer(timer.as_deref(), device)?;
-        let views = self.views(inputs)?;
-        check_alive(device)?;
         let depth = inputs.lights.first().map_or(DepthDirection::Reversed, |light| light.depth);
+        let rounding = steps(inputs.formats.iter().copied().chain(self.options.rounded_to), depth);
+        let views = self.views(inputs, rounding)?;
+        check_alive(device)?;
         let objects = inputs.objects.filter(|_| self.uses_objects());
         let is_reversed = u32::from(depth == DepthDirection::Reversed);
         let shape = DepthMapShape { is_reversed, has_objects: u32::from(objects.is_some()), ..self.shape };
@@ -99,7 +100,7 @@ impl DepthMapVolumes {
                 contour: contour.map(|(contours, view)| contours.uniform(device, view)),
             };
             let mut steps: Vec<_> = before().into_iter().collect();
-            steps.extend(self.steps(&bound, inputs, depth));
+            steps.extend(self.steps(&bound, rounding));
             let draws: Vec<_> = views.iter().map(|views| self.bind_draw(&bound, views)).collect();
             let (near_cap, near) = self.near_cap(&bound, inputs);
             steps.extend(near);
@@ -123,8 +124,8 @@ impl DepthMapVolumes {
     }
 
     /// The views of the maps for each bit, moved by the bit's jitter. All maps of a cube have the bias of the coarsest
-    /// format, because they share samples on their borders.
-    fn views(&self, inputs: &Inputs<'_>) -> Result<Vec<Vec<DepthMapView>>, DepthMapError> {
+    /// format, because they share samples on their borders. `rounding`: the error by the formats, a share and a constant.
+    fn views(&self, inputs: &Inputs<'_>, rounding: [f64; 2]) -> Result<Vec<Vec<DepthMapView>>, DepthMapError> {
         if inputs.eye.depth != self.eye.1 {
             return Err(DepthMapError::Depth { what: "the eye", given: inputs.eye.depth, made: self.eye.1 });
         }
@@ -132,10 +133,10 @@ impl DepthMapVolumes {
         let border = if self.shape.faces > 1 { 0.0 } else { 1.0 };
         let slope_bias = f64::from(self.options.slope_bias) * (0.5 + max_jitter(self.bits));
         let view = |light: &ShadowCamera, jitter| {
-            let mut formats = inputs.formats.iter().copied().chain(self.options.rounded_to);
             let off = metric_steps(light, self.options.metric)?;
+            let error = [0, 1].map(|index| rounding[index] + off[index]);
             let placing = Placing { border, jitter, slope_bias };
-            depth_map_view((light, self.shape.size), (off, &mut formats), (inputs.eye, self.eye.0), &placing)
+            depth_map_view((light, self.shape.size), error, (inputs.eye, self.eye.0), &placing)
         };
         let views_of_bit = |jitter| inputs.lights.iter().map(|light| view(light, jitter)).collect();
         jitters(self.bits).into_iter().map(views_of_bit).collect()
@@ -146,9 +147,9 @@ impl DepthMapVolumes {
         let Some(stage) = &self.near else { return (DepthMapNearCap::Drawn, None) };
         let eye = (inputs.eye, self.eye.0);
         let near = match near_shadow(inputs.lights, self.shape.size, eye, self.contours.is_some()) {
-            NearShadow::Lit => return (DepthMapNearCap::Skipped, None),
-            NearShadow::Unknown => return (DepthMapNearCap::Drawn, None),
-            NearShadow::Samples(near) => near,
+            Ok(near) => near,
+            Err(NearShadow::Lit) => return (DepthMapNearCap::Skipped, None),
+            Err(NearShadow::Unknown) => return (DepthMapNearCap::Drawn, None),
         };
         let device = self.shared.device();
         let rectangle = filled(device, "near rectangle", bytemuck::bytes_of(&near), wgpu::BufferUsages::UNIFORM);
@@ -162,7 +163,7 @@ impl DepthMapVolumes {
         (DepthMapNearCap::Indirect(draw), Some(step))
     }
 
-    fn steps(&self, bound: &Bound<'_>, inputs: &Inputs<'_>, depth: DepthDirection) -> Vec<Step> {
+    fn steps(&self, bound: &Bound<'_>, rounding: [f64; 2]) -> Vec<Step> {
         let device = self.shared.device();
         let has_objects = bound.has_objects();
         if let Some(contours) = &self.contours {
@@ -182,9 +183,7 @@ impl DepthMapVolumes {
             |stage: &Pipeline, count: u32| stage.pass([stage.dispatch(device, Workgroups::over(device, count), get)]);
         let mut steps = Vec::new();
         if let Some(edges) = &self.edges {
-            let mut formats = inputs.formats.iter().copied().chain(self.options.rounded_to);
-            let rule = edges.rule(depth, &mut formats);
-            steps.extend(edges.steps(&self.shared, &rule, get, (has_objects, few)));
+            steps.extend(edges.steps(&self.shared, rounding, get, (has_objects, few)));
         }
         if let Some(count) = &self.count {
             let workgroups = if bound.shape.spread == 0 { few } else { blocks };

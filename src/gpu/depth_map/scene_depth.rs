@@ -1,10 +1,9 @@
 //! The depth of the casters of a scene, as the light of a depth map sees them.
 
-use glam::{DMat4, DVec3};
+use glam::{BVec3, DMat4, DVec3, DVec4, Vec3, Vec4};
 
 use super::error::{DepthMapError, guard};
 use super::mesh_depth::{DepthPipeline, caster_of, check_depth_format, light_view, storage};
-use super::view::{matrix, origin};
 use crate::gpu::common::bindings::{part, whole};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check};
@@ -84,7 +83,7 @@ impl SceneDepth {
         light: &ShadowCamera,
     ) -> Result<SceneDepthCounts, DepthMapError> {
         self.pipeline.check(light)?;
-        let view_volume = LightView { matrix: matrix(light), origin: origin(light) };
+        let view_volume = LightView { matrix: light.matrix(), origin: light.origin_point() };
         let mut counts = SceneDepthCounts::default();
         let mut bound = Vec::new();
         let device = self.pipeline.shared.device();
@@ -152,26 +151,22 @@ impl LightView {
     /// shader's rounding.
     fn is_outside(&self, caster: &DepthCaster) -> bool {
         let Some(bounds) = caster.bounds else { return false };
-        let rows = caster.rows.unwrap_or(Transform::UNIT).map(|row| row.map(f64::from));
-        let [low, high] = bounds.map(|corner| corner.map(f64::from));
-        let largest: [f64; 3] = std::array::from_fn(|axis| low[axis].abs().max(high[axis].abs()));
-        let sizes = DVec3::from_array(std::array::from_fn(|axis| {
-            let [x, y, z, shift] = rows[axis].map(f64::abs);
-            x * largest[0] + y * largest[1] + z * largest[2] + shift + self.origin[axis].abs()
-        }));
-        let error = |axis: usize| {
+        let rows = caster.rows.unwrap_or(Transform::UNIT).map(|row| Vec4::from_array(row).as_dvec4());
+        let [low, high] = bounds.map(|corner| Vec3::from_array(corner).as_dvec3());
+        let largest = low.abs().max(high.abs());
+        let sizes = DVec3::from_array(rows.map(|row| row.truncate().abs().dot(largest) + row.w.abs()));
+        let sizes = sizes + self.origin.abs();
+        let [x, y, z, w] = [0, 1, 2, 3].map(|axis| {
             let row = self.matrix.row(axis).abs();
             CLIP_ERROR * (row.truncate().dot(sizes) + row.w)
-        };
-        let clip = |corner_index: usize| {
-            let corner: [f64; 3] =
-                std::array::from_fn(|axis| if corner_index >> axis & 1 == 0 { low[axis] } else { high[axis] });
-            let [x, y, z] = rows.map(|row| row[0] * corner[0] + row[1] * corner[1] + row[2] * corner[2] + row[3]);
-            self.matrix * (DVec3::new(x, y, z) - self.origin).extend(1.0)
-        };
-        let corners: [_; 8] = std::array::from_fn(clip);
-        let [x, y, z, w] = [0, 1, 2, 3].map(error);
-        let is_beyond = |height: &dyn Fn(glam::DVec4) -> f64, error: f64| corners.iter().all(|&at| height(at) < -error);
+        });
+        let corners: [DVec4; 8] = std::array::from_fn(|index| {
+            let is_high = BVec3::new(index & 1 != 0, index & 2 != 0, index & 4 != 0);
+            let corner = DVec3::select(is_high, high, low);
+            let position = DVec3::from_array(rows.map(|row| row.truncate().dot(corner) + row.w));
+            self.matrix * (position - self.origin).extend(1.0)
+        });
+        let is_beyond = |height: &dyn Fn(DVec4) -> f64, error: f64| corners.iter().all(|&at| height(at) < -error);
         is_beyond(&|at| at.w + at.x, w + x)
             || is_beyond(&|at| at.w - at.x, w + x)
             || is_beyond(&|at| at.w + at.y, w + y)

@@ -1,6 +1,8 @@
 //! Checks of textures that are depth maps or objects, and textures that stages write.
 
 use super::error::DepthMapError;
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::memory::guarded;
 
 /// The formats of depth maps.
 pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
@@ -55,32 +57,25 @@ fn check_read(
     Ok(format)
 }
 
-/// A texture that stages read.
-pub(super) fn texture(
+/// A texture that stages write and read, with four bytes a texel.
+pub(super) fn written_texture(
     device: &wgpu::Device,
     label: &'static str,
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
-    other_usages: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
+) -> Result<wgpu::TextureView, DeviceError> {
+    use wgpu::TextureUsages;
+    let descriptor = wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | other_usages,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC,
         view_formats: &[],
-    })
-}
-
-/// A texture that a stage writes and others read.
-pub(super) fn written_texture(
-    device: &wgpu::Device,
-    label: &'static str,
-    size: [u32; 2],
-    format: wgpu::TextureFormat,
-) -> wgpu::Texture {
-    texture(device, label, size, format, wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC)
+    };
+    let bytes = 4 * u64::from(width) * u64::from(height);
+    let texture = guarded(device, bytes, || device.create_texture(&descriptor))?;
+    Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }

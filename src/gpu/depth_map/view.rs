@@ -1,36 +1,30 @@
 //! The matrices from a depth map to a camera, in `f64`, rounded once. docs/numerics/depth-maps.md.
 
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use glam::{DMat4, DVec3, DVec4};
 
 use super::error::DepthMapError;
 use crate::ShadowCamera;
 use crate::layout::DepthMapView;
 use crate::shadow::DepthDirection;
 
-/// The error of depths in a format, four steps between neighbouring depths: a share of the depth, and a constant.
-pub(super) fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
+/// The error of depths in the coarsest of some formats, four steps between neighbouring depths: a share of the depth, and
+/// a constant.
+pub(crate) fn steps(formats: impl IntoIterator<Item = wgpu::TextureFormat>, depth: DepthDirection) -> [f64; 2] {
     use wgpu::TextureFormat::{Depth16Unorm, Depth32Float, Depth32FloatStencil8, R32Float};
-    let is_float = matches!(format, Depth32Float | Depth32FloatStencil8 | R32Float);
-    match (format, depth) {
+    let of = |format: wgpu::TextureFormat| match (format, depth) {
         (Depth16Unorm, _) => [0.0, 4.0 / 65_536.0],
         // A step of a float is up to 2⁻²³ of it. Floats from ½ to 1 have the steps of 24 bits.
-        (_, DepthDirection::Reversed) if is_float => [4.0 / 8_388_608.0, 0.0],
+        (Depth32Float | Depth32FloatStencil8 | R32Float, DepthDirection::Reversed) => [4.0 / 8_388_608.0, 0.0],
         _ => [0.0, 4.0 / 16_777_216.0],
-    }
-}
-
-pub(super) fn matrix(camera: &ShadowCamera) -> DMat4 {
-    Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4()
-}
-
-pub(super) fn origin(camera: &ShadowCamera) -> DVec3 {
-    Vec3::from_array(camera.origin).as_dvec3()
+    };
+    let all = formats.into_iter().map(of);
+    all.fold([0.0; 2], |max: [f64; 2], steps| [0, 1].map(|index| max[index].max(steps[index])))
 }
 
 /// The eye's matrix, with depths moved away by the error of its depth buffer.
 fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
-    let [share, constant] = steps(format, eye.depth);
-    let mut rows = matrix(eye).transpose();
+    let [share, constant] = steps([format], eye.depth);
+    let mut rows = eye.matrix().transpose();
     rows.z_axis = match eye.depth {
         DepthDirection::Reversed => (1.0 - share) * rows.z_axis - constant * rows.w_axis,
         DepthDirection::Standard => rows.z_axis + constant * rows.w_axis,
@@ -41,7 +35,7 @@ fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
 /// The depth at infinity of a perspective map: factors of x and y in device coordinates, and a constant. `None` for a light
 /// at infinity.
 pub(super) fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapError> {
-    if matrix(light).row(3).truncate() == DVec3::ZERO {
+    if light.matrix().row(3).truncate() == DVec3::ZERO {
         return Ok(None);
     }
     let far = match light.depth {
@@ -78,7 +72,7 @@ pub struct Placing {
 fn moved_matrix(light: &ShadowCamera, size: [u32; 2], placing: &Placing) -> DMat4 {
     let ([width, height], [across, down]) = (size.map(f64::from), placing.jitter);
     let jitter = DVec3::new(2.0 * across / width, -2.0 * down / height, 0.0);
-    DMat4::from_translation(-jitter) * matrix(light)
+    DMat4::from_translation(-jitter) * light.matrix()
 }
 
 /// Columns from x and y on the near rectangle of an eye, from -1 to 1, to the lattice of a map and the depth in it:
@@ -96,17 +90,17 @@ pub(super) fn near_columns(
         DVec4::Z,
         DVec4::new((width - 1.0) / 2.0 + placing.border, (height - 1.0) / 2.0 + placing.border, 0.0, 1.0),
     );
-    let between = DMat4::from_translation(origin(eye) - origin(light));
+    let between = DMat4::from_translation(eye.origin_point() - light.origin_point());
     let near = lattice * moved_matrix(light, size, placing) * between * eye_matrix(eye, format).inverse();
     let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
     [near.x_axis, near.y_axis, near_z * near.z_axis + near.w_axis]
 }
 
-/// The view of a map of `size` texels, for an eye whose depth buffer has the format `format`. Depths of the map were rounded
-/// to `formats`, and have the further error `off`.
+/// The view of a map of `size` texels, for an eye whose depth buffer has the format `format`. Depths of the map have an
+/// error: a share of the depth, and a constant.
 pub(crate) fn depth_map_view(
     (light, size): (&ShadowCamera, [u32; 2]),
-    (off, formats): ([f64; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
+    error: [f64; 2],
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
     placing: &Placing,
 ) -> Result<DepthMapView, DepthMapError> {
@@ -116,7 +110,7 @@ pub(crate) fn depth_map_view(
     let (to_light, to_eye) = (moved_matrix(light, size, placing), eye_matrix(eye, format));
     let inverse = to_light.inverse();
     let infinity = infinity(light, &inverse)?;
-    let between = DMat4::from_translation(origin(light) - origin(eye));
+    let between = DMat4::from_translation(light.origin_point() - eye.origin_point());
     let to_clip = to_eye * between * inverse;
     // Directions do not depend on the origins.
     let ray = |depth: f64, of: DVec4| to_eye * (of + depth * inverse.z_axis).truncate().extend(0.0);
@@ -128,9 +122,7 @@ pub(crate) fn depth_map_view(
     };
     let [near_across, near_up, near_middle] = near_columns((light, size), (eye, format), placing);
     let f32s = |column: DVec4| column.as_vec4().to_array();
-    let rounded = formats.map(|format| steps(format, light.depth));
-    let coarsest = rounded.fold([0.0; 2], |max: [f64; 2], steps| [0, 1].map(|index| max[index].max(steps[index])));
-    let [share, constant] = [0, 1].map(|index| (coarsest[index] + off[index]) as f32);
+    let [share, constant] = error.map(|error| error as f32);
     let depth = infinity.unwrap_or(DVec3::ZERO);
     Ok(DepthMapView {
         across: f32s(to_clip.x_axis / width),

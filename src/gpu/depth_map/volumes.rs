@@ -9,7 +9,7 @@ use super::edges::{Detector, EdgeStages, threshold_bits};
 use super::error::DepthMapError;
 use super::options::{DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
-use super::texture::texture;
+use super::texture::written_texture;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
@@ -165,11 +165,8 @@ impl DepthMapVolumes {
             })?;
         let contours = contours.zip(contour_buffers);
         let contours = contours.map(|(shape, buffers)| Contours::new(pipelines, shape, buffers)).transpose()?;
-        let near =
-            if contours.is_some() { (&DEPTH_NEAR_WALLS, "depth_near_walls") } else { (&DEPTH_NEAR, "depth_near") };
+        let near = if contours.is_some() { &DEPTH_NEAR_WALLS } else { &DEPTH_NEAR };
         let edges = detector.zip(edge_buffers).map(|(detector, buffers)| EdgeStages::new(shared, detector, buffers));
-        let no_objects =
-            texture(device, "no objects", [1, 1], wgpu::TextureFormat::R32Uint, wgpu::TextureUsages::empty());
         let spreads = [("SPREADS", f64::from(shape.spread))];
         let counts_cells = edges.is_none() && contours.is_none();
         let cell_stages = ["depth_cells_scan", "depth_cells_list"].into_iter().filter(|_| contours.is_none());
@@ -177,14 +174,14 @@ impl DepthMapVolumes {
             count: counts_cells.then(|| ObjectStage::new(shared, &DEPTH_CELLS, "depth_cells_count", &spreads)),
             edges,
             stages: cell_stages.map(|name| shared.compute(&DEPTH_CELLS, name, &[])).collect(),
-            near: options.skip_near_caps.then(|| shared.compute(near.0, near.1, &[])),
+            near: options.skip_near_caps.then(|| shared.compute(near, near.name, &[])),
             contours,
             shape,
             bytes,
             options,
             bits,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
-            no_objects: no_objects.create_view(&wgpu::TextureViewDescriptor::default()),
+            no_objects: written_texture(device, "no objects", [1, 1], wgpu::TextureFormat::R32Uint)?,
             buffers,
             encodes: Arc::default(),
             shared: shared.clone(),
@@ -199,7 +196,7 @@ impl DepthMapVolumes {
     /// Cells, or walls and flaps, that the list has room for. If [`Self::cells`] begins with a larger count, every cell is
     /// drawn.
     pub fn capacity(&self) -> u32 {
-        self.contours.as_ref().map_or(self.shape.capacity, |contours| contours.shape.capacity)
+        self.shape.capacity
     }
 
     /// The listed cells, on the GPU: their count, then an entry for each. They are in order of strips of eight cells across

@@ -39,16 +39,9 @@ impl Shape {
         let (edges, counts) = (mesh.edges().len(), mesh.edges().counts());
         let batch = options.max_lights.min(32) as u64;
         let fitting = u32::try_from(split.binding / (4 * batch)).unwrap_or(u32::MAX);
-        let capacity = match options.lists {
-            None => 0,
-            Some(lists) => match lists.capacity {
-                Some(capacity) => capacity,
-                None => {
-                    (default_capacity(counts, smooth_edges(counts.consistent), options.max_lights) as u32).min(fitting)
-                }
-            }
-            .clamp(1, edges.max(1) as u32),
-        };
+        let default = default_capacity(counts, smooth_edges(counts.consistent), options.max_lights) as u32;
+        let asked = options.lists.map(|lists| lists.capacity.unwrap_or(default.min(fitting)));
+        let capacity = asked.map_or(0, |capacity| capacity.clamp(1, edges.max(1) as u32));
         if capacity > fitting {
             let bytes = u64::from(capacity) * 4 * batch;
             return Err(DeviceError::BindingTooLarge { what: "edge lists", bytes, limit: split.binding }.into());

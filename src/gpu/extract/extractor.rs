@@ -5,14 +5,13 @@ use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
-use super::extraction::{Extraction, PositionSlice, Shared};
+use super::extraction::{Extraction, ExtractionResults, PositionSlice, Shared};
 use super::options::ExtractorOptions;
-use super::results::ExtractionResults;
-use super::stages::{Binder, DispatchRanges, Made, from_facing, from_positions, made, programs};
+use super::stages::{Binder, DispatchRanges, Planned, arguments, from_facing, from_positions, programs};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::{Step, record};
-use crate::gpu::common::pipelines::{Pipelines, Program};
+use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
@@ -20,7 +19,6 @@ use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::layout::LightBatch;
 use crate::light::{self, check_lights};
 use crate::method::Predicate;
-use crate::stages::ARGUMENTS;
 use crate::{Light, Mesh};
 
 /// Extracts the silhouettes of one mesh every frame, for up to `max_lights` lights. It records compute passes into the
@@ -30,9 +28,7 @@ pub struct Extractor {
     shared: Arc<Shared>,
     options: ExtractorOptions,
     ranges: DispatchRanges,
-    /// The stages that read positions, for windows of this number of words.
-    reading: (u32, Vec<Made>),
-    /// Their steps for each batch of lights, and the positions that they are bound to.
+    /// For each batch of lights the steps that read positions, and the positions that they are bound to.
     from_positions: Option<(PositionSlice, Vec<Vec<Step>>)>,
     /// The steps before all stages, for each batch those after facing, and the last.
     before: [Step; 2],
@@ -77,11 +73,11 @@ impl Extractor {
         let twisted_offset = if shape.polygons.is_some() { shape.faces } else { 0 };
         let (reading, others) =
             (shape.reading(device, &options, 0), from_facing(&options, twisted_offset, facing.words));
-        pipelines.make_together(&programs(reading.iter().chain(&others), &options));
-        let (reading, others) = (made(&pipelines, reading), made(&pipelines, others));
-        let arguments = options.lists.map(|_| pipelines.get(&Program::of(&ARGUMENTS, &[])));
+        pipelines.make_together(&programs([&reading, &others], arguments(&options)));
+        // If the device refuses one, the error is that of this constructor.
+        reading.iter().for_each(|planned| drop(pipelines.get(&planned.program)));
         let binder = Binder {
-            device,
+            pipelines: &pipelines,
             shape: &shape,
             buffers: &buffers,
             ranges: &ranges,
@@ -90,7 +86,7 @@ impl Extractor {
             given: None,
         };
         let from_facing = (0..shape.batches()).map(|batch| binder.read_facing(&others, batch)).collect();
-        let at_last = binder.at_last(arguments.as_ref());
+        let at_last = binder.at_last(&options);
         let before = [Step::Clear(buffers.record.clone(), 0..RECORD_HEAD), Step::clear(&buffers.counts)];
         let shared = Arc::new(Shared {
             pipelines,
@@ -104,7 +100,7 @@ impl Extractor {
             encodes: AtomicU64::new(0),
             include_groups: Mutex::default(),
         });
-        Ok(Self { shared, options, ranges, reading: (0, reading), from_positions: None, before, from_facing, at_last })
+        Ok(Self { shared, options, ranges, from_positions: None, before, from_facing, at_last })
     }
 
     /// Records the extraction for `lights` and returns what was extracted. Lights are in the space of the positions. No
@@ -161,16 +157,13 @@ impl Extractor {
             return Ok(());
         }
         self.from_positions = None;
-        let Self { shared, options, ranges, reading, .. } = self;
+        let Self { shared, options, ranges, .. } = &*self;
         let Shared { pipelines, shape, buffers, facing, .. } = &**shared;
-        let (device, positions) = (pipelines.device(), Some((&slice.buffer, bound)));
-        let binder = Binder { device, shape, buffers, ranges, facing, positions, given: None };
-        let steps = positions::bound(device, || {
-            let words = bound.windows.words;
-            if reading.0 != words {
-                *reading = (words, made(pipelines, shape.reading(device, options, words)));
-            }
-            (0..shape.batches()).map(|batch| binder.read_positions(&reading.1, batch)).collect()
+        let positions = Some((&slice.buffer, bound));
+        let binder = Binder { pipelines, shape, buffers, ranges, facing, positions, given: None };
+        let stages = shape.reading(pipelines.device(), options, bound.windows.words);
+        let steps = positions::bound(pipelines.device(), || {
+            (0..shape.batches()).map(|batch| binder.read_positions(&stages, batch)).collect()
         })?;
         self.from_positions = Some((slice.clone(), steps));
         Ok(())
@@ -208,7 +201,7 @@ impl Extractor {
 
 impl Shape {
     /// The stages that read positions, in windows of this number of words.
-    fn reading(&self, device: &wgpu::Device, options: &ExtractorOptions, words: u32) -> Vec<super::stages::Planned> {
+    fn reading(&self, device: &wgpu::Device, options: &ExtractorOptions, words: u32) -> Vec<Planned> {
         from_positions(device, options, self.polygons.map(|polygons| polygons.pieces > 0), words)
     }
 }

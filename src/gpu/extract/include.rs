@@ -1,9 +1,11 @@
 //! The WGSL include, with which a caller's shaders read the results.
 
+use super::buffers::Buffers;
 use super::errors::ExtractorError;
 use super::extraction::Shared;
 use crate::gpu::common::bindings::{READ, UNIFORM, entries, whole};
 use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::memory::{Allocation, check_bindings};
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::check_alive;
@@ -69,13 +71,8 @@ pub fn include_wgsl(group: u32) -> String {
 pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("rimline results"),
-        entries: &results_entries(visibility),
+        entries: &entries(visibility, (0..).zip([UNIFORM].into_iter().chain([READ; 6]))),
     })
-}
-
-/// The entries of the include's layout.
-pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindGroupLayoutEntry> {
-    entries(visibility, [(0, UNIFORM)].into_iter().chain((1..7).map(|binding| (binding, READ))))
 }
 
 impl Shared {
@@ -88,7 +85,9 @@ impl Shared {
     ) -> Result<wgpu::BindGroup, ExtractorError> {
         let (device, limits, shape) = (self.device(), &self.limits, &self.shape);
         let results = self.results();
-        self.check_include()?;
+        if results.lists.is_empty() || results.facing.is_empty() {
+            return Err(ExtractorError::NoInclude);
+        }
         let (Some(list), Some(facing)) = (results.lists.get(batch), results.facing.get(batch)) else {
             return Err(ExtractorError::NoSuchBatch { batch, batches: results.lists.len() });
         };
@@ -120,25 +119,12 @@ impl Shared {
     }
 
     /// Checks that each array that the include reads fits one binding.
-    pub(crate) fn check_single_bindings(&self, bound: &BoundPositions) -> Result<(), DeviceError> {
-        let limit = self.limits.binding;
-        let too_large = |what, bytes| Err(DeviceError::BindingTooLarge { what, bytes, limit });
-        if bound.windows.words != 0 {
-            return too_large("positions", bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0));
-        }
-        let facing = self.buffers.facing.iter().map(|masks| ("facing masks", masks));
-        let arrays = std::iter::once(("edge records", &self.buffers.edge_vertices)).chain(facing);
-        for (what, buffer) in arrays {
-            if buffer.size() > limit {
-                return too_large(what, buffer.size());
-            }
-        }
-        Ok(())
-    }
-
-    /// Checks that the extractor has what the include reads.
-    pub(crate) fn check_include(&self) -> Result<(), ExtractorError> {
-        let is_there = !self.buffers.lists.is_empty() && !self.buffers.facing.is_empty();
-        if is_there { Ok(()) } else { Err(ExtractorError::NoInclude) }
+    fn check_single_bindings(&self, bound: &BoundPositions) -> Result<(), DeviceError> {
+        let Buffers { edge_vertices, facing, .. } = &self.buffers;
+        let positions = bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0);
+        let facing = facing.iter().map(|masks| ("facing masks", masks.size()));
+        let arrays = [("positions", positions), ("edge records", edge_vertices.size())].into_iter().chain(facing);
+        let arrays: Vec<_> = arrays.map(|(label, bytes)| Allocation { label, bytes }).collect();
+        check_bindings(&arrays, self.limits.binding)
     }
 }

@@ -9,5 +9,4 @@ pub(crate) mod of_scene;
 pub(crate) mod options;
 pub(crate) mod polygon_buffers;
 mod read_edges;
-pub(crate) mod results;
 pub(crate) mod stages;

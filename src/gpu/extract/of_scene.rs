@@ -6,11 +6,11 @@ use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
 use super::polygon_buffers::{HEAD, PolygonBuffers, PolygonCounts, boundaries};
-use super::stages::{Binder, DispatchRanges, from_facing, from_positions, made, programs};
+use super::stages::{Binder, DispatchRanges, from_facing, from_positions, programs};
 use crate::Mesh;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, check, guarded};
+use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pass::Step;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::BoundPositions;
@@ -37,12 +37,9 @@ impl PolygonMesh {
         let counts = PolygonCounts::new(polygons)?;
         let table = boundaries(polygons);
         let wanted = Wanted::filled("boundaries", bytemuck::cast_slice(&table));
-        let limit = DispatchLimits::new(&device.limits()).binding;
-        if wanted.bytes > limit {
-            return Err(DeviceError::BindingTooLarge { what: wanted.label, bytes: wanted.bytes, limit }.into());
-        }
-        let others = Allocation { label: "the rest of the scene", bytes: used };
-        check(&[Allocation { label: wanted.label, bytes: wanted.bytes }, others], u64::MAX, memory_limit)?;
+        let boundaries = Allocation { label: wanted.label, bytes: wanted.bytes };
+        check_bindings(&[boundaries], DispatchLimits::new(&device.limits()).binding)?;
+        check(&[boundaries, Allocation { label: "the rest of the scene", bytes: used }], u64::MAX, memory_limit)?;
         let head = Wanted::filled("boundary head", bytemuck::cast_slice(&HEAD));
         let made = guarded(device, wanted.bytes, || (wanted.make(device), head.make(device)))?;
         Ok(Some(Self { counts, boundaries: made.0, head: made.1 }))
@@ -79,14 +76,11 @@ pub(crate) fn polygon_steps(
     buffers.chunks = chunks.into_buffer(device, "chunks");
     let (reading, others) =
         (from_positions(device, &options, Some(true), 0), from_facing(&options, shape.faces, facing.words));
-    let mut all = programs(reading.iter().chain(&others), &options);
     // The scene makes draw arguments.
-    all.pop();
-    pipelines.make_together(&all);
-    let (reading, others) = (made(pipelines, reading), made(pipelines, others));
+    pipelines.make_together(&programs([&reading, &others], None));
     let Buffers { record, counts, .. } = &buffers;
     let mut steps = vec![Step::Clear(record.clone(), 0..RECORD_HEAD), Step::Clear(counts.clone(), 0..shape.lists_head)];
-    let binder = Binder { device, shape, buffers: &buffers, ranges, facing, positions: Some(positions), given };
+    let binder = Binder { pipelines, shape, buffers: &buffers, ranges, facing, positions: Some(positions), given };
     steps.extend(binder.read_positions(&reading, 0));
     steps.extend(binder.read_facing(&others, 0));
     Ok(steps)

@@ -24,7 +24,7 @@ use crate::turns::EXACT_ITEMS;
 
 /// The items that a stage walks along.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Over {
+enum Over {
     Faces,
     Edges,
     Polygons,
@@ -118,24 +118,28 @@ pub(super) fn from_facing(options: &ExtractorOptions, twisted_offset: usize, wor
     stages.map(|(program, size)| Planned { program, over: Over::Edges, size }).collect()
 }
 
-/// The programs of stages, and of draw arguments.
-pub(super) fn programs<'p>(stages: impl IntoIterator<Item = &'p Planned>, options: &ExtractorOptions) -> Vec<Program> {
-    let arguments = options.lists.map(|_| Program::of(&ARGUMENTS, &[]));
-    stages.into_iter().map(|planned| planned.program.clone()).chain(arguments).collect()
+/// The program of draw arguments, if there are lists.
+pub(super) fn arguments(options: &ExtractorOptions) -> Option<Program> {
+    options.lists.map(|_| Program::of(&ARGUMENTS, &[]))
+}
+
+/// The programs of stages, and another.
+pub(super) fn programs([reading, others]: [&[Planned]; 2], further: Option<Program>) -> Vec<Program> {
+    reading.iter().chain(others).map(|planned| planned.program.clone()).chain(further).collect()
 }
 
 /// The programs of all stages for triangles whose arrays each fit one window.
 pub(crate) fn of_triangles(device: &wgpu::Device, options: &ExtractorOptions) -> Vec<Program> {
-    programs(&[from_positions(device, options, None, 0), from_facing(options, 0, 0)].concat(), options)
+    programs([&from_positions(device, options, None, 0), &from_facing(options, 0, 0)], arguments(options))
 }
 
 /// Items of a dispatch, for a batch of lights.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BatchItems {
-    pub(super) batch: usize,
-    pub(super) items: Range<usize>,
+struct BatchItems {
+    batch: usize,
+    items: Range<usize>,
     /// The offset of its `Chunk` in the table of chunks.
-    pub(super) chunk: u32,
+    chunk: u32,
 }
 
 impl BatchItems {
@@ -145,13 +149,9 @@ impl BatchItems {
     }
 }
 
-/// The dispatches over faces, edges and polygons: for each batch of lights those of its chunks.
+/// The dispatches over the items of each [`Over`], in order: for each batch of lights those of its chunks.
 #[derive(Debug)]
-pub(super) struct DispatchRanges {
-    pub(super) faces: Vec<Vec<BatchItems>>,
-    pub(super) edges: Vec<Vec<BatchItems>>,
-    pub(super) polygons: Vec<Vec<BatchItems>>,
-}
+pub(super) struct DispatchRanges([Vec<Vec<BatchItems>>; 3]);
 
 impl DispatchRanges {
     /// Writes the chunks to the table.
@@ -167,38 +167,21 @@ impl DispatchRanges {
         };
         let Shape { capacity, blocks, polygons, .. } = *shape;
         let (polygons, pieces) = polygons.map_or((0, 0), |polygons| (polygons.polygons, polygons.pieces));
-        Self {
-            faces: plan(faces, capacity, blocks),
-            edges: plan(edges, capacity, blocks),
-            polygons: plan(std::slice::from_ref(&(0..polygons)), pieces, 0),
-        }
+        Self([
+            plan(faces, capacity, blocks),
+            plan(edges, capacity, blocks),
+            plan(std::slice::from_ref(&(0..polygons)), pieces, 0),
+        ])
     }
 
     fn of(&self, over: Over, batch: usize) -> &[BatchItems] {
-        let ranges = match over {
-            Over::Faces => &self.faces,
-            Over::Edges => &self.edges,
-            Over::Polygons => &self.polygons,
-        };
-        ranges.get(batch).map_or(&[], Vec::as_slice)
+        self.0[over as usize].get(batch).map_or(&[], Vec::as_slice)
     }
-}
-
-/// A stage with its pipeline.
-pub(super) type Made = (Planned, Pipeline);
-
-/// The pipelines of stages.
-pub(super) fn made(pipelines: &Pipelines, stages: Vec<Planned>) -> Vec<Made> {
-    let make = |planned: Planned| {
-        let pipeline = pipelines.get(&planned.program);
-        (planned, pipeline)
-    };
-    stages.into_iter().map(make).collect()
 }
 
 /// Binds the stages of an extraction.
 pub(super) struct Binder<'a> {
-    pub(super) device: &'a wgpu::Device,
+    pub(super) pipelines: &'a Pipelines,
     pub(super) shape: &'a Shape,
     pub(super) buffers: &'a Buffers,
     pub(super) ranges: &'a DispatchRanges,
@@ -254,46 +237,53 @@ impl<'a> Binder<'a> {
         })
     }
 
-    fn dispatch(&self, (planned, pipeline): &Made, at: &BatchItems) -> Dispatch {
+    /// A pass of a stage over ranges of its items.
+    fn pass(&self, planned: &Planned, ranges: &[BatchItems]) -> Step {
+        let pipeline = self.pipelines.get(&planned.program);
+        pipeline.pass(ranges.iter().map(|range| self.dispatch(planned.size, &pipeline, range)))
+    }
+
+    fn dispatch(&self, size: Size, pipeline: &Pipeline, at: &BatchItems) -> Dispatch {
+        let device = self.pipelines.device();
         let over = |invocations: u32| Workgroups::Known([(at.items.len() as u32).div_ceil(invocations), 1]);
-        let workgroups = match planned.size {
+        let workgroups = match size {
             Size::Items => over(WORKGROUP),
-            Size::Few => Workgroups::Known([exact_workgroups(self.device, at.items.len() as u32, EXACT_ITEMS), 1]),
+            Size::Few => Workgroups::Known([exact_workgroups(device, at.items.len() as u32, EXACT_ITEMS), 1]),
             Size::Lights => self.in_turn(self.shape.batch_lights(at.batch)),
             Size::Written(byte) => match &self.buffers.polygons {
                 Some(polygons) => Workgroups::Written(polygons.arguments.clone(), byte),
                 None => Workgroups::Known([0, 0]),
             },
         };
-        pipeline.dispatch(self.device, workgroups, |name| self.get(name, at))
+        pipeline.dispatch(device, workgroups, |name| self.get(name, at))
     }
 
     /// Workgroups. If the device allows fewer, they take several items in turn.
     fn in_turn(&self, wanted: usize) -> Workgroups {
-        let most = self.device.limits().max_compute_workgroups_per_dimension;
+        let most = self.pipelines.device().limits().max_compute_workgroups_per_dimension;
         Workgroups::Known([(wanted as u32).min(most), 1])
     }
 
     /// The stages that read positions, for a batch of lights.
-    pub(super) fn read_positions(&self, stages: &[Made], batch: usize) -> Vec<Step> {
+    pub(super) fn read_positions(&self, stages: &[Planned], batch: usize) -> Vec<Step> {
         if let Some(polygons) = &self.buffers.polygons {
             return self.read_boundaries(polygons, stages, batch);
         }
         let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
-        let over = stages.first().map_or(Over::Faces, |(planned, _)| planned.over);
+        let over = stages.first().map_or(Over::Faces, |planned| planned.over);
         // Each chunk goes through all stages in turn, because all share the list of undecided faces.
         for (number, range) in self.ranges.of(over, batch).iter().enumerate() {
             if (batch, number) != (0, 0) {
                 steps.push(Step::Clear(self.buffers.record.clone(), RECORD_HEAD - 4..RECORD_HEAD));
             }
-            steps.extend(stages.iter().map(|made| made.1.pass([self.dispatch(made, range)])));
+            steps.extend(stages.iter().map(|planned| self.pass(planned, std::slice::from_ref(range))));
         }
         steps
     }
 
     /// The stages of polygons. The workgroups of most are in the head of a buffer that they write, which a dispatch
     /// cannot take them from. So they are copied as soon as they are there.
-    fn read_boundaries(&self, polygons: &PolygonBuffers, stages: &[Made], batch: usize) -> Vec<Step> {
+    fn read_boundaries(&self, polygons: &PolygonBuffers, stages: &[Planned], batch: usize) -> Vec<Step> {
         let PolygonBuffers { undecided, head, arguments, pieces, .. } = polygons;
         let bytes = 4 * self.shape.faces as u64;
         let excluded = self.buffers.excluded.get(batch).map(|excluded| match self.given {
@@ -308,36 +298,35 @@ impl<'a> Binder<'a> {
         steps.extend(pieces.get(batch).map(|pieces| Step::Clear(pieces.clone(), 0..4 * PIECE_COUNTS)));
         steps.push(Step::Copy([(head.clone(), 0), (undecided.clone(), 0)], 4 * HEAD_WORDS));
         let mut copied = Vec::new();
-        for made in stages {
-            if let Size::Written(byte) = made.0.size
+        for planned in stages {
+            if let Size::Written(byte) = planned.size
                 && !copied.contains(&byte)
             {
                 copied.push(byte);
                 steps.push(Step::Copy([undecided, arguments].map(|buffer| (buffer.clone(), byte)), INDIRECT_BYTES));
             }
-            steps.push(
-                made.1.pass(self.ranges.of(Over::Polygons, batch).iter().map(|range| self.dispatch(made, range))),
-            );
+            steps.push(self.pass(planned, self.ranges.of(Over::Polygons, batch)));
         }
         steps
     }
 
     /// The stages after facing, for a batch of lights.
-    pub(super) fn read_facing(&self, stages: &[Made], batch: usize) -> Vec<Step> {
+    pub(super) fn read_facing(&self, stages: &[Planned], batch: usize) -> Vec<Step> {
         let ranges = |planned: &Planned| {
             let ranges = self.ranges.of(planned.over, batch);
             if let Size::Lights = planned.size { ranges.get(..1).unwrap_or_default() } else { ranges }
         };
-        let pass = |made: &Made| made.1.pass(ranges(&made.0).iter().map(|range| self.dispatch(made, range)));
-        stages.iter().map(pass).collect()
+        stages.iter().map(|planned| self.pass(planned, ranges(planned))).collect()
     }
 
     /// The draw arguments of all lights that there is room for, so that unused lights draw nothing. Then the statistics.
-    pub(super) fn at_last(&self, arguments: Option<&Pipeline>) -> Vec<Step> {
+    pub(super) fn at_last(&self, options: &ExtractorOptions) -> Vec<Step> {
         let Buffers { record, statistics, .. } = self.buffers;
-        let workgroups = self.in_turn(self.shape.max_lights.div_ceil(64));
-        let pass = arguments.map(|pipeline| {
-            pipeline.pass([pipeline.dispatch(self.device, workgroups, |name| self.get(name, &BatchItems::default()))])
+        let get = |name: &str| self.get(name, &BatchItems::default());
+        let pass = arguments(options).map(|program| {
+            let pipeline = self.pipelines.get(&program);
+            let workgroups = self.in_turn(self.shape.max_lights.div_ceil(64));
+            pipeline.pass([pipeline.dispatch(self.pipelines.device(), workgroups, get)])
         });
         let copy = Step::Copy([record, statistics].map(|buffer| (buffer.clone(), 0)), statistics.size());
         pass.into_iter().chain([copy]).collect()

@@ -1,6 +1,6 @@
 //! The pixels that a light may affect.
 
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use glam::{DVec3, DVec4, Vec3};
 
 use crate::{Light, ShadowCamera};
 
@@ -28,7 +28,7 @@ impl Sector {
             return None;
         }
         let position = Vec3::from(light.xyz).as_dvec3() / f64::from(light.w);
-        let origin = Vec3::from(camera.origin).as_dvec3();
+        let origin = camera.origin_point();
         let axis = light.cone.and_then(|cone| Vec3::from(cone.axis).as_dvec3().try_normalize());
         let angle = light.cone.map_or(std::f64::consts::PI, |cone| f64::from(cone.cosine).acos() + SLACK);
         Some(Self {
@@ -70,7 +70,7 @@ impl Sector {
 pub(super) fn affected_pixels(camera: &ShadowCamera, light: &Light, size: [u32; 2]) -> Option<[u32; 4]> {
     let whole = Some([0, 0, size[0], size[1]]);
     let Some(sector) = Sector::new(camera, light) else { return whole };
-    let matrix: DMat4 = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+    let matrix = camera.matrix();
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
     if [w + x, w - x, w + y, w - y, z, w - z].into_iter().any(|plane| sector.is_behind(plane)) {
         return None;

@@ -103,20 +103,14 @@ impl ShadowMasks {
     }
 
     /// The pipeline that writes a layer of the target.
-    fn writing(
-        &mut self,
-        target: wgpu::TextureFormat,
-        entry_point: &'static str,
-        is_sampled: bool,
-    ) -> Result<wgpu::RenderPipeline, MaskError> {
-        let key = Writing { target, entry_point, is_sampled };
+    fn writing(&mut self, key: Writing) -> Result<wgpu::RenderPipeline, MaskError> {
         if let Some((_, made)) = self.writing.iter().find(|(made, _)| *made == key) {
             return Ok(made.clone());
         }
-        let Self { shared, writing, .. } = self;
-        let make = || pipeline(shared, is_sampled, entry_point, target.into(), None, 1);
-        let made = tried(shared.device(), ["pipelines of masks", ""], make)?;
-        writing.push((key, made.clone()));
+        let Writing { target, entry_point, is_sampled } = key;
+        let make = || pipeline(&self.shared, is_sampled, entry_point, target.into(), None, 1);
+        let made = tried(self.shared.device(), ["pipelines of masks", ""], make)?;
+        self.writing.push((key, made.clone()));
         Ok(made)
     }
 
@@ -258,7 +252,8 @@ impl SceneFrame {
             let [few, many] = &mut masks.bits;
             let bits = if lights.len() <= 8 { few } else { many };
             let bits = Attachment::of(bits, &masks.shared, size, setting.color, samples)?;
-            writing = Some((masks.writing(target.format(), entry_point, samples > 1)?, bits));
+            let key = Writing { target: target.format(), entry_point, is_sampled: samples > 1 };
+            writing = Some((masks.writing(key)?, bits));
         }
         let stencil = Attachment::of(&mut masks.depth_stencil, &masks.shared, size, setting.depth_stencil, samples)?;
         let depth_group = masks.depth_group(depth)?;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::cpu::query::shadow_boxes::CLUSTER;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::layout::{FaceCluster, UndecidedFaces};
@@ -9,8 +10,6 @@ use crate::turns::QUERY_GROUPS;
 
 /// The number of clusters in a group. Dispatches begin at whole groups, whose offset in bytes suits any binding.
 pub(super) const GROUP: usize = 32;
-/// The number of faces in a cluster.
-pub(super) const CLUSTER: usize = 32;
 /// The number of invocations in a workgroup.
 const WORKGROUP: u64 = 64;
 /// The largest number of pairs of point and light in one dispatch, where bindings allow it. It is enough for the
@@ -66,7 +65,8 @@ pub(super) fn point_chunks(
     let by_points = split.binding.saturating_sub(256) / stride;
     let range = by_undecided.min(by_points).min(split.binding / depths) / POINTS * POINTS;
     if range == 0 {
-        let bytes = POINTS * depths.max(stride).max(UNDECIDED * lights.min(32) as u64);
+        // A caller may give any stride for a single point.
+        let bytes = POINTS.saturating_mul(depths.max(stride).max(UNDECIDED * lights.min(32) as u64));
         return Err(DeviceError::BindingTooLarge { what: "64 points", bytes, limit: split.binding });
     }
     Ok((0..points).step_by(range as usize).map(|first| first..first.saturating_add(range as u32).min(points)).collect())

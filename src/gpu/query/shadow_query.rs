@@ -5,11 +5,10 @@ use std::ops::Range;
 use super::errors::QueryError;
 use super::options::ShadowQueryOptions;
 use super::plan::{
-    CLUSTER, GROUP, cluster_chunks, cluster_range, most_queries, point_chunks, range_clusters, undecided_bytes,
-    workgroups,
+    GROUP, cluster_chunks, cluster_range, most_queries, point_chunks, range_clusters, undecided_bytes, workgroups,
 };
 use super::points::QueryPoints;
-use crate::cpu::query::shadow_boxes::{self, cluster_count, largest_polygon};
+use crate::cpu::query::shadow_boxes::{self, CLUSTER, largest_polygon};
 use crate::gpu::common::bindings::{Resource, part, uniform};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -26,7 +25,7 @@ use crate::gpu::extract::extraction::Extraction;
 use crate::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
 use crate::light::{check_room, check_shadow_lights};
 use crate::mesh::MeshId;
-use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
+use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH};
 use crate::{Light, Mesh};
 
 /// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, in either
@@ -48,7 +47,8 @@ pub struct ShadowQuery {
     /// The number of pairs of point and light that `undecided_pairs` has room for.
     most_queries: u64,
     pipelines: Pipelines,
-    passes: Passes,
+    /// Whether a polygon has several triangles.
+    has_polygons: bool,
     options: ShadowQueryOptions,
     /// The number of pairs of the last encode.
     pairs: u64,
@@ -79,51 +79,6 @@ impl<B> Buffers<B> {
     }
 }
 
-/// The pipelines for one kind of query.
-#[derive(Debug)]
-struct Passes {
-    kind: PassKind,
-    boxes: Pipeline,
-    depth: Pipeline,
-    exact: Pipeline,
-    arguments: Pipeline,
-    recount: Pipeline,
-}
-
-/// The constants that specialise shaders. Where points name no face, the inner loop has no test of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct PassKind {
-    skip_by_boxes: bool,
-    /// Whether a polygon has several triangles.
-    has_polygons: bool,
-    /// Whether points name their faces.
-    names_faces: bool,
-    window_words: u32,
-}
-
-impl Passes {
-    fn new(pipelines: &Pipelines, kind: PassKind) -> Self {
-        let PassKind { skip_by_boxes, has_polygons, names_faces, window_words } = kind;
-        let windows = ("WINDOW_WORDS", f64::from(window_words));
-        let skip = ("SKIP", switch(skip_by_boxes));
-        let polygons = ("POLYGONS", switch(has_polygons));
-        let names = ("NAMES_FACES", switch(names_faces));
-        let pair = |stage: &'static Stage, entry_point: usize| {
-            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip, polygons, names])
-        };
-        let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
-        let most = [("MOST_WORKGROUPS", f64::from(pipelines.device().limits().max_compute_workgroups_per_dimension))];
-        Self {
-            boxes: pipelines.compute(boxes, boxes.name, &[windows]),
-            depth: pair(&SHADOW_DEPTH, 0),
-            exact: pair(&EXACT_SHADOW_DEPTH, 0),
-            arguments: pipelines.compute(arguments, arguments.name, &most),
-            recount: pair(&EXACT_SHADOW_DEPTH, 1),
-            kind,
-        }
-    }
-}
-
 impl ShadowQuery {
     /// Uploads the faces of the mesh and makes buffers on the caller's device. `pipelines` is that device, or the
     /// [`Pipelines`] that many meshes share.
@@ -138,44 +93,56 @@ impl ShadowQuery {
 
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, QueryError> {
         let device = pipelines.device();
-        let ShadowQueryOptions { max_points, max_lights, skip_by_boxes, memory_limit, .. } = options;
+        let ShadowQueryOptions { max_points, max_lights, memory_limit, .. } = options;
         check_room(max_lights)?;
         let split = DispatchLimits::new(&device.limits());
         let range = cluster_range(&split)?;
         let faces = largest_polygon(mesh);
         if faces > range * CLUSTER {
+            let (what, limit) = ("the triangles of a polygon", split.binding);
             let bytes = (faces.div_ceil(CLUSTER) * size_of::<FaceCluster>()) as u64;
-            return Err(DeviceError::BindingTooLarge {
-                what: "the triangles of a polygon",
-                bytes,
-                limit: split.binding,
-            }
-            .into());
+            return Err(DeviceError::BindingTooLarge { what, bytes, limit }.into());
         }
-        let clusters = cluster_count(mesh, range);
         let max_points = max_points.max(1);
         let most_queries = most_queries(&split, max_points, max_lights);
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
-        let faces_in_clusters = shadow_boxes::clusters(mesh, range);
+        let clusters = shadow_boxes::clusters(mesh, range);
         let sizes = [u64::from(max_points) * max_lights as u64 * 4, undecided_bytes(most_queries)];
         let mut account = Account::default();
-        Buffers::<()>::plan(&faces_in_clusters, sizes, |wanted| account.note(&wanted));
+        Buffers::<()>::plan(&clusters, sizes, |wanted| account.note(&wanted));
         let bytes = check(&account.all, split.buffer, memory_limit)?;
-        let kind = PassKind { skip_by_boxes, has_polygons: faces > 1, names_faces: false, window_words: 0 };
-        let buffers =
-            guarded(device, bytes, || Buffers::plan(&faces_in_clusters, sizes, |wanted| wanted.make(device)))?;
-        Ok(Self {
+        let buffers = guarded(device, bytes, || Buffers::plan(&clusters, sizes, |wanted| wanted.make(device)))?;
+        let query = Self {
             split,
             mesh: mesh.id(),
             vertices: mesh.vertex_count(),
-            clusters,
+            clusters: clusters.len(),
             buffers,
             most_queries,
-            passes: Passes::new(&pipelines, kind),
             pipelines,
+            has_polygons: faces > 1,
             options,
             pairs: 0,
-        })
+        };
+        // Compiles them here, and an error is that of this constructor.
+        query.stages(false, 0);
+        Ok(query)
+    }
+
+    /// The pipelines of boxes, depths, exact depths, arguments of the recount, and the recount. Where points name no face,
+    /// the inner loop has no test of it.
+    fn stages(&self, names_faces: bool, window_words: u32) -> [Pipeline; 5] {
+        let windows = ("WINDOW_WORDS", f64::from(window_words));
+        let skip = ("SKIP", switch(self.options.skip_by_boxes));
+        let pairs = [windows, skip, ("POLYGONS", switch(self.has_polygons)), ("NAMES_FACES", switch(names_faces))];
+        let most = self.pipelines.device().limits().max_compute_workgroups_per_dimension;
+        [
+            self.pipelines.compute(&SHADOW_BOXES, SHADOW_BOXES.name, &[windows]),
+            self.pipelines.compute(&SHADOW_DEPTH, SHADOW_DEPTH.name, &pairs),
+            self.pipelines.compute(&EXACT_SHADOW_DEPTH, "exact_shadow_depth", &pairs),
+            self.pipelines.compute(&DEPTH_ARGUMENTS, DEPTH_ARGUMENTS.name, &[("MOST_WORKGROUPS", f64::from(most))]),
+            self.pipelines.compute(&EXACT_SHADOW_DEPTH, "exact_shadow_depth_recount", &pairs),
+        ]
     }
 
     /// Records the query for the first `point_count` of `points`, with the positions and lights of an extraction.
@@ -251,18 +218,13 @@ impl ShadowQuery {
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(QueryError::Points)?;
         self.pairs = pairs;
-        let (names_faces, window_words) = (given.on_face.is_some(), bound.windows.words);
-        let kind = PassKind { names_faces, window_words, ..self.passes.kind };
-        if self.passes.kind != kind {
-            self.passes = Passes::new(&self.pipelines, kind);
-        }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let batch_lights = lights.len().min(32) as u64;
         let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * batch_lights);
         let tables = Tables::new(self, &bound, given, &chunks, &clusters, lights, range);
 
         let device = self.pipelines.device();
-        let Passes { boxes, depth, exact, arguments, recount, .. } = &self.passes;
+        let [boxes, depth, exact, arguments, recount] = &self.stages(given.on_face.is_some(), bound.windows.words);
         let over_boxes = clusters.iter().zip(&tables.whole_ranges).map(|(clusters, &whole)| {
             let at = At { clusters, points: 0..0, offsets: [0, 0, whole] };
             let workgroups = Workgroups::Known([clusters.len().div_ceil(GROUP) as u32, 1]);
@@ -316,7 +278,8 @@ impl ShadowQuery {
             "range" => uniform::<FaceRange>(&tables.ranges, range),
             "clusters" => part(clusters, bytes(at.clusters.start)..bytes(at.clusters.end)),
             "points" => {
-                let end = byte(at.points.end).min(points.buffer.size());
+                // The last point may end before its stride does, and a binding has whole words.
+                let end = byte(at.points.end).min(points.buffer.size() / 4 * 4);
                 part(points.buffer, self.split.align_down(byte(at.points.start))..end)
             }
             "depths" => part(depths, depth(at.points.start)..depth(at.points.end)),

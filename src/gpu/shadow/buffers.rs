@@ -7,7 +7,14 @@ use crate::gpu::common::memory::{Allocation, check, check_bindings, guarded};
 use crate::gpu::common::pass::Step;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::common::wanted::{Account, Wanted};
-use crate::layout::{PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics, ViewLight};
+use crate::layout::{PieceDraws, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics, StencilPencil, ViewLight};
+
+/// Bytes of the box of a caster.
+const BOX: u64 = 28;
+/// Bytes of the counts of crossings of a pencil's half planes, for a batch of casters.
+const CROSSINGS: u64 = 4 * 1028;
+/// Bytes of the versions that the lists of a group, batch and view were made from: two words for each light.
+const LIST_VERSIONS: u64 = 8 * 32;
 
 /// The lists of a group for a batch of lights and a view.
 #[derive(Debug)]
@@ -122,15 +129,19 @@ impl<B> VolumeBuffers<B> {
     ) -> Self {
         let view_lights = sizes.view_lights() as u64;
         let [_, choices] = sizes.choice_bytes();
-        let [pencils, bin_rows] = sizes.bound_bytes();
+        let pencils = size_of::<StencilPencil>() as u64 * view_lights;
+        let bin_rows = CROSSINGS * view_lights * u64::from(sizes.options.stencil.count_batches);
+        let list_versions = LIST_VERSIONS * (sizes.parts.len() * sizes.views) as u64;
+        // The receivers of the first view begin after a word.
+        let receivers = 4 * (1 + sizes.views as u64 * sizes.receivers);
         let draws = Wanted::new("shadow draws", view_lights * size_of::<ShadowDraws>() as u64).indirect();
         let piece_draws = Wanted::new("piece draws", view_lights * size_of::<PieceDraws>() as u64).indirect().free();
         Self {
             view_lights: make(Wanted::new("lights of views", view_lights * size_of::<ViewLight>() as u64)),
-            boxes: make(Wanted::new("caster boxes", sizes.box_bytes())),
+            boxes: make(Wanted::new("caster boxes", BOX * sizes.casters as u64)),
             choices: make(Wanted::new("choices", choices)),
-            list_versions: make(Wanted::new("versions of lists", sizes.list_version_bytes())),
-            receivers: make(Wanted::new("receivers", sizes.receiver_bytes())),
+            list_versions: make(Wanted::new("versions of lists", list_versions)),
+            receivers: make(Wanted::new("receivers", receivers)),
             shapes: make(Wanted::uniforms("shadow shapes", shapes)),
             draw_lights: make(Wanted::uniforms("shadow draw lights", draw_lights)),
             draws: sizes.groups().map(|_| make(draws)).collect(),
@@ -142,7 +153,7 @@ impl<B> VolumeBuffers<B> {
                 .parts
                 .iter()
                 .map(|part| {
-                    let [(sides, _), (caps, _)] = part.lists();
+                    let [sides, caps] = part.lists();
                     let mut of_view = |_| Lists {
                         sides: make(Wanted::new("lists of sides", sides)),
                         caps: make(Wanted::new("lists of cap faces", caps)),

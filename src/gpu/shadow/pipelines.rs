@@ -33,10 +33,8 @@ pub(crate) struct Layouts {
 /// The pipelines of an indirect draw: one, or one for each part of trimmed polygons.
 #[derive(Debug)]
 pub(crate) struct PartDraw {
-    pub(crate) polygons: Polygons,
-    /// The index of its arguments among the fields of `ShadowDraws`, or of `PieceDraws`.
-    pub(crate) argument: u64,
-    pub(crate) pipelines: Vec<wgpu::RenderPipeline>,
+    pub(super) drawn: Drawn,
+    pub(super) pipelines: Vec<wgpu::RenderPipeline>,
 }
 
 // Indices of the fields of `ShadowDraws`. The first four are those of `PieceDraws`, too. Caps have two: those that count up
@@ -216,23 +214,17 @@ impl VolumePipelines {
             let keys: Vec<_> = all.iter().map(|&drawn| self.keys(drawn)).collect();
             self.shared.make_volumes(&keys.concat(), |key| self.make(&layouts, key));
             let pipeline = |key: &VolumeKey| self.shared.volume(key, || self.make(&layouts, key));
-            let draw = |(&Drawn { polygons, argument, .. }, keys): (&Drawn, &Vec<VolumeKey>)| PartDraw {
-                polygons,
-                argument,
+            let draw = |(drawn, keys): (Drawn, &Vec<VolumeKey>)| PartDraw {
+                drawn,
                 pipelines: keys.iter().map(pipeline).collect(),
             };
-            all.iter().zip(&keys).map(draw).collect()
+            all.into_iter().zip(&keys).map(draw).collect()
         })
     }
 
     /// The shared pipelines that these belong to.
     pub(crate) fn shared(&self) -> &Pipelines {
         &self.shared
-    }
-
-    /// The counting method of these pipelines.
-    pub(crate) fn counting(&self) -> Counting {
-        self.convention.counting
     }
 }
 

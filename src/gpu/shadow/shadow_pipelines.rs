@@ -68,7 +68,7 @@ impl ShadowPipelines {
 
     /// The counting method of these pipelines.
     pub fn counting(&self) -> Counting {
-        self.volumes.counting()
+        self.volumes.convention.counting
     }
 
     pub(crate) fn is_in_batches(&self) -> bool {

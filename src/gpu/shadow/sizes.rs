@@ -3,7 +3,7 @@
 use super::format::Casters;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::scene::options::{Measuring, SceneOptions, StencilCounts};
-use crate::layout::{ShadowShape, StencilPencil};
+use crate::layout::ShadowShape;
 use crate::shadow::Counting;
 
 /// Bytes before the lists of sides of a batch: two counts for each light.
@@ -14,29 +14,20 @@ const CAP_COUNTS: u64 = 4 * 128;
 const CHOICES: u64 = 32;
 /// Bytes of the measures of a caster for a light.
 const MEASURES: u64 = 8;
-/// Bytes of the counts of crossings of a pencil's half planes, for a batch of casters.
-const CROSSINGS: u64 = 4 * 1028;
-/// Bytes of the versions that the lists of a group, batch and view were made from: two words for each light.
-const LIST_VERSIONS: u64 = 8 * 32;
 /// Room for near caps in each group, in addition to sixteen times the root of the faces.
 const FEW_CAPS: u32 = 4096;
-/// Bytes of the box of a caster.
-const BOX: u64 = 28;
 
-/// Whether `counting_methods` writes two measures for each caster, light and view. `has_receivers`: views may have receivers, behind
-/// which volumes end.
-fn has_measures(options: &SceneOptions, has_receivers: bool) -> bool {
-    options.end_at_range || has_receivers || options.counting.is_zp_plus_2005()
-}
-
-/// Bytes of the choices of all casters, and with their measures.
+/// Bytes of the choices of all casters, and with their measures, which `counting_methods` writes for each caster, light
+/// and view if it ends volumes or has ZP+ as published. `has_receivers`: views may have receivers, behind which volumes
+/// end.
 pub(crate) fn choice_bytes(
     options: &SceneOptions,
     has_receivers: bool,
     [casters, lights, views]: [usize; 3],
 ) -> [u64; 2] {
     let choices = CHOICES * (casters * lights.div_ceil(32) * views) as u64;
-    let measures = if has_measures(options, has_receivers) { MEASURES * (lights * views * casters) as u64 } else { 0 };
+    let has_measures = options.end_at_range || has_receivers || options.counting.is_zp_plus_2005();
+    let measures = if has_measures { MEASURES * (lights * views * casters) as u64 } else { 0 };
     [choices, choices + measures.next_multiple_of(16)]
 }
 
@@ -105,10 +96,10 @@ impl PartSizes {
         (u64::from(self.shape.near_capacity) + u64::from(self.shape.far_capacity)) * u64::from(self.lights)
     }
 
-    /// The lists of sides and of cap faces: their bytes, and those of their counts.
-    pub(crate) fn lists(self) -> [(u64, u64); 2] {
+    /// The bytes of the lists of sides and of cap faces, with their counts.
+    pub(crate) fn lists(self) -> [u64; 2] {
         let sides = 4 * u64::from(self.shape.side_capacity) * u64::from(self.lights);
-        [(SIDE_COUNTS + sides, SIDE_COUNTS), (CAP_COUNTS + 4 * self.cap_entries(), CAP_COUNTS)]
+        [SIDE_COUNTS + sides, CAP_COUNTS + 4 * self.cap_entries()]
     }
 }
 
@@ -150,11 +141,6 @@ impl VolumeSizes {
         32 * last + self.parts.get(last).map_or(0, |part| part.lights as usize)
     }
 
-    /// Whether a group has polygons, and so may have pieces of twisted ones.
-    pub(crate) fn group_has_pieces(&self, group: usize) -> bool {
-        self.groups().nth(group).is_some_and(|part| part.shape.piece_capacity > 0)
-    }
-
     /// Whether any group has polygons.
     pub(crate) fn has_pieces(&self) -> bool {
         self.parts.iter().any(|part| part.shape.piece_capacity > 0)
@@ -163,30 +149,6 @@ impl VolumeSizes {
     /// Pairs of view and light.
     pub(crate) fn view_lights(&self) -> usize {
         self.views * self.lights
-    }
-
-    /// Pencils, and their rows for all batches of casters.
-    pub(crate) fn bound_bytes(&self) -> [u64; 2] {
-        let pencils = self.view_lights() as u64;
-        [
-            size_of::<StencilPencil>() as u64 * pencils,
-            CROSSINGS * pencils * u64::from(self.options.stencil.count_batches),
-        ]
-    }
-
-    /// Bytes of the versions that the lists for views were made from.
-    pub(crate) fn list_version_bytes(&self) -> u64 {
-        LIST_VERSIONS * (self.parts.len() * self.views) as u64
-    }
-
-    /// Bytes for the receivers of all views. The receivers of the first view begin after a word.
-    pub(crate) fn receiver_bytes(&self) -> u64 {
-        4 * (1 + self.views as u64 * self.receivers)
-    }
-
-    /// Bytes of the boxes of all casters.
-    pub(crate) fn box_bytes(&self) -> u64 {
-        BOX * self.casters as u64
     }
 
     /// Shrinks lists of caps to fit the memory limit, unless the caller gives their capacity. `all` is the size of

@@ -4,11 +4,11 @@
 use wgpu::BindingResource;
 
 use super::buffers::{SizedBuffers, VolumeBuffers};
-use super::format::Polygons;
+use super::format::{Drawn, Polygons};
 use super::pipelines::{Layouts, Part, PartDraw, VolumePipelines, layouts};
 use super::sizes::{PartSizes, VolumeSizes};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
-use crate::gpu::common::dispatch_limits::{DispatchLimits, loops};
+use crate::gpu::common::dispatch_limits::loops;
 use crate::gpu::common::pass::{Dispatch, Step, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
@@ -77,37 +77,35 @@ pub(crate) struct VolumeSource<'a> {
     pub(crate) get: &'a dyn Fn(&str, usize, usize) -> Option<Resource<'a>>,
 }
 
-/// The bind groups of the draws of a group of casters.
+/// The bind groups of the draws of a group of casters, for a batch of lights.
 #[derive(Debug)]
-struct GroupDraws {
-    /// For each batch of lights: the shape of the group differs.
-    frames: Vec<wgpu::BindGroup>,
-    /// For each batch one for each view.
-    sides: Vec<Vec<wgpu::BindGroup>>,
-    caps: Vec<Vec<wgpu::BindGroup>>,
-    /// For each batch, of a caster with polygons.
-    pieces: Vec<wgpu::BindGroup>,
+struct PartGroups {
+    frame: wgpu::BindGroup,
+    /// For each view those of sides and caps.
+    views: Vec<[wgpu::BindGroup; 2]>,
+    /// If its caster has polygons.
+    pieces: Option<wgpu::BindGroup>,
 }
 
 /// The stages and draws of the volumes of some casters, with everything bound.
 #[derive(Debug)]
 pub(crate) struct VolumeStages {
     steps: Vec<Step>,
-    groups: Vec<GroupDraws>,
+    /// For each group one for each batch of lights.
+    parts: Vec<PartGroups>,
 }
 
 impl VolumeStages {
     /// Binds everything.
     pub(crate) fn new<'a>(pipelines: &'a Pipelines, buffers: &'a SizedBuffers, source: &'a VolumeSource<'a>) -> Self {
-        let most = DispatchLimits::new(&pipelines.device().limits()).workgroups;
-        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        let most = pipelines.device().limits().max_compute_workgroups_per_dimension;
         let SizedBuffers { sizes, of, .. } = buffers;
         let binder = Binder { pipelines, device: pipelines.device(), sizes, buffers: of, source, most };
         let mut steps = buffers.clears();
         if !sizes.parts.is_empty() {
             steps.extend(binder.steps());
         }
-        Self { steps, groups: binder.draws() }
+        Self { steps, parts: binder.draws() }
     }
 
     /// Records the stages for the first `batches` batches of lights, after their extraction.
@@ -129,12 +127,12 @@ impl VolumeStages {
         let offsets = [uniform as u32, (view_light * size_of::<ViewLight>()) as u32];
         let [first, first_piece] =
             [size_of::<ShadowDraws>(), size_of::<PieceDraws>()].map(|size| (view_light * size) as u64);
-        let groups = self.groups.iter().zip(&buffers.draws).zip(sizes.groups()).zip(&buffers.piece_draws);
-        for (((group, draws), size), piece_draws) in groups {
-            let of_batch = group.sides.get(batch).zip(group.caps.get(batch));
-            let of_view = of_batch.and_then(|(sides, caps)| sides.get(view).zip(caps.get(view)));
-            let (Some(frame), Some((sides, caps))) = (group.frames.get(batch), of_view) else { continue };
-            let pieces = group.pieces.get(batch).zip(piece_draws.as_ref());
+        let groups = self.parts.chunks(sizes.batches().max(1));
+        let groups = groups.zip(&buffers.draws).zip(sizes.groups()).zip(&buffers.piece_draws);
+        for (((batches, draws), size), piece_draws) in groups {
+            let Some(PartGroups { frame, views, pieces }) = batches.get(batch) else { continue };
+            let Some([sides, caps]) = views.get(view) else { continue };
+            let pieces = pieces.as_ref().zip(piece_draws.as_ref());
             pass.set_bind_group(0, frame, &offsets);
             let parts = [
                 (sizes.options.end_at_range, Part::Ends),
@@ -144,7 +142,8 @@ impl VolumeStages {
             ];
             let parts = parts.into_iter().filter(|(is_drawn, _)| *is_drawn);
             let mut set = None;
-            for PartDraw { polygons, argument, pipelines } in parts.flat_map(|(_, part)| pipelines.of(part)) {
+            for PartDraw { drawn, pipelines } in parts.flat_map(|(_, part)| pipelines.of(part)) {
+                let Drawn { polygons, argument, .. } = drawn;
                 let (data, arguments, first) = match (polygons, pieces) {
                     (Polygons::Pieces, Some((pieces, draws))) => (pieces, draws, first_piece),
                     (Polygons::Caps, _) => (caps, draws, first),
@@ -175,25 +174,27 @@ struct Binder<'a> {
 }
 
 /// The group of casters, batch of lights and view of a dispatch or draw.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Scope {
+    /// The index of the group and batch among all.
+    part: usize,
     group: usize,
     batch: usize,
     view: usize,
 }
 
 impl<'a> Binder<'a> {
-    /// The index of the group and batch among all.
-    fn group_and_batch(&self, scope: Scope) -> usize {
-        scope.group * self.sizes.batches() + scope.batch
+    fn scope(&self, part: usize, view: usize) -> Scope {
+        let batches = self.sizes.batches().max(1);
+        Scope { part, group: part / batches, batch: part % batches, view }
     }
 
     /// The resource that stages bind by this name.
     fn get(&self, name: &str, scope: Scope) -> Option<Resource<'a>> {
         let Self { buffers, source, .. } = *self;
-        let lists = || buffers.lists.get(self.group_and_batch(scope))?.get(scope.view);
+        let lists = || buffers.lists.get(scope.part)?.get(scope.view);
         // The shape, and the first light of the batch in the view.
-        let shape = (self.group_and_batch(scope) * UniformTable::stride::<ShadowShape>()) as u32;
+        let shape = (scope.part * UniformTable::stride::<ShadowShape>()) as u32;
         let light = scope.view * self.sizes.lights + 32 * scope.batch;
         let draw = (light * UniformTable::stride::<ShadowDraw>()) as u32;
         Some(match name {
@@ -235,26 +236,27 @@ impl<'a> Binder<'a> {
                     let chunks = part.shape.faces.div_ceil(CHUNK);
                     [chunks.div_ceil(64).clamp(1, 1024).max(chunks.div_ceil(64 * BOUND_CHUNKS)), 1]
                 };
-                unknown.map(|(group, part)| (Scope { group, ..Scope::default() }, workgroups(part))).collect()
+                unknown.map(|(group, part)| (self.scope(group * batches, 0), workgroups(part))).collect()
             }
             Over::Pairs => {
                 let pairs = u32::try_from(*casters as u64 * self.sizes.used_lights() as u64).unwrap_or(u32::MAX);
                 let workgroups = (4 * loops(self.device, pairs)).min(pairs.div_ceil(64)).min(self.most).max(1);
-                parts.iter().take(1).map(|_| (Scope::default(), [workgroups, *views as u32])).collect()
+                parts.iter().take(1).map(|_| (self.scope(0, 0), [workgroups, *views as u32])).collect()
             }
             Over::Lights => {
                 let lights = |batch: usize| (self.sizes.lights - 32 * batch).min(32) as u32;
+                // The parts of the first group.
                 let batches = (0..batches).filter(|_| !parts.is_empty());
-                let scopes = batches.flat_map(|batch| (0..*views).map(move |view| Scope { group: 0, batch, view }));
+                let scopes = batches.flat_map(|batch| (0..*views).map(move |view| self.scope(batch, view)));
                 scopes.map(|scope| (scope, [lights(scope.batch), 1])).collect()
             }
             _ => {
                 let is_of_pieces = matches!(over, Over::Pieces | Over::OneOfPieces);
                 let scopes = parts.iter().enumerate().flat_map(|(number, part)| {
-                    let (group, batch) = (number / batches, number % batches);
-                    let views = if is_of_pieces && !self.sizes.group_has_pieces(group) { 0 } else { *views };
+                    let has_pieces = matches!(self.buffers.piece_draws.get(number / batches), Some(Some(_)));
+                    let views = if is_of_pieces && !has_pieces { 0 } else { *views };
                     let workgroups = self.workgroups_of(over, part);
-                    (0..views).map(move |view| (Scope { group, batch, view }, workgroups))
+                    (0..views).map(move |view| (self.scope(number, view), workgroups))
                 });
                 scopes.collect()
             }
@@ -286,9 +288,9 @@ impl<'a> Binder<'a> {
     /// For each group and batch with polygons, a copy of the lights for which they are twisted to where
     /// `counting_methods` reads them.
     fn twisted(&self) -> Vec<Step> {
-        let batches = self.sizes.batches().max(1);
         let copy = |part: usize| {
-            let named = |name: &str| (self.source.get)(name, part / batches, part % batches);
+            let Scope { group, batch, .. } = self.scope(part, 0);
+            let named = |name: &str| (self.source.get)(name, group, batch);
             named("pieces")?;
             let BindingResource::Buffer(statistics) = named("extraction_statistics")?.bound else { return None };
             let from = statistics.offset + std::mem::offset_of!(ExtractionStatistics, twisted_lights) as u64;
@@ -322,42 +324,37 @@ impl<'a> Binder<'a> {
         steps
     }
 
-    /// The bind groups of the draws, for each group.
-    fn draws(&self) -> Vec<GroupDraws> {
+    /// The bind groups of the draws, for each group and batch.
+    fn draws(&self) -> Vec<PartGroups> {
         let Layouts { frame, side_data, cap_data, piece_data } = &layouts(self.pipelines);
+        let VolumeBuffers { shapes, draw_lights, view_lights, .. } = self.buffers;
         let bind = |layout: &wgpu::BindGroupLayout, resources: &[Resource<'_>]| {
             group(self.device, "shadow volumes", layout, resources)
         };
-        let frame = |scope: Scope| {
-            let first = (self.group_and_batch(scope) * UniformTable::stride::<ShadowShape>()) as u64;
-            let VolumeBuffers { shapes, draw_lights, view_lights, .. } = self.buffers;
+        let data = |layout: &wgpu::BindGroupLayout, names: &[&str], scope: Scope| {
+            let resources: Vec<_> = names.iter().filter_map(|name| self.get(name, scope)).collect();
+            bind(layout, &resources)
+        };
+        let side_names = ["positions", "edge_vertices", "edge_faces", "facing_masks", "excluded_masks", "sides"];
+        let cap_names = ["positions", "faces", "facing_masks", "excluded_masks", "caps_listed"];
+        let of_part = |number: usize| {
+            let first = (number * UniformTable::stride::<ShadowShape>()) as u64;
             let resources = [
                 part(shapes, first..first + size_of::<ShadowShape>() as u64),
                 uniform::<ShadowDraw>(draw_lights, 0),
                 part(view_lights, 0..size_of::<ViewLight>() as u64),
                 whole(self.source.table),
             ];
-            bind(frame, &resources)
-        };
-        let data = |layout: &wgpu::BindGroupLayout, names: &[&str], group: usize, batch: usize| {
-            let of_view = |view| {
-                let scope = Scope { group, batch, view };
-                let resources: Vec<_> = names.iter().filter_map(|name| self.get(name, scope)).collect();
-                bind(layout, &resources)
+            let of_view = |view: usize| {
+                let scope = self.scope(number, view);
+                [data(side_data, &side_names, scope), data(cap_data, &cap_names, scope)]
             };
-            (0..self.sizes.views).map(of_view).collect::<Vec<_>>()
+            PartGroups {
+                frame: bind(frame, &resources),
+                views: (0..self.sizes.views).map(of_view).collect(),
+                pieces: self.get("pieces", self.scope(number, 0)).map(|pieces| bind(piece_data, &[pieces])),
+            }
         };
-        let side_names = ["positions", "edge_vertices", "edge_faces", "facing_masks", "excluded_masks", "sides"];
-        let cap_names = ["positions", "faces", "facing_masks", "excluded_masks", "caps_listed"];
-        let batches = || 0..self.sizes.batches();
-        let of_group = |group| GroupDraws {
-            frames: batches().map(|batch| frame(Scope { group, batch, view: 0 })).collect(),
-            sides: batches().map(|batch| data(side_data, &side_names, group, batch)).collect(),
-            caps: batches().map(|batch| data(cap_data, &cap_names, group, batch)).collect(),
-            pieces: batches()
-                .filter_map(|batch| Some(bind(piece_data, &[self.get("pieces", Scope { group, batch, view: 0 })?])))
-                .collect(),
-        };
-        (0..self.sizes.groups().len()).map(of_group).collect()
+        (0..self.sizes.parts.len()).map(of_part).collect()
     }
 }
