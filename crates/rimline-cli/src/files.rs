@@ -205,8 +205,12 @@ pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), Fai
 
 /// Refuses standard output, and a folder that is not there and is named as a file would be.
 pub(crate) fn check_folder(out: &Path, why: &str) -> Result<(), Failure> {
-    let is_file = is_standard(out) || (format_of(out).is_some() && !out.exists());
-    if is_file { Err(Failure::usage(format!("{} looks like a file, but {why}", out.display()))) } else { Ok(()) }
+    let wrong = match format_of(out) {
+        _ if is_standard(out) => "is standard output",
+        Some(_) if !out.exists() => "looks like a file",
+        _ => return Ok(()),
+    };
+    Err(Failure::usage(format!("{} {wrong}, but {why}", out.display())))
 }
 
 fn format_of(out: &Path) -> Option<String> {

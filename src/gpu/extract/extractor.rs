@@ -75,7 +75,9 @@ impl Extractor {
             (shape.reading(device, &options, 0), from_facing(&options, twisted_offset, facing.words));
         pipelines.make_together(&programs([&reading, &others], arguments(&options)));
         // If the device refuses one, the error is that of this constructor.
-        reading.iter().for_each(|planned| drop(pipelines.get(&planned.program)));
+        for planned in &reading {
+            pipelines.get(&planned.program);
+        }
         let binder = Binder {
             pipelines: &pipelines,
             shape: &shape,

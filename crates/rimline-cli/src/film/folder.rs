@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::Film;
 use crate::failure::Failure;
-use crate::files::{Inputs, check_folder, is_stdout};
+use crate::files::{Inputs, check_folder};
 use crate::image::Picture;
 use crate::output::{Folder, Line, Output, is_quiet};
 use crate::shadow::args::FilmArgs;
@@ -52,12 +52,6 @@ fn identity(options: &str, files: &[&Path]) -> String {
 impl<'a> Frames<'a> {
     /// Claims the folder before long work: a place that cannot be had is known at once.
     pub(super) fn begin(args: &'a FilmArgs) -> Result<Self, Failure> {
-        if is_stdout(&args.out) {
-            return Err(Failure::usage(
-                "a film is no stream for standard output; give --out the name of a folder, or one that ends in .gif, \
-                 .apng or .mp4",
-            ));
-        }
         check_folder(
             &args.out,
             "--out is the folder for numbered PNG files; give the name of a folder, or one that ends in \
