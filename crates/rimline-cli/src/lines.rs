@@ -120,7 +120,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
             style.is_fine = true;
             sheet = Sheet::new(args, &style, &drawing, extent.window(args, &eye), units)?;
         }
-        sheet.remarks.iter().for_each(|remark| remarks.say(remark.clone()));
+        sheet.remarks.iter().for_each(|remark| remarks.say(remark));
         if frames == 1 {
             progress.step("writing");
         }
@@ -162,16 +162,16 @@ fn options(args: &LinesArgs, eye: &Eye) -> LineOptions {
 struct Remarks(BTreeSet<String>);
 
 impl Remarks {
-    fn say(&mut self, remark: String) {
-        if self.0.insert(remark.clone()) {
-            note(&remark);
+    fn say(&mut self, remark: &str) {
+        if self.0.insert(remark.to_owned()) {
+            note(remark);
         }
     }
 
     /// Says which objects are left out. Returns whether all are.
     fn of_drawing(&mut self, drawing: &Drawing, objects: usize) -> bool {
         for left_out in &drawing.left_out {
-            self.say(format!("warning: `{}`: {}", left_out.name, left_out.fault));
+            self.say(&format!("warning: `{}`: {}", left_out.name, left_out.fault));
         }
         let is_left_out = |object: usize| {
             let mut faults = drawing.left_out.iter().filter(|left_out| left_out.object == object);
@@ -181,7 +181,7 @@ impl Remarks {
             return true;
         }
         if drawing.spans.is_empty() {
-            self.say("warning: no line of these classes is in sight".to_owned());
+            self.say("warning: no line of these classes is in sight");
         }
         false
     }
@@ -192,7 +192,7 @@ impl Remarks {
             for geometry in input.model().geometries() {
                 let seams = geometry.mesh().ok().and_then(|mesh| Seams::of(geometry, &mesh));
                 if let Some(seams) = seams.filter(|seams| seams.closes > 0) {
-                    self.say(format!("warning: {}: {}", input.file.display(), seams.text()));
+                    self.say(&format!("warning: {}: {}", input.file.display(), seams.text()));
                 }
             }
         }
