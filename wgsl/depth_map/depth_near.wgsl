@@ -36,7 +36,7 @@ fn sample_of_box(index: u32) -> vec2<u32> {
   return near.first + vec2<u32>(index % near.size.x, index / near.size.x);
 }
 
-// All invocations call it, because it has a barrier. Those that find a surface have set `may_be_dark` before.
+// All invocations call it, because it has a barrier. Invocations that find a surface set `may_be_dark` before.
 fn write_draw(lane: u32) {
   workgroupBarrier();
   if (lane == 0u) {
