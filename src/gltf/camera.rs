@@ -31,9 +31,9 @@ pub enum CameraProjection {
     },
     /// With parallel rays.
     Orthographic {
-        /// Half of the width that is seen: not 0. Negative mirrors.
+        /// Half of the width that is seen: not 0. A negative one mirrors the picture from left to right.
         xmag: f32,
-        /// Half of the height: not 0.
+        /// Half of the height that is seen: not 0. A negative one mirrors the picture from top to bottom.
         ymag: f32,
         /// At least 0.
         znear: f32,

@@ -5,9 +5,10 @@
 // one workgroup. The CPU (src/gpu/depth_map/near.rs) leaves the dispatch out in two cases. If it finds the rectangle in
 // light, no cap is drawn. If it finds no box of up to 65,536 samples that decide, or the option `skip_near_caps` is off, the
 // cap is drawn.
-// Reads `near`, which the CPU fills, and the depths of the samples in its box. Writes the indirect draw of `depth_near_cap`:
-// 3 vertices, or 0 for light. Bounds err on one side only: a cap may be drawn for nothing, but is never missing
-// (docs/numerics/depth-maps.md, "Near caps").
+// Reads `near`, which the CPU fills, and the depths of the samples in its box; with contours those of their neighbours, too.
+// Writes the indirect draw of `depth_near_cap`: 3 vertices, or 0 for light. Bounds err on one side only: a cap may be drawn
+// for nothing, but is never missing (docs/numerics/depth-maps.md, "Near caps"). Contours have limits near a rim
+// (docs/numerics/contours.md, "Heights").
 
 #import depth_map/contour
 #import depth_map/samples
@@ -35,7 +36,7 @@ fn sample_of_box(index: u32) -> vec2<u32> {
   return near.first + vec2<u32>(index % near.size.x, index / near.size.x);
 }
 
-// All invocations call it after they set `may_be_dark`, because it has a barrier.
+// All invocations call it, because it has a barrier. Invocations that find a surface set `may_be_dark` before.
 fn write_draw(lane: u32) {
   workgroupBarrier();
   if (lane == 0u) {

@@ -51,7 +51,8 @@ fn is_behind_contour(point: NearPoint, cell: vec2<i32>, edge_code: u32) -> bool 
   return is_behind_depth(point.depth, dot(views[0].infinity.xyz, vec3<f32>(centred, 1.0)));
 }
 
-// Whether a point of the near rectangle, x and y from -1 to 1, is in shadow: behind surfaces that end at contours, or flaps.
+// Whether a point of the near rectangle, x and y from -1 to 1, is in shadow: behind the surface in its direction, which ends
+// at contours, unless flaps change that.
 fn is_behind_contours(near_position: vec2<f32>) -> bool {
   let point = locate_near_point(near_position);
   // A list of walls that overflowed is not drawn. With contours Rust sets `depth_map.capacity` to `contour.capacity`.
@@ -220,6 +221,7 @@ fn crossing_point(cell: vec2<i32>, edge: u32) -> vec2<f32> {
   return vec2<f32>(first - cell) + vec2<f32>(step_along(edge & 1u)) * along;
 }
 
+// Positive if b is clockwise of a, as the light sees them, because rows go down.
 fn perp_dot(a: vec2<f32>, b: vec2<f32>) -> f32 {
   return a.x * b.y - a.y * b.x;
 }

@@ -1,10 +1,10 @@
 // The boundary between light and shadow: its triangles and their vertices, and whether a point is behind it. Stage
 // `depth_surface` draws it once for each stencil bit (`DepthMapFrame::draw`, in the caller's render pass after the eye's
 // depths): fragments before what the eye sees invert the bit. `depth_walls`, which draws walls over contours instead,
-// imports this file for its near cap.
+// imports this file for its near cap and its views.
 // Triangles lie between samples, so the boundary has one depth in each direction from the light. A bias moves samples away
-// from the light; far ones are at infinity (w is 0). The near rectangle, where rays of the eye begin, is the part of the
-// eye's near plane in the picture. Importers bind `cells`, the list of `depth_cells` or of walls, and a view for each map.
+// from the light; far ones are at infinity (w is 0 in the world, not in clip space). The near rectangle, where rays of the
+// eye begin, is the part of the eye's near plane in the picture. Draws bind what edge_code.wgsl has, `cells` and `views`.
 // Triangles at a sample share its vertex, `surface_vertex`, at an invariant position, so a pixel on a common edge is counted
 // once. Do not compute it elsewhere; keep operations and order: docs/numerics/depth-maps.md, "Rounding of positions".
 
@@ -32,7 +32,7 @@ struct DepthMapView {
   bias: vec4<f32>,
 }
 
-// The length of the list, then the list.
+// The list of `depth_cells`: its length, then its entries. With contours the list of walls (depth_walls.wgsl).
 @group(0) @binding(2) var<storage, read> cells: array<u32>;
 // One for each map.
 @group(0) @binding(3) var<storage, read> views: array<DepthMapView>;
@@ -227,8 +227,8 @@ fn locate_near_point(near_position: vec2<f32>) -> NearPoint {
   return NearPoint(is_inside, face, lattice, point.z / point.w);
 }
 
-// Whether a point is behind the triangle in its direction, which is the one that a draw has there. No point is behind a
-// triangle of a parallel light with a far sample.
+// Whether a point is behind the triangle in its direction, which is the one that a draw of every cell has there. No point is
+// behind a triangle of a parallel light with a far sample.
 fn is_behind_triangle(point: NearPoint) -> bool {
   var corner = vec2<u32>(0u);
   var cell = floor(point.lattice);
@@ -266,10 +266,11 @@ fn is_behind_triangle(point: NearPoint) -> bool {
 }
 
 // Entry points. `depth_surface`, with the fragment shader `nothing`, has six vertices for each listed cell, by the indirect
-// draw of `depth_cells`. If the list overflowed it has six for every cell, and decides about each as the list would. With
-// contours it is drawn only if the list of walls overflowed.
-// `depth_near_cap`, with its fragment shader, is a triangle over the whole picture that inverts the bit where the near
-// rectangle is in shadow. It has 3 vertices, or 0 if `depth_near` found the rectangle in light.
+// draw of `depth_cells`. If the list overflowed it has six for every cell, and decides about each as `depth_cells_count`
+// would. It cannot know the marks of `depth_edges`: where these made the list, it draws every triangle that has a sample
+// that is not far. With contours it is drawn only if the list of walls overflowed.
+// `depth_near_cap`, with `depth_near_cap_fragment`, is a triangle over the whole picture that inverts the bit where the near
+// rectangle is in shadow. It has 3 vertices, or 0 if `depth_near` or `depth_near_walls` found the rectangle in light.
 // Together they invert the bit exactly where the visible point is behind the boundary, unless a detector missed an edge.
 
 // Vertices 0 to 2 are the first triangle of a cell, 3 to 5 the second. A triangle that is not drawn is degenerate.

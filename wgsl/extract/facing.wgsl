@@ -1,10 +1,10 @@
 // Facing: computes one bit for each face and light of a batch (up to 32). It is set if the light is strictly on the face's
 // counter-clockwise side. Single mesh: the first stage, dispatched for each range of faces and batch, an invocation a face.
 // SCENE: runs after `chunks`; eight invocations share a chunk (64 faces of one caster) that `clusters` listed. `edges`,
-// callers and shadow volumes read the masks. The bit is the sign of det[b - a, c - a, l - w a] (docs/numerics/facing.md,
-// "Error band"). One bound for each face decides whether the signs for all lights are certain ("Filter"); it must not
-// shrink. Faces that fail are listed, in no particular order, for `exact_facing`, which runs next and makes all bits exact.
-// Slots and light indices are defined in interface/caster.wgsl.
+// shadow volumes, outlines and callers read the masks. The bit is the sign of det[b - a, c - a, l - w a]
+// (docs/numerics/facing.md, "Error band"). One bound for each face decides whether the signs for all lights are certain
+// ("Filter"); it must not shrink. Faces that fail are listed, in no particular order, for `exact_facing`, which runs next
+// and makes all bits exact. Slots and light indices are defined in interface/caster.wgsl.
 
 #import common/determinant
 #import common/extraction
@@ -13,7 +13,8 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// The excluded masks, as in exact_facing.wgsl, which writes them if signs are exact.
+// The excluded masks, as in exact_facing.wgsl. This stage clears stale bits and, if not EXACT, sets those of faces that are
+// not finite.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 override EXACT: bool = true; // If false, bits are the signs of f32 determinants.
 
@@ -81,7 +82,7 @@ fn process_item(slot: u32, index: u32) {
       excluded_masks[slot] = clear_active(stale);
     }
   }
-  // The cluster decided all lights; `updated_bits` inserts its bits.
+  // The cluster decided all active lights; `updated_bits` inserts its bits.
   if (tested_indices() == 0u) {
     facing_masks[slot] = updated_bits(facing_masks[slot], 0u);
     return;

@@ -1,8 +1,9 @@
 // Per edge: the method that Brabec and Seidel published in 2003, for comparison. If the options ask for it, it replaces
-// `facing` and `edges`. Dispatched for each range of edge records and batch of up to 32 lights, an invocation a record. A
-// record is a directed edge with one or two faces. It gathers four positions and tests both faces against every light, then
-// writes masks and lists as `edges` does, for `compact`, `arguments` and callers. It computes the plane form, as published,
-// or the local form (common/determinant.wgsl), in f32. Each edge decides its faces again, so loops may fail to close.
+// `facing`, `exact_facing` and `edges`. Dispatched for each range of edge records and batch of up to 32 lights, an
+// invocation a record. A record is a directed edge with one or two faces. It gathers the positions of their three or four
+// vertices, tests the faces against every light, then writes masks and lists as `edges` does, for `compact`, `arguments` and
+// callers. It computes the plane form, as published, or the local form (common/determinant.wgsl), in f32; it has no exact
+// form. Each edge decides its faces again, so loops may fail to close.
 // Gathering and testing at each edge is what is measured: do not share work. Claim: docs/numerics/facing.md, "Per edge".
 
 #import common/determinant

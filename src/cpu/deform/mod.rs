@@ -1,3 +1,4 @@
-//! The reference of the deform stage.
+//! The CPU reference of the stage `deform`. Its positions may differ from those of the GPU by the bound in
+//! docs/numerics/deform.md.
 
 pub(crate) mod deform;

@@ -1,4 +1,5 @@
-//! Exact facing: decides in integers what the filter leaves undecided, and in fixed point where the numbers fit.
+//! Exact facing: the sign of a face's determinant by integers, in fixed point where the numbers fit. Facing and occluder
+//! counts ask for what their filters leave undecided. Polygons and occluded faces ask, too.
 
 use crate::cpu::common::exact_sign::exact_sign;
 use crate::cpu::common::fixed_sign::FixedFace;
@@ -12,8 +13,9 @@ pub fn exact_facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i
     ExactFace::new(a, b, c).sign(light)
 }
 
-/// For each face the lights for which it is excluded: those in its plane, and all lights if it has a corner that is not
-/// finite. ⌈N/32⌉ planes of one `u32` a face, as facing masks are. Other faces that name a vertex twice have none.
+/// The reference of the excluded masks that the stage `exact_facing` writes. For each face the lights for which it is
+/// excluded: those in its plane, and all lights if it has a corner that is not finite, or that `positions` lacks. ⌈N/32⌉
+/// planes of one `u32` a face, as facing masks are. Other faces that name a vertex twice have none. Lights are finite.
 pub fn excluded(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
     let mask = |face: &[u32; 3], lights: &[Light]| {
         let [a, b, c] = face.map(|vertex| position(positions, vertex));

@@ -8,16 +8,19 @@ use super::options::OcclusionOptions;
 use super::tree::{Decision, Face, Tree};
 use crate::light::Light;
 
-/// Faces from one call of the progress to the next.
+/// The most faces of a cone that a thread searches between two calls of its progress.
 const STRIDE: usize = 256;
 
 /// The result of searching some faces.
 #[derive(Default)]
 pub(crate) struct Searched {
-    /// Faces that are not occluded in some cone, ascending.
+    /// Indices of faces that are not occluded in some cone. `search` returns each once, ascending.
     pub(crate) staying: Vec<usize>,
+    /// Faces that met the bound on steps. Here and in `without_room` a face counts in each of its cones.
     pub(crate) undecided: usize,
+    /// Faces that are not occluded and may occlude others, if the tree is full after them.
     pub(crate) without_room: usize,
+    /// Nodes of the trees, without those of the planes of cones.
     pub(crate) nodes: usize,
 }
 
@@ -27,15 +30,18 @@ struct Work<'a> {
     light: Light,
     options: OcclusionOptions,
     cones: &'a [Cone],
-    /// Faces of all cones.
+    /// Faces of all cones. A face counts in each of its cones.
     total: usize,
-    next: AtomicUsize,
-    done: AtomicUsize,
+    /// The index of the next cone that a thread takes.
+    next_cone: AtomicUsize,
+    /// Faces, counted as in `total`, that threads have begun to search.
+    begun: AtomicUsize,
     is_cancelled: AtomicBool,
 }
 
-/// Searches all cones, each by itself. The result does not depend on the number of threads. `None` if `progress`, which is
-/// called on this thread, ends the search.
+/// Searches all cones, each by itself. The result does not depend on the number of threads. `progress` is called on the
+/// caller's thread, with the faces that were begun before and those of all cones; a face counts in each of its cones.
+/// `None` if it ends the search.
 pub(crate) fn search(
     faces: &[Face],
     light: Light,
@@ -49,8 +55,8 @@ pub(crate) fn search(
         options,
         cones,
         total: cones.iter().map(|cone| cone.faces.len()).sum(),
-        next: AtomicUsize::new(0),
-        done: AtomicUsize::new(0),
+        next_cone: AtomicUsize::new(0),
+        begun: AtomicUsize::new(0),
         is_cancelled: AtomicBool::new(false),
     };
     let threads = options.threads.count().min(cones.len());
@@ -69,13 +75,13 @@ pub(crate) fn search(
 }
 
 impl Work<'_> {
-    /// Takes one cone after the other.
+    /// Searches cones that no other thread has taken, one after the other.
     fn run(&self, mut progress: impl FnMut(usize, usize) -> ControlFlow<()>) -> Searched {
         let mut searched = Searched::default();
-        while let Some(cone) = self.cones.get(self.next.fetch_add(1, Ordering::Relaxed)) {
+        while let Some(cone) = self.cones.get(self.next_cone.fetch_add(1, Ordering::Relaxed)) {
             let mut tree = Tree::new(self.light, &cone.planes, self.room(cone), self.options.max_steps);
             for faces in cone.faces.chunks(STRIDE) {
-                if progress(self.done.fetch_add(faces.len(), Ordering::Relaxed), self.total).is_break() {
+                if progress(self.begun.fetch_add(faces.len(), Ordering::Relaxed), self.total).is_break() {
                     self.is_cancelled.store(true, Ordering::Relaxed);
                 }
                 if self.is_cancelled.load(Ordering::Relaxed) {
@@ -96,7 +102,7 @@ impl Work<'_> {
         searched
     }
 
-    /// A cone's share of all nodes.
+    /// The nodes that a cone's tree may have: its share of `max_nodes`, by its faces.
     fn room(&self, cone: &Cone) -> usize {
         let share = self.options.max_nodes as u128 * cone.faces.len() as u128 / self.total.max(1) as u128;
         usize::try_from(share).unwrap_or(usize::MAX)

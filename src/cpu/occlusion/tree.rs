@@ -19,7 +19,7 @@ pub(crate) struct Face {
 pub(crate) enum Decision {
     Occluded,
     Visible,
-    /// The bound on steps or nodes was met, so the face stays.
+    /// The bound on steps was met, so the face stays.
     Undecided,
 }
 
@@ -170,11 +170,11 @@ impl Tree {
         // The third corner is on this side of an edge's plane.
         let inner = usize::from(face.side < 0);
         for (link, edges) in std::mem::take(&mut self.open_leaves) {
-            // An edge in the plane of a visited node needs no node: the face is on the visited side.
             if self.is_full() {
                 break;
             }
             let mut child = Child::Occluded(occluder);
+            // An edge in the plane of a visited node needs no node: the face is on the visited side.
             for edge in (0..3).filter(|edge| edges >> edge & 1 == 0) {
                 let mut sides = [Child::Open; 2];
                 sides[inner] = child;

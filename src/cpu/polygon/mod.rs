@@ -1,5 +1,6 @@
-//! The CPU reference of wgsl/polygon: how a light sees a polygon (`Orientation`: front-facing, back-facing, in a plane with
-//! the light, or twisted). It begins at `polygon_facing`. docs/numerics/polygons.md.
+//! The CPU references of the stages `polygon_facing`, `polygon_turns`, `polygon_pairs` and `polygon_masks`: how a light sees
+//! a polygon (`Orientation`: front-facing, back-facing, in a plane with the light, or twisted). They begin at
+//! `polygon_facing`. The stages of wgsl/polygon that cut twisted polygons have none. docs/numerics/polygons.md.
 
 pub(crate) mod corner_turn;
 pub(crate) mod edge_pair;
