@@ -27,7 +27,7 @@ macro_rules! stages {
             #[doc = concat!("The stage `", stringify!($name), "`.")]
             pub const $stage: Stage = Stage {
                 name: stringify!($name),
-                // The first of each list holds: what has another name than the stage.
+                // The first of each list counts. The last is the default: the name of the stage.
                 module: [$(stringify!($module),)? stringify!($name)][0],
                 file: [
                     $(concat!(stringify!($subject), "/", stringify!($file)),)?

@@ -134,6 +134,7 @@ impl DepthMapFrame {
         }
         Ok(statistics)
     }
+
     /// Whether its near cap is drawn.
     #[doc(hidden)]
     pub fn near_cap(&self) -> &DepthMapNearCap {

@@ -8,7 +8,7 @@ use super::format::{Drawn, Polygons};
 use super::pipelines::{Layouts, Part, PartDraw, VolumePipelines, layouts};
 use super::sizes::{PartSizes, VolumeSizes};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
-use crate::gpu::common::dispatch_limits::loops;
+use crate::gpu::common::dispatch_limits::{is_software, loops};
 use crate::gpu::common::pass::{Dispatch, Step, Workgroups, record};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
 use crate::gpu::common::timer::StageTimer;
@@ -265,7 +265,7 @@ impl<'a> Binder<'a> {
 
     /// The workgroups of a stage for a group, batch and view.
     fn workgroups_of(&self, over: Over, &PartSizes { shape, lights }: &PartSizes) -> [u32; 2] {
-        let is_cpu = self.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let is_cpu = is_software(self.device);
         // All edges take few turns.
         let fewest = shape.edges.div_ceil(64 * LISTED_ITEMS);
         match over {
