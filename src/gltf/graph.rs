@@ -14,7 +14,7 @@ pub(super) struct Graph {
     order: Vec<usize>,
     /// All nodes of the chosen scene, parents first.
     pub(super) all: Vec<usize>,
-    /// Those of them that are not hidden.
+    /// The shown ones among them.
     pub(super) scene: Vec<usize>,
     /// For each node: the node at or above it that is at fault, so that its transform is not known.
     spoilt_by: Vec<Option<usize>>,

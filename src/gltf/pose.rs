@@ -80,7 +80,7 @@ impl Asset {
         self.names(&self.document.lights, self.nodes_with(&self.graph.scene, |node| node.light.as_ref()))
     }
 
-    /// Those of some nodes that have a part of a list: a light, or a camera.
+    /// The nodes among these that have a part of a list: a light, or a camera.
     pub(super) fn nodes_with<'a>(
         &'a self,
         nodes: &'a [usize],

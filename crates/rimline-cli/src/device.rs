@@ -448,12 +448,20 @@ impl GpuError {
     fn reason(&self) -> String {
         let of_scene =
             if let Self::Shadow(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
-        // Its advice is to give the options of the command.
-        if let Self::Extractor(ExtractorError::BoundaryTooLarge { polygon, edges }) = self {
-            return format!(
-                "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} \
-                 there; cut it, or leave out --polygons"
-            );
+        // Their advice is to give the options of the command.
+        match self {
+            Self::Extractor(ExtractorError::BoundaryTooLarge { polygon, edges }) => {
+                return format!(
+                    "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} \
+                     there; cut it, or leave out --polygons"
+                );
+            }
+            Self::Extractor(ExtractorError::Polygons) => {
+                return "it has polygons, which the per-edge method does not take there; leave out --polygons or --method \
+                        per-edge"
+                    .to_owned();
+            }
+            _ => {}
         }
         match self.memory() {
             Some(

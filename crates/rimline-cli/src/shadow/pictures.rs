@@ -120,7 +120,7 @@ pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters<'a>,
     /// The pipelines of the shadow volumes. `None`: not known yet.
     pub(super) pipelines: Option<&'a VolumePipelines>,
-    /// What is drawn over the light.
+    /// An overlay over the light, if there is one.
     pub(super) overlay: Option<&'a Overlay>,
     /// Samples of all lights together.
     pub(crate) samples: usize,

@@ -43,7 +43,7 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
         let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
-        if input.polygons().is_some() {
+        if input.polygons().is_some_and(|mesh| mesh.polygons().is_some()) {
             return Err(Failure::input(model)(NpzError::Polygons.into()));
         }
         maker.pose(&input, 0.0, &stem(model))?;
