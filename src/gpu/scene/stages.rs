@@ -98,13 +98,14 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
     })?
 }
 
-/// Clears counts and statistics, and writes the masks of faces that callers exclude.
+/// Clears counts and statistics, and writes the masks of triangles that callers exclude.
 fn clears(structure: &Structure) -> Vec<Step> {
     let Structure { parts, buffers, .. } = structure;
     let counts = Step::Clear(buffers.work.clone(), 0..4 * WORK_WORDS * parts.len() as u64);
     let mut steps = vec![counts, Step::clear(&buffers.statistics)];
-    for part in parts {
-        // In groups without exclusions `facing` clears the masks, and for polygons their first steps do.
+    // The extraction of polygons begins with their masks.
+    for part in parts.iter().filter(|part| part.sizes.polygons.is_none()) {
+        // In groups without exclusions `facing` clears the masks.
         let excludes = structure.layout.groups.get(part.group).is_some_and(|group| group.excludes);
         let (excluded, bytes) = (part.buffers.excluded.clone(), part.sizes.masks);
         match &part.exclusions {
