@@ -35,7 +35,7 @@ pub enum AreaShape {
 /// A light with an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaLight {
-    /// The centre, with `w` and range.
+    /// The centre, with `w`, range and cone.
     pub light: Light,
     /// Its shape and size.
     pub shape: AreaShape,
@@ -46,8 +46,8 @@ pub struct AreaLight {
 
 impl AreaLight {
     /// Spreads `count` lights over the shape. Each stands for an equal share of the light. A single one lies at the
-    /// centre. The lights have the range of [`Self::light`]; `w` is 0 for a light at infinity, else 1, also where it is
-    /// negative there. Every run gives the same lights.
+    /// centre. The lights have the range of [`Self::light`], and its cone with each sample as the apex; `w` is 0 for a light
+    /// at infinity, else 1, also where it is negative there. Every run gives the same lights.
     pub fn samples(&self, count: usize) -> Vec<Light> {
         self.pattern_samples(count, 0, 1)
     }
@@ -58,7 +58,7 @@ impl AreaLight {
     pub fn pattern_samples(&self, count: usize, pattern: usize, patterns: usize) -> Vec<Light> {
         let patterns = patterns.max(1);
         let shift = Shift::new(pattern % patterns, patterns);
-        let Light { xyz, w, range, .. } = self.light;
+        let Light { xyz, w, range, cone } = self.light;
         let xyz = DVec3::from_array(xyz.map(f64::from));
         let (middle, normal) = if w == 0.0 {
             let towards = xyz.normalize_or_zero();
@@ -81,7 +81,8 @@ impl AreaLight {
                 AreaShape::Sphere { radius } => shift.ball(sample, count) * f64::from(radius),
             };
             let xyz = (middle + offset).as_vec3().to_array();
-            if w == 0.0 { Light::directional(xyz) } else { Light::point(xyz) }.with_range(range)
+            let at = if w == 0.0 { Light::directional(xyz) } else { Light::point(xyz) };
+            Light { range, cone, ..at }
         };
         (0..count).map(light).collect()
     }
@@ -171,6 +172,7 @@ fn disc(at: DVec2) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Cone;
 
     fn light(shape: AreaShape) -> AreaLight {
         AreaLight { light: Light::homogeneous([2.0, 4.0, 6.0, 2.0]), shape, normal: [0.0, -3.0, 0.1] }
@@ -284,6 +286,16 @@ mod tests {
             let (one, together) = (worst(shape, 1, &chord), worst(shape, 16, &chord));
             assert!(together < 0.03, "{shape:?}: {together} of the samples are on the wrong side");
             assert!(one > 0.05, "{shape:?}: one pattern alone is as even: {one}");
+        }
+    }
+
+    #[test]
+    fn samples_have_the_range_and_the_cone() {
+        let cone = Cone::new([0.0, -1.0, 0.0], 0.5);
+        let spot = Light::point([0.0, 4.0, 0.0]).with_range(9.0).with_cone(cone);
+        let lamp = AreaLight { light: spot, shape: AreaShape::Disc { radius: 0.1 }, normal: [0.0, -1.0, 0.0] };
+        for sample in lamp.samples(8) {
+            assert_eq!((sample.range, sample.cone), (9.0, Some(cone)));
         }
     }
 

@@ -134,6 +134,11 @@ fn component(json: &Json<'_>) -> Result<Component, GltfError> {
     component.ok_or_else(|| json.wrong("componentType", expected))
 }
 
+/// The index of a set of attributes. glTF writes it without a sign and without leading zeros.
+fn set_index(text: &str) -> Option<u32> {
+    text.parse().ok().filter(|set: &u32| set.to_string() == text)
+}
+
 fn offset(json: &Json<'_>) -> Result<u64, GltfError> {
     Ok(json.get("byteOffset")?.unwrap_or(0))
 }
@@ -294,7 +299,7 @@ impl Parser<'_> {
                 return Err(GltfError::missing(attributes.path_of(&joints)));
             }
             let Some(text) = key.strip_prefix("JOINTS_") else { continue };
-            let Ok(set) = text.parse() else { continue };
+            let Some(set) = set_index(text) else { continue };
             let index = |key: &str| attributes.need_index(key, self.accessors);
             sets.push(InfluenceSet { set, joints: index(key)?, weights: index(&format!("WEIGHTS_{text}"))? });
         }

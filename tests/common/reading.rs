@@ -21,6 +21,7 @@ use crate::watched::{LIGHT, Watched, caster, depth_stencil, packed};
 pub(crate) const TESTS: &[Test] = &[
     ("reading_without_waiting_gives_what_waiting_gives", like_waiting),
     ("a_future_reads_what_the_buffer_held_when_it_was_made", when_made),
+    ("a_buffer_is_read_up_to_its_last_word", words),
     ("a_reading_future_wakes_its_task", wakes),
     ("errors_come_without_waiting_too", errors),
     ("stages_are_timed_without_waiting", timed),
@@ -81,6 +82,26 @@ fn when_made() -> Result<(), String> {
     same("as it is", &[now.iter().all(|word| *word == 2)], &[true])?;
     // A future that nobody wants any more.
     drop(read_back_vec_async::<u32>(&watched.gpu.device, &watched.gpu.queue, &buffer));
+    watched.quiet("reading")
+}
+
+fn words() -> Result<(), String> {
+    let watched = Watched::plain()?;
+    let Gpu { device, queue, .. } = &watched.gpu;
+    for (size, bytes) in [(2, 0), (6, 4), (11, 8), (12, 12)] {
+        let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let buffer =
+            device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
+        let contents: Vec<u8> = (1..=bytes).collect();
+        queue.write_buffer(&buffer, 0, &contents);
+        let mut all = Vec::new();
+        read_back(device, queue, &buffer, |piece| all.extend_from_slice(piece)).map_err(text)?;
+        let waited = read_back_vec::<[u8; 3]>(device, queue, &buffer).map_err(text)?;
+        let found = watched.gpu.finish(read_back_vec_async::<[u8; 3]>(device, queue, &buffer))?.map_err(text)?;
+        same(&format!("{size} bytes"), &all, &contents)?;
+        same(&format!("{size} bytes, items"), waited.as_flattened(), &contents[..contents.len() / 3 * 3])?;
+        same(&format!("{size} bytes, not waiting"), &found, &waited)?;
+    }
     watched.quiet("reading")
 }
 

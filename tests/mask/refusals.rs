@@ -18,6 +18,7 @@ use crate::world::{Encoded, World, encode};
 pub(crate) const TESTS: &[Test] = &[
     ("frames_and_lights_that_have_no_masks_are_typed_errors", frames),
     ("textures_that_serve_no_masks_are_typed_errors", textures),
+    ("textures_that_are_destroyed_between_calls_are_typed_errors", destroyed),
 ];
 
 const PICTURE: Picture = Picture { size: [16, 8], depth: Depth24Plus, samples: 1, target: R8Uint };
@@ -160,5 +161,27 @@ fn textures() -> Result<(), String> {
         ("shares without layers", MaskInputs { lights: &all[..8], ..target(&shares) }, too_many(8, 8, R8Unorm)),
         ("nine lights in a byte", MaskInputs { lights: all, ..good }, too_many(9, 2, R8Uint)),
         ("words", target(&words), Expected::Taken),
+    ])
+}
+
+/// The first call took the textures, and may remember them.
+fn destroyed() -> Result<(), String> {
+    let given = &Given::new()?;
+    let masks = &mut ShadowMasks::new(&given.gpu.pipelines).map_err(text)?;
+    let [depth, target] = [Depth24Plus, R8Uint].map(|format| PICTURE.texture(&given.gpu, format, 1, 1));
+    let seen = &view(&depth);
+    let mut write = |inputs| given.write(&given.encoded.frame, masks, inputs);
+    let both = write(MaskInputs { depth: seen, target: &target, ..given.good() });
+    target.destroy();
+    let without_target = write(MaskInputs { depth: seen, target: &target, ..given.good() });
+    let another_target = write(MaskInputs { depth: seen, ..given.good() });
+    depth.destroy();
+    let without_depth = write(MaskInputs { depth: seen, ..given.good() });
+    refused([
+        refusal("both textures", both, Expected::Taken),
+        refusal("a target that was destroyed", without_target, shows(&["Refused { what: \"the target\""])),
+        refusal("another target", another_target, Expected::Taken),
+        refusal("a depth that was destroyed", without_depth, shows(&["Refused { what: \"the depth\""])),
+        refusal("all good", write(given.good()), Expected::Taken),
     ])
 }

@@ -7,10 +7,12 @@ use rimline::gpu::{
     Caster, CasterHandle, CasterPositions, FrameInputs, LightHandle, LightMask, Measuring, OccludedCounts, Scene,
     ShadowError,
 };
+use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::polygons::quad_box;
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{IDENTITY, must_fail, same};
 
@@ -20,6 +22,7 @@ use crate::scenes::roomy;
 pub(crate) const TESTS: &[Test] = &[
     ("occluded_faces_are_left_out_while_all_holds", holds),
     ("occluded_faces_of_other_casters_are_typed_errors", refused),
+    ("occluded_polygons_are_a_typed_error", polygons),
 ];
 
 const LIGHT: Light = Light::point([0.0, 0.0, 10.0]);
@@ -36,14 +39,18 @@ fn shapes() -> [Shape; 3] {
 fn searched() -> Result<(Vec<(Shape, Mesh)>, OccludedFaces), String> {
     let meshes = shapes().into_iter().map(|shape| shape.mesh().map(|mesh| (shape, mesh)).map_err(text));
     let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
+    let occluded = search(&meshes)?;
+    Ok((meshes, occluded))
+}
+
+fn search(meshes: &[(Shape, Mesh)]) -> Result<OccludedFaces, String> {
     let all: Vec<OcclusionCaster<'_>> = meshes
         .iter()
         .zip([None, Some(7), None])
         .map(|((shape, mesh), version)| OcclusionCaster { mesh, positions: &shape.positions, version })
         .collect();
     let go_on = |_, _| ControlFlow::Continue(());
-    let occluded = OccludedFaces::find(LIGHT, &all, OcclusionOptions::default(), go_on).map_err(text)?;
-    Ok((meshes, occluded))
+    OccludedFaces::find(LIGHT, &all, OcclusionOptions::default(), go_on).map_err(text)
 }
 
 /// A scene of the shapes, the second of which reads its positions from a buffer.
@@ -156,4 +163,30 @@ fn refused() -> Result<(), String> {
     same("too few", &[set(&[wall, ball])], &[Some(ShadowError::OcclusionCasters { given: 2, found: 3 })])?;
     let swapped = ShadowError::OcclusionCaster { caster: 1, faces: torus, found: sphere };
     same("swapped", &[set(&[wall, ring, ball])], &[Some(swapped)])
+}
+
+/// A box of squares, each of which is one face.
+fn square_box(at: [f32; 3]) -> Result<(Shape, Mesh), String> {
+    let mut squares = quad_box(2);
+    for position in &mut squares.positions {
+        *position = std::array::from_fn(|axis| position[axis] + at[axis]);
+    }
+    let mesh = squares.mesh(Weld::Position).map_err(text)?;
+    Ok((Shape { positions: squares.positions, faces: mesh.faces().to_vec() }, mesh))
+}
+
+/// Polygons cannot be excluded. A caster of polygons is taken if none of its faces is occluded.
+fn polygons() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let [wall, ..] = shapes();
+    let of_wall = wall.mesh().map_err(text)?;
+    let below = [(wall, of_wall), square_box([1.0, 1.0, 0.0])?];
+    let apart = [square_box([1.0, 1.0, 0.0])?, square_box([21.0, 1.0, 0.0])?];
+    for (meshes, expected) in [(below, Some(ShadowError::Polygons)), (apart, None)] {
+        let occluded = search(&meshes)?;
+        same("no face is occluded", &[occluded.faces(1).is_empty()], &[expected.is_none()])?;
+        let Placed { mut scene, lights: [light, _], casters } = casters(gpu, &meshes, true)?;
+        same("set", &[scene.set_occluded_faces(light, &casters, Some(&occluded)).err()], &[expected])?;
+    }
+    Ok(())
 }

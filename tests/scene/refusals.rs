@@ -20,6 +20,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("meshes_lights_and_buffers_that_do_not_fit_are_typed_errors", misfits),
     ("what_does_not_fit_the_memory_is_a_typed_error", memory),
     ("what_fits_a_new_scene_fits_one_that_grew", grown),
+    ("removed_meshes_of_polygons_give_their_memory_back", given_back),
 ];
 
 const LIGHT: Light = Light::point([1.0, 2.0, 3.0]);
@@ -205,4 +206,21 @@ fn grown() -> Result<(), String> {
     }
     println!("{most} bytes");
     if fits(most, 100, 200)? { Ok(()) } else { Err("a scene that grew does not fit".to_owned()) }
+}
+
+/// Each mesh is larger than those before, so it does not fit where they were.
+fn given_back() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let of_box = |cuts| {
+        let set = quad_box(cuts);
+        Ok::<_, String>((set.mesh(Weld::Position).map_err(text)?, set.positions))
+    };
+    let boxes = (1..=24).map(of_box).collect::<Result<Vec<_>, String>>()?;
+    let [mut alone, mut together] = [scene(gpu, Some(1_000_000))?, scene(gpu, Some(1_000_000))?];
+    for (mesh, positions) in &boxes {
+        let added = alone.add_mesh(mesh, positions).map_err(text)?;
+        alone.remove_mesh(added).map_err(text)?;
+    }
+    let all = boxes.iter().try_for_each(|(mesh, positions)| together.add_mesh(mesh, positions).map(drop));
+    refused([refusal("all at once", all, shows(&["Device(MemoryLimit"]))])
 }

@@ -95,8 +95,8 @@ fn misses_box(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bo
   }
   let low = bitcast<vec3<f32>>(low_bits.xyz);
   let high = bitcast<vec3<f32>>(high_bits.xyz);
-  // The box is before both ends along an axis, or beyond both. The signs of `to_low` and `to_high` are exact, or they are 0,
-  // so they need no margin. (A device that flushes one operand flushes the other, too.)
+  // The box is before both ends along an axis, or beyond both. Rounding keeps the signs of `to_low` and `to_high`, but a
+  // device may flush one operand and not the other.
   let light = batch.lights[segment.light];
   let to_low = low - segment.p;
   let to_high = high - segment.p;
@@ -104,8 +104,8 @@ fn misses_box(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bo
   let light_high = light.w * high;
   let low_margin = MARGIN * (segment.w_size * abs(low) + abs(light.xyz)) + TINY;
   let high_margin = MARGIN * (segment.w_size * abs(high) + abs(light.xyz)) + TINY;
-  let is_before = (to_high < vec3<f32>(0.0)) & (light_high - light.xyz < -high_margin);
-  let is_beyond = (to_low > vec3<f32>(0.0)) & (light_low - light.xyz > low_margin);
+  let is_before = (to_high < vec3<f32>(-TINY)) & (light_high - light.xyz < -high_margin);
+  let is_beyond = (to_low > vec3<f32>(TINY)) & (light_low - light.xyz > low_margin);
   if (any(is_before | is_beyond)) {
     return true;
   }

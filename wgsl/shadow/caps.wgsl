@@ -31,10 +31,10 @@ fn is_outside_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec
   let p = pyramid_planes(view, light, a);
   let q = pyramid_planes(view, light, b);
   let r = pyramid_planes(view, light, c);
-  let outside = (p.side_heights < -SLACK * p.side_terms) & (q.side_heights < -SLACK * q.side_terms) &
-    (r.side_heights < -SLACK * r.side_terms);
-  let outside_near = p.depth < -SLACK * p.depth_terms && q.depth < -SLACK * q.depth_terms &&
-    r.depth < -SLACK * r.depth_terms;
+  let outside = are_negative(p.side_heights, p.side_terms) & are_negative(q.side_heights, q.side_terms) &
+    are_negative(r.side_heights, r.side_terms);
+  let outside_near = is_negative(p.depth, p.depth_terms) && is_negative(q.depth, q.depth_terms) &&
+    is_negative(r.depth, r.depth_terms);
   return any(outside) || outside_near;
 }
 

@@ -54,11 +54,7 @@ fn is_outside_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high
   var outside_near = true;
   for (var index = 0u; index < 8u; index++) {
     let planes = pyramid_planes(view, light, box_corner(low, high, index));
-    outside = vec4<bool>(
-      outside.x && is_negative(planes.side_heights.x, planes.side_terms.x),
-      outside.y && is_negative(planes.side_heights.y, planes.side_terms.y),
-      outside.z && is_negative(planes.side_heights.z, planes.side_terms.z),
-      outside.w && is_negative(planes.side_heights.w, planes.side_terms.w));
+    outside = outside & are_negative(planes.side_heights, planes.side_terms);
     outside_near = outside_near && is_negative(planes.depth, planes.depth_terms);
   }
   return any(outside) || outside_near;

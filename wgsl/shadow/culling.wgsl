@@ -2,9 +2,9 @@
 // further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera
 // sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole
 // box.
-// `counting_methods` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes`, and `needs` the tests
-// by range and view. Every test has slack above its rounding errors. It says that a box or volume is outside only if
-// this is certain, so nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and
+// `counting_methods` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes` and `are_negative`, and
+// `needs` the tests by range and view. Every test has slack above its rounding errors. It says that a box or volume is
+// outside only if this is certain, so nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and
 // docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
@@ -15,8 +15,15 @@
 // sum of. It is far above their rounding errors. Functions and variables named `…_terms` give upper bounds on terms.
 const SLACK: f32 = 4e-6;
 
-// Whether a value is certainly negative: beyond the slack.
-fn is_negative(value: f32, terms: f32) -> bool { return value < -SLACK * terms; }
+// Whether values are certainly negative: beyond the slack. Values that are not finite are not. Tests bits, like `is_finite`.
+fn are_negative(values: vec4<f32>, terms: vec4<f32>) -> vec4<bool> {
+  let infinite = vec4<u32>(0x7f800000u);
+  let exponents = bitcast<vec4<u32>>(values) & infinite;
+  let exponents_of_terms = bitcast<vec4<u32>>(terms) & infinite;
+  return (exponents != infinite) & (exponents_of_terms != infinite) & (values < -SLACK * terms);
+}
+
+fn is_negative(value: f32, terms: f32) -> bool { return are_negative(vec4<f32>(value), vec4<f32>(terms)).x; }
 
 // A position relative to the pyramid with the light as its apex and the near rectangle as its base.
 struct PyramidPlanes {
@@ -72,7 +79,7 @@ fn is_out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f3
   let size = max(max(d.x, d.y), max(d.z, light.range));
   let r = light.range / size;
   let e = d / size;
-  return dot_3(e, e) > r * r * (1.0 + SLACK);
+  return is_finite(d) && dot_3(e, e) > r * r * (1.0 + SLACK);
 }
 
 // The terms of `extrusion`.
@@ -171,8 +178,11 @@ fn volume_extent(
     let apart = max(abs(near - light_position), abs(far - light_position)) +
       SLACK * (max(abs(near), abs(far)) + terms);
     let factor = (1.0 - SLACK) * scale * distance_lower_bound(light, low, high) / vector_length(apart);
-    // NaN limits nothing.
-    return VolumeExtent(factor > 1.0 && factor < 0x1p100, select(0.0, factor, factor > 0.0 && factor <= 1.0));
+    // A factor that is not finite limits nothing.
+    let is_certain = is_finite(vec3<f32>(factor));
+    return VolumeExtent(
+      is_certain && factor > 1.0 && factor < 0x1p100,
+      select(0.0, factor, is_certain && factor > 0.0 && factor <= 1.0));
   }
   if (!is_limited) {
     return VolumeExtent(false, -1.0);
@@ -184,11 +194,19 @@ fn volume_extent(
     farthest += max(near[axis] * d[axis], far[axis] * d[axis]);
     terms += max(abs(near[axis]), abs(far[axis])) * abs(d[axis]);
   }
+  var is_certain = is_finite(vec3<f32>(farthest, terms, terms));
   var nearest = 0x1p127;
   for (var index = 0u; index < 8u; index++) {
     let position = box_corner(low, high, index);
-    nearest = min(nearest, dot_3(to_camera_frame(view, position), d));
-    terms = max(terms, dot_3(camera_frame_terms(view, position), abs(d)));
+    let corner_depth = dot_3(to_camera_frame(view, position), d);
+    let corner_terms = dot_3(camera_frame_terms(view, position), abs(d));
+    // Maximum and minimum may drop a NaN.
+    is_certain = is_certain && is_finite(vec3<f32>(corner_depth, corner_terms, corner_terms));
+    nearest = min(nearest, corner_depth);
+    terms = max(terms, corner_terms);
+  }
+  if (!is_certain) {
+    return VolumeExtent(false, -1.0);
   }
   // Four times the slack: both values have these terms, and d itself is rounded.
   let beyond = farthest - nearest + 4.0 * SLACK * terms;
@@ -232,8 +250,9 @@ fn with_hull_vertex(
     hull.outside.z && is_negative(clip.w + clip.y, y_terms),
     hull.outside.w && is_negative(clip.w - clip.y, y_terms));
   next.outside_near = hull.outside_near && is_negative(height, terms_of_height);
-  next.is_beyond_near = hull.is_beyond_near && height > SLACK * terms_of_height && clip.w > 0x1p-10 * terms.w &&
-    all(terms < vec4<f32>(0x1p100));
+  let are_finite = is_finite(terms.xyz) && is_finite(vec3<f32>(terms.w, height, terms_of_height));
+  next.is_beyond_near = hull.is_beyond_near && are_finite && height > SLACK * terms_of_height &&
+    clip.w > 0x1p-10 * terms.w && all(terms < vec4<f32>(0x1p100));
   if (next.is_beyond_near) {
     let ndc = clip.xyz / clip.w;
     let error = 2.0 * SLACK * (terms.xyz + abs(ndc) * terms.w) / clip.w;
@@ -286,9 +305,9 @@ fn end_behind_receivers(
   if (light.light.w > 0.0) {
     return extent.factor;
   }
-  // The bound moves the end farther away, which is harmless. With NaN the volume goes to infinity.
+  // The bound moves the end farther away, which is harmless. With a factor that is not finite the volume goes to infinity.
   let end = min(1.0 / extent.factor, 0x1p20);
-  return select(0.0, end, extent.factor >= 0.0 && extent.factor < 0x1p100);
+  return select(0.0, end, is_finite(vec3<f32>(extent.factor)) && extent.factor >= 0.0 && extent.factor < 0x1p100);
 }
 
 // Whether no receiver lies in the volume of a box.

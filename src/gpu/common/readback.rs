@@ -11,6 +11,9 @@ const PIECE: u64 = 16 << 20;
 /// Copies `buffer` to the CPU in pieces and gives each piece to `take`, in order. It waits for the device. In browsers
 /// nothing may wait; use [`read_back_async`] there.
 ///
+/// Commands reach whole words of 4 bytes, so nothing is in the one to three bytes behind the last word of a buffer whose
+/// size is no multiple of 4. They are left out.
+///
 /// # Errors
 /// [`DeviceError`] when the buffer lacks `COPY_SRC`, the device is lost, or the platform cannot wait.
 pub fn read_back(
@@ -61,8 +64,8 @@ pub fn read_back_async<F: FnMut(&[u8])>(
     }
 }
 
-/// Reads a whole buffer as items. A remainder that is shorter than an item is dropped. It waits for the device;
-/// [`read_back_vec_async`] does not.
+/// Reads the words of a buffer, as [`read_back`] does, as items. A remainder that is shorter than an item is dropped. It
+/// waits for the device; [`read_back_vec_async`] does not.
 ///
 /// # Errors
 /// The errors of [`read_back`].
@@ -118,7 +121,7 @@ fn downloads(
     pieces(buffer, buffer.size(), piece)?.map(|range| Download::new(device, queue, buffer, range)).collect()
 }
 
-/// The ranges of bytes that are copied one by one.
+/// The ranges of bytes that are copied one by one, of the whole words before `end`.
 fn pieces(
     buffer: &wgpu::Buffer,
     end: u64,
@@ -127,6 +130,7 @@ fn pieces(
     if !buffer.usage().contains(wgpu::BufferUsages::COPY_SRC) {
         return Err(DeviceError::NotCopySource);
     }
+    let end = end / wgpu::COPY_BUFFER_ALIGNMENT * wgpu::COPY_BUFFER_ALIGNMENT;
     Ok((0..end).step_by(piece as usize).map(move |begin| begin..end.min(begin + piece)))
 }
 

@@ -53,6 +53,11 @@ impl<'a> Wanted<'a> {
         Self { usage: self.usage | wgpu::BufferUsages::INDIRECT, ..self }
     }
 
+    /// It has vertices, too.
+    pub(crate) fn vertices(self) -> Self {
+        Self { usage: self.usage | wgpu::BufferUsages::VERTEX, ..self }
+    }
+
     /// It is bound as a whole, if so.
     pub(crate) fn whole_if(self, is_whole: bool) -> Self {
         Self { is_whole, ..self }

@@ -1,19 +1,18 @@
 //! Deforms a model on the GPU: computes world-space positions of a pose in a storage buffer.
 
-use wgpu::BufferUsages;
-
 use super::model_data::{ARRAYS, ModelData, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::bindings::{part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded, scoped};
+use crate::gpu::common::memory::{Allocation, check, guarded, scoped};
 use crate::gpu::common::pass::{Step, Workgroups, record_with};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
+use crate::gpu::common::wanted::{Account, Wanted};
 use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Model, ModelError, Pose};
 use crate::turns::DEFORM_TERMS;
@@ -95,12 +94,7 @@ pub enum DeformError {
 #[derive(Debug)]
 pub struct Deformer {
     device: wgpu::Device,
-    positions: wgpu::Buffer,
-    pose: wgpu::Buffer,
-    dispatches: wgpu::Buffer,
-    /// For each instance 1 if its positions are a point, since it was not needed. It is copied to the pose, where for each
-    /// instance 1 follows if it is not needed now, which an upload makes 0.
-    held: wgpu::Buffer,
+    buffers: Buffers,
     /// Without its arrays, which are in buffers.
     data: ModelData,
     pass: Step,
@@ -108,6 +102,34 @@ pub struct Deformer {
     pub(crate) has_resources: bool,
     /// The size of all buffers.
     pub(crate) bytes: u64,
+}
+
+/// The buffers of a deformer.
+#[derive(Debug)]
+struct Buffers<B = wgpu::Buffer> {
+    /// The words of [`ModelData::arrays`].
+    arrays: [B; 4],
+    positions: B,
+    pose: B,
+    dispatches: B,
+    /// For each instance 1 if its positions are a point, since it was not needed. It is copied to the pose, where for each
+    /// instance 1 follows if it is not needed now, which an upload makes 0.
+    held: B,
+}
+
+impl<B> Buffers<B> {
+    /// `pose` and `dispatches` are the contents before the first encode.
+    fn plan(data: &ModelData, pose: &[u32], dispatches: &UniformTable, make: &mut impl FnMut(Wanted<'_>) -> B) -> Self {
+        let instances = data.layouts.len() as u64;
+        Self {
+            arrays: [0, 1, 2, 3]
+                .map(|array: usize| make(Wanted::filled(ARRAYS[array], bytemuck::cast_slice(&data.arrays[array])))),
+            positions: make(Wanted::new("positions", 12 * data.vertices).vertices()),
+            pose: make(Wanted::filled("pose", bytemuck::cast_slice(pose))),
+            dispatches: make(Wanted::uniforms("deform dispatches", dispatches)),
+            held: make(Wanted::new("deformed", 4 * instances)),
+        }
+    }
 }
 
 impl Deformer {
@@ -151,7 +173,11 @@ impl Deformer {
         for (instance, layout) in data.layouts.iter().enumerate() {
             check_terms(instance, 0, layout)?;
         }
-        let bytes = data.check(&split, options.memory_limit)?;
+        let displaced = options.displacement.is_some();
+        let (pose, dispatches) = (data.first_pose(), data.uniforms(displaced, 0.0));
+        let mut account = Account::default();
+        Buffers::<()>::plan(&data, &pose, &dispatches, &mut |wanted| account.note(&wanted));
+        let bytes = check(&account.all, split.buffer, options.memory_limit)?;
         let whole = [("the model", bytes), ("the rest of the scene", used)];
         check(&whole.map(|(label, bytes)| Allocation { label, bytes }), u64::MAX, most)?;
         // Only a caller's displacement or layout can make this fail.
@@ -159,63 +185,51 @@ impl Deformer {
             pipelines.get(&Program::deform(options.displacement, options.displacement_layout))
         })
         .map_err(|message| DeformError::Pipeline { message })?;
-        let displaced = options.displacement.is_some();
-        let made = guarded(device, bytes, || Self::build(device, data, &pipeline, displaced))?;
+        let made = guarded(device, bytes, || {
+            let buffers = Buffers::plan(&data, &pose, &dispatches, &mut |wanted| wanted.make(device));
+            Self::build(device, data, buffers, &pipeline, displaced)
+        })?;
         Ok(Self { has_resources, bytes, ..made })
     }
 
-    fn build(device: &wgpu::Device, mut data: ModelData, pipeline: &Pipeline, displaced: bool) -> Self {
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let positions = buffer(device, "positions", data.vertices * 12, storage | BufferUsages::VERTEX);
-        let words = std::mem::take(&mut data.arrays);
-        let upload =
-            |array: usize| filled(device, ARRAYS[array], bytemuck::cast_slice(&words[array]), BufferUsages::STORAGE);
-        let arrays = [0, 1, 2, 3].map(upload);
-        // Each encode writes what comes before the chunks of the workgroups.
-        let mut words = vec![0; data.pose_words as usize];
-        words.extend(&data.workgroups);
-        let pose = filled(device, "pose", bytemuck::cast_slice(&words), storage);
-        let dispatches = data.uniforms(displaced, 0.0).into_buffer(device, "deform dispatches");
+    fn build(
+        device: &wgpu::Device,
+        mut data: ModelData,
+        buffers: Buffers,
+        pipeline: &Pipeline,
+        displaced: bool,
+    ) -> Self {
+        data.arrays = <[Vec<u32>; 4]>::default();
+        let Buffers { arrays, positions, pose, dispatches, .. } = &buffers;
         let bind = |(offset, planned): (usize, &PlannedDispatch)| {
             let of_array = |array: usize| part(&arrays[array], planned.bound[array].clone());
             pipeline.dispatch(device, Workgroups::Known([planned.workgroups, 1]), |name| {
                 Some(match name {
-                    "dispatch" => uniform::<DeformDispatch>(&dispatches, offset as u32),
+                    "dispatch" => uniform::<DeformDispatch>(dispatches, offset as u32),
                     "rest" => of_array(0),
                     "morph" => of_array(1),
                     "skin" => of_array(2),
                     "source_vertices" => of_array(3),
-                    "pose" => whole(&pose),
-                    "positions" => part(&positions, planned.bound[4].clone()),
+                    "pose" => whole(pose),
+                    "positions" => part(positions, planned.bound[4].clone()),
                     _ => return None,
                 })
             })
         };
         let offsets = (0..).step_by(UniformTable::stride::<DeformDispatch>());
         let pass = pipeline.pass(offsets.zip(&data.dispatches).map(bind));
-        Self {
-            device: device.clone(),
-            positions,
-            held: buffer(device, "deformed", 4 * data.layouts.len() as u64, storage),
-            pose,
-            dispatches,
-            data,
-            pass,
-            displaced,
-            has_resources: false,
-            bytes: 0,
-        }
+        Self { device: device.clone(), buffers, data, pass, displaced, has_resources: false, bytes: 0 }
     }
 
     /// The positions, once the encoder was submitted. The buffer stays the same, and has the usages `VERTEX` and `STORAGE`.
     pub fn positions(&self) -> PositionBuffer<'_> {
-        PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
+        PositionBuffer { buffer: &self.buffers.positions, offset: 0, stride: 12 }
     }
 
     /// The positions of instance number `instance`, once the encoder was submitted. `None` if the model has fewer instances.
     pub fn instance_positions(&self, instance: usize) -> Option<PositionBuffer<'_>> {
         let offset = self.data.layouts.get(instance)?.positions;
-        Some(PositionBuffer { buffer: &self.positions, offset, stride: 12 })
+        Some(PositionBuffer { buffer: &self.buffers.positions, offset, stride: 12 })
     }
 
     /// Records the deformation into a pose: a `&Pose`, or [`PoseInputs`].
@@ -267,7 +281,8 @@ impl Deformer {
         words: &'a [u32],
         uniforms: &'a UniformTable,
     ) -> impl Iterator<Item = (&'a wgpu::Buffer, &'a [u8])> {
-        let uploads = [(&self.dispatches, uniforms.bytes()), (&self.pose, bytemuck::cast_slice(words))];
+        let Buffers { pose, dispatches, .. } = &self.buffers;
+        let uploads = [(dispatches, uniforms.bytes()), (pose, bytemuck::cast_slice(words))];
         uploads.into_iter().filter(|_| !self.data.dispatches.is_empty())
     }
 
@@ -281,13 +296,14 @@ impl Deformer {
         timer: Option<&mut StageTimer>,
     ) {
         if !self.data.dispatches.is_empty() {
+            let Buffers { pose, held, .. } = &self.buffers;
             let bytes = 4 * self.data.layouts.len() as u64;
-            encoder.copy_buffer_to_buffer(&self.held, 0, &self.pose, 4 * self.data.before, bytes);
+            encoder.copy_buffer_to_buffer(held, 0, pose, 4 * self.data.before, bytes);
             if let Some((words, from)) = states {
-                encoder.copy_buffer_to_buffer(words, from, &self.pose, 4 * self.data.before + bytes, bytes);
+                encoder.copy_buffer_to_buffer(words, from, pose, 4 * self.data.before + bytes, bytes);
             }
             // The same commands write what the positions are, so an encoder that is dropped changes both or neither.
-            encoder.copy_buffer_to_buffer(&self.pose, 4 * self.data.before + bytes, &self.held, 0, bytes);
+            encoder.copy_buffer_to_buffer(pose, 4 * self.data.before + bytes, held, 0, bytes);
         }
         record_with([&self.pass], encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
     }

@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
-use crate::gpu::common::memory::{Allocation, check, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Influences, Model};
@@ -113,19 +112,11 @@ impl ModelData {
         Ok(data)
     }
 
-    /// Checks all sizes before any buffer is made.
-    pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, DeviceError> {
-        // There is never more than one dispatch for each chunk.
-        let uniforms = (self.chunks.len() * UniformTable::stride::<DeformDispatch>()) as u64;
-        let of_model = [
-            ("positions", self.vertices * 12),
-            ("pose", 4 * (self.pose_words + self.workgroups.len() as u64)),
-            ("deform dispatches", uniforms),
-            ("deformed", 4 * self.layouts.len() as u64),
-        ];
-        let arrays = ARRAYS.into_iter().zip(self.arrays.iter().map(|array| 4 * array.len() as u64));
-        let allocation = |(label, bytes)| Allocation { label, bytes: padded(bytes) };
-        check(&arrays.chain(of_model).map(allocation).collect::<Vec<_>>(), split.buffer, memory_limit)
+    /// The words of the pose before the first encode. Each encode writes what comes before the chunks of the workgroups.
+    pub(super) fn first_pose(&self) -> Vec<u32> {
+        let mut words = vec![0; self.pose_words as usize];
+        words.extend(&self.workgroups);
+        words
     }
 
     /// The uniforms of the dispatches.

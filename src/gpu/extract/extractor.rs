@@ -85,7 +85,6 @@ impl Extractor {
             ranges: &ranges,
             facing: &facing,
             positions: None,
-            given: None,
         };
         let from_facing = (0..shape.batches()).map(|batch| binder.read_facing(&others, batch)).collect();
         let at_last = binder.at_last(&options);
@@ -162,7 +161,7 @@ impl Extractor {
         let Self { shared, options, ranges, .. } = &*self;
         let Shared { pipelines, shape, buffers, facing, .. } = &**shared;
         let positions = Some((&slice.buffer, bound));
-        let binder = Binder { pipelines, shape, buffers, ranges, facing, positions, given: None };
+        let binder = Binder { pipelines, shape, buffers, ranges, facing, positions };
         let stages = shape.reading(pipelines.device(), options, bound.windows.words);
         let steps = positions::bound(pipelines.device(), || {
             (0..shape.batches()).map(|batch| binder.read_positions(&stages, batch)).collect()

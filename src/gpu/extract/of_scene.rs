@@ -52,6 +52,11 @@ impl PolygonMesh {
         PolygonBuffers { boundaries, undecided, head, arguments, pieces: vec![pieces] }
     }
 
+    /// The number of polygons.
+    pub(crate) fn len(&self) -> usize {
+        self.counts.polygons
+    }
+
     /// Bytes on the device.
     pub(crate) fn bytes(&self) -> u64 {
         self.boundaries.size()
@@ -59,13 +64,12 @@ impl PolygonMesh {
 }
 
 /// The steps of the extraction of a caster of polygons for a batch of lights, after light batch and positions were written.
-/// `buffers` are those of an extractor, but for the chunks. `given`: the faces that count nowhere, in any extraction.
+/// `buffers` are those of an extractor, but for the chunks.
 pub(crate) fn polygon_steps(
     pipelines: &Pipelines,
     shape: &Shape,
     mut buffers: Buffers,
     positions: (&wgpu::Buffer, &BoundPositions),
-    given: Option<&wgpu::Buffer>,
 ) -> Result<Vec<Step>, DeviceError> {
     let device = pipelines.device();
     let limits = DispatchLimits::new(&device.limits());
@@ -80,7 +84,7 @@ pub(crate) fn polygon_steps(
     pipelines.make_together(&programs([&reading, &others], None));
     let Buffers { record, counts, .. } = &buffers;
     let mut steps = vec![Step::Clear(record.clone(), 0..RECORD_HEAD), Step::Clear(counts.clone(), 0..shape.lists_head)];
-    let binder = Binder { pipelines, shape, buffers: &buffers, ranges, facing, positions: Some(positions), given };
+    let binder = Binder { pipelines, shape, buffers: &buffers, ranges, facing, positions: Some(positions) };
     steps.extend(binder.read_positions(&reading, 0));
     steps.extend(binder.read_facing(&others, 0));
     Ok(steps)

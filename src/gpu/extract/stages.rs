@@ -189,8 +189,6 @@ pub(super) struct Binder<'a> {
     pub(super) facing: &'a Windows,
     /// Positions, for stages that read them.
     pub(super) positions: Option<(&'a wgpu::Buffer, &'a BoundPositions)>,
-    /// Masks of polygons that a scene excludes.
-    pub(super) given: Option<&'a wgpu::Buffer>,
 }
 
 impl<'a> Binder<'a> {
@@ -286,11 +284,7 @@ impl<'a> Binder<'a> {
     fn read_boundaries(&self, polygons: &PolygonBuffers, stages: &[Planned], batch: usize) -> Vec<Step> {
         let PolygonBuffers { undecided, head, arguments, pieces, .. } = polygons;
         let bytes = 4 * self.shape.faces as u64;
-        let excluded = self.buffers.excluded.get(batch).map(|excluded| match self.given {
-            Some(given) => Step::Copy([given, excluded].map(|buffer| (buffer.clone(), 0)), bytes),
-            None => Step::clear(excluded),
-        });
-        let mut steps: Vec<Step> = excluded.into_iter().collect();
+        let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
         if let Some(facing) = self.buffers.facing.get(batch) {
             // Most polygons are not twisted.
             steps.push(Step::Clear(facing.clone(), bytes..facing.size()));

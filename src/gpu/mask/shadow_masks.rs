@@ -19,7 +19,7 @@ const GROUP: usize = 32;
 ///
 /// The first call makes pipelines, and so does the first call with other formats or another depth direction. A change of the
 /// image size makes new textures, so use one value for each size. Textures take 5 to 13 bytes for each sample of each pixel.
-/// The depth and the target of the last call stay alive.
+/// The target of the last call stays alive.
 #[derive(Debug)]
 pub struct ShadowMasks {
     /// Whether vertex shaders cut volumes at the frustum, see [`ShadowFormat::trim`](crate::gpu::ShadowFormat::trim).
@@ -31,8 +31,6 @@ pub struct ShadowMasks {
     depth_stencil: Option<Attachment>,
     /// The bits of up to 8 lights, and of more.
     bits: [Option<Attachment>; 2],
-    /// The last depth, and its bind group.
-    depth: Option<(wgpu::TextureView, wgpu::BindGroup)>,
     /// The last target, and its layers.
     target: Option<(wgpu::Texture, Vec<wgpu::TextureView>)>,
 }
@@ -84,7 +82,6 @@ impl ShadowMasks {
                 writing: Vec::new(),
                 depth_stencil: None,
                 bits: [None, None],
-                depth: None,
                 target: None,
             })
         })
@@ -115,36 +112,34 @@ impl ShadowMasks {
     }
 
     /// The bind group of a depth.
-    fn depth_group(&mut self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
-        let made = if let Some(cached) = self.depth.take().filter(|(cached, _)| cached == depth) {
-            cached
-        } else {
-            let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
-            let layout = layout(&self.shared, is_sampled);
-            let what = ["the depth", "is it a view of the depth aspect alone, of one layer? "];
-            (depth.clone(), tried(device, what, || group(device, "mask depth", &layout, &[texture(depth)]))?)
-        };
-        Ok(self.depth.insert(made).1.clone())
+    fn depth_group(&self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
+        let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
+        let layout = layout(&self.shared, is_sampled);
+        let what = ["the depth", "is it a view of the depth aspect alone, of one layer? "];
+        // The group of a destroyed texture would spoil the caller's submission, so none is kept.
+        tried(device, what, || group(device, "mask depth", &layout, &[texture(depth)]))
     }
 
     /// Views of the first layers of a target that a pass can draw into.
     fn layers(&mut self, target: &wgpu::Texture, layers: u32) -> Result<Vec<wgpu::TextureView>, MaskError> {
         let is_same = |(cached, views): &(wgpu::Texture, Vec<_>)| cached == target && views.len() >= layers as usize;
-        let made = if let Some(cached) = self.target.take().filter(is_same) {
-            cached
-        } else {
-            let device = self.shared.device();
-            tried(device, ["the target", ""], || {
-                let views: Vec<_> = (0..layers).map(|layer| layer_view(target, layer)).collect();
-                // A destroyed texture, or one of another device, would spoil the caller's encoder. Try it in this one.
-                let mut tried = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                for view in &views {
-                    drop(draw_into(&mut tried, view));
-                }
-                drop(tried.finish());
-                (target.clone(), views)
-            })?
-        };
+        let cached = self.target.take().filter(is_same);
+        let device = self.shared.device();
+        let made = tried(device, ["the target", ""], || {
+            if let Some(cached) = cached {
+                // The texture may have been destroyed since. No view of it can be made then.
+                drop(layer_view(target, 0));
+                return cached;
+            }
+            let views: Vec<_> = (0..layers).map(|layer| layer_view(target, layer)).collect();
+            // A destroyed texture, or one of another device, would spoil the caller's encoder. Try it in this one.
+            let mut tried = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            for view in &views {
+                drop(draw_into(&mut tried, view));
+            }
+            drop(tried.finish());
+            (target.clone(), views)
+        })?;
         let (_, views) = self.target.insert(made);
         Ok(views.iter().take(layers as usize).cloned().collect())
     }

@@ -142,6 +142,11 @@ impl MeshEntry {
         faces.iter().filter_map(|&face| slots.get(face as usize).copied()).collect()
     }
 
+    /// The number of faces, which are polygons or triangles.
+    pub(crate) fn face_count(&self) -> usize {
+        self.polygons.as_ref().map_or(self.faces as usize, PolygonMesh::len)
+    }
+
     pub(crate) fn edges(&self) -> u32 {
         let EdgeCounts { consistent, inconsistent, boundary } = self.counts;
         (consistent + inconsistent + boundary) as u32

@@ -41,7 +41,8 @@ impl Scene {
     /// The caller must make sure that the positions are those that were searched: for a rigid caster those of its mesh.
     ///
     /// # Errors
-    /// [`ShadowError::OcclusionCasters`], [`ShadowError::OcclusionCaster`], or an error of a handle.
+    /// [`ShadowError::OcclusionCasters`], [`ShadowError::OcclusionCaster`], [`ShadowError::Polygons`] if faces of a caster
+    /// of polygons are occluded, or an error of a handle.
     pub fn set_occluded_faces(
         &mut self,
         light: LightHandle,
@@ -77,9 +78,12 @@ impl Scene {
         for (number, (caster, of_caster)) in casters.iter().zip(occluded.casters()).enumerate() {
             let key = caster.key_in(self.id)?;
             let entry = self.content.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
-            let faces = entry.mesh.faces as usize;
+            let faces = entry.mesh.face_count();
             if faces != of_caster.face_count || !keys.insert(key) {
                 return Err(ShadowError::OcclusionCaster { caster: number, faces, found: of_caster.face_count });
+            }
+            if entry.mesh.polygons.is_some() && !of_caster.faces.is_empty() {
+                return Err(ShadowError::Polygons);
             }
             let slots = entry.mesh.slots(&of_caster.faces);
             sources.push(OcclusionCaster { key, version: of_caster.version, slots });

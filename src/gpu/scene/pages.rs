@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use range_alloc::RangeAllocator;
+use slotmap::{DefaultKey, SlotMap};
 
 use super::topology::Topology;
 use crate::gpu::common::device_error::DeviceError;
@@ -21,7 +22,7 @@ const WHAT: [&str; KINDS] = ["faces", "edge records", "rest positions", "cluster
 /// The page of a mesh, and its elements there.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Region {
-    pub(crate) page: usize,
+    pub(crate) page: DefaultKey,
     /// Faces, edge records, vertices, and words of clusters.
     pub(crate) ranges: [Range<u32>; KINDS],
 }
@@ -41,8 +42,10 @@ pub(crate) struct PageBuffers<B = wgpu::Buffer> {
 #[derive(Debug)]
 struct Page {
     buffers: PageBuffers,
-    /// Whether it is for one mesh alone, which begins it.
+    /// Whether it is for one mesh alone, which begins it and takes it along when it goes.
     is_of_one: bool,
+    /// The size of the buffers.
+    bytes: u64,
     /// Free ranges of each kind.
     free: [RangeAllocator<u32>; KINDS],
 }
@@ -50,7 +53,7 @@ struct Page {
 /// All pages of a scene. A scene grows by further pages, so it copies nothing.
 #[derive(Debug, Default)]
 pub(crate) struct Pages {
-    all: Vec<Page>,
+    all: SlotMap<DefaultKey, Page>,
     /// The regions that were freed since the last encode, and between it and the one before.
     freed: [Vec<Region>; 2],
     /// The size of all pages in bytes.
@@ -87,12 +90,12 @@ impl Page {
 }
 
 impl Pages {
-    pub(crate) fn get(&self, page: usize) -> Option<&PageBuffers> {
+    pub(crate) fn get(&self, page: DefaultKey) -> Option<&PageBuffers> {
         self.all.get(page).map(|page| &page.buffers)
     }
 
     /// Allocates a mesh, in a new page if the others have no room. `used` are the bytes of the scene so far. If
-    /// `is_alone`, the mesh begins a page, which is no larger than the mesh.
+    /// `is_alone`, the mesh gets a page of its size.
     pub(crate) fn add(
         &mut self,
         device: &wgpu::Device,
@@ -105,18 +108,13 @@ impl Pages {
         // The allocator refuses empty ranges.
         let items = [mesh.faces.len(), mesh.edge_faces.len(), vertices as usize, mesh.clusters.len()];
         let items = items.map(|n| n.max(1) as u64);
-        for (page, pool) in self.all.iter_mut().enumerate() {
-            let is_empty = pool.free.iter().all(RangeAllocator::is_empty);
-            if pool.is_of_one == is_alone
-                && (!is_alone || is_empty)
-                && let Some(ranges) = pool.allocate(items)
-            {
+        for (page, pool) in self.all.iter_mut().filter(|(_, pool)| !is_alone && !pool.is_of_one) {
+            if let Some(ranges) = pool.allocate(items) {
                 return Ok(Region { page, ranges });
             }
         }
-        let page = self.all.len();
         let limits = DispatchLimits::new(&device.limits());
-        let shared = self.all.iter().filter(|page| !page.is_of_one).count();
+        let shared = self.all.values().filter(|page| !page.is_of_one).count();
         let sizes = page_sizes(shared, items, limits.binding)?;
         let sizes = if is_alone { items } else { sizes };
         let mut all = Vec::new();
@@ -126,12 +124,11 @@ impl Pages {
         check(&all, u64::MAX, memory_limit)?;
         let buffers = guarded(device, bytes + used, || PageBuffers::plan(sizes, |wanted| wanted.make(device)))?;
         let free = sizes.map(|items| RangeAllocator::new(0..items as u32));
-        let mut made = Page { buffers, is_of_one: is_alone, free };
+        let mut made = Page { buffers, is_of_one: is_alone, bytes, free };
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
-        self.all.push(made);
         self.bytes += bytes;
-        Ok(Region { page, ranges })
+        Ok(Region { page: self.all.insert(made), ranges })
     }
 
     /// Uploads a mesh and its positions. The queue writes them before the commands of its next submission. No command that
@@ -156,9 +153,14 @@ impl Pages {
         any_error(device, write).map_err(|message| DeviceError::Refused { message })
     }
 
-    /// Frees a region. Recorded frames may still read it.
+    /// Frees a region. Recorded frames may still read it. So the region of a page for many waits, and the buffers of a page
+    /// for one, which nothing writes again, live as long as those frames.
     pub(crate) fn free(&mut self, region: Region) {
-        self.freed[0].push(region);
+        if self.all.get(region.page).is_some_and(|page| page.is_of_one) {
+            self.bytes -= self.all.remove(region.page).map_or(0, |page| page.bytes);
+        } else {
+            self.freed[0].push(region);
+        }
     }
 
     /// Makes regions available that were freed before the last encode but this one. Each encode calls it. The queue would

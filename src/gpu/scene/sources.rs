@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use slotmap::DefaultKey;
+
 use super::caster::{BoundBuffer, CasterEntry, CasterPositions, Placement, Rigid};
 use super::pages::PageBuffers;
 use crate::gpu::common::device_error::DeviceError;
@@ -13,7 +15,7 @@ use crate::gpu::shadow::errors::ShadowError;
 /// A source of positions that casters of one page use.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct Source {
-    pub(crate) page: usize,
+    pub(crate) page: DefaultKey,
     /// `None`: the positions of the page.
     buffer: Option<BoundBuffer>,
 }

@@ -103,8 +103,9 @@ fn clears(structure: &Structure) -> Vec<Step> {
     let Structure { parts, buffers, .. } = structure;
     let counts = Step::Clear(buffers.work.clone(), 0..4 * WORK_WORDS * parts.len() as u64);
     let mut steps = vec![counts, Step::clear(&buffers.statistics)];
-    for part in parts {
-        // In groups without exclusions `facing` clears the masks, and for polygons their first steps do.
+    // The extraction of polygons clears their masks. Nobody excludes polygons.
+    for part in parts.iter().filter(|part| part.sizes.polygons.is_none()) {
+        // In groups without exclusions `facing` clears the masks.
         let excludes = structure.layout.groups.get(part.group).is_some_and(|group| group.excludes);
         let (excluded, bytes) = (part.buffers.excluded.clone(), part.sizes.masks);
         match &part.exclusions {
@@ -155,7 +156,7 @@ impl<'a> Binder<'a> {
     /// The extraction of the polygons of a group.
     fn polygons(&self, group_batch: &GroupBatch) -> Option<Result<Vec<Step>, DeviceError>> {
         let Self { structure, inputs, limits, .. } = self;
-        let &GroupBatch { group, ref sizes, ref buffers, ref exclusions, .. } = group_batch;
+        let &GroupBatch { group, ref sizes, ref buffers, .. } = group_batch;
         let GroupBuffers { facing, excluded, record, lists, polygons, .. } = buffers;
         let PolygonBuffers { lights: light_batch, undecided, arguments, pieces } = polygons.as_ref()?;
         let GroupTopology { page, positions: (positions, range), .. } = structure.topology.get(group)?;
@@ -197,7 +198,7 @@ impl<'a> Binder<'a> {
             statistics: arguments.clone(),
             unused: arguments.clone(),
         };
-        Some(polygon_steps(inputs.pipelines, &shape, buffers, (positions, &bound), exclusions.as_ref()))
+        Some(polygon_steps(inputs.pipelines, &shape, buffers, (positions, &bound)))
     }
 
     /// The resource that a stage binds by this name. Stages and draws of shadow volumes have it here, too.

@@ -90,28 +90,25 @@ pub struct Polygons {
 }
 
 impl Polygons {
-    /// Welds vertices and makes polygons of them, with their triangles.
+    /// Checks polygons, welds their vertices and makes polygons of them, with their triangles.
     pub(super) fn welded(
         positions: &[[f32; 3]],
         given: PolygonLoops<'_>,
         weld: Weld,
     ) -> Result<(Self, Vec<[u32; 3]>, WeldCounts), MeshError> {
+        // Vertices that are welded have indices of 32 bits.
+        check::check(positions.len(), given)?;
         let (groups, mut counts) = weld::weld_positions(positions, weld);
-        let (polygons, triangles) = Self::new(positions, given, &groups)?;
+        let (polygons, triangles) = Self::new(positions, given, &groups);
         if counts.after < counts.before {
             counts.collapsed = polygons.collapsed(given);
         }
         Ok((polygons, triangles, counts))
     }
 
-    /// Checks polygons over `vertex_count` vertices, renames their corners, and triangulates them at `positions`. The
-    /// triangles come second. `rename` has an entry for each vertex, or none if they keep their names.
-    fn new(
-        positions: &[[f32; 3]],
-        given: PolygonLoops<'_>,
-        rename: &[u32],
-    ) -> Result<(Self, Vec<[u32; 3]>), MeshError> {
-        check::check(positions.len(), given)?;
+    /// Renames the corners of polygons that passed [`check::check`], and triangulates them at `positions`. The triangles
+    /// come second. `rename` has an entry for each vertex, or none if they keep their names.
+    fn new(positions: &[[f32; 3]], given: PolygonLoops<'_>, rename: &[u32]) -> (Self, Vec<[u32; 3]>) {
         let renamed = |&v: &u32| rename.get(v as usize).copied().unwrap_or(v);
         let mut polygons = Self {
             loop_starts: starts(given.polygon_loops),
@@ -133,7 +130,7 @@ impl Polygons {
             polygons.boundary_starts.push(polygons.boundaries.len() as u32);
             polygons.triangle_starts.push(triangles.len() as u32);
         }
-        Ok((polygons, triangles))
+        (polygons, triangles)
     }
 
     /// The number of polygons.

@@ -15,6 +15,8 @@ use super::wgsl_constant;
 struct Constants {
     margin: f32,
     tiny: f32,
+    /// TINY, where it is the margin at the point.
+    tiny_at_point: f32,
     underflow: f32,
 }
 
@@ -39,18 +41,21 @@ fn case(random: &mut Random) -> Case {
         let w = [1.0, 1.0, 0.5, random.between(0.5, 2.0)][random.below(4)];
         let light = Light::homogeneous([to[0] * w, to[1] * w, to[2] * w, w]);
         let [x, y, z, w] = light.to_array().map(f64::from);
-        let t = f64::from(random.between(0.01, 0.99));
-        let at: [f64; 3] = std::array::from_fn(|axis| {
-            let p = f64::from(point[axis]);
-            p + t * ([x, y, z][axis] / w - p)
-        });
+        let t = match random.below(3) {
+            0 => f64::from(random.between(-140.0, 0.0)).exp2(),
+            _ => f64::from(random.between(0.01, 0.99)),
+        };
         let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
-            let [below, above] = neighbours(at[axis]);
+            let (p, end) = (f64::from(point[axis]), [x, y, z][axis] / w);
+            let at = p + t * (end - p);
+            // More than f64 rounds. Near its end the segment would else miss the box.
+            let error = 2.0_f64.powi(-50) * (p.abs() + t * end.abs());
+            let (below, above) = (neighbours(at - error)[0], neighbours(at + error)[1]);
             let room = match random.below(3) {
                 0 => 0.0,
                 1 => random.between(-149.0, -120.0).exp2(),
-                _ => random.between(-20.0, 4.0).exp2() * at[axis].abs() as f32,
+                _ => random.between(-20.0, 4.0).exp2() * at.abs() as f32,
             };
             (low[axis], high[axis]) =
                 (below - random.between(0.0, 1.0) * room, above + random.between(0.0, 1.0) * room);
@@ -64,7 +69,7 @@ fn case(random: &mut Random) -> Case {
 }
 
 fn misses(with: &mut RoundingModels, case: &Case, constants: Constants) -> bool {
-    let Constants { margin, tiny, underflow } = constants;
+    let Constants { margin, tiny, tiny_at_point, underflow } = constants;
     let batch = LightBatch::new(&[case.light], 0, 3);
     let ([x, y, z, w], inexact_w) = (batch.lights[0], batch.inexact_w[0][0]);
     let (l, p) = ([x, y, z], case.point);
@@ -81,7 +86,7 @@ fn misses(with: &mut RoundingModels, case: &Case, constants: Constants) -> bool 
         };
         let (high, high_margin) = beyond(case.high[i]);
         let (low, low_margin) = beyond(case.low[i]);
-        if (to_high < 0.0 && high < -high_margin) || (to_low > 0.0 && low > low_margin) {
+        if (to_high < -tiny_at_point && high < -high_margin) || (to_low > tiny_at_point && low > low_margin) {
             return true;
         }
         let (sum, difference) = (with.sum(to_low, to_high, 1.0), with.sum(to_high, -to_low, 1.0));
@@ -121,8 +126,9 @@ fn nothing_is_left_out(constants: Constants) -> Result<(), String> {
 fn no_box_is_left_out_for_any_rounding() -> Result<(), String> {
     let constant = |name| wgsl_constant(&SHADOW_DEPTH, name).ok_or_else(|| format!("no constant {name}"));
     let [margin, tiny, underflow] = [constant("MARGIN")?, constant("TINY")?, constant("UNDERFLOW")?];
-    let constants = Constants { margin, tiny, underflow };
+    let constants = Constants { margin, tiny, tiny_at_point: tiny, underflow };
     nothing_is_left_out(constants)?;
     must_fail("no margin", &nothing_is_left_out(Constants { margin: 0.0, ..constants }))?;
-    must_fail("no bound on underflow", &nothing_is_left_out(Constants { tiny: 0.0, ..constants }))
+    must_fail("no bound on underflow", &nothing_is_left_out(Constants { tiny: 0.0, ..constants }))?;
+    must_fail("no bound at the point", &nothing_is_left_out(Constants { tiny_at_point: 0.0, ..constants }))
 }

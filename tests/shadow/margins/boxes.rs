@@ -7,13 +7,15 @@ use glam::DVec3;
 use rimline::Light;
 use rimline::internals::layout::ShadowShape;
 use rimline::internals::shadow::{
-    CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS_2005,
+    self, CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS_2005,
 };
-use rimline::internals::stages::CAP_FACES;
+use rimline::internals::stages::{CAP_FACES, COUNTING_METHODS};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
+use rimline_testkit::same;
 use rimline_testkit::scenes::{PROJECTIONS, Pose, direction};
 
 use super::view::{Eye, around, box_of, chosen, options, stepped};
@@ -24,6 +26,7 @@ pub(super) const TESTS: &[Test] = &[
     ("lights_in_the_casters_box_make_every_face_cast", lights_in_box),
     ("the_published_frustum_begins_before_the_caster", published_frustum),
     ("volumes_end_beyond_the_range_and_hardly_later", volumes_end),
+    ("receivers_limit_no_volume_whose_numbers_overflow", overflow),
 ];
 
 /// Or miss it by a few ulps: what is seen is decided by the rasteriser's near plane, which rounding moves that far.
@@ -216,4 +219,35 @@ fn volumes_end() -> Result<(), String> {
     println!("{ended} volumes end, {skipped} casters are out of range");
     assert!(ended > 1500 && skipped > 20, "not vacuous");
     Ok(())
+}
+
+/// A caster behind all receivers has none, but one whose numbers are infinite or NaN may have any.
+fn overflow() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(212)?;
+    let probe = Probe::of(
+        &gpu,
+        &COUNTING_METHODS,
+        [2, 1],
+        "let extent = volume_extent(pair.view, pair.light, 1.0, input_position(0u), input_position(1u), 0u);
+    out[0] = vec4<f32>(select(0.0, 1.0, extent.has_no_receiver), extent.factor, 0.0, 0.0);",
+    )?;
+    // The receivers have a box about the camera.
+    let mut receivers = [0; 16];
+    receivers[5] = 1;
+    receivers[6..9].fill((-1.0_f32).to_bits());
+    receivers[9..12].fill(1.0_f32.to_bits());
+    let camera = Pose::random(&mut random, DVec3::ZERO, 1.0).camera(0, false);
+    let seen = |light, x| {
+        let mut view = shadow::view(&camera).map_err(text)?;
+        let of_camera = shadow::light(&camera, &view, light);
+        view.placement = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        Ok::<_, String>((view, of_camera))
+    };
+    let sun = Light::directional([0.0, 0.0, 1.0]);
+    let seen = [seen(sun, 0.0)?, seen(sun, f32::MAX)?, seen(Light::point([-1e33, 0.0, 0.0]), 0.0)?];
+    let behind = [[-1.0, -1.0, -5.0], [1.0, 1.0, -4.0]];
+    let huge = [[f32::MAX, -1.0, -5.0], [f32::MAX, 1.0, -4.0]];
+    let found = probe.run(&gpu, &[(8, &gpu.storage(&receivers))], &seen, &[(0, behind), (1, huge), (2, huge)])?;
+    let found: Vec<_> = found.iter().map(|out| [out[0][0], out[0][1]]).collect();
+    same("no receiver, and the end", &found, &[[1.0, 0.0], [0.0, -1.0], [0.0, 0.0]])
 }
