@@ -31,8 +31,8 @@ use casters::Casters;
 use casting::{CastInputs, CoveredFaces, PosedModel};
 use from_depth::FromDepth;
 use pictures::{DrawInputs, Masks, Pictures};
-pub(crate) use report::files;
 use report::{Report, ResultFiles};
+pub(crate) use report::{are_written, files};
 use shadow_scene::{ShadowInputs, ShadowScene, not_orthographic};
 use shadows::{RenderResources, ShadowMethod, VolumePipelines, warn_of_limits};
 

@@ -6,6 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
+use rimline_files::ReadOptions;
 use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
@@ -143,6 +144,11 @@ pub(crate) struct ShadowSceneArgs {
 }
 
 impl ShadowSceneArgs {
+    /// How the files are read.
+    pub(crate) fn options(&self) -> ReadOptions {
+        self.load.options(self.weld.weld(), self.polygons.taken())
+    }
+
     /// Lights that stand for one with an area.
     pub(crate) fn samples(&self) -> usize {
         let usual = if self.one_pattern { MOST_SAMPLES } else { MOST_SAMPLES / 2 };
