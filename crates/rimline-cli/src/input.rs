@@ -106,7 +106,7 @@ impl Input {
     pub(crate) fn read(file: &Path, options: &ReadOptions) -> Result<Self, Failure> {
         const SHOWN: usize = 20;
         let content = if files::is_standard(file) {
-            files::read(file).map_err(FileError::from).and_then(|bytes| read_bytes(&bytes, None, options))
+            files::read(file, options.memory_limit).and_then(|bytes| read_bytes(&bytes, None, options))
         } else {
             rimline_files::read(file, options)
         };

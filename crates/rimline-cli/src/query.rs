@@ -32,7 +32,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     progress.step("reading the points");
     let (limit, origin) = (args.model.options().memory_limit, posed.input.origin());
     let failed = Failure::input(&args.points);
-    let read = || -> Result<_, Cause> { Ok(npz::read_points(files::archive(&args.points)?, limit)?) };
+    let read = || -> Result<_, Cause> { Ok(npz::read_points(files::archive(&args.points, limit)?, limit)?) };
     let given = times.measure("points", read).map_err(&failed)?;
     let scene = times.measure("topology", || posed.scene())?;
     given.check_faces(scene.mesh.faces().len()).map_err(|error| failed(error.into()))?;

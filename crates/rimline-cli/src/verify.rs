@@ -258,7 +258,7 @@ struct Checked {
 /// Finds everything again from positions, faces and lights, on each device, and compares the archives.
 fn check_file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> {
     let failed = Failure::input(file);
-    let given = files::read(file).map_err(|error| failed(FileError::from(error).into()))?;
+    let given = files::read(file, LoadOptions::DEFAULT_MEMORY_LIMIT).map_err(|error| failed(error.into()))?;
     let (arrays, lights) = read_archive(&given).map_err(&failed)?;
     let Arrays { positions, faces, origin, .. } = arrays;
     let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;

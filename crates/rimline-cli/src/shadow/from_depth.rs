@@ -190,7 +190,7 @@ impl GivenMap {
     ) -> Result<Self, Failure> {
         let takes = method != DepthMapMethod::EveryCell;
         let read = || -> Result<_, Cause> {
-            let arrays = npz::read_depth_map(files::archive(file)?, memory_limit, takes)?;
+            let arrays = npz::read_depth_map(files::archive(file, memory_limit)?, memory_limit, takes)?;
             Ok(Self::new(file, arrays, origin)?)
         };
         read().map_err(Failure::input(file))
