@@ -320,9 +320,9 @@ impl Paper {
 }
 
 fn parse_paper(text: &str) -> Result<Paper, &'static str> {
-    let named = text.strip_prefix(['A', 'a']).and_then(|number| number.parse::<usize>().ok());
-    if let Some(size) = named.and_then(|number| Paper::SIZES.get(number)) {
-        return Ok(Paper::Turned(*size));
+    let is_named = |number: usize| text.eq_ignore_ascii_case(&format!("A{number}"));
+    if let Some((_, size)) = (0..).zip(Paper::SIZES).find(|(number, _)| is_named(*number)) {
+        return Ok(Paper::Turned(size));
     }
     let side = |text: &str| text.trim().parse().ok().filter(|side: &f64| (1.0..=20_000.0).contains(side));
     let given = text.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?]));
