@@ -23,6 +23,10 @@ use crate::report::Times;
 const MOMENT: f32 = 0.37;
 
 pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
+    let wanted = args.device.as_deref().unwrap_or("cpu");
+    if wanted == "all" {
+        return Err(Failure::usage("--make computes on one device; give --device gpu, cpu or a name"));
+    }
     let progress = Progress::start();
     check_names(&args.models)?;
     let names = args.models.iter().flat_map(|model| [stem(model), posed(model)]);
@@ -35,11 +39,7 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     }
     let _folder = Folder::create(folder)?;
     progress.step("opening the device");
-    let maker = Maker {
-        folder,
-        device: device::open(&Wanted::parse(args.device.as_deref().unwrap_or("cpu")))?,
-        progress: &progress,
-    };
+    let maker = Maker { folder, device: device::open(&Wanted::parse(wanted))?, progress: &progress };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
         let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
