@@ -414,7 +414,11 @@ impl GpuError {
             | Self::Shadow(ShadowError::Light(lights)) => Failure::usage(lights.to_string()),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
-            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
+            | Self::Extractor(
+                ExtractorError::Polygons
+                | ExtractorError::BoundaryTooLarge { .. }
+                | ExtractorError::PolygonTooLarge { .. },
+            )
             | Self::DepthMap(DepthMapError::Texture { .. }) => self.too_small(gpu),
             _ if self.memory().is_some() => self.too_small(gpu),
             _ => gpu.failed(&self.to_string()),
@@ -448,12 +452,10 @@ impl GpuError {
     fn reason(&self) -> String {
         let of_scene =
             if let Self::Shadow(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
-        // Its advice is to give the options of the command.
-        if let Self::Extractor(ExtractorError::BoundaryTooLarge { polygon, edges }) = self {
-            return format!(
-                "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} \
-                 there; cut it, or leave out --polygons"
-            );
+        if let Self::Extractor(error) = self
+            && let Some(reason) = of_polygons(error)
+        {
+            return reason;
         }
         match self.memory() {
             Some(
@@ -480,6 +482,23 @@ impl GpuError {
             _ => None,
         }
     }
+}
+
+/// Why polygons do not fit, with advice that names options of the command and not the library.
+fn of_polygons(error: &ExtractorError) -> Option<String> {
+    Some(match error {
+        ExtractorError::Polygons => {
+            "--method per-edge takes no polygons there; leave it out, or leave out --polygons".to_owned()
+        }
+        ExtractorError::BoundaryTooLarge { polygon, edges } => format!(
+            "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} there; cut it, or \
+             leave out --polygons"
+        ),
+        ExtractorError::PolygonTooLarge { polygon, triangles } => {
+            format!("polygon {polygon} has {triangles} triangles, too many there; cut it, or leave out --polygons")
+        }
+        _ => return None,
+    })
 }
 
 pub(crate) trait On<T> {
