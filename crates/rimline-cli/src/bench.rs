@@ -106,9 +106,8 @@ fn model(file: &Path, args: &BenchArgs) -> Result<Model, Failure> {
 
 fn times_of_depth_maps(file: &Path) -> Result<Vec<rimline_bench::row::Row>, Failure> {
     depth_maps::from_json(&files::read_text(file)?).map_err(|what| {
-        Failure::input(file)(
-            format!("it is not what `cargo bench --bench depth_maps -- casters --json FILE` writes: {what}").into(),
-        )
+        let problem = format!("it is not what `cargo bench --bench depth_maps -- casters --json FILE` writes: {what}");
+        Failure::input(file, problem)
     })
 }
 

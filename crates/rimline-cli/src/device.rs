@@ -404,7 +404,7 @@ impl GpuError {
             return failure;
         }
         match &self {
-            Self::GivenMap { file, problem } => Failure::input(file)(problem.clone().into()),
+            Self::GivenMap { file, problem } => Failure::input(file, problem.clone()),
             Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
             | Self::DepthMap(DepthMapError::Camera(camera)) => {
                 Failure::usage(format!("{camera}; change --eye, --target, --fov or --near"))

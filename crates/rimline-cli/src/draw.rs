@@ -100,14 +100,15 @@ fn draw(
             drawn.map(|(colors, _)| colors).collect::<Vec<_>>()
         });
         let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
-        let failed = Failure::input(&posed.input.file);
+        let file = &posed.input.file;
         let none = if scene.mesh.faces().is_empty() { NO_AREA } else { NO_FINITE_FACE };
-        let bounds = Bounds::of(corners()).ok_or_else(|| failed(none.into()))?;
-        check_bounds(&bounds).map_err(&failed)?;
+        let bounds = Bounds::of(corners()).ok_or_else(|| Failure::input(file, none))?;
+        check_bounds(&bounds).map_err(|error| Failure::input(file, error))?;
         let view = posed.input.view(&args.view, posed.time_s())?;
         let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
 
-        let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera).map_err(|error| failed(error.into()))?;
+        let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera);
+        let sheet = sheet.map_err(|error| Failure::input(file, error))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
 
         let survey_scale = outline_picture::survey_scale(args.view.size, gpu.device.limits().max_texture_dimension_2d);

@@ -248,7 +248,7 @@ pub(crate) fn read(file: &Path, memory_limit: u64) -> Result<Vec<u8>, FileError>
 
 pub(crate) fn read_text(file: &Path) -> Result<String, Failure> {
     let text = |bytes| String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text").into());
-    read(file, MAX_STDIN_BYTES).and_then(text).map_err(|error| Failure::input(file)(error.into()))
+    read(file, MAX_STDIN_BYTES).and_then(text).map_err(|error| Failure::input(file, error))
 }
 
 /// The input's metadata. For `-` it is the metadata of standard input: a file, a pipe or a terminal.

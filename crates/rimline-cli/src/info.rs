@@ -51,7 +51,7 @@ impl Report {
         let meshes = geometries
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), mesh_origin))
             .collect::<Result<Vec<_>, _>>()
-            .map_err(|error| Failure::input(&input.file)(error.into()))?;
+            .map_err(|error| Failure::input(&input.file, error))?;
         let total = MeshReport::total(&meshes);
         let shape = input.shape(0.0, false)?;
         if input.asset().is_some() && input.model().placed_geometries().all(|geometry| geometry.faces().is_empty()) {
@@ -210,7 +210,7 @@ fn point(point: [f32; 3], origin: Origin) -> String {
 type NamedLight<'a> = (Option<&'a str>, Option<SceneLight>);
 
 fn asset_lights<'a>(asset: &'a Asset, input: &Input) -> Result<Vec<NamedLight<'a>>, Failure> {
-    let lights = asset.each_light(None, 0.0).map_err(|error| Failure::input(&input.file)(error.into()))?;
+    let lights = asset.each_light(None, 0.0).map_err(|error| Failure::input(&input.file, error))?;
     Ok(asset.light_names().into_iter().zip(lights.into_iter().map(Result::ok)).collect())
 }
 

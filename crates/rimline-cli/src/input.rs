@@ -110,7 +110,7 @@ impl Input {
         } else {
             rimline_files::read(file, options)
         };
-        let content = content.map_err(|error| Failure::input(file)(error.into()))?;
+        let content = content.map_err(|error| Failure::input(file, error))?;
         let input = Self { file: file.to_owned(), content, playing: Vec::new() };
         input.warnings().take(SHOWN).for_each(|warning| input.warn(Some(warning.to_string())));
         let more = input.warnings().count().saturating_sub(SHOWN);
@@ -146,7 +146,7 @@ impl Input {
             FileError::Gltf(error @ GltfError::SameProperty { .. }) => {
                 Failure::usage(format!("{}: {error}", self.file.display()))
             }
-            error => Failure::input(&self.file)(error.into()),
+            error => Failure::input(&self.file, error),
         }
     }
 
@@ -163,10 +163,10 @@ impl Input {
     /// The shape at a time, without a mesh of all instances.
     pub(crate) fn shape(&self, time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
         match self.world_positions() {
-            Some(_) if displaced && self.polygons().is_some() => Err(Failure::input(&self.file)(
+            Some(_) if displaced && self.polygons().is_some() => Err(Failure::input(
+                &self.file,
                 "it has polygons, whose vertices cannot be displaced so far; cut its faces into triangles, as \
-                 those of an .obj are without --polygons"
-                    .into(),
+                 those of an .obj are without --polygons",
             )),
             Some(positions) if !displaced => Ok(Shape::World(positions)),
             _ => {
@@ -207,7 +207,7 @@ impl Input {
             }),
             Shape::World(_) => resting().and_then(|pose| self.model().mesh(&pose)).map_err(Cause::from),
         };
-        mesh.map_err(Failure::input(&self.file))
+        mesh.map_err(|error| Failure::input(&self.file, error))
     }
 
     /// Why there is no mesh, in words for the whole file.
@@ -291,7 +291,7 @@ impl Input {
             Ok(()) => Ok(chosen),
             Err(error @ (LightError::NoRoom | LightError::TooMany { .. })) => Err(Failure::usage(error.to_string())),
             // Lights of the command line were checked when they were parsed, so the file has the wrong one.
-            Err(error) => Err(Failure::input(&self.file)(format!("its lights cannot be used: {error}").into())),
+            Err(error) => Err(Failure::input(&self.file, format!("its lights cannot be used: {error}"))),
         }
     }
 
@@ -350,13 +350,12 @@ pub(crate) fn settle(inputs: &mut [Input], time_s: f32) -> Result<Origin, Failur
 }
 
 pub(crate) fn read_displacement(file: &Path) -> Result<Displacement, Failure> {
-    let displacement =
-        Displacement::new(&files::read_text(file)?).map_err(|error| Failure::input(file)(error.into()))?;
+    let displacement = Displacement::new(&files::read_text(file)?).map_err(|error| Failure::input(file, error))?;
     if displacement.uses_resources() {
-        return Err(Failure::input(file)(
+        return Err(Failure::input(
+            file,
             "the displacement declares bindings, but the command has no resources for them; use functions \
-             and constants only"
-                .into(),
+             and constants only",
         ));
     }
     Ok(displacement)

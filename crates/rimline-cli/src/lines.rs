@@ -55,7 +55,7 @@ pub(crate) fn run(args: &LinesArgs) -> Result<(), Failure> {
         let (objects, eye) = (motion.objects(frame)?, motion.eye(frame)?);
         let drawing = motion.drawing(frame, &objects, &eye, &progress)?;
         if remarks.of_drawing(&drawing, objects.len()) && frame == 0 {
-            return Err(Failure::input(&args.files[0])("nothing of it can be drawn; the warnings say why".into()));
+            return Err(Failure::input(&args.files[0], "nothing of it can be drawn; the warnings say why"));
         }
         if frame == 0 && drawing.spans.iter().any(|span| span.class == LineClass::Boundary) {
             remarks.of_seams(&inputs);

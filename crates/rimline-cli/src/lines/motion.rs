@@ -46,7 +46,7 @@ impl<'a> Motion<'a> {
         for look in 1..looks {
             corners.extend(eye::corners(&objects_at(args, inputs, look * frames / looks)?));
         }
-        let bounds = Bounds::of(&corners).ok_or_else(|| Failure::input(&args.files[0])(NO_FINITE_FACE.into()))?;
+        let bounds = Bounds::of(&corners).ok_or_else(|| Failure::input(&args.files[0], NO_FINITE_FACE))?;
         let still = Eye::new(args, inputs[0].origin(), &corners, &bounds)?;
         Ok(Self { args, inputs, frames, is_moving, first, bounds, still })
     }
@@ -169,5 +169,5 @@ fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
 }
 
 fn refused(file: &Path, error: LinesError) -> Failure {
-    Failure::input(file)(error.into())
+    Failure::input(file, error)
 }

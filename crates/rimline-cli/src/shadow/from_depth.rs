@@ -193,7 +193,7 @@ impl GivenMap {
             let arrays = npz::read_depth_map(files::archive(file, memory_limit)?, memory_limit, takes)?;
             Ok(Self::new(file, arrays, origin)?)
         };
-        read().map_err(Failure::input(file))
+        read().map_err(|error| Failure::input(file, error))
     }
 
     fn new(file: &Path, arrays: DepthMapArrays, run: Origin) -> Result<Self, String> {

@@ -101,9 +101,9 @@ impl<'a> ShadowScene<'a> {
         file_light: Option<Light>,
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
-        let failed = Failure::input(&first.input.file);
-        let bounds = Bounds::of(points).ok_or_else(|| failed(NO_FINITE_FACE.into()))?;
-        check_bounds(&bounds).map_err(failed)?;
+        let file = &first.input.file;
+        let bounds = Bounds::of(points).ok_or_else(|| Failure::input(file, NO_FINITE_FACE))?;
+        check_bounds(&bounds).map_err(|error| Failure::input(file, error))?;
         let origin = first.input.origin();
         let view = first.input.view(&args.view, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
