@@ -29,8 +29,8 @@ pub(crate) enum Wanted {
     Named(String),
 }
 
-impl Wanted {
-    pub(crate) fn parse(text: &str) -> Self {
+impl From<&str> for Wanted {
+    fn from(text: &str) -> Self {
         match text {
             "auto" => Self::Auto,
             "gpu" => Self::Gpu,
@@ -38,7 +38,9 @@ impl Wanted {
             name => Self::Named(name.to_owned()),
         }
     }
+}
 
+impl Wanted {
     fn fits(&self, adapter: &wgpu::Adapter) -> bool {
         let Self::Named(part) = self else { return true };
         describe(&adapter.get_info()).to_lowercase().contains(&part.to_lowercase())

@@ -31,8 +31,8 @@ const ELEVATION: f64 = 17.0;
 const PIXEL_BYTES: u64 = 4 * 4;
 
 pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.posed.device.device);
-    if wanted == Wanted::Cpu {
+    let wanted = &args.posed.device.device;
+    if *wanted == Wanted::Cpu {
         return Err(Failure::usage(DRAW_ON_CPU));
     }
     check_ending(&args.out, "png")?;
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
-    let gpu = device::open_gpu(&wanted)?;
+    let gpu = device::open_gpu(wanted)?;
     check_size(&gpu, args.view.size, 4)?;
     check_model(&gpu, scene.mesh.faces().len(), scene.mesh.vertex_count() as usize).on(&gpu)?;
     let picture = draw(args, &gpu, &posed, &scene, &progress)?;

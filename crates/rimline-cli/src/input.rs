@@ -377,7 +377,7 @@ pub(crate) struct PosedInput<'a> {
 
 impl<'a> PosedInput<'a> {
     pub(crate) fn read(args: &'a MomentArgs, model: &ModelArgs) -> Result<Self, Failure> {
-        if Wanted::parse(&args.device.device) == Wanted::Cpu && args.displace.is_some() {
+        if args.device.device == Wanted::Cpu && args.displace.is_some() {
             return Err(Failure::usage(DISPLACE_ON_CPU));
         }
         let displacement = args.displace.as_deref().map(read_displacement).transpose()?;
@@ -418,18 +418,18 @@ impl<'a> PosedInput<'a> {
             times.add("device", begin.elapsed().as_secs_f64() * 1e3);
             Ok((run(device, &mut times)?, times))
         };
-        let (device, (done, times)) = device::work(&Wanted::parse(&self.args.device.device), self.device()?, timed)?;
+        let (device, (done, times)) = device::work(&self.args.device.device, self.device()?, timed)?;
         progress.step("writing");
         Ok((device.name(), done, times))
     }
 
     /// Opens the device, which must be a GPU to displace vertices.
     fn device(&self) -> Result<Device, Failure> {
-        let wanted = Wanted::parse(&self.args.device.device);
+        let wanted = &self.args.device.device;
         if self.displacement.is_none() {
-            return device::open_fastest(&wanted);
+            return device::open_fastest(wanted);
         }
-        let mut device = device::open(&wanted)?;
+        let mut device = device::open(wanted)?;
         match &mut device {
             Device::Cpu => return Err(Failure::usage(DISPLACE_ON_CPU)),
             Device::Gpu(gpu) => gpu.cpu_would_do = false,

@@ -12,6 +12,7 @@ use rimline_files::size::bytes;
 use rimline_files::{Format, Polygons, ReadOptions, Up};
 
 use crate::coordinates::{Coordinate, relative};
+use crate::device::Wanted;
 use crate::spec::{self, Side};
 
 /// The model and how its vertices are joined.
@@ -116,7 +117,7 @@ pub(crate) struct DeviceArgs {
     /// faster than software GPUs), `gpu` (any GPU, software GPUs included), `cpu`, or a part of a device's name or
     /// backend (`rimline devices` lists them)
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
-    pub(crate) device: String,
+    pub(crate) device: Wanted,
 }
 
 /// A help text with examples and tables as they are. clap breaks the lines of every other text, which would make examples

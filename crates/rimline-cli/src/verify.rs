@@ -82,7 +82,7 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 fn open(wanted: &str) -> Result<(Vec<Device>, Vec<String>), Failure> {
     let wanted = match wanted {
         "all" => Wanted::Auto,
-        other => Wanted::parse(other),
+        other => other.into(),
     };
     if wanted == Wanted::Cpu {
         return Ok((vec![Device::Cpu], Vec::new()));

@@ -35,7 +35,7 @@ pub(crate) struct ShadowInputs {
 
 impl ShadowInputs {
     pub(crate) fn read(args: &ShadowSceneArgs) -> Result<Self, Failure> {
-        if Wanted::parse(&args.posed.device.device) == Wanted::Cpu {
+        if args.posed.device.device == Wanted::Cpu {
             return Err(Failure::usage(DRAW_ON_CPU));
         }
         let displacement = args.posed.displace.as_deref().map(read_displacement).transpose()?;
@@ -74,7 +74,7 @@ pub(crate) fn take_first_animation(input: &mut Input) {
 
 /// Opens the device, if it can draw such a picture.
 pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
-    let gpu = device::open_gpu(&Wanted::parse(&args.posed.device.device))?;
+    let gpu = device::open_gpu(&args.posed.device.device)?;
     // The multisampled linear picture is the largest array.
     check_size(&gpu, args.view.size, 4 * 8)?;
     Ok(gpu)

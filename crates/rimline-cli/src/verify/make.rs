@@ -12,7 +12,7 @@ use rimline_files::npz::NpzError;
 use rimline_models::check::{LIGHTS, hard_lights};
 
 use crate::args::VerifyArgs;
-use crate::device::{self, Device, Wanted};
+use crate::device::{self, Device};
 use crate::extract::{extract_exactly, write_arrays};
 use crate::failure::Failure;
 use crate::input::{Input, Scene, Shape};
@@ -39,7 +39,7 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     }
     let _folder = Folder::create(folder)?;
     progress.step("opening the device");
-    let maker = Maker { folder, device: device::open(&Wanted::parse(wanted))?, progress: &progress };
+    let maker = Maker { folder, device: device::open(&wanted.into())?, progress: &progress };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
         let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
