@@ -9,7 +9,7 @@ use rimline::gltf::{AnimationInfo, Asset, SceneLight, SceneLightKind, SkippedPri
 use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::mesh::EdgeCounts;
 use rimline::{Light, Mesh, Origin};
-use rimline_files::{Polygons, ReadOptions};
+use rimline_files::Polygons;
 use rimline_picture::Bounds;
 use serde_json::{Map, Value, json};
 
@@ -23,11 +23,11 @@ use report::{INWARD, MeshReport, kind_name};
 pub(crate) use seams::Seams;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let polygons = match args.model.polygons.taken() {
-        Polygons::Triangles => Polygons::Described,
-        taken => taken,
-    };
-    let input = Input::at_rest(&args.model.file, &ReadOptions { polygons, ..args.model.options() })?;
+    let mut options = args.model.read.options();
+    if options.polygons == Polygons::Triangles {
+        options.polygons = Polygons::Described;
+    }
+    let input = Input::at_rest(&args.model.file, &options)?;
     let lights = input.lights(&args.lights, 0.0)?;
     let report = Report::new(&input, &lights)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })

@@ -381,7 +381,7 @@ impl<'a> PosedInput<'a> {
             return Err(Failure::usage(DISPLACE_ON_CPU));
         }
         let displacement = args.displace.as_deref().map(read_displacement).transpose()?;
-        let mut input = Input::read(&model.file, &model.options())?;
+        let mut input = Input::read(&model.file, &model.read.options())?;
         play(std::slice::from_mut(&mut input), &args.pose)?;
         settle(std::slice::from_mut(&mut input), args.pose.time)?;
         note_idle_time(&args.pose, !input.playing.is_empty(), displacement.as_ref());

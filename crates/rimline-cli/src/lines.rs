@@ -178,7 +178,7 @@ impl Picture<'_> {
 }
 
 fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
-    let options = args.load.options(args.weld.weld(), args.polygons.taken());
+    let options = args.read.options();
     let mut inputs = args.files.iter().map(|file| Input::read(file, &options)).collect::<Result<Vec<_>, _>>()?;
     play(&mut inputs, &args.pose)?;
     settle(&mut inputs, args.pose.time)?;

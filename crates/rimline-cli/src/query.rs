@@ -30,7 +30,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let lights = posed.input.lights(&args.lights, posed.time_s())?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(|error| Failure::usage(error.to_string()))?;
     progress.step("reading the points");
-    let (limit, origin) = (args.model.options().memory_limit, posed.input.origin());
+    let (limit, origin) = (args.model.read.load.memory_limit, posed.input.origin());
     let refused = |error: Cause| Failure::input(&args.points, error);
     let read = || -> Result<_, Cause> { Ok(npz::read_points(files::archive(&args.points, limit)?, limit)?) };
     let given = times.measure("points", read).map_err(refused)?;

@@ -8,7 +8,7 @@ use rimline_lines::{Classes, LineClass};
 
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
-use crate::input_args::{CameraArgs, JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
+use crate::input_args::{CameraArgs, JobsArgs, PoseArgs, ReadArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
 use crate::spec::{self, Side};
@@ -36,13 +36,7 @@ pub(crate) struct LinesArgs {
     pub(crate) files: Vec<PathBuf>,
 
     #[command(flatten)]
-    pub(crate) weld: WeldArgs,
-
-    #[command(flatten)]
-    pub(crate) polygons: PolygonArgs,
-
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) read: ReadArgs,
 
     #[command(flatten)]
     pub(crate) pose: PoseArgs,

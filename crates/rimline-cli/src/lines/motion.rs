@@ -105,7 +105,7 @@ fn options(args: &LinesArgs, eye: &Eye) -> LineOptions {
         crease_degrees: args.crease(),
         near: eye.near,
         window: sheet::taken(args, eye),
-        memory_limit: Some(args.load.memory_limit),
+        memory_limit: Some(args.read.load.memory_limit),
         threads: Threads::all(),
     }
 }

@@ -6,12 +6,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 use rimline::gpu::depth_map::{DanglingEdges, DepthMapMethod};
-use rimline_files::ReadOptions;
 use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
-use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
+use crate::input_args::{JobsArgs, MomentArgs, ReadArgs, ViewArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 /// A value of an option, its name and its help.
@@ -79,13 +78,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) files: Vec<PathBuf>,
 
     #[command(flatten)]
-    pub(crate) weld: WeldArgs,
-
-    #[command(flatten)]
-    pub(crate) polygons: PolygonArgs,
-
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) read: ReadArgs,
 
     /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME,
     /// file:INDEX (from 0) or file:all (lights of the first file, as `info` lists them). Options can follow, see below.
@@ -144,11 +137,6 @@ pub(crate) struct ShadowSceneArgs {
 }
 
 impl ShadowSceneArgs {
-    /// How the files are read.
-    pub(crate) fn options(&self) -> ReadOptions {
-        self.load.options(self.weld.weld(), self.polygons.taken())
-    }
-
     /// Lights that stand for one with an area.
     pub(crate) fn samples(&self) -> usize {
         let usual = if self.one_pattern { MOST_SAMPLES } else { MOST_SAMPLES / 2 };

@@ -39,7 +39,7 @@ impl FromDepth {
         let (given, size) = match (args.from_depth, &args.depth) {
             (Some(side), _) => (None, [side; 2]),
             (None, Some(file)) => {
-                let limit = args.scene.load.memory_limit;
+                let limit = args.scene.read.load.memory_limit;
                 let map = GivenMap::read(file, method, limit, origin)?;
                 let size = map.arrays.size;
                 (Some(Arc::new(map)), size)

@@ -265,7 +265,7 @@ pub(crate) fn are_written(args: &ShadowArgs) -> bool {
         return are_there(0);
     }
     let lights = || {
-        let file = rimline_files::read(args.scene.files.first()?, &args.scene.options()).ok()?;
+        let file = rimline_files::read(args.scene.files.first()?, &args.scene.read.options()).ok()?;
         file.asset().map(|asset| asset.light_names().len()).filter(|&lights| lights > 0)
     };
     are_there(1) && lights().is_some_and(are_there)

@@ -39,7 +39,7 @@ impl ShadowInputs {
             return Err(Failure::usage(DRAW_ON_CPU));
         }
         let displacement = args.posed.displace.as_deref().map(read_displacement).transpose()?;
-        let options = args.options();
+        let options = args.read.options();
         let mut inputs = args.files.iter().map(|file| Input::read(file, &options)).collect::<Result<Vec<_>, _>>()?;
         play(&mut inputs, &args.posed.pose)?;
         if !args.plain {
