@@ -320,8 +320,8 @@ pub(crate) struct VerifyArgs {
     pub(crate) faces: u32,
 
     /// The devices to check: `all` (every GPU, and the CPU), `gpu` (every GPU), `cpu`, or a part of their name or backend
-    /// (`rimline devices` lists them). With --make: the one device that computes the files [default: all; with --built-in: gpu;
-    /// with --make: cpu]
+    /// (`rimline devices` lists them). With --make: the one device that computes the files, not `all` [default: all; with
+    /// --built-in: gpu; with --make: cpu]
     #[arg(long, value_name = "all|gpu|cpu|NAME")]
     pub(crate) device: Option<String>,
 

@@ -29,16 +29,16 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if args.schema {
         return print(SCHEMA);
     }
-    let wanted = Wanted::parse(&args.device.device);
+    let wanted = &args.device.device;
     let measured_before = args.depth_maps.as_deref().map(times_of_depth_maps).transpose()?;
-    let plan = match Plan::new(options(args, &wanted)?) {
+    let plan = match Plan::new(options(args)?) {
         Ok(plan) => Some(plan),
         // Times from before are enough for a report.
         Err(PlanError::Nothing) if measured_before.is_some() => None,
         Err(error) => return Err(Failure::usage(error.to_string())),
     };
     let destination = Destination::new(args)?;
-    let device = device::open(&wanted)?;
+    let device = device::open(wanted)?;
     let gpu = match &device {
         Device::Cpu => None,
         Device::Gpu(gpu) => Some(&**gpu),
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     // A second device on the same adapter, once it is needed.
     let second = OnceCell::new();
     let another = || {
-        let gpu = device::open_gpu(&wanted).map_err(|error| Error::Device(error.to_string()))?;
+        let gpu = device::open_gpu(wanted).map_err(|error| Error::Device(error.to_string()))?;
         Ok(measured(second.get_or_init(|| gpu)))
     };
     let first = gpu.map(measured);
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if results.is_complete() { Ok(()) } else { Err(Failure::Interrupted) }
 }
 
-fn options(args: &BenchArgs, wanted: &Wanted) -> Result<Options, Failure> {
+fn options(args: &BenchArgs) -> Result<Options, Failure> {
     let counts = |numbers: &Option<Vec<usize>>| {
         numbers.as_ref().map(|numbers| numbers.iter().copied().filter(|&number| number > 0).collect())
     };
@@ -89,7 +89,7 @@ fn options(args: &BenchArgs, wanted: &Wanted) -> Result<Options, Failure> {
         lights: args.lights.as_ref().map(|lights| lights.iter().copied().map(usize::from).collect()),
         rounds: args.rounds.map(usize::from),
         frames: args.frames.map(usize::from),
-        cpu_only: *wanted == Wanted::Cpu,
+        cpu_only: args.device.device == Wanted::Cpu,
         model: args.file.as_deref().map(|file| model(file, args)).transpose()?,
     })
 }
@@ -106,9 +106,8 @@ fn model(file: &Path, args: &BenchArgs) -> Result<Model, Failure> {
 
 fn times_of_depth_maps(file: &Path) -> Result<Vec<rimline_bench::row::Row>, Failure> {
     depth_maps::from_json(&files::read_text(file)?).map_err(|what| {
-        Failure::input(file)(
-            format!("it is not what `cargo bench --bench depth_maps -- casters --json FILE` writes: {what}").into(),
-        )
+        let problem = format!("it is not what `cargo bench --bench depth_maps -- casters --json FILE` writes: {what}");
+        Failure::input(file, problem)
     })
 }
 

@@ -64,15 +64,16 @@ pub(crate) fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
     Camera { eye, right: forward.cross(up), up, forward, scale: [scale_y * height / width, scale_y], near, far }
 }
 
-/// Points that a camera on an orbit sees from one of its places: those of a scene, turned about the middle of their bounds.
-pub(crate) fn swept(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+/// Points that a camera on an orbit sees from one of its positions: those of a scene, turned about a vertical line through
+/// `axis`, by default through the middle of their bounds.
+pub(crate) fn swept(points: &[[f32; 3]], axis: Option<Vec3>) -> Vec<[f32; 3]> {
     const STEPS: u32 = 24;
     let Some(bounds) = Bounds::of(points) else { return Vec::new() };
-    let centre = bounds.centre().as_dvec3();
-    let outermost = outermost(points, centre.as_vec3());
+    let outermost = outermost(points, bounds.centre());
+    let axis = axis.unwrap_or(bounds.centre()).as_dvec3();
     let turned = |step: u32| {
         let turn = DQuat::from_rotation_y((360.0 * f64::from(step) / f64::from(STEPS)).to_radians());
-        outermost.iter().map(move |&point| (centre + turn * (DVec3::from(point.map(f64::from)) - centre)).as_vec3())
+        outermost.iter().map(move |&point| (axis + turn * (DVec3::from(point.map(f64::from)) - axis)).as_vec3())
     };
     (0..STEPS).flat_map(turned).map(Into::into).collect()
 }
@@ -266,6 +267,27 @@ mod tests {
             };
             let widest = cube().map(seen).fold(0.0, f32::max);
             assert!((widest - FILLED as f32).abs() < 1e-3, "{options}: {widest}");
+        }
+    }
+
+    #[test]
+    fn an_orbit_about_a_target_sees_the_models_all_along() {
+        let cube: Vec<[f32; 3]> = cube().collect();
+        let target = Vec3::new(15.0, 10.0, 10.0);
+        let swept = swept(&cube, Some(target));
+        for options in ["--target 15,10,10", "--target 15,10,10 --ortho", "--target 15,10,10 --eye 15,12,25 --fov 60"] {
+            let camera = camera(&args(options), 17.0, &AROUND, swept.iter().copied()).expect("it has an eye");
+            for degrees in 0..360 {
+                let camera = camera.turned(target, f64::from(degrees));
+                for &point in &cube {
+                    let p = Vec3::from(point) - camera.eye;
+                    let ahead = p.dot(camera.forward);
+                    assert!(ahead > camera.near && camera.far.is_none_or(|far| ahead < far), "{options}: {degrees}");
+                    let distance = if camera.far.is_some() { 1.0 } else { ahead };
+                    let [x, y] = [(camera.right, 0), (camera.up, 1)].map(|(way, axis)| p.dot(way) * camera.scale[axis]);
+                    assert!(x.abs().max(y.abs()) < distance, "{options}: {degrees}");
+                }
+            }
         }
     }
 

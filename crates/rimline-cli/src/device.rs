@@ -29,8 +29,8 @@ pub(crate) enum Wanted {
     Named(String),
 }
 
-impl Wanted {
-    pub(crate) fn parse(text: &str) -> Self {
+impl From<&str> for Wanted {
+    fn from(text: &str) -> Self {
         match text {
             "auto" => Self::Auto,
             "gpu" => Self::Gpu,
@@ -38,7 +38,9 @@ impl Wanted {
             name => Self::Named(name.to_owned()),
         }
     }
+}
 
+impl Wanted {
     fn fits(&self, adapter: &wgpu::Adapter) -> bool {
         let Self::Named(part) = self else { return true };
         describe(&adapter.get_info()).to_lowercase().contains(&part.to_lowercase())
@@ -404,7 +406,7 @@ impl GpuError {
             return failure;
         }
         match &self {
-            Self::GivenMap { file, problem } => Failure::input(file)(problem.clone().into()),
+            Self::GivenMap { file, problem } => Failure::input(file, problem.clone()),
             Self::Shadow(ShadowError::ViewCamera { error: camera, .. })
             | Self::DepthMap(DepthMapError::Camera(camera)) => {
                 Failure::usage(format!("{camera}; change --eye, --target, --fov or --near"))
@@ -414,7 +416,11 @@ impl GpuError {
             | Self::Shadow(ShadowError::Light(lights)) => Failure::usage(lights.to_string()),
             // The CPU would do.
             Self::Deform(DeformError::TooManyTerms { .. })
-            | Self::Extractor(ExtractorError::Polygons | ExtractorError::BoundaryTooLarge { .. })
+            | Self::Extractor(
+                ExtractorError::Polygons
+                | ExtractorError::BoundaryTooLarge { .. }
+                | ExtractorError::PolygonTooLarge { .. },
+            )
             | Self::DepthMap(DepthMapError::Texture { .. }) => self.too_small(gpu),
             _ if self.memory().is_some() => self.too_small(gpu),
             _ => gpu.failed(&self.to_string()),
@@ -448,20 +454,10 @@ impl GpuError {
     fn reason(&self) -> String {
         let of_scene =
             if let Self::Shadow(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
-        // Their advice is to give the options of the command.
-        match self {
-            Self::Extractor(ExtractorError::BoundaryTooLarge { polygon, edges }) => {
-                return format!(
-                    "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} \
-                     there; cut it, or leave out --polygons"
-                );
-            }
-            Self::Extractor(ExtractorError::Polygons) => {
-                return "it has polygons, which the per-edge method does not take there; leave out --polygons or --method \
-                        per-edge"
-                    .to_owned();
-            }
-            _ => {}
+        if let Self::Extractor(error) = self
+            && let Some(reason) = of_polygons(error)
+        {
+            return reason;
         }
         match self.memory() {
             Some(
@@ -488,6 +484,23 @@ impl GpuError {
             _ => None,
         }
     }
+}
+
+/// Why polygons do not fit, with advice that names options of the command and not the library.
+fn of_polygons(error: &ExtractorError) -> Option<String> {
+    Some(match error {
+        ExtractorError::Polygons => {
+            "--method per-edge takes no polygons there; leave it out, or leave out --polygons".to_owned()
+        }
+        ExtractorError::BoundaryTooLarge { polygon, edges } => format!(
+            "polygon {polygon} has a boundary of {edges} edges, and one has at most {MAX_BOUNDARY_EDGES} there; cut it, or \
+             leave out --polygons"
+        ),
+        ExtractorError::PolygonTooLarge { polygon, triangles } => {
+            format!("polygon {polygon} has {triangles} triangles, too many there; cut it, or leave out --polygons")
+        }
+        _ => return None,
+    })
 }
 
 pub(crate) trait On<T> {

@@ -31,8 +31,8 @@ const ELEVATION: f64 = 17.0;
 const PIXEL_BYTES: u64 = 4 * 4;
 
 pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.posed.device.device);
-    if wanted == Wanted::Cpu {
+    let wanted = &args.posed.device.device;
+    if *wanted == Wanted::Cpu {
         return Err(Failure::usage(DRAW_ON_CPU));
     }
     check_ending(&args.out, "png")?;
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
-    let gpu = device::open_gpu(&wanted)?;
+    let gpu = device::open_gpu(wanted)?;
     check_size(&gpu, args.view.size, 4)?;
     check_model(&gpu, scene.mesh.faces().len(), scene.mesh.vertex_count() as usize).on(&gpu)?;
     let picture = draw(args, &gpu, &posed, &scene, &progress)?;
@@ -100,14 +100,15 @@ fn draw(
             drawn.map(|(colors, _)| colors).collect::<Vec<_>>()
         });
         let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
-        let failed = Failure::input(&posed.input.file);
+        let file = &posed.input.file;
         let none = if scene.mesh.faces().is_empty() { NO_AREA } else { NO_FINITE_FACE };
-        let bounds = Bounds::of(corners()).ok_or_else(|| failed(none.into()))?;
-        check_bounds(&bounds).map_err(&failed)?;
+        let bounds = Bounds::of(corners()).ok_or_else(|| Failure::input(file, none))?;
+        check_bounds(&bounds).map_err(|error| Failure::input(file, error))?;
         let view = posed.input.view(&args.view, posed.time_s())?;
         let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
 
-        let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera).map_err(|error| failed(error.into()))?;
+        let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera);
+        let sheet = sheet.map_err(|error| Failure::input(file, error))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
 
         let survey_scale = outline_picture::survey_scale(args.view.size, gpu.device.limits().max_texture_dimension_2d);

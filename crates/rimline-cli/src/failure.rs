@@ -108,11 +108,11 @@ fn remedy(cpu_would_do: bool) -> &'static str {
 
 impl Failure {
     /// Pins what is wrong with an input to its file.
-    pub(crate) fn input(file: &Path) -> impl Fn(Cause) -> Self + '_ {
-        move |source| Self::Input { file: file.to_owned(), source }
+    pub(crate) fn input(file: &Path, error: impl Into<Cause>) -> Self {
+        Self::Input { file: file.to_owned(), source: error.into() }
     }
 
-    /// Pins what is wrong with a result to its file.
+    /// Pins what is wrong with a result to its file, in `map_err`.
     pub(crate) fn output(file: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
         move |source| Self::Output { file: file.to_owned(), source }
     }

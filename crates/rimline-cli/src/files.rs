@@ -218,6 +218,7 @@ fn format_of(out: &Path) -> Option<String> {
     FORMATS.split_whitespace().any(|format| format == ending).then_some(ending)
 }
 
+/// The most bytes of standard input, where no option says less.
 const MAX_STDIN_BYTES: u64 = 1 << 32;
 
 /// A seekable reader, which archives need.
@@ -225,19 +226,20 @@ trait ReadSeek: Read + Seek {}
 
 impl<T: Read + Seek> ReadSeek for T {}
 
-/// An archive of arrays.
-pub(crate) fn archive(file: &Path) -> Result<impl Read + Seek + use<>, Cause> {
+/// An archive of arrays, of which at most `memory_limit` bytes come from standard input.
+pub(crate) fn archive(file: &Path, memory_limit: u64) -> Result<impl Read + Seek + use<>, Cause> {
     let reader: Box<dyn ReadSeek> = if is_standard(file) {
-        Box::new(Cursor::new(stdin().map_err(FileError::from)?))
+        Box::new(Cursor::new(stdin(memory_limit)?))
     } else {
         Box::new(BufReader::with_capacity(1 << 18, open_regular(file).map_err(FileError::from)?))
     };
     Ok(rimline_files::archive(reader).map_err(FileError::from)?)
 }
 
-pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
+/// The bytes of a file. At most `memory_limit` of them come from standard input.
+pub(crate) fn read(file: &Path, memory_limit: u64) -> Result<Vec<u8>, FileError> {
     if is_standard(file) {
-        return stdin();
+        return stdin(memory_limit);
     }
     let mut bytes = Vec::new();
     open_regular(file)?.read_to_end(&mut bytes)?;
@@ -245,8 +247,8 @@ pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
 }
 
 pub(crate) fn read_text(file: &Path) -> Result<String, Failure> {
-    let text = |bytes| String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text"));
-    read(file).and_then(text).map_err(|error| Failure::input(file)(FileError::from(error).into()))
+    let text = |bytes| String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text").into());
+    read(file, MAX_STDIN_BYTES).and_then(text).map_err(|error| Failure::input(file, error))
 }
 
 /// The input's metadata. For `-` it is the metadata of standard input: a file, a pipe or a terminal.
@@ -259,18 +261,23 @@ pub(crate) fn metadata(file: &Path) -> io::Result<Metadata> {
     std::fs::metadata(file)
 }
 
-fn stdin() -> io::Result<Vec<u8>> {
+fn stdin(memory_limit: u64) -> Result<Vec<u8>, FileError> {
     static IS_TAKEN: AtomicBool = AtomicBool::new(false);
     if IS_TAKEN.swap(true, Ordering::SeqCst) {
-        return Err(io::Error::other("standard input is already another input; `-` can be given once"));
+        return Err(io::Error::other("standard input is already another input; `-` can be given once").into());
     }
     let mut bytes = Vec::new();
-    io::stdin().lock().take(MAX_STDIN_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_STDIN_BYTES {
-        return Err(io::Error::other("standard input holds more than 4 GiB; write it to a file"));
+    let most = memory_limit.min(MAX_STDIN_BYTES);
+    io::stdin().lock().take(most + 1).read_to_end(&mut bytes)?;
+    let needed = bytes.len() as u64;
+    if needed > MAX_STDIN_BYTES {
+        return Err(io::Error::other("standard input holds more than 4 GiB; write it to a file").into());
+    }
+    if needed > most {
+        return Err(FileError::TooLarge { what: "standard input".into(), needed, limit: memory_limit });
     }
     if bytes.is_empty() {
-        return Err(io::Error::other("it is empty"));
+        return Err(io::Error::other("it is empty").into());
     }
     Ok(bytes)
 }

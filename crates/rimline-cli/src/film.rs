@@ -62,9 +62,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         points.extend(bodies.iter().flat_map(PosedModel::points));
     }
     if args.orbit.is_some() {
-        points = swept(&points);
+        points = swept(&points, None);
     }
-    let mut set = ShadowScene::new(scene, bodies, &points, None)?;
+    let mut set = ShadowScene::new(scene, bodies, &points, args.orbit.is_some(), None)?;
     let (first, axis) = (set.camera, set.orbit_axis());
     let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
     let pictures = Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts()).on(&gpu)?;

@@ -9,7 +9,7 @@ use rimline::gltf::{AnimationInfo, Asset, SceneLight, SceneLightKind, SkippedPri
 use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::mesh::EdgeCounts;
 use rimline::{Light, Mesh, Origin};
-use rimline_files::{Polygons, ReadOptions};
+use rimline_files::Polygons;
 use rimline_picture::Bounds;
 use serde_json::{Map, Value, json};
 
@@ -23,11 +23,11 @@ use report::{INWARD, MeshReport, kind_name};
 pub(crate) use seams::Seams;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let polygons = match args.model.polygons.taken() {
-        Polygons::Triangles => Polygons::Described,
-        taken => taken,
-    };
-    let input = Input::at_rest(&args.model.file, &ReadOptions { polygons, ..args.model.options() })?;
+    let mut options = args.model.read.options();
+    if options.polygons == Polygons::Triangles {
+        options.polygons = Polygons::Described;
+    }
+    let input = Input::at_rest(&args.model.file, &options)?;
     let lights = input.lights(&args.lights, 0.0)?;
     let report = Report::new(&input, &lights)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
@@ -51,7 +51,7 @@ impl Report {
         let meshes = geometries
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index), mesh_origin))
             .collect::<Result<Vec<_>, _>>()
-            .map_err(|error| Failure::input(&input.file)(error.into()))?;
+            .map_err(|error| Failure::input(&input.file, error))?;
         let total = MeshReport::total(&meshes);
         let shape = input.shape(0.0, false)?;
         if input.asset().is_some() && input.model().placed_geometries().all(|geometry| geometry.faces().is_empty()) {
@@ -210,7 +210,7 @@ fn point(point: [f32; 3], origin: Origin) -> String {
 type NamedLight<'a> = (Option<&'a str>, Option<SceneLight>);
 
 fn asset_lights<'a>(asset: &'a Asset, input: &Input) -> Result<Vec<NamedLight<'a>>, Failure> {
-    let lights = asset.each_light(None, 0.0).map_err(|error| Failure::input(&input.file)(error.into()))?;
+    let lights = asset.each_light(None, 0.0).map_err(|error| Failure::input(&input.file, error))?;
     Ok(asset.light_names().into_iter().zip(lights.into_iter().map(Result::ok)).collect())
 }
 

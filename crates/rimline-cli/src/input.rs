@@ -106,11 +106,11 @@ impl Input {
     pub(crate) fn read(file: &Path, options: &ReadOptions) -> Result<Self, Failure> {
         const SHOWN: usize = 20;
         let content = if files::is_standard(file) {
-            files::read(file).map_err(FileError::from).and_then(|bytes| read_bytes(&bytes, None, options))
+            files::read(file, options.memory_limit).and_then(|bytes| read_bytes(&bytes, None, options))
         } else {
             rimline_files::read(file, options)
         };
-        let content = content.map_err(|error| Failure::input(file)(error.into()))?;
+        let content = content.map_err(|error| Failure::input(file, error))?;
         let input = Self { file: file.to_owned(), content, playing: Vec::new() };
         input.warnings().take(SHOWN).for_each(|warning| input.warn(Some(warning.to_string())));
         let more = input.warnings().count().saturating_sub(SHOWN);
@@ -146,7 +146,7 @@ impl Input {
             FileError::Gltf(error @ GltfError::SameProperty { .. }) => {
                 Failure::usage(format!("{}: {error}", self.file.display()))
             }
-            error => Failure::input(&self.file)(error.into()),
+            error => Failure::input(&self.file, error),
         }
     }
 
@@ -163,10 +163,10 @@ impl Input {
     /// The shape at a time, without a mesh of all instances.
     pub(crate) fn shape(&self, time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
         match self.world_positions() {
-            Some(_) if displaced && self.polygons().is_some() => Err(Failure::input(&self.file)(
+            Some(_) if displaced && self.polygons().is_some() => Err(Failure::input(
+                &self.file,
                 "it has polygons, whose vertices cannot be displaced so far; cut its faces into triangles, as \
-                 those of an .obj are without --polygons"
-                    .into(),
+                 those of an .obj are without --polygons",
             )),
             Some(positions) if !displaced => Ok(Shape::World(positions)),
             _ => {
@@ -207,7 +207,7 @@ impl Input {
             }),
             Shape::World(_) => resting().and_then(|pose| self.model().mesh(&pose)).map_err(Cause::from),
         };
-        mesh.map_err(Failure::input(&self.file))
+        mesh.map_err(|error| Failure::input(&self.file, error))
     }
 
     /// Why there is no mesh, in words for the whole file.
@@ -291,7 +291,7 @@ impl Input {
             Ok(()) => Ok(chosen),
             Err(error @ (LightError::NoRoom | LightError::TooMany { .. })) => Err(Failure::usage(error.to_string())),
             // Lights of the command line were checked when they were parsed, so the file has the wrong one.
-            Err(error) => Err(Failure::input(&self.file)(format!("its lights cannot be used: {error}").into())),
+            Err(error) => Err(Failure::input(&self.file, format!("its lights cannot be used: {error}"))),
         }
     }
 
@@ -350,13 +350,12 @@ pub(crate) fn settle(inputs: &mut [Input], time_s: f32) -> Result<Origin, Failur
 }
 
 pub(crate) fn read_displacement(file: &Path) -> Result<Displacement, Failure> {
-    let displacement =
-        Displacement::new(&files::read_text(file)?).map_err(|error| Failure::input(file)(error.into()))?;
+    let displacement = Displacement::new(&files::read_text(file)?).map_err(|error| Failure::input(file, error))?;
     if displacement.uses_resources() {
-        return Err(Failure::input(file)(
+        return Err(Failure::input(
+            file,
             "the displacement declares bindings, but the command has no resources for them; use functions \
-             and constants only"
-                .into(),
+             and constants only",
         ));
     }
     Ok(displacement)
@@ -378,11 +377,11 @@ pub(crate) struct PosedInput<'a> {
 
 impl<'a> PosedInput<'a> {
     pub(crate) fn read(args: &'a MomentArgs, model: &ModelArgs) -> Result<Self, Failure> {
-        if Wanted::parse(&args.device.device) == Wanted::Cpu && args.displace.is_some() {
+        if args.device.device == Wanted::Cpu && args.displace.is_some() {
             return Err(Failure::usage(DISPLACE_ON_CPU));
         }
         let displacement = args.displace.as_deref().map(read_displacement).transpose()?;
-        let mut input = Input::read(&model.file, &model.options())?;
+        let mut input = Input::read(&model.file, &model.read.options())?;
         play(std::slice::from_mut(&mut input), &args.pose)?;
         settle(std::slice::from_mut(&mut input), args.pose.time)?;
         note_idle_time(&args.pose, !input.playing.is_empty(), displacement.as_ref());
@@ -419,18 +418,18 @@ impl<'a> PosedInput<'a> {
             times.add("device", begin.elapsed().as_secs_f64() * 1e3);
             Ok((run(device, &mut times)?, times))
         };
-        let (device, (done, times)) = device::work(&Wanted::parse(&self.args.device.device), self.device()?, timed)?;
+        let (device, (done, times)) = device::work(&self.args.device.device, self.device()?, timed)?;
         progress.step("writing");
         Ok((device.name(), done, times))
     }
 
     /// Opens the device, which must be a GPU to displace vertices.
     fn device(&self) -> Result<Device, Failure> {
-        let wanted = Wanted::parse(&self.args.device.device);
+        let wanted = &self.args.device.device;
         if self.displacement.is_none() {
-            return device::open_fastest(&wanted);
+            return device::open_fastest(wanted);
         }
-        let mut device = device::open(&wanted)?;
+        let mut device = device::open(wanted)?;
         match &mut device {
             Device::Cpu => return Err(Failure::usage(DISPLACE_ON_CPU)),
             Device::Gpu(gpu) => gpu.cpu_would_do = false,

@@ -12,9 +12,10 @@ use rimline_files::size::bytes;
 use rimline_files::{Format, Polygons, ReadOptions, Up};
 
 use crate::coordinates::{Coordinate, relative};
+use crate::device::Wanted;
 use crate::spec::{self, Side};
 
-/// The model and how its vertices are joined.
+/// The model, and how it is read.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
     /// A .gltf, .glb, .obj, .ply, .stl or .npz file, or - for standard input. Faces of an .obj or .ply may have any
@@ -23,36 +24,12 @@ pub(crate) struct ModelArgs {
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
-    weld: WeldArgs,
-
-    #[command(flatten)]
-    pub(crate) polygons: PolygonArgs,
-
-    #[command(flatten)]
-    load: LoadArgs,
+    pub(crate) read: ReadArgs,
 }
 
-/// Options for polygons.
+/// How models are read, and how their vertices are joined.
 #[derive(Args, Clone, Copy, Debug)]
-pub(crate) struct PolygonArgs {
-    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a
-    /// light or the eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn
-    /// is what is decided. Pictures show triangles in any case. With this option these pixels may not fit a polygon
-    /// that is not planar: its own, those of what is within its hull, and those from which an even number of its
-    /// triangles hide the light: they are lit. Where more than 255 of their faces lie over each other, shadows may be
-    /// wrong, and a warning says so. An .npz with `polygon_loops` is always taken so
-    #[arg(long = "polygons")]
-    whole: bool,
-}
-
-impl PolygonArgs {
-    pub(crate) fn taken(self) -> Polygons {
-        if self.whole { Polygons::Whole } else { Polygons::Triangles }
-    }
-}
-
-#[derive(Args, Clone, Copy, Debug)]
-pub(crate) struct WeldArgs {
+pub(crate) struct ReadArgs {
     /// Which vertices are joined to one
     #[arg(long, value_enum, default_value_t = WeldArg::Data)]
     weld: WeldArg,
@@ -67,10 +44,26 @@ pub(crate) struct WeldArgs {
     /// `--weld position`
     #[arg(long, value_name = "D", conflicts_with = "no_weld", allow_hyphen_values = true, value_parser = spec::weld_distance)]
     weld_distance: Option<WeldDistance>,
+
+    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a
+    /// light or the eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn
+    /// is what is decided. Pictures show triangles in any case. With this option these pixels may not fit a polygon
+    /// that is not planar: its own, those of what is within its hull, and those from which an even number of its
+    /// triangles hide the light: they are lit. Where more than 255 of their faces lie over each other, shadows may be
+    /// wrong, and a warning says so. An .npz with `polygon_loops` is always taken so
+    #[arg(long)]
+    polygons: bool,
+
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
 }
 
-impl WeldArgs {
-    pub(crate) fn weld(self) -> Weld {
+impl ReadArgs {
+    pub(crate) fn options(self) -> ReadOptions {
+        self.load.options(self.weld(), if self.polygons { Polygons::Whole } else { Polygons::Triangles })
+    }
+
+    fn weld(self) -> Weld {
         match (self.weld, self.weld_distance) {
             _ if self.no_weld => Weld::Keep,
             (WeldArg::Data, None) => Weld::Data,
@@ -116,7 +109,7 @@ pub(crate) struct DeviceArgs {
     /// faster than software GPUs), `gpu` (any GPU, software GPUs included), `cpu`, or a part of a device's name or
     /// backend (`rimline devices` lists them)
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
-    pub(crate) device: String,
+    pub(crate) device: Wanted,
 }
 
 /// A help text with examples and tables as they are. clap breaks the lines of every other text, which would make examples
@@ -211,12 +204,6 @@ enum WeldArg {
     Data,
     /// Vertices with equal positions, even if their skin and morph data differ
     Position,
-}
-
-impl ModelArgs {
-    pub(crate) fn options(&self) -> ReadOptions {
-        self.load.options(self.weld.weld(), self.polygons.taken())
-    }
 }
 
 /// Limits for model files.

@@ -65,6 +65,16 @@ struct Job {
     results: Vec<PathBuf>,
 }
 
+impl Job {
+    /// Whether its results are all there.
+    fn is_done(&self) -> bool {
+        match &self.command {
+            Command::Shadow(args) => shadow::are_written(args),
+            _ => !self.results.is_empty() && self.results.iter().all(|file| file.is_file()),
+        }
+    }
+}
+
 impl Many {
     /// Many jobs, if the command line asks for them. A line with an error asks for none, and its own parser tells the error.
     pub(crate) fn given(arguments: &[OsString]) -> Option<Self> {
@@ -137,7 +147,7 @@ impl Many {
     fn work(&self, job: &Job) -> Result<usize, Failure> {
         let begin = Instant::now();
         let is_file = |file: &&PathBuf| file.is_file();
-        let is_skipped = self.args.resume && !job.results.is_empty() && job.results.iter().all(|file| is_file(&file));
+        let is_skipped = self.args.resume && job.is_done();
         let run = || if is_skipped { Ok(()) } else { crate::run(&job.command) };
         let (done, printed) = if self.is_json { collected(run) } else { (run(), String::new()) };
         let failure = done.err();

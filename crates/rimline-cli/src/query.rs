@@ -30,12 +30,12 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let lights = posed.input.lights(&args.lights, posed.time_s())?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(|error| Failure::usage(error.to_string()))?;
     progress.step("reading the points");
-    let (limit, origin) = (args.model.options().memory_limit, posed.input.origin());
-    let failed = Failure::input(&args.points);
-    let read = || -> Result<_, Cause> { Ok(npz::read_points(files::archive(&args.points)?, limit)?) };
-    let given = times.measure("points", read).map_err(&failed)?;
+    let (limit, origin) = (args.model.read.load.memory_limit, posed.input.origin());
+    let refused = |error: Cause| Failure::input(&args.points, error);
+    let read = || -> Result<_, Cause> { Ok(npz::read_points(files::archive(&args.points, limit)?, limit)?) };
+    let given = times.measure("points", read).map_err(refused)?;
     let scene = times.measure("topology", || posed.scene())?;
-    given.check_faces(scene.mesh.faces().len()).map_err(|error| failed(error.into()))?;
+    given.check_faces(scene.mesh.faces().len()).map_err(|error| refused(error.into()))?;
     let npz::PointArrays { points, on_face } = given;
     let points = points.relative_to(origin);
     let asked = Asked { points: &points, on_face: on_face.as_deref(), lights: &lights, lift: args.lift };
@@ -46,12 +46,12 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let count = points.len() * lights.len();
     let needed = count as u64 * size_of::<i32>() as u64;
     if needed > limit {
-        return Err(failed(FileError::TooLarge { what: "the depths".into(), needed, limit }.into()));
+        return Err(refused(FileError::TooLarge { what: "the depths".into(), needed, limit }.into()));
     }
     if depths.try_reserve_exact(count).is_err() {
         let (points, lights) = (points.len(), lights.len());
         let why = "do not fit into memory; give fewer points or lights";
-        return Err(failed(format!("the depths of {points} points for {lights} lights {why}").into()));
+        return Err(refused(format!("the depths of {points} points for {lights} lights {why}").into()));
     }
 
     asked.note_swallowed();

@@ -31,8 +31,8 @@ use casters::Casters;
 use casting::{CastInputs, CoveredFaces, PosedModel};
 use from_depth::FromDepth;
 use pictures::{DrawInputs, Masks, Pictures};
-pub(crate) use report::files;
 use report::{Report, ResultFiles};
+pub(crate) use report::{are_written, files};
 use shadow_scene::{ShadowInputs, ShadowScene, not_orthographic};
 use shadows::{RenderResources, ShadowMethod, VolumePipelines, warn_of_limits};
 
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(PosedModel::points).collect();
-    let mut set = ShadowScene::new(scene, bodies, &points, given.map(|map| map.cameras.light()))?;
+    let mut set = ShadowScene::new(scene, bodies, &points, false, given.map(|map| map.cameras.light()))?;
     if from_depth.is_some() && set.camera.far.is_some() {
         return Err(not_orthographic(if given.is_some() { "--depth" } else { "--from-depth" }));
     }

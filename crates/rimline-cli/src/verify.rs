@@ -59,8 +59,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
 }
 
 fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let failed = Failure::input(folder);
-    let unreadable = |error: io::Error| failed(FileError::from(error).into());
+    let unreadable = |error: io::Error| Failure::input(folder, FileError::from(error));
     if folder.metadata().is_ok_and(|there| !there.is_dir()) {
         return Err(unreadable(io::Error::other("it is not a folder; give the folder that holds the .npz files")));
     }
@@ -76,14 +75,14 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     }
     files.sort();
     let none = "the folder contains no .npz file, so there is nothing to check; `rimline verify --make` writes some";
-    if files.is_empty() { Err(failed(none.into())) } else { Ok(files) }
+    if files.is_empty() { Err(Failure::input(folder, none)) } else { Ok(files) }
 }
 
 /// The devices that `--device` asks for, and why others that are there cannot be used.
 fn open(wanted: &str) -> Result<(Vec<Device>, Vec<String>), Failure> {
     let wanted = match wanted {
         "all" => Wanted::Auto,
-        other => Wanted::parse(other),
+        other => other.into(),
     };
     if wanted == Wanted::Cpu {
         return Ok((vec![Device::Cpu], Vec::new()));
@@ -257,11 +256,10 @@ struct Checked {
 
 /// Finds everything again from positions, faces and lights, on each device, and compares the archives.
 fn check_file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> {
-    let failed = Failure::input(file);
-    let given = files::read(file).map_err(|error| failed(FileError::from(error).into()))?;
-    let (arrays, lights) = read_archive(&given).map_err(&failed)?;
+    let given = files::read(file, LoadOptions::DEFAULT_MEMORY_LIMIT).map_err(|error| Failure::input(file, error))?;
+    let (arrays, lights) = read_archive(&given).map_err(|error| Failure::input(file, error))?;
     let Arrays { positions, faces, origin, .. } = arrays;
-    let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| Failure::input(file, error))?;
     let scene = Scene { mesh, shape: Shape::World(&positions) };
     let (faces, edges) = (scene.mesh.faces().len(), scene.mesh.edges().len());
     let mut results = Vec::with_capacity(devices.len());
@@ -274,7 +272,7 @@ fn check_file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> {
         });
         // An array that cannot be read is the file's fault on every device.
         results.push(match written {
-            Ok(written) => Ok(npz::compare(&given, &written).map_err(|error| failed(error.into()))?),
+            Ok(written) => Ok(npz::compare(&given, &written).map_err(|error| Failure::input(file, error))?),
             Err(failure) => Err(failure),
         });
     }

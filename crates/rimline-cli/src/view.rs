@@ -25,7 +25,7 @@ pub(crate) struct WindowArgs {
 
     /// Where to draw
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
-    device: String,
+    device: Wanted,
 
     /// The axis of an .obj, .ply, .stl or .npz that is up. With `z`, as files of CAD often have it, (x, y, z) of the file is (x, z,
     /// -y) in the copied line. A glTF is always y up
@@ -49,9 +49,9 @@ says what of the view is not in the line.
 ";
 
 pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
-    let device = match Wanted::parse(&args.device) {
+    let device = match &args.device {
         Wanted::Cpu => return Err(Failure::usage(DRAW_ON_CPU)),
-        Wanted::Named(name) => Some(name),
+        Wanted::Named(name) => Some(name.clone()),
         Wanted::Auto | Wanted::Gpu => None,
     };
     let options = DesktopOptions {

@@ -7,9 +7,9 @@ use crate::charge;
 use crate::coordinates::placed;
 use crate::npz::{Arrays, PolygonArrays};
 
-/// Bytes for a vertex, a face and a corner in the lists that are read, which double. A vertex in `f64` takes more there than
-/// [`charge::VERTEX`], which comes later.
-const LISTED_VERTEX: u64 = 2 * 24;
+/// Bytes for a vertex in `f64`, a face and a corner in the lists that are read. A list that doubles has its new room beside
+/// the old one for a moment: three times what is in it.
+const LISTED_VERTEX: u64 = 3 * 24;
 const LISTED_FACE: u64 = 3 * 4;
 const LISTED_CORNER: u64 = 3 * 4;
 /// Bytes for a colour in a list that doubles, for that of a triangle, and for a vertex with a colour while vertices are
@@ -47,7 +47,10 @@ pub(crate) struct Collected {
     triangles: usize,
     /// Whether a mesh of polygons is made of polygons.
     are_whole: bool,
-    used: u64,
+    /// Bytes of the lists that are read, and of the mesh that is made of them. The lists are gone by then, so the larger
+    /// sum is what is in use at one time.
+    listed: u64,
+    meshed: u64,
     limit: u64,
 }
 
@@ -60,7 +63,7 @@ impl Collected {
 
     /// The memory that is left.
     pub(crate) fn room(&self) -> u64 {
-        self.limit - self.used
+        self.limit - self.listed.max(self.meshed)
     }
 
     pub(crate) fn vertices(&self) -> usize {
@@ -69,11 +72,11 @@ impl Collected {
 
     /// Refuses vertices that are announced, if there is no room for them.
     pub(crate) fn check_vertices(&self, count: u64) -> Result<(), Refused> {
-        self.needed(count.saturating_mul(LISTED_VERTEX)).map(drop)
+        self.check(self.listed.saturating_add(count.saturating_mul(LISTED_VERTEX)))
     }
 
     pub(crate) fn vertex(&mut self, position: [f64; 3]) -> Result<(), Refused> {
-        self.charge(LISTED_VERTEX)?;
+        self.take(LISTED_VERTEX, charge::VERTEX)?;
         self.positions.push(position);
         Ok(())
     }
@@ -96,15 +99,15 @@ impl Collected {
         Ok(())
     }
 
-    /// Begins a face. It takes so much at least, and as much as what it is once it is complete.
+    /// Begins a face. What it takes in the mesh is known once it is complete.
     pub(crate) fn begin_face(&mut self) -> Result<(), Refused> {
         self.complete = self.corners.len();
-        self.charge(LISTED_FACE)
+        self.take(LISTED_FACE, 0)
     }
 
     /// The next corner of the face.
     pub(crate) fn corner(&mut self, vertex: u32) -> Result<(), Refused> {
-        self.charge(LISTED_CORNER)?;
+        self.take(LISTED_CORNER, 0)?;
         self.corners.push(vertex);
         Ok(())
     }
@@ -120,30 +123,34 @@ impl Collected {
         }
         self.sizes.push(size as u32);
         let polygon = |corners: usize| charge::POLYGON + charge::LOOP + charge::CORNER * corners as u64;
-        let listed = |corners: usize| LISTED_FACE + LISTED_CORNER * corners as u64;
         if !self.are_whole {
-            let triangles = (size as u64 - 2) * charge::FACE;
-            return self.charge(triangles.saturating_sub(listed(size)));
+            return self.take(0, (size as u64 - 2) * charge::FACE);
         }
         if size == 3 && self.triangles + 1 == self.sizes.len() {
             self.triangles += 1;
-            return self.charge(charge::FACE.saturating_sub(listed(3)));
+            return self.take(0, charge::FACE);
         }
         // One polygon makes polygons of all faces, the triangles before it too.
         let before = std::mem::take(&mut self.triangles) as u64;
-        self.charge(before.saturating_mul(polygon(3).saturating_sub(charge::FACE)))?;
-        self.charge(polygon(size) - listed(size))
+        self.take(0, before.saturating_mul(polygon(3).saturating_sub(charge::FACE)))?;
+        self.take(0, polygon(size))
     }
 
-    fn needed(&self, bytes: u64) -> Result<u64, Refused> {
-        let needed = self.used.saturating_add(bytes);
-        if needed > self.limit { Err(Refused::TooLarge { needed, limit: self.limit }) } else { Ok(needed) }
+    fn check(&self, needed: u64) -> Result<(), Refused> {
+        if needed > self.limit { Err(Refused::TooLarge { needed, limit: self.limit }) } else { Ok(()) }
     }
 
-    /// Charges bytes, which may be those of something else.
-    pub(crate) fn charge(&mut self, bytes: u64) -> Result<(), Refused> {
-        self.used = self.needed(bytes)?;
+    /// Charges bytes of the lists, and bytes of the mesh.
+    fn take(&mut self, listed: u64, meshed: u64) -> Result<(), Refused> {
+        let (listed, meshed) = (self.listed.saturating_add(listed), self.meshed.saturating_add(meshed));
+        self.check(listed.max(meshed))?;
+        (self.listed, self.meshed) = (listed, meshed);
         Ok(())
+    }
+
+    /// Charges bytes that stay beside both, which may be those of something else.
+    pub(crate) fn charge(&mut self, bytes: u64) -> Result<(), Refused> {
+        self.take(bytes, bytes)
     }
 
     /// Positions relative to an origin near them, and triangles if all faces are, else polygons. All corners must be

@@ -8,7 +8,7 @@ use rimline_lines::{Classes, LineClass};
 
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
-use crate::input_args::{CameraArgs, JobsArgs, LoadArgs, PolygonArgs, PoseArgs, WeldArgs, verbatim};
+use crate::input_args::{CameraArgs, JobsArgs, PoseArgs, ReadArgs, verbatim};
 use crate::output::note;
 use crate::shadow::args::MAX_FRAMES;
 use crate::spec::{self, Side};
@@ -36,13 +36,7 @@ pub(crate) struct LinesArgs {
     pub(crate) files: Vec<PathBuf>,
 
     #[command(flatten)]
-    pub(crate) weld: WeldArgs,
-
-    #[command(flatten)]
-    pub(crate) polygons: PolygonArgs,
-
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) read: ReadArgs,
 
     #[command(flatten)]
     pub(crate) pose: PoseArgs,
@@ -320,9 +314,9 @@ impl Paper {
 }
 
 fn parse_paper(text: &str) -> Result<Paper, &'static str> {
-    let named = text.strip_prefix(['A', 'a']).and_then(|number| number.parse::<usize>().ok());
-    if let Some(size) = named.and_then(|number| Paper::SIZES.get(number)) {
-        return Ok(Paper::Turned(*size));
+    let is_named = |number: usize| text.eq_ignore_ascii_case(&format!("A{number}"));
+    if let Some((_, size)) = (0..).zip(Paper::SIZES).find(|(number, _)| is_named(*number)) {
+        return Ok(Paper::Turned(size));
     }
     let side = |text: &str| text.trim().parse().ok().filter(|side: &f64| (1.0..=20_000.0).contains(side));
     let given = text.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?]));

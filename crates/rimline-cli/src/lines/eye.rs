@@ -63,8 +63,8 @@ impl Eye {
         corners: &[[f32; 3]],
         bounds: &Bounds,
     ) -> Result<Self, Failure> {
-        let failed = Failure::input(&args.files[0]);
-        let of = |at, target, up| Self::of(at, target, up).map_err(|error| failed(error.into()));
+        let refused = |error: LinesError| Failure::input(&args.files[0], error);
+        let of = |at, target, up| Self::of(at, target, up).map_err(refused);
         let middle = middle(bounds);
         if let Some(eye) = args.eye {
             let eye = relative(eye, origin);

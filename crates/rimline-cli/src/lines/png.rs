@@ -24,7 +24,7 @@ pub(super) fn write(to: &mut impl Write, picture: &Picture<'_>) -> io::Result<()
         return Err(too_large());
     }
     // Each pixel has four bytes where it is drawn, and three where it is written.
-    let (needed, limit) = ((7.0 * size[0] * size[1]) as u64, picture.args.load.memory_limit);
+    let (needed, limit) = ((7.0 * size[0] * size[1]) as u64, picture.args.read.load.memory_limit);
     if needed > limit {
         return Err(io::Error::other(format!(
             "a PNG of this size takes {} of memory, more than the limit of {}; give a lower --dpi or a larger --memory-limit",

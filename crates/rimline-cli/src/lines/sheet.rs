@@ -203,13 +203,13 @@ impl Sheet {
 
     /// A line for the user that says how much was drawn.
     /// It is in a file, or the last of several.
-    pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, files: &[PathBuf; 2]) -> String {
+    pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, files: [&PathBuf; 2]) -> String {
         let scale = self.scale_said(args, is_perspective);
         let page = match &self.units {
             Some(_) => String::new(),
             None => format!("on {}x{} mm, ", self.size_mm[0], self.size_mm[1]),
         };
-        let [first, last] = files.each_ref().map(|file| Line(file.display()).to_string());
+        let [first, last] = files.map(|file| Line(file.display()).to_string());
         if let Some(frames) = args.frames.filter(|_| first != last) {
             return format!("wrote {frames} drawings, {first} to {last}, {page}{scale}\n");
         }

@@ -68,7 +68,7 @@ pub(crate) fn read(file: &Path) -> Result<Style, Failure> {
     if std::fs::metadata(file).is_ok_and(|there| there.is_file() && there.len() == 0) {
         return Ok(Style::default());
     }
-    parse(&files::read_text(file)?).map_err(|problem| Failure::input(file)(problem.into()))
+    parse(&files::read_text(file)?).map_err(|problem| Failure::input(file, problem))
 }
 
 fn parse(text: &str) -> Result<Style, String> {

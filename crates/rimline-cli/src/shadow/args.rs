@@ -10,7 +10,7 @@ use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
-use crate::input_args::{JobsArgs, LoadArgs, MomentArgs, PolygonArgs, ViewArgs, WeldArgs, drawing_device, verbatim};
+use crate::input_args::{JobsArgs, MomentArgs, ReadArgs, ViewArgs, drawing_device, verbatim};
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 /// A value of an option, its name and its help.
@@ -78,13 +78,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) files: Vec<PathBuf>,
 
     #[command(flatten)]
-    pub(crate) weld: WeldArgs,
-
-    #[command(flatten)]
-    pub(crate) polygons: PolygonArgs,
-
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) read: ReadArgs,
 
     /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME,
     /// file:INDEX (from 0) or file:all (lights of the first file, as `info` lists them). Options can follow, see below.

@@ -204,7 +204,7 @@ impl<'a> PosedModel<'a> {
     ) -> Result<Self, Failure> {
         let displaced = displacement.is_some();
         let shape = input.shape(time_s, displaced)?;
-        let failed = |error: MeshError| Failure::input(&input.file)(input.no_mesh(error));
+        let failed = |error: MeshError| Failure::input(&input.file, input.no_mesh(error));
         check_faces(input.model().placed_geometries()).map_err(failed)?;
         let positions = Positions::new(gpu, &shape, displacement).on(gpu)?;
         let (topologies, faces, world, colors) = (Vec::new(), Vec::new(), Vec::new(), None);
@@ -238,14 +238,14 @@ impl<'a> PosedModel<'a> {
     pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {
         let geometry = &self.input.model().geometries()[topology.geometry];
         let mesh = Mesh::from_faces(geometry.positions().len(), topology.faces(geometry, 0).collect());
-        mesh.map_err(|error| Failure::input(&self.input.file)(error.into()))
+        mesh.map_err(|error| Failure::input(&self.input.file, error))
     }
 
     /// A mesh of some faces over all vertices, or none of none.
     pub(super) fn part(&self, faces: Vec<[u32; 3]>) -> Result<Option<Mesh>, Failure> {
         match Mesh::from_faces(self.world.len(), faces) {
             Err(MeshError::NoFaces) => Ok(None),
-            mesh => mesh.map(Some).map_err(|error| Failure::input(&self.input.file)(error.into())),
+            mesh => mesh.map(Some).map_err(|error| Failure::input(&self.input.file, error)),
         }
     }
 

@@ -39,7 +39,7 @@ impl FromDepth {
         let (given, size) = match (args.from_depth, &args.depth) {
             (Some(side), _) => (None, [side; 2]),
             (None, Some(file)) => {
-                let limit = args.scene.load.memory_limit;
+                let limit = args.scene.read.load.memory_limit;
                 let map = GivenMap::read(file, method, limit, origin)?;
                 let size = map.arrays.size;
                 (Some(Arc::new(map)), size)
@@ -190,10 +190,10 @@ impl GivenMap {
     ) -> Result<Self, Failure> {
         let takes = method != DepthMapMethod::EveryCell;
         let read = || -> Result<_, Cause> {
-            let arrays = npz::read_depth_map(files::archive(file)?, memory_limit, takes)?;
+            let arrays = npz::read_depth_map(files::archive(file, memory_limit)?, memory_limit, takes)?;
             Ok(Self::new(file, arrays, origin)?)
         };
-        read().map_err(Failure::input(file))
+        read().map_err(|error| Failure::input(file, error))
     }
 
     fn new(file: &Path, arrays: DepthMapArrays, run: Origin) -> Result<Self, String> {

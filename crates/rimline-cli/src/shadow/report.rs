@@ -23,7 +23,7 @@ use crate::files::{Inputs, check_ending, is_same_file};
 use crate::image::wrote;
 use crate::output::{Line, Output};
 use crate::report::{self, Lines, Times};
-use crate::spec::LightSpec;
+use crate::spec::{LightSpec, ShadedLightSpec};
 
 pub(super) struct Report<'a> {
     set: &'a ShadowScene<'a>,
@@ -255,8 +255,26 @@ impl ResultFiles {
 
 /// All files that may be written: how many lights a model has is known when it is read.
 pub(crate) fn files(args: &ShadowArgs) -> Vec<PathBuf> {
-    let has_all = args.scene.lights.iter().any(|light| light.light == LightSpec::All);
-    let lights = if has_all { MAX_LIGHTS } else { args.scene.lights.len().max(1) };
+    files_with(args, MAX_LIGHTS)
+}
+
+/// Whether all files are there. Only where they may be, the model is read to know how many lights it has.
+pub(crate) fn are_written(args: &ShadowArgs) -> bool {
+    let are_there = |of_file| files_with(args, of_file).iter().all(|file| file.is_file());
+    if args.scene.lights.iter().all(|light| light.light != LightSpec::All) {
+        return are_there(0);
+    }
+    let lights = || {
+        let file = rimline_files::read(args.scene.files.first()?, &args.scene.read.options()).ok()?;
+        file.asset().map(|asset| asset.light_names().len()).filter(|&lights| lights > 0)
+    };
+    are_there(1) && lights().is_some_and(are_there)
+}
+
+/// The files that are written where a model has so many lights of its own.
+fn files_with(args: &ShadowArgs, of_file: usize) -> Vec<PathBuf> {
+    let count = |light: &ShadedLightSpec| if light.light == LightSpec::All { of_file } else { 1 };
+    let lights = args.scene.lights.iter().map(count).sum::<usize>().clamp(1, MAX_LIGHTS);
     args.out.iter().cloned().chain(of_lights(args, lights).into_iter().flatten()).collect()
 }
 

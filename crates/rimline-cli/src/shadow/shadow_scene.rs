@@ -1,5 +1,6 @@
 //! The scene: bodies, lights and camera as the command line asks for them.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
@@ -14,7 +15,7 @@ use super::casters::Casters;
 use super::casting::{CastInputs, PosedModel};
 use super::pictures::DrawInputs;
 use super::shadows::too_coarse;
-use crate::camera::{AZIMUTH, camera, elevation, of_file, outermost};
+use crate::camera::{AZIMUTH, camera, elevation, of_file, outermost, swept};
 use crate::coordinates::relative;
 use crate::device::{self, Gpu, GpuError, Wanted};
 use crate::failure::{DRAW_ON_CPU, Failure, NO_FINITE_FACE};
@@ -34,11 +35,11 @@ pub(crate) struct ShadowInputs {
 
 impl ShadowInputs {
     pub(crate) fn read(args: &ShadowSceneArgs) -> Result<Self, Failure> {
-        if Wanted::parse(&args.posed.device.device) == Wanted::Cpu {
+        if args.posed.device.device == Wanted::Cpu {
             return Err(Failure::usage(DRAW_ON_CPU));
         }
         let displacement = args.posed.displace.as_deref().map(read_displacement).transpose()?;
-        let options = args.load.options(args.weld.weld(), args.polygons.taken());
+        let options = args.read.options();
         let mut inputs = args.files.iter().map(|file| Input::read(file, &options)).collect::<Result<Vec<_>, _>>()?;
         play(&mut inputs, &args.posed.pose)?;
         if !args.plain {
@@ -73,7 +74,7 @@ pub(crate) fn take_first_animation(input: &mut Input) {
 
 /// Opens the device, if it can draw such a picture.
 pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
-    let gpu = device::open_gpu(&Wanted::parse(&args.posed.device.device))?;
+    let gpu = device::open_gpu(&args.posed.device.device)?;
     // The multisampled linear picture is the largest array.
     check_size(&gpu, args.view.size, 4 * 8)?;
     Ok(gpu)
@@ -90,17 +91,19 @@ pub(crate) struct ShadowScene<'a> {
 }
 
 impl<'a> ShadowScene<'a> {
-    /// `points` are those that the camera must see, if it is not given. `own_light` is the light if none is given.
+    /// `points` are those that the camera must see, if it is not given, and all along where it is `on_orbit` about a target.
+    /// `file_light` is the light if none is given.
     pub(crate) fn new(
         args: &'a ShadowSceneArgs,
         bodies: Vec<PosedModel<'a>>,
         points: &[[f32; 3]],
+        on_orbit: bool,
         file_light: Option<Light>,
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
-        let failed = Failure::input(&first.input.file);
-        let bounds = Bounds::of(points).ok_or_else(|| failed(NO_FINITE_FACE.into()))?;
-        check_bounds(&bounds).map_err(failed)?;
+        let file = &first.input.file;
+        let bounds = Bounds::of(points).ok_or_else(|| Failure::input(file, NO_FINITE_FACE))?;
+        check_bounds(&bounds).map_err(|error| Failure::input(file, error))?;
         let origin = first.input.origin();
         let view = first.input.view(&args.view, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
@@ -113,17 +116,13 @@ impl<'a> ShadowScene<'a> {
                 "{lights} lights have {samples} samples, and at most {limit} fit; give fewer lights or --samples"
             )));
         }
-        let mut shadows: Vec<[f32; 3]> = Vec::new();
         let outermost = outermost(points, bounds.centre());
         let reach = reach(&shaded_lights, &outermost, &stage);
-        // A level view without perspective shows no ground.
-        let is_level = view.is_parallel && view.side.is_some_and(|side| side.directions().0[1] < 1e-6);
-        if view.eye.is_none() && view.camera.is_none() && !is_level {
-            shadows.extend(
-                shaded_lights.iter().flat_map(|shaded| outermost.iter().map(|&point| shaded.shadow_of(point, &stage))),
-            );
-        }
-        let seen = points.iter().chain(&shadows).copied();
+        let shadows = seen_shadows(&view, &shaded_lights, &outermost, &stage);
+        // Seen from a camera that turns about a target, everything turns about it. Lights and ground stay by the models.
+        let target = view.target.filter(|_| on_orbit);
+        let (points, shadows) = (turned(points, target), turned(&shadows, target));
+        let seen = points.iter().chain(&*shadows).copied();
         let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
         match camera.far {
             Some(_) if matches!(args.method, Counting::ZFail | Counting::ZpPlus2005) => {
@@ -136,7 +135,7 @@ impl<'a> ShadowScene<'a> {
                 camera.far = Some(far + 2.0 * room);
             }
             _ if view.camera.is_some() => camera.near = args.near.unwrap_or(camera.near),
-            _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points)),
+            _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, &points)),
         }
         if camera.far.is_none() {
             check_near(camera.near, farthest(&camera, &stage))?;
@@ -254,6 +253,21 @@ impl<'a> ShadowScene<'a> {
         let (camera, lights) = (self.view().shadow_camera(), self.ranged());
         run(CastInputs { bodies: &self.bodies, seen: &self.bodies, camera: &camera, lights: &lights })
     }
+}
+
+/// The shadows of points that the camera must see, if it is not given.
+fn seen_shadows(view: &PlacedView, lights: &[ShadedLight], points: &[[f32; 3]], stage: &SceneBounds) -> Vec<[f32; 3]> {
+    // A level view without perspective shows no ground.
+    let is_level = view.is_parallel && view.side.is_some_and(|side| side.directions().0[1] < 1e-6);
+    if view.eye.is_some() || view.camera.is_some() || is_level {
+        return Vec::new();
+    }
+    lights.iter().flat_map(|shaded| points.iter().map(|&point| shaded.shadow_of(point, stage))).collect()
+}
+
+/// Points, or those of all turns about a target.
+fn turned(points: &[[f32; 3]], target: Option<[f32; 3]>) -> Cow<'_, [[f32; 3]]> {
+    target.map_or(Cow::Borrowed(points), |axis| Cow::Owned(swept(points, Some(axis.into()))))
 }
 
 /// Refuses an orthographic view for an option.

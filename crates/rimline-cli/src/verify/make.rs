@@ -12,9 +12,9 @@ use rimline_files::npz::NpzError;
 use rimline_models::check::{LIGHTS, hard_lights};
 
 use crate::args::VerifyArgs;
-use crate::device::{self, Device, Wanted};
+use crate::device::{self, Device};
 use crate::extract::{extract_exactly, write_arrays};
-use crate::failure::{Cause, Failure};
+use crate::failure::Failure;
 use crate::input::{Input, Scene, Shape};
 use crate::output::{Folder, Line, Output, Progress, say};
 use crate::report::Times;
@@ -23,6 +23,10 @@ use crate::report::Times;
 const MOMENT: f32 = 0.37;
 
 pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
+    let wanted = args.device.as_deref().unwrap_or("cpu");
+    if wanted == "all" {
+        return Err(Failure::usage("--make computes on one device; give --device gpu, cpu or a name"));
+    }
     let progress = Progress::start();
     check_names(&args.models)?;
     let names = args.models.iter().flat_map(|model| [stem(model), posed(model)]);
@@ -35,16 +39,12 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     }
     let _folder = Folder::create(folder)?;
     progress.step("opening the device");
-    let maker = Maker {
-        folder,
-        device: device::open(&Wanted::parse(args.device.as_deref().unwrap_or("cpu")))?,
-        progress: &progress,
-    };
+    let maker = Maker { folder, device: device::open(&wanted.into())?, progress: &progress };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
         let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
         if input.polygons().is_some_and(|mesh| mesh.polygons().is_some()) {
-            return Err(Failure::input(model)(NpzError::Polygons.into()));
+            return Err(Failure::input(model, NpzError::Polygons));
         }
         maker.pose(&input, 0.0, &stem(model))?;
         let mut animations = input.asset().map_or(&[][..], Asset::animations).iter().enumerate();
@@ -83,10 +83,10 @@ fn check_names(models: &[PathBuf]) -> Result<(), Failure> {
         let takes = |other: &&PathBuf| [stem(other), posed(other)].contains(&stem(model));
         if let Some(other) = models[..index].iter().chain(&models[index + 1..]).find(takes) {
             let why = format!("it has the same name as {}, {BOTH} one of them", other.display());
-            return Err(Failure::input(model)(why.into()));
+            return Err(Failure::input(model, why));
         }
         if stress::names().map(of_scene).any(|scene| [stem(model), posed(model)].contains(&scene)) {
-            return Err(Failure::input(model)(format!("it has the name of a stress scene, {BOTH} it").into()));
+            return Err(Failure::input(model, format!("it has the name of a stress scene, {BOTH} it")));
         }
     }
     Ok(())
@@ -110,10 +110,10 @@ impl Maker<'_> {
         let (lights, name) = (scene.lights(LIGHTS), of_scene(scene.name));
         let stress::Scene { positions, faces, .. } = scene;
         // No file holds it yet; the one that it was to become names it.
-        let refused = |error: Cause| Failure::input(&target(self.folder, &name))(error);
+        let file = target(self.folder, &name);
         let geometry = Geometry::new(positions, faces, GeometryOptions::default());
-        let (geometry, _) = geometry.map_err(|error| refused(error.into()))?.welded(Weld::Position);
-        let mesh = geometry.mesh().map_err(|error| refused(error.into()))?;
+        let (geometry, _) = geometry.map_err(|error| Failure::input(&file, error))?.welded(Weld::Position);
+        let mesh = geometry.mesh().map_err(|error| Failure::input(&file, error))?;
         self.write(&name, geometry.positions(), mesh, &lights, Origin::ZERO)
     }
 
