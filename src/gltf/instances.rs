@@ -90,21 +90,22 @@ pub(super) fn build(
     Ok(Built { model, ..draft.built })
 }
 
-/// Charges the lights and cameras of the chosen scene, as callers get them, with their names.
+/// Charges the lights that the chosen scene shows and all its cameras, as callers get them, with their names.
 pub(super) fn charge_lights_and_cameras(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
     let document = reader.document;
-    for &n in &graph.all {
-        let node = &document.nodes[n];
-        // In a list that doubles.
-        let charge = |size: usize, name: Option<&String>, what: &str| {
-            let bytes = 3 * size + name.or(node.name.as_ref()).map_or(0, String::len);
-            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its {what})"))
-        };
-        if let Some(Ok(light)) = node.light {
-            charge(size_of::<SceneLight>(), document.lights[light].name.as_ref(), "light")?;
+    // In a list that doubles.
+    let charge = |n: usize, size: usize, name: Option<&String>, what: &str| {
+        let bytes = 3 * size + name.or(document.nodes[n].name.as_ref()).map_or(0, String::len);
+        reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its {what})"))
+    };
+    for &n in &graph.scene {
+        if let Some(Ok(light)) = document.nodes[n].light {
+            charge(n, size_of::<SceneLight>(), document.lights[light].name.as_ref(), "light")?;
         }
-        if let Some(Ok(camera)) = node.camera {
-            charge(size_of::<SceneCamera>(), document.cameras[camera].name.as_ref(), "camera")?;
+    }
+    for &n in &graph.all {
+        if let Some(Ok(camera)) = document.nodes[n].camera {
+            charge(n, size_of::<SceneCamera>(), document.cameras[camera].name.as_ref(), "camera")?;
         }
     }
     Ok(())

@@ -55,7 +55,12 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
     }
 
     fn room(&self, key: &K) -> Room<V> {
-        Arc::clone(lock(&self.0).entry(key.clone()).or_default())
+        let mut rooms = lock(&self.0);
+        // Most keys are there already, and are long to copy.
+        if let Some(room) = rooms.get(key) {
+            return Arc::clone(room);
+        }
+        Arc::clone(rooms.entry(key.clone()).or_default())
     }
 
     /// The number of values. Waits for those that are being made.
