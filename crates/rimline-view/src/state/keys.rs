@@ -55,6 +55,17 @@ pub enum Action {
     Close,
 }
 
+impl Action {
+    /// Whether it goes a step on, again and again while its key is held.
+    pub(crate) fn is_gradual(self) -> bool {
+        use Action as A;
+        let turns = matches!(self, A::TurnLeft | A::TurnRight | A::TurnUp | A::TurnDown | A::Nearer | A::Farther);
+        let moves_light =
+            matches!(self, A::LightLeft | A::LightRight | A::LightUp | A::LightDown | A::LightAhead | A::LightBack);
+        turns || moves_light || matches!(self, A::StepBack | A::StepOn)
+    }
+}
+
 /// A key and what it does.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyBinding {

@@ -111,7 +111,8 @@ pub struct Viewer {
     pub(super) drag: Option<Drag>,
     /// Whether models of the viewer's own are shown, which those of files replace.
     is_built_in: bool,
-    /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added.
+    /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added, and
+    /// the camera also when the picture gets another size.
     arranged: (Vec<Lamp>, Orbit),
     opened: Option<Opened>,
 }
@@ -248,13 +249,16 @@ impl Viewer {
     /// Does what an event asks for.
     pub fn handle(&mut self, event: Event) {
         match event {
-            Event::Resized(size) => self.size = size.map(|side| side.max(1)),
+            Event::Resized(size) => self.resize(size.map(|side| side.max(1))),
             Event::Moved(to) => self.moved(Vec2::from(to)),
             Event::Pressed(button, modifiers) => self.pressed(button, modifiers),
             Event::Released => self.drag = None,
             Event::Scrolled([x, y], modifiers) if modifiers.shift => self.pan(Vec2::new(x, y) * 40.0),
             Event::Scrolled([_, y], _) => self.zoom((-0.12 * y).exp()),
-            Event::Pinched(factor) => self.zoom(factor.max(0.1).recip()),
+            Event::Panned(by) => self.pan(Vec2::from(by)),
+            // Fingers at one point have no distance to compare.
+            Event::Pinched(factor) if factor.is_nan() => {}
+            Event::Pinched(factor) => self.zoom(factor.clamp(0.1, 10.0).recip()),
             Event::Acted(action) => self.act(action),
             Event::Flown(by, seconds) => self.orbit.shift(Vec3::from(by) * 0.7 * seconds * self.bounds().extent()),
             Event::Passed(seconds) => self.clock.advance(seconds, self.duration()),
@@ -265,6 +269,15 @@ impl Viewer {
             Event::Replaced(bodies) => self.replace(bodies),
             Event::Copied(how, line) => self.copied(how, line),
             Event::Message(text) => self.message = Some(Message::new(Tone::Note, text)),
+        }
+    }
+
+    /// Takes another size. A camera that the user left alone still shows everything.
+    fn resize(&mut self, size: [u32; 2]) {
+        let is_arranged = self.orbit == self.arranged.1;
+        self.size = size;
+        if is_arranged {
+            self.reset_camera();
         }
     }
 
@@ -292,13 +305,14 @@ impl Viewer {
         let is_first = self.bodies.len() == 1;
         let (keeps_lamps, keeps_orbit) = (!is_first && lamps != self.arranged.0, !is_first && orbit != self.arranged.1);
         self.arrange();
-        self.begin();
         if keeps_lamps {
             self.lamps = lamps;
         }
         if keeps_orbit {
             self.orbit = orbit;
         }
+        // The selected light is one of those that stay.
+        self.begin();
         self.message = Some(Message::new(Tone::Note, text));
     }
 
@@ -307,7 +321,7 @@ impl Viewer {
         self.generation += 1;
         self.drag = None;
         self.clock.seconds = 0.0;
-        self.selected = Some(0);
+        self.selected = (!self.lamps.is_empty()).then_some(0);
         self.hovered = None;
         self.message = None;
     }
@@ -319,8 +333,8 @@ impl Viewer {
         if self.lamps.is_empty() {
             self.lamps = (0..3).map(|number| Lamp::around(&bounds, number)).collect();
         }
+        self.arranged.0 = self.lamps.clone();
         self.reset_camera();
-        self.arranged = (self.lamps.clone(), self.orbit);
     }
 
     /// Says that the command line was copied, and what it lacks.
@@ -344,6 +358,7 @@ impl Viewer {
         let is_near = |handle: &Vec3| handle.distance(bounds.centre()) < 1.6 * bounds.extent();
         let handles: Vec<Vec3> = self.lamps.iter().map(|lamp| lamp.handle(&bounds)).filter(is_near).collect();
         self.orbit = Orbit::showing(&bounds, &handles, width / height);
+        self.arranged.1 = self.orbit;
     }
 }
 
