@@ -16,7 +16,6 @@ use super::surface::{Next, Screen};
 use super::{DesktopError, DesktopOptions};
 use crate::panel::Panel;
 use crate::renderer::Renderer;
-use crate::scenes;
 use crate::state::event::Event;
 use crate::state::viewer::{Request, Tone, Viewer};
 
@@ -35,7 +34,7 @@ pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), Des
     let events = EventLoop::<Chosen>::with_user_event();
     let events = { events }.build().map_err(|error| DesktopError::NoDisplay(reason(&error.to_string())))?;
     let proxy = events.create_proxy();
-    let mut app = App { options, viewer, proxy, shown: None, clipboard: None, scene: 0, error: None, wake_at: None };
+    let mut app = App { options, viewer, proxy, shown: None, clipboard: None, error: None, wake_at: None };
     events.run_app(&mut app).map_err(|error| DesktopError::Window(error.to_string()))?;
     app.error.map_or(Ok(()), Err)
 }
@@ -75,8 +74,6 @@ struct App {
     shown: Option<Shown>,
     /// On X11 the text is gone with whoever put it there.
     clipboard: Option<arboard::Clipboard>,
-    /// The built-in scene that was shown last.
-    scene: usize,
     error: Option<DesktopError>,
     /// When the panel wants to be run again.
     wake_at: Option<Instant>,
@@ -191,7 +188,6 @@ impl App {
         for request in std::mem::take(&mut self.viewer.requests) {
             match request {
                 Request::Close => events.exit(),
-                Request::NextScene => scenes::show_next(&mut self.viewer, &mut self.scene),
                 Request::Copy(line) => {
                     let how = if self.copy(&line).is_ok() { "copied" } else { "no clipboard; printed" };
                     // Nobody may be there to read.

@@ -241,11 +241,7 @@ fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
                 ("Copy", Action::CopyCommand),
                 ("Open…", Action::OpenFile),
             ] {
-                let hint = keys::KEYS.iter().find(|binding| binding.action == action);
-                let button = ui.button(text).on_hover_text(
-                    hint.map_or_else(String::new, |binding| format!("{} ({})", binding.what, binding.name())),
-                );
-                if button.clicked() {
+                if ui.button(text).on_hover_text(keys::hint(action)).clicked() {
                     viewer.handle(Event::Acted(action));
                 }
             }

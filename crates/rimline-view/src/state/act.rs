@@ -7,6 +7,7 @@ use super::keys::Action;
 use super::lamp::Lamp;
 use super::options::{COUNTINGS, SWITCHES};
 use super::viewer::{MAX_LAMPS, Message, Request, Tone, Viewer};
+use crate::scenes;
 
 /// Degrees for each press of a key.
 const STEP: f32 = 6.0;
@@ -21,7 +22,7 @@ impl Viewer {
             Action::Help => flip(&mut self.shows_help),
             Action::Panel => flip(&mut self.shows_panel),
             Action::OpenFile => self.requests.push(Request::OpenFiles),
-            Action::NextScene => self.requests.push(Request::NextScene),
+            Action::NextScene => self.next_scene(),
             Action::ResetCamera => self.reset_camera(),
             Action::NextCamera => self.next_camera(),
             Action::TurnLeft => self.orbit.turn(-STEP, 0.0),
@@ -73,6 +74,19 @@ impl Viewer {
         let duration = self.duration();
         if duration > 0.0 {
             self.clock.seconds = (self.clock.seconds + seconds).rem_euclid(duration);
+        }
+    }
+
+    /// Shows the next scene. Models of files are one of them, before the first that is built in.
+    fn next_scene(&mut self) {
+        let next = if self.is_built_in() { self.scene + 1 } else { 0 };
+        if next == scenes::ALL.len() && self.show_opened() {
+            return;
+        }
+        self.scene = next % scenes::ALL.len();
+        match scenes::ALL[self.scene].1() {
+            Ok(bodies) => self.replace(bodies),
+            Err(error) => self.message = Some(Message::new(Tone::Note, error.to_string())),
         }
     }
 

@@ -236,8 +236,7 @@ mod tests {
         let (name, file) = block("second.obj");
         viewer.open(&name, name.clone(), Ok(file));
         assert!(viewer.lamps.is_empty() && viewer.selected.is_none());
-        let mut scene = 0;
-        (0..=crate::scenes::ALL.len()).for_each(|_| crate::scenes::show_next(&mut viewer, &mut scene));
+        (0..=crate::scenes::ALL.len()).for_each(|_| viewer.handle(Event::Acted(Action::NextScene)));
         assert!(!viewer.is_built_in() && viewer.lamps.is_empty() && viewer.selected.is_none());
     }
 
@@ -251,15 +250,15 @@ mod tests {
         viewer.open(&name, name.clone(), Ok(file));
         assert!(viewer.orbit == orbit && viewer.lamps == lamps && viewer.bodies.len() == 2);
         // They are there again after all built-in scenes.
-        let mut scene = 0;
+        let show_next = |viewer: &mut Viewer| viewer.handle(Event::Acted(Action::NextScene));
         for _ in crate::scenes::ALL {
-            crate::scenes::show_next(&mut viewer, &mut scene);
+            show_next(&mut viewer);
             assert!(viewer.is_built_in());
         }
-        crate::scenes::show_next(&mut viewer, &mut scene);
+        show_next(&mut viewer);
         assert!(!viewer.is_built_in() && viewer.orbit == orbit && viewer.lamps == lamps && viewer.bodies.len() == 2);
         // A file that is dropped on a built-in scene joins the others.
-        crate::scenes::show_next(&mut viewer, &mut scene);
+        show_next(&mut viewer);
         let (name, file) = block("third.obj");
         viewer.open(&name, name.clone(), Ok(file));
         assert!(viewer.lamps == lamps && viewer.bodies.len() == 3);

@@ -159,6 +159,12 @@ pub(crate) fn key_of(action: Action) -> String {
     KEYS.iter().find(|binding| binding.action == action).map_or_else(String::new, KeyBinding::name)
 }
 
+/// The effect of an action, and its key.
+pub(crate) fn hint(action: Action) -> String {
+    let of = |binding: &KeyBinding| format!("{} ({})", binding.what, binding.name());
+    KEYS.iter().find(|binding| binding.action == action).map_or_else(String::new, of)
+}
+
 impl KeyBinding {
     /// The key in words.
     pub fn name(&self) -> String {

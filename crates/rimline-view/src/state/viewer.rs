@@ -24,8 +24,6 @@ pub(crate) const MAX_SOURCES: usize = MAX_LAMPS * AREA_SAMPLES;
 pub enum Request {
     /// Ask for files, and open them.
     OpenFiles,
-    /// Show the next of the built-in scenes.
-    NextScene,
     /// Write a picture, so many times as large each way.
     Screenshot {
         /// 1 or 4.
@@ -115,6 +113,8 @@ pub struct Viewer {
     /// the camera also when the picture gets another size.
     arranged: (Vec<Lamp>, Orbit),
     opened: Option<Opened>,
+    /// The built-in scene that was shown last.
+    pub(super) scene: usize,
 }
 
 impl Viewer {
@@ -143,6 +143,7 @@ impl Viewer {
             is_built_in: true,
             arranged: (Vec::new(), orbit),
             opened: None,
+            scene: 0,
         };
         viewer.replace(bodies);
         viewer
@@ -223,7 +224,7 @@ impl Viewer {
     }
 
     /// Shows the models of files again that a built-in scene replaced. Returns whether there are any.
-    pub(crate) fn show_opened(&mut self) -> bool {
+    pub(super) fn show_opened(&mut self) -> bool {
         let Some(opened) = self.opened.take() else { return false };
         (self.bodies, self.lamps, self.orbit) = (opened.bodies, opened.lamps, opened.orbit);
         (self.origin, self.arranged) = (opened.origin, opened.arranged);
@@ -281,7 +282,7 @@ impl Viewer {
         }
     }
 
-    fn replace(&mut self, bodies: Vec<Body>) {
+    pub(super) fn replace(&mut self, bodies: Vec<Body>) {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {
             let (lamps, arranged) = (std::mem::take(&mut self.lamps), self.arranged.clone());

@@ -25,8 +25,6 @@ struct App {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     raw: egui::RawInput,
-    /// The built-in scene that was shown last.
-    scene: usize,
     screenshots: u32,
     /// Whether the browser is to call back for a frame.
     is_frame_coming: bool,
@@ -53,7 +51,6 @@ pub(super) async fn run(page: &Page) -> Result<(), String> {
         surface,
         config,
         raw: egui::RawInput { focused: true, ..egui::RawInput::default() },
-        scene: 0,
         screenshots: 0,
         is_frame_coming: false,
         said: String::new(),
@@ -230,10 +227,6 @@ fn fulfil(app: &Shared, request: Request) {
             if let Ok(chooser) = page.element::<HtmlInputElement>("files") {
                 chooser.click();
             }
-        }
-        Request::NextScene => {
-            let App { viewer, scene, .. } = &mut *app.borrow_mut();
-            scenes::show_next(viewer, scene);
         }
         Request::Copy(line) => wasm_bindgen_futures::spawn_local(async move {
             let how = if page.copy(&line).await { "copied" } else { "no clipboard; the line is here" };
