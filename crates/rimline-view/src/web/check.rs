@@ -8,7 +8,7 @@ use super::page::{Page, listen};
 /// Checks scene after scene, and shows the table grow. `is_planted`: turns a bit over, to see that this is noticed.
 pub(super) async fn run(page: &Page, is_planted: bool) -> Result<(), String> {
     let (_, gpu) = super::open(page, &super::instance(), None).await?;
-    page.show_check();
+    page.show("check");
     let copied = page.clone();
     listen(&page.element::<EventTarget>("copy")?, "click", move |_: web_sys::Event| {
         let page = copied.clone();

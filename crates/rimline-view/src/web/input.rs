@@ -108,9 +108,10 @@ fn keys(canvas: &HtmlCanvasElement, hear: &Rc<Hear>) {
             let modifiers = modifiers(event.alt_key(), event.ctrl_key(), event.shift_key(), event.meta_key());
             let (name, is_command) = (event.key(), modifiers.command || modifiers.alt);
             let key = Key::from_name(&name);
-            // The browser keeps its own keys, and Shift with Tab leaves the canvas.
+            // The browser keeps its own keys, and Shift with Tab leaves the canvas. A key that went down alone may go up with
+            // others.
             let is_function = name.starts_with('F') && name.len() > 1 && key != Some(Key::F1);
-            if is_command || is_function || key == Some(Key::Tab) && modifiers.shift {
+            if pressed && (is_command || is_function || key == Some(Key::Tab) && modifiers.shift) {
                 return;
             }
             event.prevent_default();
