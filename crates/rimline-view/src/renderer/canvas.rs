@@ -1,11 +1,9 @@
 //! Textures of a picture, and what reads them.
 
-use std::pin::pin;
-use std::task::{Context, Poll, Waker};
-
 use rimline_picture::{PictureFormat, Resources, Targets, color_pass, view};
 
 use super::error::RenderError;
+use super::gpu::granted;
 
 /// The targets of a picture of one size.
 pub(super) struct Canvas {
@@ -31,7 +29,7 @@ impl Canvas {
         }
         let format = format(samples);
         let make = || Targets::new(&resources.factory, format, size, wgpu::TextureUsages::TEXTURE_BINDING);
-        let targets = granted(&resources.factory.device, size, make)?;
+        let targets = granted(&resources.factory.device, make).map_err(|why| RenderError::refused(size, why))?;
         let aspect = wgpu::TextureAspect::DepthOnly;
         let depth = targets.attachments[0].depth.texture();
         let depth = depth.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
@@ -48,29 +46,5 @@ impl Canvas {
     /// A pass onto the picture, over what is there.
     pub(super) fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         color_pass(encoder, "outline", (&self.picture, None), None, None)
-    }
-}
-
-/// Makes textures and buffers of a picture, unless the device refuses them: most often it lacks memory. A browser answers later
-/// than this returns, to the handler of all errors.
-pub(super) fn granted<T>(
-    device: &wgpu::Device,
-    [width, height]: [u32; 2],
-    make: impl FnOnce() -> T,
-) -> Result<T, RenderError> {
-    if cfg!(target_arch = "wasm32") {
-        return Ok(make());
-    }
-    // A view of a texture that was refused is invalid.
-    let scopes =
-        [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|filter| device.push_error_scope(filter));
-    let made = make();
-    let answer = |scope: wgpu::ErrorScopeGuard| match pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(error) => error,
-        Poll::Pending => None,
-    };
-    match scopes.into_iter().rev().filter_map(answer).reduce(|_, outer| outer) {
-        Some(error) => Err(RenderError::refused([width, height], &error)),
-        None => Ok(made),
     }
 }

@@ -66,10 +66,7 @@ impl RenderError {
         Self::Body { index, name: name.to_owned(), why: why.to_string() }
     }
 
-    pub(super) fn refused([width, height]: [u32; 2], error: &wgpu::Error) -> Self {
-        // The first lines name functions.
-        let said = error.to_string();
-        let why = said.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or_default().to_owned();
+    pub(super) fn refused([width, height]: [u32; 2], why: String) -> Self {
         Self::Refused { width, height, why }
     }
 }

@@ -24,7 +24,7 @@ pub use gpu::Gpu;
 pub use picture::Picture;
 
 use crate::state::viewer::{MAX_SOURCES, Message, Tone, Viewer};
-use canvas::{Canvas, granted};
+use canvas::Canvas;
 use counters::Readings;
 use drawing::Drawing;
 use drawn::Drawn;
@@ -197,7 +197,8 @@ impl Renderer {
     ) -> Result<impl Future<Output = Result<Picture, RenderError>> + use<>, RenderError> {
         let size = viewer.size().map(|side| side.saturating_mul(scale));
         let canvas = Canvas::new(&self.resources, size, 4)?;
-        let copy = granted(&self.gpu.device, size, || Copy::new(&self.gpu.device, size))?;
+        let copy = gpu::granted(&self.gpu.device, || Copy::new(&self.gpu.device, size));
+        let copy = copy.map_err(|why| RenderError::refused(size, why))?;
         let mut encoder = self.gpu.encoder("screenshot");
         self.record(&mut encoder, viewer, &canvas)?;
         copy.record(&mut encoder, &canvas.targets.picture);

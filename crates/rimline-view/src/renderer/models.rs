@@ -9,7 +9,7 @@ use rimline_picture::{
 };
 
 use super::error::RenderError;
-use super::gpu::Gpu;
+use super::gpu::{Gpu, granted};
 use super::skipping::measuring;
 use crate::state::body::Body;
 use crate::state::options::{Counting, Skipping};
@@ -98,7 +98,9 @@ impl Models {
             }
             let handle = models.scene.insert_model(body.model(), &pose, DeformerOptions::default());
             let handle = handle.map_err(|error| failed(&error))?;
-            models.placed.push(models.placed_body(resources, normals, (handle, body), State::of(&pose, viewer))?);
+            let state = State::of(&pose, viewer);
+            let placed = granted(&gpu.device, || models.placed_body(resources, normals, (handle, body), state));
+            models.placed.push(placed.map_err(|why| failed(&why))??);
         }
         Ok(models)
     }
@@ -135,7 +137,8 @@ impl Models {
             self.scene.set_pose(handle, &pose).map_err(|error| failed(&error))?;
             let state = State::of(&pose, viewer);
             if self.placed[index].state != state {
-                self.placed[index] = self.placed_body(resources, normals, (handle, body), state)?;
+                let make = || self.placed_body(resources, normals, (handle, body), state);
+                self.placed[index] = granted(&resources.factory.device, make).map_err(|why| failed(&why))??;
                 self.frame = None;
             }
         }
