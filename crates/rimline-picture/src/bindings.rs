@@ -5,11 +5,11 @@ use wgpu::BufferBindingType;
 /// A uniform buffer.
 pub const UNIFORM: wgpu::BindingType = buffer_type(BufferBindingType::Uniform, false);
 /// A uniform buffer at a dynamic offset.
-pub const UNIFORM_AT_OFFSET: wgpu::BindingType = buffer_type(BufferBindingType::Uniform, true);
+pub(crate) const UNIFORM_AT_OFFSET: wgpu::BindingType = buffer_type(BufferBindingType::Uniform, true);
 /// A storage buffer that shaders read.
 pub const READ_ONLY: wgpu::BindingType = buffer_type(BufferBindingType::Storage { read_only: true }, false);
 /// A storage buffer that shaders write.
-pub const WRITTEN: wgpu::BindingType = buffer_type(BufferBindingType::Storage { read_only: false }, false);
+pub(crate) const WRITTEN: wgpu::BindingType = buffer_type(BufferBindingType::Storage { read_only: false }, false);
 
 const fn buffer_type(ty: BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }

@@ -5,7 +5,7 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 use crate::bindings::{UNIFORM, filled, group, layout};
 
 /// Adds the drawn colour to that of the target.
-pub const ADD: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Add);
+pub(crate) const ADD: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Add);
 /// Multiplies the colour of the target by the drawn colour.
 pub const MULTIPLY: BlendState = blend(BlendFactor::Dst, BlendFactor::Zero, BlendOperation::Add);
 /// The larger of both.

@@ -20,13 +20,11 @@ mod smoothing;
 mod surface;
 mod targets;
 
-pub use bindings::{READ_ONLY, UNIFORM, UNIFORM_AT_OFFSET, WRITTEN, depth_format, filled, group, layout, read_texture};
+pub use bindings::{READ_ONLY, UNIFORM, depth_format, filled, group, layout, read_texture};
 pub use bounds::{Bounds, SceneBounds};
 pub use camera::Camera;
 pub use colors::corner_colors;
-pub use factory::{
-    ADD, COMMON, LARGEST, MULTIPLY, Pass, PipelineFactory, color_pass, depth_state, plain_texture, view,
-};
+pub use factory::{COMMON, LARGEST, MULTIPLY, Pass, PipelineFactory, color_pass, depth_state, plain_texture, view};
 pub use frame::{PARTS, Part, SceneView};
 pub use lights::{ShadedLight, reach};
 pub use normals::corner_normals;

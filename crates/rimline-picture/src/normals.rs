@@ -116,20 +116,11 @@ mod tests {
     fn a_crease_splits_and_a_bend_does_not() {
         let bend = |height: f32| {
             let positions = [[0.0; 3], [0.0, 0.0, 1.0], [-1.0, height, 0.0], [1.0, height, 0.0]];
-            corner_normals(&positions, &[[0, 2, 1], [0, 1, 3]]).map_vec()
+            corner_normals(&positions, &[[0, 2, 1], [0, 1, 3]]).into_iter().map(unfold).collect::<Vec<_>>()
         };
         let gentle = bend(0.1);
         assert!(gentle[0].dot(gentle[3]) > 0.999);
         let sharp = bend(2.0);
         assert!(sharp[0].dot(sharp[3]) < 0.5);
-    }
-
-    trait MapVec {
-        fn map_vec(self) -> Vec<Vec3>;
-    }
-    impl MapVec for Vec<u32> {
-        fn map_vec(self) -> Vec<Vec3> {
-            self.into_iter().map(unfold).collect()
-        }
     }
 }

@@ -15,9 +15,18 @@ pub struct Smoothing {
     corners: Vec<u32>,
 }
 
+/// Faces of all groups that there may be in any mesh. At the tip of a cone each face has neighbours of its own, a third of all.
+const MOST_MEMBERS: usize = 1 << 24;
+
 impl Smoothing {
-    /// Smooths a mesh by the angles of its faces at these positions. Vertices at one position are one.
+    /// Smooths a mesh by the angles of its faces at these positions. Vertices at one position are one. Where groups would take
+    /// far more memory than the mesh, faces stay flat.
     pub fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
+        Self::within(positions, faces, MOST_MEMBERS.max(4 * 3 * faces.len()))
+    }
+
+    /// The same with so many faces of all groups, and a few more.
+    fn within(positions: &[[f32; 3]], faces: &[[u32; 3]], most: usize) -> Self {
         let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
         let same: Vec<u32> = (0..)
             .zip(positions)
@@ -30,7 +39,9 @@ impl Smoothing {
         let mut groups = Vec::with_capacity(3 * faces.len());
         for (corner, &vertex) in faces.as_flattened().iter().enumerate() {
             let (face, vertex, first) = (corner / 3, same[vertex as usize], members.len());
-            members.extend(near.of(face, vertex).map(|other| other as u32));
+            if first < most {
+                members.extend(near.of(face, vertex).map(|other| other as u32));
+            }
             if members.len() == first {
                 members.push(face as u32);
             }
@@ -157,6 +168,24 @@ impl NormalPipeline {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_tip_of_a_cone_takes_no_more_memory_than_there_may_be() {
+        const SIDES: u32 = 60;
+        let ring = (0..SIDES).map(|side| (side as f32 * std::f32::consts::TAU / SIDES as f32).sin_cos());
+        let positions: Vec<[f32; 3]> =
+            std::iter::once([0.0, 10.0, 0.0]).chain(ring.map(|(x, z)| [x, 0.0, z])).collect();
+        let faces: Vec<[u32; 3]> = (0..SIDES).map(|side| [0, side + 1, (side + 1) % SIDES + 1]).collect();
+        // A third of the sides for each of them at the tip; below, corners of a ring vertex share two.
+        let whole = Smoothing::of(&positions, &faces);
+        assert!(whole.faces.len() > (SIDES * SIDES / 4) as usize, "{}", whole.faces.len());
+        let bounded = Smoothing::within(&positions, &faces, 300);
+        assert!(bounded.faces.len() < 300 + 3 * SIDES as usize, "{}", bounded.faces.len());
+        let mut corners = bounded.corners.clone();
+        corners.sort_unstable();
+        assert_eq!(corners, (0..3 * SIDES).collect::<Vec<_>>());
+        assert_eq!(bounded.starts.last(), Some(&[bounded.faces.len() as u32, 3 * SIDES]));
+    }
 
     #[test]
     fn corners_share_normals_up_to_creases() {

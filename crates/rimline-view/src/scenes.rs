@@ -5,8 +5,6 @@ use rimline_models::figure::{Figure, glb};
 use rimline_models::scenes as made;
 
 use crate::state::body::{Body, BodyError};
-use crate::state::event::Event;
-use crate::state::viewer::Viewer;
 
 /// Makes the models of a scene.
 pub type Make = fn() -> Result<Vec<Body>, BodyError>;
@@ -14,19 +12,6 @@ pub type Make = fn() -> Result<Vec<Body>, BodyError>;
 /// Names and makers of all scenes.
 pub const ALL: [(&str, Make); 3] =
     [("Walking figure", walking_figure), ("Still life", still_life), ("Moebius band", moebius)];
-
-/// Shows the scene after this one, and counts on. Models of files are one of the scenes, before the first.
-pub(crate) fn show_next(viewer: &mut Viewer, scene: &mut usize) {
-    let next = if viewer.is_built_in() { *scene + 1 } else { 0 };
-    if next == ALL.len() && viewer.show_opened() {
-        return;
-    }
-    *scene = next % ALL.len();
-    viewer.handle(match ALL[*scene].1() {
-        Ok(bodies) => Event::Replaced(bodies),
-        Err(error) => Event::Message(error.to_string()),
-    });
-}
 
 /// A figure that walks, skinned and closed.
 ///

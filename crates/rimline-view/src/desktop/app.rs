@@ -1,5 +1,6 @@
 //! The window's events.
 
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,17 +11,13 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-use super::files::{free_name, name};
+use super::files::{name, save};
 use super::surface::{Next, Screen};
 use super::{DesktopError, DesktopOptions};
 use crate::panel::Panel;
 use crate::renderer::Renderer;
-use crate::scenes;
 use crate::state::event::Event;
 use crate::state::viewer::{Request, Tone, Viewer};
-
-/// How long nothing must change before the picture is drawn once more with all samples, on software devices.
-const REFINE_AFTER: Duration = Duration::from_millis(350);
 
 /// A dialog that ends sooner was never shown.
 const LEAST_DIALOG: Duration = Duration::from_millis(300);
@@ -37,17 +34,7 @@ pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), Des
     let events = EventLoop::<Chosen>::with_user_event();
     let events = { events }.build().map_err(|error| DesktopError::NoDisplay(reason(&error.to_string())))?;
     let proxy = events.create_proxy();
-    let mut app = App {
-        options,
-        viewer,
-        proxy,
-        shown: None,
-        clipboard: None,
-        scene: 0,
-        error: None,
-        refine_at: None,
-        wake_at: None,
-    };
+    let mut app = App { options, viewer, proxy, shown: None, clipboard: None, error: None, wake_at: None };
     events.run_app(&mut app).map_err(|error| DesktopError::Window(error.to_string()))?;
     app.error.map_or(Ok(()), Err)
 }
@@ -59,8 +46,8 @@ fn open(viewer: &mut Viewer, path: &Path) -> bool {
     viewer.open(&name(path), path.display().to_string(), file);
     let error = viewer.message.as_ref().filter(|message| message.tone == Tone::Error);
     if let Some(error) = error {
-        // Names may have characters that steer a terminal.
-        eprintln!("rimline: {}", error.text.replace(char::is_control, "\u{fffd}"));
+        // Names may have characters that steer a terminal. Nobody may be there to read.
+        let _ = writeln!(io::stderr(), "rimline: {}", error.text.replace(char::is_control, "\u{fffd}"));
     }
     error.is_none()
 }
@@ -87,10 +74,8 @@ struct App {
     shown: Option<Shown>,
     /// On X11 the text is gone with whoever put it there.
     clipboard: Option<arboard::Clipboard>,
-    /// The built-in scene that was shown last.
-    scene: usize,
     error: Option<DesktopError>,
-    refine_at: Option<Instant>,
+    /// When the panel wants to be run again.
     wake_at: Option<Instant>,
 }
 
@@ -137,12 +122,6 @@ impl Shown {
 }
 
 impl App {
-    /// Opens a file, or lets the viewer say why it cannot be opened.
-    fn open(&mut self, path: &Path) {
-        open(&mut self.viewer, path);
-        self.redraw();
-    }
-
     fn copy(&mut self, line: &str) -> Result<(), arboard::Error> {
         if self.clipboard.is_none() {
             self.clipboard = Some(arboard::Clipboard::new()?);
@@ -190,21 +169,16 @@ impl App {
             *titled = title;
         }
         let raw = input.take_egui_input(&window);
-        let pictures = renderer.pictures();
         let output = panel.run(raw, viewer, renderer);
         input.handle_platform_output(&window, output.platform.clone());
         let view = texture.texture.create_view(&wgpu::TextureViewDescriptor::default());
         panel.paint(&screen.gpu, &view, screen.size(), &output);
         window.pre_present_notify();
         screen.gpu.queue.present(texture);
-        let now = Instant::now();
-        if renderer.pictures() != pictures {
-            self.refine_at = (renderer.is_coarse(viewer) && !viewer.is_animated()).then(|| now + REFINE_AFTER);
-        }
         if output.repaint_after.is_zero() {
             window.request_redraw();
         } else {
-            self.wake_at = now.checked_add(output.repaint_after);
+            self.wake_at = Instant::now().checked_add(output.repaint_after);
         }
         Ok(())
     }
@@ -214,10 +188,10 @@ impl App {
         for request in std::mem::take(&mut self.viewer.requests) {
             match request {
                 Request::Close => events.exit(),
-                Request::NextScene => scenes::show_next(&mut self.viewer, &mut self.scene),
                 Request::Copy(line) => {
                     let how = if self.copy(&line).is_ok() { "copied" } else { "no clipboard; printed" };
-                    println!("{line}");
+                    // Nobody may be there to read.
+                    let _ = writeln!(io::stdout(), "{line}");
                     self.viewer.handle(Event::Copied(how.into(), line));
                 }
                 Request::Screenshot { scale } => {
@@ -240,10 +214,7 @@ impl App {
         let polled = shown.screen.gpu.device.poll(wgpu::PollType::wait_indefinitely());
         polled.map_err(|error| error.to_string())?;
         let picture = pollster::block_on(picture).map_err(|error| error.to_string())?;
-        let bytes = picture.png().map_err(|error| error.to_string())?;
-        let path = free_name(&self.options.pictures);
-        std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(path)
+        save(&self.options.pictures, &picture.png().map_err(|error| error.to_string())?)
     }
 
     /// Shows the dialog of the system on a thread of its own, where the system allows that: the window goes on.
@@ -276,30 +247,15 @@ impl ApplicationHandler<Chosen> for App {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
-        if let Some(files) = files {
-            for file in &files {
-                self.open(file);
-            }
-        } else {
-            self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into()));
-            self.redraw();
+        match files {
+            Some(files) => files.iter().for_each(|file| _ = open(&mut self.viewer, file)),
+            None => self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into())),
         }
+        self.redraw();
     }
 
-    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
-        if !matches!(cause, StartCause::ResumeTimeReached { .. }) {
-            return;
-        }
-        let now = Instant::now();
-        if self.refine_at.is_some_and(|at| at <= now) {
-            self.refine_at = None;
-            let Self { viewer, shown: Some(shown), .. } = self else { return };
-            if !shown.renderer.is_stale(viewer) && shown.renderer.refine(viewer).is_ok() {
-                self.redraw();
-            }
-        }
-        if self.wake_at.is_some_and(|at| at <= now) {
-            self.wake_at = None;
+    fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {
+        if self.wake_at.take_if(|at| *at <= Instant::now()).is_some() {
             self.redraw();
         }
     }
@@ -312,10 +268,8 @@ impl ApplicationHandler<Chosen> for App {
                 shown.screen.resize(size.width, size.height);
                 shown.screen.window.request_redraw();
             }
-            WindowEvent::DroppedFile(path) => {
-                let path = path.clone();
-                return self.open(&path);
-            }
+            // egui hears of it, too, or it would wait for the file that it saw coming, and ask for frames meanwhile.
+            WindowEvent::DroppedFile(path) => _ = open(&mut self.viewer, path),
             WindowEvent::RedrawRequested => {
                 if let Err(error) = self.paint() {
                     return self.fail(events, error);
@@ -330,8 +284,7 @@ impl ApplicationHandler<Chosen> for App {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let next = [self.refine_at, self.wake_at].into_iter().flatten().min();
-        events.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        events.set_control_flow(self.wake_at.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {

@@ -81,7 +81,7 @@ impl Screen {
             Current::Outdated => {
                 let size = self.window.inner_size();
                 self.resize(size.width, size.height);
-                Ok(if size.width == 0 { Next::Hidden } else { Next::Again })
+                Ok(if size.width == 0 || size.height == 0 { Next::Hidden } else { Next::Again })
             }
             Current::Lost => {
                 let surface = self.instance.create_surface(Arc::clone(&self.window));

@@ -22,7 +22,8 @@ pub(super) fn show(context: &egui::Context, viewer: &mut Viewer) {
         for text in [
             "Drag a light by its handle; with Shift up and down, with Ctrl at its height.",
             "Drag elsewhere to turn; with Shift, the right or the middle button to move sideways.",
-            "Scroll or pinch for nearer and farther. W, A, S, D, Q and E fly.",
+            "Scroll or pinch for nearer and farther. Two fingers on a screen move sideways, too.",
+            "W, A, S, D, Q and E fly.",
             "Drop files on the window to open them: several at once, too.",
         ] {
             ui.colored_label(style::DIM, text);

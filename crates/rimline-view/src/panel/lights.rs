@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use glam::Vec3;
+
 use super::style;
 use crate::state::event::Event;
 use crate::state::keys::{Action, key_of};
@@ -49,10 +51,10 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
 fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
     let extent = bounds.extent();
     match &mut lamp.kind {
-        LampKind::Point(at) => numbers(ui, "at", &mut at.x, &mut at.y, &mut at.z, 0.01 * extent),
+        LampKind::Point(at) => numbers(ui, "at", at, 0.01 * extent),
         LampKind::Sun(towards) => {
             let mut given = *towards;
-            numbers(ui, "from", &mut given.x, &mut given.y, &mut given.z, 0.01);
+            numbers(ui, "from", &mut given, 0.01);
             if given != *towards {
                 *towards = given.normalize_or(*towards);
             }
@@ -71,7 +73,8 @@ fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
         }
         if let Some((_, angle)) = &mut lamp.cone {
             let mut degrees = angle.to_degrees();
-            if ui.add(egui::DragValue::new(&mut degrees).range(1.0..=89.0).speed(0.25).suffix("°")).changed() {
+            let value = egui::DragValue::new(&mut degrees).range(1.0..=89.0).speed(0.25).suffix("°");
+            if ui.add(value.clamp_existing_to_range(false)).changed() {
                 *angle = degrees.to_radians();
             }
         }
@@ -89,11 +92,14 @@ fn length(ui: &mut egui::Ui, name: &str, value: &mut Option<f32>, usual: f32, ra
     }
 }
 
-fn numbers(ui: &mut egui::Ui, name: &str, x: &mut f32, y: &mut f32, z: &mut f32, speed: f32) {
+/// Three numbers, which are finite whatever is typed. Small steps have more digits.
+fn numbers(ui: &mut egui::Ui, name: &str, Vec3 { x, y, z }: &mut Vec3, speed: f32) {
+    let decimals = (-speed.log10()).round().clamp(2.0, 15.0) as usize;
     ui.horizontal(|ui| {
         ui.colored_label(style::DIM, name);
         for value in [x, y, z] {
-            ui.add(egui::DragValue::new(value).speed(speed).max_decimals(2));
+            let value = egui::DragValue::new(value).range(-1e30..=1e30).clamp_existing_to_range(false);
+            ui.add(value.speed(speed).max_decimals(decimals));
         }
     });
 }

@@ -24,6 +24,9 @@ use crate::state::viewer::{Message, Tone, Viewer};
 /// Frame times that the plot shows.
 const HISTORY: usize = 120;
 
+/// How many seconds nothing must change before the picture is drawn once more with all samples, on software devices.
+const REFINE_AFTER: f64 = 0.35;
+
 /// The panel, the time line and the picture between them.
 pub struct Panel {
     context: egui::Context,
@@ -33,6 +36,10 @@ pub struct Panel {
     last: Option<f64>,
     /// Whether the last run asked to be run again at once, so that the time since then is a frame's.
     was_busy: bool,
+    /// When a picture of few samples is drawn once more. Infinite: it was tried.
+    refine_at: Option<f64>,
+    /// The key that went down last, and whether with Shift, until a key goes up.
+    pressed: Option<(egui::Key, bool)>,
     deltas: egui::TexturesDelta,
 }
 
@@ -60,6 +67,8 @@ impl Panel {
             history: VecDeque::with_capacity(HISTORY),
             last: None,
             was_busy: false,
+            refine_at: None,
+            pressed: None,
             deltas: egui::TexturesDelta::default(),
         }
     }
@@ -70,9 +79,9 @@ impl Panel {
     }
 
     /// Takes what egui heard, lets the time pass, and draws the picture if it is to be another one.
-    pub fn run(&mut self, input: egui::RawInput, viewer: &mut Viewer, renderer: &mut Renderer) -> PanelOutput {
-        let mut input = input;
-        if let Some(time) = input.time {
+    pub fn run(&mut self, mut input: egui::RawInput, viewer: &mut Viewer, renderer: &mut Renderer) -> PanelOutput {
+        let time = input.time;
+        if let Some(time) = time {
             let passed = self.last.replace(time).map_or(0.0, |last| (time - last) as f32);
             if self.was_busy {
                 self.history.truncate(HISTORY - 1);
@@ -80,9 +89,12 @@ impl Panel {
             }
             viewer.handle(Event::Passed(passed.clamp(0.0, 0.25)));
         }
-        if !self.context.egui_wants_keyboard_input() {
-            input.events.retain(|event| !take_key(event, viewer));
-        }
+        // Open menus close with Escape, too.
+        let is_for_egui = self.context.egui_wants_keyboard_input() || egui::Popup::is_any_open(&self.context);
+        input.events.retain(|event| {
+            let is_repeated = self.is_repeated(event);
+            is_for_egui || !take_key(event, is_repeated, viewer)
+        });
         let has_news = renderer.poll();
         let full = self.context.clone().run_ui(input, |ui| {
             if viewer.shows_panel {
@@ -95,10 +107,11 @@ impl Panel {
             help::show(ui.ctx(), viewer);
         });
         let is_drawn = renderer.show(viewer);
+        let refine_after = time.map_or(Duration::MAX, |time| self.refine(time, is_drawn, viewer, renderer));
         self.shown.take(renderer);
         let is_busy = viewer.is_animated() || viewer.is_dragging();
-        let mut repaint_after =
-            full.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
+        let delay = full.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
+        let mut repaint_after = delay.min(refine_after);
         if is_busy || has_news {
             repaint_after = Duration::ZERO;
         } else if renderer.is_waiting() {
@@ -113,6 +126,41 @@ impl Panel {
             repaint_after,
             primitives: self.context.tessellate(full.shapes, full.pixels_per_point),
             pixels_per_point: full.pixels_per_point,
+        }
+    }
+
+    /// Draws a picture of few samples once more with all of them, when it has stayed for a while. Returns how long that still
+    /// is.
+    fn refine(&mut self, time: f64, is_drawn: bool, viewer: &Viewer, renderer: &mut Renderer) -> Duration {
+        let is_coarse = renderer.is_coarse(viewer) && !viewer.is_animated();
+        if is_drawn || !is_coarse {
+            self.refine_at = None;
+        }
+        if !is_coarse {
+            return Duration::MAX;
+        }
+        let at = *self.refine_at.get_or_insert(time + REFINE_AFTER);
+        if at <= time {
+            self.refine_at = Some(f64::INFINITY);
+            // A picture that cannot be drawn better stays.
+            let _ = renderer.refine(viewer);
+            return Duration::MAX;
+        }
+        Duration::try_from_secs_f64(at - time).unwrap_or(Duration::MAX)
+    }
+
+    /// Notes keys that go down and up. Returns whether this is one that was down already: not every window says so.
+    fn is_repeated(&mut self, event: &egui::Event) -> bool {
+        match event {
+            egui::Event::Key { key, pressed: true, modifiers, repeat, .. } => {
+                let pressed = Some((*key, modifiers.shift));
+                *repeat || std::mem::replace(&mut self.pressed, pressed) == pressed
+            }
+            egui::Event::Key { .. } | egui::Event::WindowFocused(_) => {
+                self.pressed = None;
+                false
+            }
+            _ => false,
         }
     }
 
@@ -160,11 +208,15 @@ impl Drop for Panel {
     }
 }
 
-/// Lets a key do what it is for. Returns whether it does anything.
-fn take_key(event: &egui::Event, viewer: &mut Viewer) -> bool {
+/// Lets a key do what it is for. Returns whether it is for anything.
+fn take_key(event: &egui::Event, is_repeated: bool, viewer: &mut Viewer) -> bool {
     let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { return false };
-    let action = keys::action(*key, modifiers.shift).filter(|_| !modifiers.ctrl && !modifiers.alt);
-    action.map(|action| viewer.handle(Event::Acted(action))).is_some()
+    let is_plain = !modifiers.ctrl && !modifiers.alt && !modifiers.mac_cmd;
+    let Some(action) = keys::action(*key, modifiers.shift).filter(|_| is_plain) else { return false };
+    if !is_repeated || action.is_gradual() {
+        viewer.handle(Event::Acted(action));
+    }
+    true
 }
 
 fn side_panel(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, history: &VecDeque<f32>) {
@@ -189,11 +241,7 @@ fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
                 ("Copy", Action::CopyCommand),
                 ("Open…", Action::OpenFile),
             ] {
-                let hint = keys::KEYS.iter().find(|binding| binding.action == action);
-                let button = ui.button(text).on_hover_text(
-                    hint.map_or_else(String::new, |binding| format!("{} ({})", binding.what, binding.name())),
-                );
-                if button.clicked() {
+                if ui.button(text).on_hover_text(keys::hint(action)).clicked() {
                     viewer.handle(Event::Acted(action));
                 }
             }

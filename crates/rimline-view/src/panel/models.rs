@@ -11,7 +11,11 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     for (number, body) in viewer.bodies.iter().enumerate() {
         let report = body.report();
         ui.horizontal(|ui| {
-            ui.label(&body.name);
+            // A long name leaves room for the rest.
+            ui.scope(|ui| {
+                ui.set_max_width(ui.available_width() - 120.0);
+                ui.add(egui::Label::new(&body.name).truncate());
+            });
             let faces = if report.faces == 1 { "face" } else { "faces" };
             ui.colored_label(style::DIM, format!("{} {faces}", grouped(report.faces)));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

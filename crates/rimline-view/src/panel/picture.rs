@@ -7,6 +7,7 @@ use super::style;
 use crate::state::camera::Camera;
 use crate::state::event::{Button, Event, Modifiers};
 use crate::state::handle::Handle;
+use crate::state::keys::{Action, key_of};
 use crate::state::lamp::{Lamp, LampKind};
 use crate::state::viewer::Viewer;
 use rimline_picture::Bounds;
@@ -21,7 +22,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
         viewer.handle(Event::Resized(size));
     }
     let response = ui.interact(rect, ui.scope_id().with("picture"), egui::Sense::drag());
-    listen(ui, viewer, &response, rect, scale);
+    listen(ui, viewer, &response, scale);
     let painter = ui.painter_at(rect);
     let over = Over { painter, rect, scale, camera: viewer.camera(), bounds: viewer.bounds(), ground: viewer.ground() };
     if viewer.options.overlays.boxes {
@@ -30,27 +31,64 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     for (number, lamp) in viewer.lamps.iter().enumerate() {
         over.lamp(lamp, viewer.selected == Some(number), viewer.hovered == Some(Handle::Lamp(number)));
     }
-    if let Some(number) = viewer.selected {
-        over.target(&viewer.lamps[number], viewer.hovered == Some(Handle::Target(number)));
+    if let Some((number, lamp)) = viewer.selected.and_then(|number| Some((number, viewer.lamps.get(number)?))) {
+        over.target(lamp, viewer.hovered == Some(Handle::Target(number)));
     }
     if viewer.hovered.is_some() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
     }
+    if ui.input(egui::InputState::has_touch_screen) {
+        panel_button(ui.ctx(), viewer, rect);
+    }
 }
 
-/// Makes events of what the pointer and held keys do.
-fn listen(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, rect: Rect, scale: f32) {
-    let pixel = |at: Pos2| ((at - rect.min) * scale).into();
-    let modifiers = ui.input(|input| input.modifiers);
-    let held = |modifiers: egui::Modifiers| Modifiers { shift: modifiers.shift, control: modifiers.command };
-    let is_here = |at| rect.contains(at) && ui.ctx().layer_id_at(at).is_none_or(|layer| layer == response.layer_id);
+/// A button in the corner of the picture that does what Tab does, where there may be no keyboard.
+fn panel_button(context: &egui::Context, viewer: &mut Viewer, rect: Rect) {
+    let at = rect.right_top() + egui::vec2(-8.0, 8.0);
+    let area = egui::Area::new(egui::Id::new("panel button")).fixed_pos(at).pivot(egui::Align2::RIGHT_TOP);
+    area.show(context, |ui| {
+        if ui.button("Panel").on_hover_text(key_of(Action::Panel)).clicked() {
+            viewer.handle(Event::Acted(Action::Panel));
+        }
+    });
+}
+
+/// Makes events of what fingers, the pointer and held keys do.
+fn listen(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, scale: f32) {
+    if let Some(fingers) = ui.input(egui::InputState::multi_touch) {
+        // The first finger is a pointer, too. Beside a second one it drags nothing.
+        viewer.handle(Event::Released);
+        if is_on(response, fingers.center_pos) {
+            viewer.handle(Event::Panned((fingers.translation_delta * scale).into()));
+            viewer.handle(Event::Pinched(fingers.zoom_delta));
+        }
+    } else {
+        point(ui, viewer, response, scale);
+        scroll(ui, viewer, response);
+    }
+    fly(ui, viewer);
+}
+
+/// Whether a point is on the picture, and nothing of egui's lies over it there.
+fn is_on(response: &egui::Response, at: Pos2) -> bool {
+    response.rect.contains(at) && response.ctx.layer_id_at(at).is_none_or(|layer| layer == response.layer_id)
+}
+
+/// Keys that are held with the pointer.
+fn held(modifiers: egui::Modifiers) -> Modifiers {
+    Modifiers { shift: modifiers.shift, control: modifiers.command }
+}
+
+/// Makes events of what the pointer does.
+fn point(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, scale: f32) {
+    let pixel = |at: Pos2| ((at - response.rect.min) * scale).into();
     // A slow frame may hold a press, moves, a release and more moves: their order decides what a move drags.
     for event in ui.input(|input| input.events.clone()) {
         match event {
             egui::Event::PointerMoved(at) if viewer.is_dragging() || response.hovered() => {
                 viewer.handle(Event::Moved(pixel(at)));
             }
-            egui::Event::PointerButton { pos, button, pressed: true, modifiers } if is_here(pos) => {
+            egui::Event::PointerButton { pos, button, pressed: true, modifiers } if is_on(response, pos) => {
                 let button = match button {
                     egui::PointerButton::Primary => Button::Primary,
                     egui::PointerButton::Secondary => Button::Secondary,
@@ -66,6 +104,8 @@ fn listen(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, rect: R
                 viewer.handle(Event::Moved(pixel(pos)));
                 viewer.handle(Event::Released);
             }
+            // The system took the finger for a gesture of its own. No release follows.
+            egui::Event::Touch { phase: egui::TouchPhase::Cancel, .. } => viewer.handle(Event::Released),
             _ => {}
         }
     }
@@ -74,19 +114,31 @@ fn listen(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, rect: R
         viewer.handle(Event::Released);
     }
     let at = if viewer.is_dragging() { response.interact_pointer_pos() } else { response.hover_pos() };
-    if let Some(at) = at {
-        viewer.handle(Event::Moved(pixel(at)));
+    match at {
+        Some(at) => viewer.handle(Event::Moved(pixel(at))),
+        None if viewer.is_dragging() => {}
+        None => viewer.hovered = None,
     }
-    if response.hovered() {
-        let (scrolled, pinched) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
-        if scrolled != egui::Vec2::ZERO {
-            viewer.handle(Event::Scrolled([scrolled.x / 40.0, scrolled.y / 40.0], held(modifiers)));
-        }
-        if pinched != 1.0 {
-            viewer.handle(Event::Pinched(pinched));
-        }
+}
+
+/// Makes events of a wheel or of fingers beside the screen.
+fn scroll(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response) {
+    if !response.hovered() {
+        return;
     }
-    if ui.ctx().egui_wants_keyboard_input() || modifiers.any() {
+    let (modifiers, scrolled, pinched) =
+        ui.input(|input| (input.modifiers, input.smooth_scroll_delta(), input.zoom_delta()));
+    if scrolled != egui::Vec2::ZERO {
+        viewer.handle(Event::Scrolled([scrolled.x / 40.0, scrolled.y / 40.0], held(modifiers)));
+    }
+    if pinched != 1.0 {
+        viewer.handle(Event::Pinched(pinched));
+    }
+}
+
+/// Moves with the keys that are held.
+fn fly(ui: &egui::Ui, viewer: &mut Viewer) {
+    if ui.ctx().egui_wants_keyboard_input() || ui.input(|input| input.modifiers.any()) {
         return;
     }
     let axis = |less: egui::Key, more: egui::Key| {
@@ -151,9 +203,8 @@ impl Over {
                     self.circle(handle, Vec3::Y, range, faint);
                 }
             }
-            LampKind::Sun(towards) => {
+            LampKind::Sun(_) => {
                 self.line(handle, self.bounds.centre() + 0.75 * (handle - self.bounds.centre()), faint);
-                let _ = towards;
                 for ray in 0..8 {
                     let way = egui::Vec2::angled(std::f32::consts::TAU * ray as f32 / 8.0);
                     self.painter.line_segment([at + 10.0 * way, at + 15.0 * way], Stroke::new(2.0, color));

@@ -1,35 +1,22 @@
 //! Overlays, ways to draw and to count, levels of skipping.
 
 use super::style;
-use crate::state::keys::{Action, key_of};
-use crate::state::options::{COUNTINGS, Overlays, counting_name};
+use crate::state::keys::key_of;
+use crate::state::options::{COUNTINGS, SWITCHES, counting_name};
 use crate::state::viewer::Viewer;
 use rimline_picture::Mode;
 
 pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     let options = &mut viewer.options;
     style::heading(ui, "Show");
-    let Overlays { silhouettes, light_silhouettes, volumes, caps, boundary, non_manifold, creases, exact, boxes } =
-        &mut options.overlays;
-    grid(
-        ui,
-        "show",
-        [
-            (silhouettes, "silhouettes", Action::Silhouettes),
-            (light_silhouettes, "of the lights", Action::LightSilhouettes),
-            (volumes, "volumes", Action::Volumes),
-            (caps, "light caps", Action::Caps),
-            (boundary, "boundary", Action::Boundary),
-            (non_manifold, "non-manifold", Action::NonManifold),
-            (creases, "creases", Action::Creases),
-            (exact, "decided exactly", Action::Exact),
-            (boxes, "boxes", Action::Boxes),
-            (&mut options.ground, "ground", Action::Ground),
-            (&mut options.shadows, "shadows", Action::Shadows),
-            (&mut options.smooth, "smooth", Action::Smooth),
-            (&mut options.colors, "base colours", Action::Colors),
-        ],
-    );
+    egui::Grid::new("show").num_columns(2).min_col_width(128.0).spacing([8.0, 3.0]).show(ui, |ui| {
+        for (number, (action, text, switch)) in SWITCHES.into_iter().enumerate() {
+            ui.checkbox(switch(options), text).on_hover_text(key_of(action));
+            if number % 2 == 1 {
+                ui.end_row();
+            }
+        }
+    });
     style::heading(ui, "Shadows");
     ui.horizontal(|ui| {
         ui.colored_label(style::DIM, "drawn");
@@ -57,17 +44,6 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             (&mut skipping.lists, "lists of what did not change"),
         ] {
             ui.checkbox(level, text);
-        }
-    });
-}
-
-fn grid<const N: usize>(ui: &mut egui::Ui, id: &str, switches: [(&mut bool, &str, Action); N]) {
-    egui::Grid::new(id).num_columns(2).min_col_width(128.0).spacing([8.0, 3.0]).show(ui, |ui| {
-        for (number, (switch, text, action)) in switches.into_iter().enumerate() {
-            ui.checkbox(switch, text).on_hover_text(key_of(action));
-            if number % 2 == 1 {
-                ui.end_row();
-            }
         }
     });
 }

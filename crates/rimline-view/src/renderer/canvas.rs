@@ -3,6 +3,7 @@
 use rimline_picture::{PictureFormat, Resources, Targets, color_pass, view};
 
 use super::error::RenderError;
+use super::gpu::granted;
 
 /// The targets of a picture of one size.
 pub(super) struct Canvas {
@@ -27,7 +28,8 @@ impl Canvas {
             return Err(RenderError::Size { width, height, limit });
         }
         let format = format(samples);
-        let targets = Targets::new(&resources.factory, format, size, wgpu::TextureUsages::TEXTURE_BINDING);
+        let make = || Targets::new(&resources.factory, format, size, wgpu::TextureUsages::TEXTURE_BINDING);
+        let targets = granted(&resources.factory.device, make).map_err(|why| RenderError::refused(size, why))?;
         let aspect = wgpu::TextureAspect::DepthOnly;
         let depth = targets.attachments[0].depth.texture();
         let depth = depth.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });

@@ -2,8 +2,6 @@
 
 use rimline::gpu::{DeviceError, ExtractorError, OutlineError, ShadowError};
 
-use crate::state::body::BodyError;
-
 /// Why a picture cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -48,6 +46,16 @@ pub enum RenderError {
         /// The limit.
         limit: u32,
     },
+    /// The device makes no textures of this size, or has no memory for them.
+    #[error("a picture of {width} x {height} pixels is too large for this device: {why}")]
+    Refused {
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+        /// The reason, in the device's words.
+        why: String,
+    },
     /// The picture cannot be encoded.
     #[error("the picture cannot be written: {0}")]
     Png(#[from] png::EncodingError),
@@ -58,7 +66,7 @@ impl RenderError {
         Self::Body { index, name: name.to_owned(), why: why.to_string() }
     }
 
-    pub(super) fn of_body(index: usize, name: &str, error: &BodyError) -> Self {
-        Self::body(index, name, error)
+    pub(super) fn refused([width, height]: [u32; 2], why: String) -> Self {
+        Self::Refused { width, height, why }
     }
 }

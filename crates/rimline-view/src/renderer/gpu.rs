@@ -1,7 +1,9 @@
 //! The device.
 
+use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Poll, Waker};
 
 use rimline::gpu::Pipelines;
 use wgpu::{Features, Limits};
@@ -80,4 +82,24 @@ impl Gpu {
     pub(super) fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
     }
+}
+
+/// Makes textures and buffers, or says why the device refuses them: most often it lacks memory. A browser answers later than
+/// this returns, to the handler of all errors.
+pub(super) fn granted<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, String> {
+    if cfg!(target_arch = "wasm32") {
+        return Ok(make());
+    }
+    // A view of a texture that was refused is invalid.
+    let scopes =
+        [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|filter| device.push_error_scope(filter));
+    let made = make();
+    let answer = |scope: wgpu::ErrorScopeGuard| match pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(error) => error,
+        Poll::Pending => None,
+    };
+    let Some(error) = scopes.into_iter().rev().filter_map(answer).reduce(|_, outer| outer) else { return Ok(made) };
+    // The first lines name functions.
+    let said = error.to_string();
+    Err(said.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or_default().to_owned())
 }

@@ -195,11 +195,13 @@ impl Renderer {
         viewer: &Viewer,
         scale: u32,
     ) -> Result<impl Future<Output = Result<Picture, RenderError>> + use<>, RenderError> {
-        let size = viewer.size().map(|side| side * scale);
+        let size = viewer.size().map(|side| side.saturating_mul(scale));
         let canvas = Canvas::new(&self.resources, size, 4)?;
+        let copy = gpu::granted(&self.gpu.device, || Copy::new(&self.gpu.device, size));
+        let copy = copy.map_err(|why| RenderError::refused(size, why))?;
         let mut encoder = self.gpu.encoder("screenshot");
         self.record(&mut encoder, viewer, &canvas)?;
-        let copy = Copy::record(&self.gpu.device, &mut encoder, &canvas.targets.picture);
+        copy.record(&mut encoder, &canvas.targets.picture);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(read(&self.gpu, copy))
     }
@@ -208,7 +210,8 @@ impl Renderer {
     pub fn read(&self) -> Option<impl Future<Output = Result<Picture, RenderError>> + use<>> {
         let canvas = self.canvas.as_ref()?;
         let mut encoder = self.gpu.encoder("read");
-        let copy = Copy::record(&self.gpu.device, &mut encoder, &canvas.targets.picture);
+        let copy = Copy::new(&self.gpu.device, canvas.size);
+        copy.record(&mut encoder, &canvas.targets.picture);
         self.gpu.queue.submit([encoder.finish()]);
         Some(read(&self.gpu, copy))
     }

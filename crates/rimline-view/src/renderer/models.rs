@@ -9,7 +9,7 @@ use rimline_picture::{
 };
 
 use super::error::RenderError;
-use super::gpu::Gpu;
+use super::gpu::{Gpu, granted};
 use super::skipping::measuring;
 use crate::state::body::Body;
 use crate::state::options::{Counting, Skipping};
@@ -90,16 +90,17 @@ impl Models {
         let (placed, surfaces, lights) = (Vec::new(), Vec::new(), Vec::new());
         let mut models = Self { made, scene, placed, surfaces, frame: None, lights };
         for (index, body) in viewer.bodies.iter().enumerate() {
-            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, &error.to_string());
-            let pose =
-                body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
+            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error);
+            let pose = body.pose(viewer.clock.seconds).map_err(|error| failed(&error))?;
             let limit = gpu.device.limits().max_storage_buffer_binding_size;
             if 12 * body.report().faces as u64 > limit {
                 return Err(failed(&format!("its {} faces do not fit the device {}", body.report().faces, gpu.name)));
             }
             let handle = models.scene.insert_model(body.model(), &pose, DeformerOptions::default());
             let handle = handle.map_err(|error| failed(&error))?;
-            models.placed.push(models.placed_body(resources, normals, (handle, body), State::of(&pose, viewer))?);
+            let state = State::of(&pose, viewer);
+            let placed = granted(&gpu.device, || models.placed_body(resources, normals, (handle, body), state));
+            models.placed.push(placed.map_err(|why| failed(&why))??);
         }
         Ok(models)
     }
@@ -130,13 +131,14 @@ impl Models {
         viewer: &Viewer,
     ) -> Result<(), RenderError> {
         for (index, body) in viewer.bodies.iter().enumerate() {
-            let pose =
-                body.pose(viewer.clock.seconds).map_err(|error| RenderError::of_body(index, &body.name, &error))?;
+            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error);
+            let pose = body.pose(viewer.clock.seconds).map_err(|error| failed(&error))?;
             let handle = self.placed[index].handle;
-            self.scene.set_pose(handle, &pose).map_err(|error| RenderError::body(index, &body.name, &error))?;
+            self.scene.set_pose(handle, &pose).map_err(|error| failed(&error))?;
             let state = State::of(&pose, viewer);
             if self.placed[index].state != state {
-                self.placed[index] = self.placed_body(resources, normals, (handle, body), state)?;
+                let make = || self.placed_body(resources, normals, (handle, body), state);
+                self.placed[index] = granted(&resources.factory.device, make).map_err(|why| failed(&why))??;
                 self.frame = None;
             }
         }

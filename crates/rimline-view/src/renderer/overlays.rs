@@ -40,7 +40,7 @@ impl Overlays {
         let options = ExtractorOptions { max_lights: MAX_LAMPS + 1, ..ExtractorOptions::default() };
         let mut bodies = Vec::with_capacity(viewer.bodies.len());
         for (index, body) in viewer.bodies.iter().enumerate() {
-            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, &error.to_string());
+            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error);
             let pose = body.pose(viewer.clock.seconds).map_err(|error| failed(&error))?;
             let mesh = body.model().mesh(&pose).map_err(|error| failed(&error))?;
             let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| failed(&error))?;
@@ -75,7 +75,7 @@ impl Overlays {
             if viewer.options.overlays.exact {
                 let body = &viewer.bodies[index];
                 let positions = body.positions(viewer.clock.seconds);
-                let positions = positions.map_err(|error| RenderError::of_body(index, &body.name, &error))?;
+                let positions = positions.map_err(|error| RenderError::body(index, &body.name, &error))?;
                 let faces = undecided_faces(&positions, mesh.faces(), &lights[..lights.len() - 1]);
                 gpu.queue.write_buffer(exact, 0, bytemuck::cast_slice(&bits_of_faces(mesh, &faces)));
             }

@@ -41,8 +41,8 @@ pub(super) struct Copy {
 }
 
 impl Copy {
-    pub(super) fn record(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> Self {
-        let size = [texture.width(), texture.height()];
+    /// For textures of this size.
+    pub(super) fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
         let row = (4 * size[0]).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("picture"),
@@ -50,13 +50,13 @@ impl Copy {
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-            texture.size(),
-        );
         Self { buffer, size, row }
+    }
+
+    pub(super) fn record(&self, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) {
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout };
+        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
     }
 
     /// The picture, once its encoder was submitted.

@@ -5,21 +5,24 @@ use rimline_picture::Mode;
 
 use super::keys::Action;
 use super::lamp::Lamp;
-use super::options::COUNTINGS;
+use super::options::{COUNTINGS, SWITCHES};
 use super::viewer::{MAX_LAMPS, Message, Request, Tone, Viewer};
+use crate::scenes;
 
 /// Degrees for each press of a key.
 const STEP: f32 = 6.0;
 
 impl Viewer {
     pub(super) fn act(&mut self, action: Action) {
-        let overlays = &mut self.options.overlays;
         let flip = |switch: &mut bool| *switch = !*switch;
+        if let Some((.., switch)) = SWITCHES.iter().find(|(of, ..)| *of == action) {
+            return flip(switch(&mut self.options));
+        }
         match action {
             Action::Help => flip(&mut self.shows_help),
             Action::Panel => flip(&mut self.shows_panel),
             Action::OpenFile => self.requests.push(Request::OpenFiles),
-            Action::NextScene => self.requests.push(Request::NextScene),
+            Action::NextScene => self.next_scene(),
             Action::ResetCamera => self.reset_camera(),
             Action::NextCamera => self.next_camera(),
             Action::TurnLeft => self.orbit.turn(-STEP, 0.0),
@@ -31,8 +34,8 @@ impl Viewer {
             Action::Play => flip(&mut self.clock.is_running),
             Action::StepBack => self.step(-1.0 / 30.0),
             Action::StepOn => self.step(1.0 / 30.0),
-            Action::Slower => self.clock.speed = (self.clock.speed * 0.5).max(0.125),
-            Action::Faster => self.clock.speed = (self.clock.speed * 2.0).min(8.0),
+            Action::Slower => self.clock.change_speed(0.5),
+            Action::Faster => self.clock.change_speed(2.0),
             Action::NextAnimation => self.next_animation(),
             Action::NextLight if !self.lamps.is_empty() => {
                 self.selected = Some(self.selected.map_or(0, |lamp| (lamp + 1) % self.lamps.len()));
@@ -50,19 +53,6 @@ impl Viewer {
             Action::LightDown => self.shift_lamp(Vec3::NEG_Y),
             Action::LightAhead => self.shift_lamp(Vec3::Z),
             Action::LightBack => self.shift_lamp(Vec3::NEG_Z),
-            Action::Silhouettes => flip(&mut overlays.silhouettes),
-            Action::LightSilhouettes => flip(&mut overlays.light_silhouettes),
-            Action::Volumes => flip(&mut overlays.volumes),
-            Action::Caps => flip(&mut overlays.caps),
-            Action::Boundary => flip(&mut overlays.boundary),
-            Action::NonManifold => flip(&mut overlays.non_manifold),
-            Action::Creases => flip(&mut overlays.creases),
-            Action::Exact => flip(&mut overlays.exact),
-            Action::Boxes => flip(&mut overlays.boxes),
-            Action::Ground => flip(&mut self.options.ground),
-            Action::Shadows => flip(&mut self.options.shadows),
-            Action::Smooth => flip(&mut self.options.smooth),
-            Action::Colors => flip(&mut self.options.colors),
             Action::NextMode => self.options.mode = Mode::ALL[(self.options.mode as usize + 1) % Mode::ALL.len()].0,
             Action::NextCounting => {
                 let at = COUNTINGS.iter().position(|(of, _)| *of == self.options.counting).unwrap_or(0);
@@ -73,7 +63,8 @@ impl Viewer {
             Action::CopyCommand => self.requests.push(Request::Copy(self.command())),
             Action::Close if self.shows_help => self.shows_help = false,
             Action::Close => self.requests.push(Request::Close),
-            Action::NextLight => {}
+            // No light, or a switch.
+            _ => {}
         }
     }
 
@@ -83,6 +74,19 @@ impl Viewer {
         let duration = self.duration();
         if duration > 0.0 {
             self.clock.seconds = (self.clock.seconds + seconds).rem_euclid(duration);
+        }
+    }
+
+    /// Shows the next scene. Models of files are one of them, before the first that is built in.
+    fn next_scene(&mut self) {
+        let next = if self.is_built_in() { self.scene + 1 } else { 0 };
+        if next == scenes::ALL.len() && self.show_opened() {
+            return;
+        }
+        self.scene = next % scenes::ALL.len();
+        match scenes::ALL[self.scene].1() {
+            Ok(bodies) => self.replace(bodies),
+            Err(error) => self.message = Some(Message::new(Tone::Note, error.to_string())),
         }
     }
 
@@ -124,7 +128,8 @@ impl Viewer {
     fn remove_lamp(&mut self) {
         let Some(number) = self.selected.filter(|&number| number < self.lamps.len()) else { return };
         self.lamps.remove(number);
-        self.hovered = None;
+        // Numbers of the others change, so nothing may go on with the old ones.
+        (self.hovered, self.drag) = (None, None);
         self.selected = self.lamps.len().checked_sub(1).map(|last| number.min(last));
     }
 }

@@ -25,6 +25,11 @@ impl Clock {
             self.seconds = (self.seconds + seconds * self.speed).rem_euclid(duration);
         }
     }
+
+    /// Goes faster or slower by a factor, the same way as before: an eighth to eight times as fast as the animation.
+    pub(super) fn change_speed(&mut self, factor: f32) {
+        self.speed = (self.speed.abs() * factor).clamp(0.125, 8.0).copysign(self.speed);
+    }
 }
 
 #[cfg(test)]
@@ -42,5 +47,19 @@ mod tests {
         clock.is_running = false;
         clock.advance(5.0, 1.0);
         assert!((clock.seconds - 0.6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_change_of_speed_keeps_the_direction() {
+        for speed in [1.0, -1.0] {
+            let mut clock = Clock { speed, ..Clock::default() };
+            (0..9).for_each(|_| clock.change_speed(2.0));
+            assert_eq!(clock.speed, 8.0 * speed);
+            (0..9).for_each(|_| clock.change_speed(0.5));
+            assert_eq!(clock.speed, 0.125 * speed);
+        }
+        let mut still = Clock { speed: 0.0, ..Clock::default() };
+        still.change_speed(2.0);
+        assert_eq!(still.speed, 0.125);
     }
 }

@@ -27,6 +27,7 @@ impl Viewer {
         let shown = &options.overlays;
         let differs = [
             (is_shaded && !options.shadows, "shadows off"),
+            (is_shaded && !self.lamps.iter().any(|lamp| lamp.is_on), "lights off"),
             (verb != "lines" && !options.ground, "ground off"),
             (!is_shaded, "lights"),
             (verb == "lines" && options.colors, "colours"),
@@ -61,21 +62,17 @@ impl Viewer {
     pub fn command(&self) -> String {
         let (options, verb) = (&self.options, self.verb());
         let mut line = format!("rimline {verb}");
-        let files = self.bodies.iter().filter_map(|body| body.file.as_deref());
-        for file in files {
-            let _ = write!(line, " {}", quoted(file));
-        }
-        if self.is_built_in() {
-            line += " FILE";
-        }
+        let files: Vec<_> = self.bodies.iter().filter_map(|body| body.file.as_deref()).map(quoted).collect();
+        let _ = write!(line, " {}", if files.is_empty() { "FILE".to_owned() } else { files.join(" ") });
         if self.up == Up::Z {
             line += " --up z";
         }
-        let moved = |point: glam::Vec3| {
-            let origin = self.origin.to_array();
-            let [x, y, z] = [0, 1, 2].map(|axis| f64::from(point[axis]) + origin[axis]);
-            if origin == [0.0; 3] { format!("{},{},{}", point.x, point.y, point.z) } else { format!("{x},{y},{z}") }
+        let origin = self.origin.to_array();
+        // Digits of a single number where they say all of it.
+        let along = |axis: usize, value: f32| {
+            if self.origin.is_zero() { value.to_string() } else { (f64::from(value) + origin[axis]).to_string() }
         };
+        let moved = |point: glam::Vec3| [0, 1, 2].map(|axis| along(axis, point[axis])).join(",");
         if let Some(index) = self.played() {
             let _ = write!(line, " --animation {index} --time {}", self.clock.seconds);
         }
@@ -89,8 +86,7 @@ impl Viewer {
             line += " --plain";
         }
         if verb == "shadow" {
-            let ground = f64::from(self.ground()) + self.origin.to_array()[1];
-            let _ = write!(line, " --ground {}", ground as f32);
+            let _ = write!(line, " --ground {}", along(1, self.ground()));
             let lamps = || self.lamps.iter().filter(|lamp| lamp.is_on);
             let radius = |lamp: &Lamp| lamp.radius.filter(|_| options.mode == Mode::Additive);
             for lamp in lamps() {
@@ -124,14 +120,29 @@ impl Viewer {
     }
 }
 
-/// A word for a shell, in quotes if it needs them.
-fn quoted(word: &str) -> String {
+/// The name of a file for a shell, in quotes if it needs them.
+fn quoted(file: &str) -> String {
+    // A dash begins options, and is standard input.
+    let file = if file.starts_with('-') { format!("./{file}") } else { file.to_owned() };
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.to_owned()
+    if !file.is_empty() && file.chars().all(is_plain) {
+        file
+    } else if file.contains(char::is_control) {
+        // A terminal acts on these when they are printed or pasted, in quotes, too.
+        file.chars().fold("$'".to_owned(), escaped) + "'"
     } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
+        format!("'{}'", file.replace('\'', r"'\''"))
     }
+}
+
+/// Adds a character of what stands between `$'` and `'`.
+fn escaped(mut text: String, c: char) -> String {
+    match c {
+        '\'' | '\\' => text.extend(['\\', c]),
+        c if c.is_control() => c.to_string().bytes().for_each(|byte| _ = write!(text, "\\{byte:03o}")),
+        c => text.push(c),
+    }
+    text
 }
 
 #[cfg(test)]
@@ -198,6 +209,38 @@ mod tests {
     }
 
     #[test]
+    fn lights_that_are_off_and_files_that_are_missing_are_not_in_the_line() {
+        let mut viewer = viewer(1);
+        viewer.lamps.iter_mut().for_each(|lamp| lamp.is_on = false);
+        assert!(!viewer.command().contains("--light"), "{}", viewer.command());
+        assert_eq!(viewer.not_in_command(), ["lights off"]);
+        viewer.remove_body(0);
+        assert!(viewer.command().starts_with("rimline shadow FILE --eye "), "{}", viewer.command());
+    }
+
+    #[test]
+    fn large_coordinates_keep_their_digits() {
+        let mut viewer = viewer(0);
+        let far = b"v 5000000 6000000.25 0\nv 5000001 6000000.25 0\nv 5000000 6000001.25 0\nf 1 2 3\n";
+        let options = rimline_files::ReadOptions::default();
+        let file = rimline_files::read_bytes(far, Some(std::path::Path::new("far.obj")), &options);
+        viewer.open("far.obj", "far.obj".into(), file);
+        assert!(viewer.origin.to_array()[1] > 5e6, "{:?}", viewer.origin);
+        assert!(viewer.command().contains(" --ground 6000000.25 "), "{}", viewer.command());
+    }
+
+    #[test]
+    fn without_lights_a_second_file_selects_none() {
+        let mut viewer = viewer(1);
+        (0..3).for_each(|_| viewer.handle(Event::Acted(Action::RemoveLight)));
+        let (name, file) = block("second.obj");
+        viewer.open(&name, name.clone(), Ok(file));
+        assert!(viewer.lamps.is_empty() && viewer.selected.is_none());
+        (0..=crate::scenes::ALL.len()).for_each(|_| viewer.handle(Event::Acted(Action::NextScene)));
+        assert!(!viewer.is_built_in() && viewer.lamps.is_empty() && viewer.selected.is_none());
+    }
+
+    #[test]
     fn a_second_file_keeps_what_the_user_changed() {
         let mut viewer = viewer(1);
         viewer.handle(Event::Acted(Action::TurnLeft));
@@ -207,15 +250,15 @@ mod tests {
         viewer.open(&name, name.clone(), Ok(file));
         assert!(viewer.orbit == orbit && viewer.lamps == lamps && viewer.bodies.len() == 2);
         // They are there again after all built-in scenes.
-        let mut scene = 0;
+        let show_next = |viewer: &mut Viewer| viewer.handle(Event::Acted(Action::NextScene));
         for _ in crate::scenes::ALL {
-            crate::scenes::show_next(&mut viewer, &mut scene);
+            show_next(&mut viewer);
             assert!(viewer.is_built_in());
         }
-        crate::scenes::show_next(&mut viewer, &mut scene);
+        show_next(&mut viewer);
         assert!(!viewer.is_built_in() && viewer.orbit == orbit && viewer.lamps == lamps && viewer.bodies.len() == 2);
         // A file that is dropped on a built-in scene joins the others.
-        crate::scenes::show_next(&mut viewer, &mut scene);
+        show_next(&mut viewer);
         let (name, file) = block("third.obj");
         viewer.open(&name, name.clone(), Ok(file));
         assert!(viewer.lamps == lamps && viewer.bodies.len() == 3);
@@ -229,5 +272,8 @@ mod tests {
         assert_eq!(quoted("my model.glb"), "'my model.glb'");
         assert_eq!(quoted("it's"), r"'it'\''s'");
         assert_eq!(quoted("$HOME"), "'$HOME'");
+        assert_eq!(quoted("-"), "./-");
+        assert_eq!(quoted("-a b.obj"), "'./-a b.obj'");
+        assert_eq!(quoted("a\u{15}it's\\\n\u{9b}b"), r"$'a\025it\'s\\\012\302\233b'");
     }
 }

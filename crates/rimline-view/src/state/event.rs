@@ -37,6 +37,8 @@ pub enum Event {
     Released,
     /// The wheel or two fingers scrolled: lines to the right and up. Up is nearer.
     Scrolled([f32; 2], Modifiers),
+    /// Two fingers moved the picture by so many pixels to the right and down.
+    Panned([f32; 2]),
     /// Two fingers pinched: a factor above 1 is nearer.
     Pinched(f32),
     /// A key was pressed, or a button of the panel: see [`KEYS`](crate::KEYS).

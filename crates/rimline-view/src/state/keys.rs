@@ -55,6 +55,17 @@ pub enum Action {
     Close,
 }
 
+impl Action {
+    /// Whether it goes a step on, again and again while its key is held.
+    pub(crate) fn is_gradual(self) -> bool {
+        use Action as A;
+        let turns = matches!(self, A::TurnLeft | A::TurnRight | A::TurnUp | A::TurnDown | A::Nearer | A::Farther);
+        let moves_light =
+            matches!(self, A::LightLeft | A::LightRight | A::LightUp | A::LightDown | A::LightAhead | A::LightBack);
+        turns || moves_light || matches!(self, A::StepBack | A::StepOn)
+    }
+}
+
 /// A key and what it does.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyBinding {
@@ -146,6 +157,12 @@ pub(crate) fn action(pressed: egui::Key, shift: bool) -> Option<Action> {
 /// The key of an action, for hints.
 pub(crate) fn key_of(action: Action) -> String {
     KEYS.iter().find(|binding| binding.action == action).map_or_else(String::new, KeyBinding::name)
+}
+
+/// The effect of an action, and its key.
+pub(crate) fn hint(action: Action) -> String {
+    let of = |binding: &KeyBinding| format!("{} ({})", binding.what, binding.name());
+    KEYS.iter().find(|binding| binding.action == action).map_or_else(String::new, of)
 }
 
 impl KeyBinding {

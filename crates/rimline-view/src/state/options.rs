@@ -4,6 +4,8 @@
 pub use rimline::Counting;
 use rimline_picture::Mode;
 
+use super::keys::Action;
+
 /// Overlays of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
@@ -102,6 +104,26 @@ impl Default for Options {
         }
     }
 }
+
+/// A switch of the options: the action that turns it over, what the panel calls it, and where it is.
+pub(crate) type Switch = (Action, &'static str, fn(&mut Options) -> &mut bool);
+
+/// All switches, in the order of the panel.
+pub(crate) const SWITCHES: [Switch; 13] = [
+    (Action::Silhouettes, "silhouettes", |options| &mut options.overlays.silhouettes),
+    (Action::LightSilhouettes, "of the lights", |options| &mut options.overlays.light_silhouettes),
+    (Action::Volumes, "volumes", |options| &mut options.overlays.volumes),
+    (Action::Caps, "light caps", |options| &mut options.overlays.caps),
+    (Action::Boundary, "boundary", |options| &mut options.overlays.boundary),
+    (Action::NonManifold, "non-manifold", |options| &mut options.overlays.non_manifold),
+    (Action::Creases, "creases", |options| &mut options.overlays.creases),
+    (Action::Exact, "decided exactly", |options| &mut options.overlays.exact),
+    (Action::Boxes, "boxes", |options| &mut options.overlays.boxes),
+    (Action::Ground, "ground", |options| &mut options.ground),
+    (Action::Shadows, "shadows", |options| &mut options.shadows),
+    (Action::Smooth, "smooth", |options| &mut options.smooth),
+    (Action::Colors, "base colours", |options| &mut options.colors),
+];
 
 /// Counting methods that can be chosen, with the names that the command gives them.
 pub(crate) const COUNTINGS: [(Counting, &str); 5] = [

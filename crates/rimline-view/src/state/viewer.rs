@@ -24,8 +24,6 @@ pub(crate) const MAX_SOURCES: usize = MAX_LAMPS * AREA_SAMPLES;
 pub enum Request {
     /// Ask for files, and open them.
     OpenFiles,
-    /// Show the next of the built-in scenes.
-    NextScene,
     /// Write a picture, so many times as large each way.
     Screenshot {
         /// 1 or 4.
@@ -111,9 +109,12 @@ pub struct Viewer {
     pub(super) drag: Option<Drag>,
     /// Whether models of the viewer's own are shown, which those of files replace.
     is_built_in: bool,
-    /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added.
+    /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added, and
+    /// the camera also when the picture gets another size.
     arranged: (Vec<Lamp>, Orbit),
     opened: Option<Opened>,
+    /// The built-in scene that was shown last.
+    pub(super) scene: usize,
 }
 
 impl Viewer {
@@ -142,6 +143,7 @@ impl Viewer {
             is_built_in: true,
             arranged: (Vec::new(), orbit),
             opened: None,
+            scene: 0,
         };
         viewer.replace(bodies);
         viewer
@@ -222,7 +224,7 @@ impl Viewer {
     }
 
     /// Shows the models of files again that a built-in scene replaced. Returns whether there are any.
-    pub(crate) fn show_opened(&mut self) -> bool {
+    pub(super) fn show_opened(&mut self) -> bool {
         let Some(opened) = self.opened.take() else { return false };
         (self.bodies, self.lamps, self.orbit) = (opened.bodies, opened.lamps, opened.orbit);
         (self.origin, self.arranged) = (opened.origin, opened.arranged);
@@ -248,13 +250,16 @@ impl Viewer {
     /// Does what an event asks for.
     pub fn handle(&mut self, event: Event) {
         match event {
-            Event::Resized(size) => self.size = size.map(|side| side.max(1)),
+            Event::Resized(size) => self.resize(size.map(|side| side.max(1))),
             Event::Moved(to) => self.moved(Vec2::from(to)),
             Event::Pressed(button, modifiers) => self.pressed(button, modifiers),
             Event::Released => self.drag = None,
             Event::Scrolled([x, y], modifiers) if modifiers.shift => self.pan(Vec2::new(x, y) * 40.0),
             Event::Scrolled([_, y], _) => self.zoom((-0.12 * y).exp()),
-            Event::Pinched(factor) => self.zoom(factor.max(0.1).recip()),
+            Event::Panned(by) => self.pan(Vec2::from(by)),
+            // Fingers at one point have no distance to compare.
+            Event::Pinched(factor) if factor.is_nan() => {}
+            Event::Pinched(factor) => self.zoom(factor.clamp(0.1, 10.0).recip()),
             Event::Acted(action) => self.act(action),
             Event::Flown(by, seconds) => self.orbit.shift(Vec3::from(by) * 0.7 * seconds * self.bounds().extent()),
             Event::Passed(seconds) => self.clock.advance(seconds, self.duration()),
@@ -268,7 +273,16 @@ impl Viewer {
         }
     }
 
-    fn replace(&mut self, bodies: Vec<Body>) {
+    /// Takes another size. A camera that the user left alone still shows everything.
+    fn resize(&mut self, size: [u32; 2]) {
+        let is_arranged = self.orbit == self.arranged.1;
+        self.size = size;
+        if is_arranged {
+            self.reset_camera();
+        }
+    }
+
+    pub(super) fn replace(&mut self, bodies: Vec<Body>) {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {
             let (lamps, arranged) = (std::mem::take(&mut self.lamps), self.arranged.clone());
@@ -292,13 +306,14 @@ impl Viewer {
         let is_first = self.bodies.len() == 1;
         let (keeps_lamps, keeps_orbit) = (!is_first && lamps != self.arranged.0, !is_first && orbit != self.arranged.1);
         self.arrange();
-        self.begin();
         if keeps_lamps {
             self.lamps = lamps;
         }
         if keeps_orbit {
             self.orbit = orbit;
         }
+        // The selected light is one of those that stay.
+        self.begin();
         self.message = Some(Message::new(Tone::Note, text));
     }
 
@@ -307,7 +322,7 @@ impl Viewer {
         self.generation += 1;
         self.drag = None;
         self.clock.seconds = 0.0;
-        self.selected = Some(0);
+        self.selected = (!self.lamps.is_empty()).then_some(0);
         self.hovered = None;
         self.message = None;
     }
@@ -319,8 +334,8 @@ impl Viewer {
         if self.lamps.is_empty() {
             self.lamps = (0..3).map(|number| Lamp::around(&bounds, number)).collect();
         }
+        self.arranged.0 = self.lamps.clone();
         self.reset_camera();
-        self.arranged = (self.lamps.clone(), self.orbit);
     }
 
     /// Says that the command line was copied, and what it lacks.
@@ -344,6 +359,7 @@ impl Viewer {
         let is_near = |handle: &Vec3| handle.distance(bounds.centre()) < 1.6 * bounds.extent();
         let handles: Vec<Vec3> = self.lamps.iter().map(|lamp| lamp.handle(&bounds)).filter(is_near).collect();
         self.orbit = Orbit::showing(&bounds, &handles, width / height);
+        self.arranged.1 = self.orbit;
     }
 }
 

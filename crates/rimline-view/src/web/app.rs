@@ -2,21 +2,16 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::sync::Arc;
 
 use web_sys::{DragEvent, EventTarget, HtmlCanvasElement, HtmlElement, HtmlInputElement};
 
 use super::page::{Page, listen, words};
 use super::{files, input};
 use crate::panel::{Panel, PanelOutput};
-use crate::renderer::{Gpu, Renderer};
+use crate::renderer::Renderer;
 use crate::scenes;
 use crate::state::event::Event;
-use crate::state::keys::Action;
 use crate::state::viewer::{Request, Viewer};
-
-/// How many seconds nothing must change before the picture is drawn once more with all samples, on software devices.
-const REFINE_AFTER: f64 = 0.35;
 
 /// Seconds between looks whether the device is lost.
 const WATCH: f64 = 1.0;
@@ -30,12 +25,9 @@ struct App {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     raw: egui::RawInput,
-    /// The built-in scene that was shown last.
-    scene: usize,
     screenshots: u32,
     /// Whether the browser is to call back for a frame.
     is_frame_coming: bool,
-    refine_at: Option<f64>,
     /// The message that the page's own text repeats for screen readers.
     said: String,
 }
@@ -46,10 +38,7 @@ pub(super) async fn run(page: &Page) -> Result<(), String> {
     let canvas: HtmlCanvasElement = page.element("view")?;
     let instance = super::instance();
     let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(canvas.clone())).map_err(text)?;
-    let adapter = super::adapter(&instance, Some(&surface)).await?;
-    let gpu = Gpu::open(&adapter).await.map_err(text)?;
-    let failed_page = page.clone();
-    gpu.device.on_uncaptured_error(Arc::new(move |error| failed_page.stop(&format!("The device refuses: {error}"))));
+    let (adapter, gpu) = super::open(page, &instance, Some(&surface)).await?;
     let mut config = surface.get_default_config(&adapter, 1, 1).ok_or("The browser's GPU cannot draw on a page")?;
     // egui encodes colours itself.
     config.format = config.format.remove_srgb_suffix();
@@ -62,10 +51,8 @@ pub(super) async fn run(page: &Page) -> Result<(), String> {
         surface,
         config,
         raw: egui::RawInput { focused: true, ..egui::RawInput::default() },
-        scene: 0,
         screenshots: 0,
         is_frame_coming: false,
-        refine_at: None,
         said: String::new(),
     };
     listen_to_page(&Rc::new(RefCell::new(app)))
@@ -177,14 +164,7 @@ impl App {
         if self.renderer.gpu().is_lost() {
             return (None, Vec::new());
         }
-        let (scale, now) = (self.fit(), self.page.now());
-        if self.refine_at.is_some_and(|at| at <= now) {
-            self.refine_at = None;
-            if !self.renderer.is_stale(&self.viewer) {
-                // A picture that cannot be drawn better stays.
-                let _ = self.renderer.refine(&self.viewer);
-            }
-        }
+        let scale = self.fit();
         for event in &self.raw.events {
             if let egui::Event::WindowFocused(is_focused) = event {
                 self.raw.focused = *is_focused;
@@ -193,33 +173,16 @@ impl App {
         let mut raw = self.raw.take();
         let size = egui::vec2(self.config.width as f32, self.config.height as f32) / scale;
         raw.screen_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size));
-        raw.time = Some(now);
+        raw.time = Some(self.page.now());
         raw.max_texture_side = Some(self.renderer.gpu().device.limits().max_texture_dimension_2d as usize);
         raw.viewports.entry(egui::ViewportId::ROOT).or_default().native_pixels_per_point = Some(scale);
-        let pictures = self.renderer.pictures();
         let output = self.panel.run(raw, &mut self.viewer, &mut self.renderer);
-        if pictures == 0 {
-            // Only now the shape of the picture is known.
-            self.viewer.handle(Event::Acted(Action::ResetCamera));
-        }
-        if self.renderer.pictures() != pictures {
-            let is_to_be_refined = self.renderer.is_coarse(&self.viewer) && !self.viewer.is_animated();
-            self.refine_at = is_to_be_refined.then_some(now + REFINE_AFTER);
-        }
         self.present(&output);
         self.speak();
         let cursor = cursor(output.platform.cursor_icon);
         let _ = HtmlElement::from(self.canvas.clone()).style().set_property("cursor", cursor);
-        let mut requests = std::mem::take(&mut self.viewer.requests);
-        requests.extend(output.platform.commands.into_iter().filter_map(|command| match command {
-            egui::OutputCommand::CopyText(text) => Some(Request::Copy(text)),
-            _ => None,
-        }));
-        let repaint =
-            (output.repaint_after < std::time::Duration::from_secs(3600)).then_some(output.repaint_after.as_secs_f64());
-        let refine = self.refine_at.map(|at| (at - now).max(0.001));
-        let again = (pictures == 0).then_some(0.0);
-        (repaint.into_iter().chain(refine).chain(again).reduce(f64::min), requests)
+        let is_soon = output.repaint_after < std::time::Duration::from_secs(3600);
+        (is_soon.then_some(output.repaint_after.as_secs_f64()), std::mem::take(&mut self.viewer.requests))
     }
 
     fn present(&mut self, output: &PanelOutput) {
@@ -264,10 +227,6 @@ fn fulfil(app: &Shared, request: Request) {
             if let Ok(chooser) = page.element::<HtmlInputElement>("files") {
                 chooser.click();
             }
-        }
-        Request::NextScene => {
-            let App { viewer, scene, .. } = &mut *app.borrow_mut();
-            scenes::show_next(viewer, scene);
         }
         Request::Copy(line) => wasm_bindgen_futures::spawn_local(async move {
             let how = if page.copy(&line).await { "copied" } else { "no clipboard; the line is here" };

@@ -4,18 +4,11 @@ use rimline_models::check::{Report, Row, cases};
 use web_sys::{Element, EventTarget};
 
 use super::page::{Page, listen};
-use crate::renderer::Gpu;
 
 /// Checks scene after scene, and shows the table grow. `is_planted`: turns a bit over, to see that this is noticed.
 pub(super) async fn run(page: &Page, is_planted: bool) -> Result<(), String> {
-    let instance = super::instance();
-    let adapter = super::adapter(&instance, None).await?;
-    let gpu = Gpu::open(&adapter).await.map_err(|error| error.to_string())?;
-    let failed_page = page.clone();
-    gpu.device.on_uncaptured_error(std::sync::Arc::new(move |error| {
-        failed_page.stop(&format!("The device refuses: {error}"))
-    }));
-    page.show_check();
+    let (_, gpu) = super::open(page, &super::instance(), None).await?;
+    page.show("check");
     let copied = page.clone();
     listen(&page.element::<EventTarget>("copy")?, "click", move |_: web_sys::Event| {
         let page = copied.clone();

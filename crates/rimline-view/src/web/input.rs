@@ -65,30 +65,35 @@ fn pointers(canvas: &HtmlCanvasElement, hear: &Rc<Hear>) {
     listen(canvas, "pointerleave", move |_: PointerEvent| heard(&[Event::PointerGone]));
 }
 
+/// Numbers of buttons in events, their bits where all that are held are told, and their names.
+const BUTTONS: [(i16, u16, PointerButton); 5] = [
+    (0, 1, PointerButton::Primary),
+    (1, 4, PointerButton::Middle),
+    (2, 2, PointerButton::Secondary),
+    (3, 8, PointerButton::Extra1),
+    (4, 16, PointerButton::Extra2),
+];
+
 fn of_pointer(event: &PointerEvent, phase: TouchPhase) -> Vec<Event> {
-    let pos: Pos2 = pos2(event.offset_x() as f32, event.offset_y() as f32);
+    let (pos, modifiers): (Pos2, _) = (pos2(event.offset_x() as f32, event.offset_y() as f32), held(event));
     let is_touch = event.pointer_type() == "touch";
-    let mut events = vec![Event::ModifiersChanged(held(event))];
-    if is_touch {
+    let mut events = vec![Event::ModifiersChanged(modifiers)];
+    // The viewer lets go also where a pen or a mouse was taken away.
+    if is_touch || phase == TouchPhase::Cancel {
         let (device_id, id) = (egui::TouchDeviceId(0), egui::TouchId::from(event.pointer_id()));
         events.push(Event::Touch { device_id, id, phase, pos, force: Some(event.pressure()) });
-        if !event.is_primary() {
-            return events;
-        }
     }
-    let button = match event.button() {
-        1 => PointerButton::Middle,
-        2 => PointerButton::Secondary,
-        3 => PointerButton::Extra1,
-        4 => PointerButton::Extra2,
-        _ => PointerButton::Primary,
-    };
-    let pressed = |pressed| Event::PointerButton { pos, button, pressed, modifiers: held(event) };
-    match phase {
-        TouchPhase::Start => events.extend([Event::PointerMoved(pos), pressed(true)]),
-        TouchPhase::Move => events.push(Event::PointerMoved(pos)),
-        TouchPhase::End => events.push(pressed(false)),
-        TouchPhase::Cancel => {}
+    if is_touch && !event.is_primary() {
+        return events;
+    }
+    if phase != TouchPhase::Cancel {
+        events.push(Event::PointerMoved(pos));
+        // While one button is held, others go down and up in moves.
+        let changed = BUTTONS.iter().find(|(number, ..)| *number == event.button());
+        events.extend(changed.map(|&(_, bit, button)| {
+            let pressed = event.buttons() & bit != 0;
+            Event::PointerButton { pos, button, pressed, modifiers }
+        }));
     }
     if phase == TouchPhase::Cancel || phase == TouchPhase::End && is_touch {
         events.push(Event::PointerGone);
@@ -103,9 +108,10 @@ fn keys(canvas: &HtmlCanvasElement, hear: &Rc<Hear>) {
             let modifiers = modifiers(event.alt_key(), event.ctrl_key(), event.shift_key(), event.meta_key());
             let (name, is_command) = (event.key(), modifiers.command || modifiers.alt);
             let key = Key::from_name(&name);
-            // The browser keeps its own keys, and Shift with Tab leaves the canvas.
+            // The browser keeps its own keys, and Shift with Tab leaves the canvas. A key that went down alone may go up with
+            // others.
             let is_function = name.starts_with('F') && name.len() > 1 && key != Some(Key::F1);
-            if is_command || is_function || key == Some(Key::Tab) && modifiers.shift {
+            if pressed && (is_command || is_function || key == Some(Key::Tab) && modifiers.shift) {
                 return;
             }
             event.prevent_default();

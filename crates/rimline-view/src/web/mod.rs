@@ -8,7 +8,11 @@ mod files;
 mod input;
 mod page;
 
+use std::sync::Arc;
+
 use page::Page;
+
+use crate::renderer::Gpu;
 
 /// Runs what the address of the page asks for.
 pub fn start() {
@@ -28,14 +32,23 @@ pub fn start() {
     });
 }
 
-/// The browser's device.
-async fn adapter(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<wgpu::Adapter, String> {
+/// The browser's device, whose errors stop the page.
+async fn open(
+    page: &Page,
+    instance: &wgpu::Instance,
+    surface: Option<&wgpu::Surface<'_>>,
+) -> Result<(wgpu::Adapter, Gpu), String> {
     let options = wgpu::RequestAdapterOptions {
         compatible_surface: surface,
         power_preference: wgpu::PowerPreference::HighPerformance,
         ..Default::default()
     };
-    instance.request_adapter(&options).await.map_err(|error| format!("The browser gives no GPU to pages: {error}"))
+    let adapter = instance.request_adapter(&options).await;
+    let adapter = adapter.map_err(|error| format!("The browser gives no GPU to pages: {error}"))?;
+    let gpu = Gpu::open(&adapter).await.map_err(|error| error.to_string())?;
+    let failed_page = page.clone();
+    gpu.device.on_uncaptured_error(Arc::new(move |error| failed_page.stop(&format!("The device refuses: {error}"))));
+    Ok((adapter, gpu))
 }
 
 fn instance() -> wgpu::Instance {

@@ -28,14 +28,15 @@ impl Page {
         element.ok_or_else(|| format!("The page has no element `{id}`; load it again"))
     }
 
-    /// Writes text into an element, and shows the element.
+    /// Writes text into an element.
     pub(super) fn tell(&self, id: &str, text: &str) {
         if let Ok(element) = self.element::<Element>(id) {
             element.set_text_content(Some(text));
         }
     }
 
-    fn show(&self, id: &str) {
+    /// Shows an element that was hidden.
+    pub(super) fn show(&self, id: &str) {
         if let Ok(element) = self.element::<Element>(id) {
             // The attribute may be absent already.
             let _ = element.remove_attribute("hidden");
@@ -46,10 +47,6 @@ impl Page {
     pub(super) fn show_fallback(&self, reason: &str) {
         self.tell("why", reason);
         self.show("fallback");
-    }
-
-    pub(super) fn show_check(&self) {
-        self.show("check");
     }
 
     /// Says why the viewer cannot go on, and offers to load the page again.

@@ -3,8 +3,9 @@
 mod panel;
 mod pictures;
 mod support;
+mod touch;
 
 fn main() {
-    let tests = panel::TESTS.iter().chain(&pictures::TESTS).copied();
+    let tests = panel::TESTS.iter().chain(&touch::TESTS).chain(&pictures::TESTS).copied();
     rimline_testkit::harness::run(rimline_testkit::harness::gpu_trials(tests));
 }

@@ -5,23 +5,30 @@ use std::time::Duration;
 use egui::{Event as Heard, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use glam::Vec3;
 use rimline_testkit::harness::Test;
-use rimline_view::{Event, Handle, LampKind, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes};
+use rimline_view::{
+    Action, Event, Handle, LampKind, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes,
+};
 
 use crate::support::{Outcome, handle, hold, say, viewer};
 
-pub(crate) const TESTS: [Test; 5] = [
+pub(crate) const TESTS: [Test; 10] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
     ("the pointer drags a light on the picture", the_pointer_drags_a_light),
     ("what the pointer does within one frame has its order", a_frame_of_many_events),
     ("keys do what the list says", keys),
     ("a bad file gives a message and the viewer goes on", a_bad_file),
+    ("a key that is held acts once, or step by step", held_keys),
+    ("Escape closes a menu and not the window", escape_in_a_menu),
+    ("a light that is removed is let go, and none may be left", no_lights),
+    ("the picture shows everything in every shape until the user moves the camera", other_shapes),
+    ("a picture drawn in a hurry is drawn again when nothing moves", refined),
 ];
 
 const SIZE: [u32; 2] = [900, 560];
 
 /// A viewer with a panel, and a target that stands for the window.
-struct Stage {
-    viewer: Viewer,
+pub(crate) struct Stage {
+    pub(crate) viewer: Viewer,
     renderer: Renderer,
     panel: Panel,
     target: wgpu::TextureView,
@@ -29,7 +36,7 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(scene: scenes::Make) -> Result<Self, String> {
+    pub(crate) fn new(scene: scenes::Make) -> Result<Self, String> {
         let (viewer, renderer) = viewer(scene, SIZE)?;
         let format = wgpu::TextureFormat::Rgba8Unorm;
         let target = renderer.gpu().device.create_texture(&wgpu::TextureDescriptor {
@@ -47,7 +54,7 @@ impl Stage {
         Ok(Self { viewer, renderer, panel, target, time: 0.0 })
     }
 
-    fn run(&mut self, events: Vec<Heard>) -> PanelOutput {
+    pub(crate) fn run(&mut self, events: Vec<Heard>) -> PanelOutput {
         self.time += 0.05;
         let input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(SIZE[0] as f32, SIZE[1] as f32))),
@@ -62,7 +69,7 @@ impl Stage {
     }
 
     /// Runs until nothing is on its way, and returns what the last run asked for.
-    fn settle(&mut self) -> Result<Duration, String> {
+    pub(crate) fn settle(&mut self) -> Result<Duration, String> {
         for _ in 0..40 {
             let output = self.run(Vec::new());
             self.renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
@@ -74,7 +81,7 @@ impl Stage {
     }
 }
 
-fn button(at: Pos2, pressed: bool) -> Heard {
+pub(crate) fn button(at: Pos2, pressed: bool) -> Heard {
     Heard::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
 }
 
@@ -82,11 +89,20 @@ fn key(key: Key, modifiers: Modifiers) -> Heard {
     Heard::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }
 }
 
+fn release(key: Key) -> Heard {
+    Heard::Key { key, physical_key: None, pressed: false, repeat: false, modifiers: Modifiers::NONE }
+}
+
 fn a_still_panel_asks_for_no_repaint() -> Outcome {
     let mut stage = Stage::new(scenes::still_life)?;
+    // Later pictures have other numbers.
+    for _ in 0..2 {
+        stage.run(Vec::new());
+        stage.renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+    }
+    hold(stage.renderer.counters().scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
     stage.settle()?;
     let pictures = stage.renderer.pictures();
-    hold(stage.renderer.counters().scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
     stage.settle()?;
     hold(stage.renderer.pictures() == pictures, "a picture was drawn")?;
     // Nothing that is shown changes by that.
@@ -186,4 +202,100 @@ fn a_bad_file() -> Outcome {
     hold(stage.viewer.bodies.len() == 5 && stage.renderer.pictures() == pictures, "the scene changed")?;
     stage.run(vec![key(Key::ArrowLeft, Modifiers::NONE)]);
     hold(stage.renderer.pictures() == pictures + 1, "the viewer does not go on")
+}
+
+fn held_keys() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    // A window repeats the press of a key that is held.
+    let hold_down = |stage: &mut Stage, of: Key| {
+        for _ in 0..3 {
+            stage.run(vec![key(of, Modifiers::NONE)]);
+        }
+        stage.run(vec![release(of)]);
+    };
+    let azimuth = stage.viewer.orbit.azimuth;
+    hold_down(&mut stage, Key::ArrowRight);
+    let turned = (stage.viewer.orbit.azimuth - azimuth).rem_euclid(360.0);
+    hold((turned - 18.0).abs() < 1e-3, format!("three steps turn by {turned}°"))?;
+    hold_down(&mut stage, Key::P);
+    hold(stage.viewer.requests == [Request::Screenshot { scale: 1 }], format!("{:?}", stage.viewer.requests))?;
+    hold_down(&mut stage, Key::G);
+    hold(!stage.viewer.options.ground, "the ground is switched once")?;
+    hold_down(&mut stage, Key::G);
+    hold(stage.viewer.options.ground, "the ground is switched again after the key went up")?;
+    // It closes the list of keys, and does not go on to close the window.
+    stage.viewer.handle(Event::Acted(Action::Help));
+    stage.viewer.requests.clear();
+    hold_down(&mut stage, Key::Escape);
+    hold(!stage.viewer.shows_help && stage.viewer.requests.is_empty(), "Escape does more than to close the list")?;
+    // On a Mac these are the system's.
+    stage.run(vec![key(Key::H, Modifiers { mac_cmd: true, command: true, ..Modifiers::NONE })]);
+    hold(stage.viewer.options.shadows, "Command with H hides shadows")
+}
+
+fn escape_in_a_menu() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    let context = stage.panel.context().clone();
+    egui::Popup::open_id(&context, egui::Id::new("menu"));
+    stage.run(vec![key(Key::Escape, Modifiers::NONE)]);
+    hold(stage.viewer.requests.is_empty(), "Escape closes the window behind the menu")?;
+    egui::Popup::close_all(&context);
+    stage.run(vec![release(Key::Escape)]);
+    stage.run(vec![key(Key::Escape, Modifiers::NONE)]);
+    hold(stage.viewer.requests == [Request::Close], "Escape closes nothing")
+}
+
+fn no_lights() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    let at = handle(&stage.viewer, 0)?;
+    let from = pos2(at.x, at.y);
+    stage.run(vec![Heard::PointerMoved(from), button(from, true)]);
+    let others = stage.viewer.lamps[1..].to_vec();
+    stage.run(vec![key(Key::Delete, Modifiers::NONE), release(Key::Delete)]);
+    stage.run(vec![Heard::PointerMoved(from + vec2(40.0, 30.0))]);
+    hold(stage.viewer.lamps == others, "another light is dragged after the first is gone")?;
+    stage.run(vec![button(from + vec2(40.0, 30.0), false)]);
+    // The number that is selected may be of no light.
+    stage.viewer.lamps.clear();
+    stage.run(Vec::new());
+    stage.viewer.selected = None;
+    stage.settle().map(|_| ())
+}
+
+fn other_shapes() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    let is_all_seen = |viewer: &Viewer| {
+        let (camera, bounds) = (viewer.camera(), viewer.bounds());
+        let pixels = bounds.corners().map(|corner| camera.project(corner));
+        let is_seen = |pixel: glam::Vec2| pixel.cmpge(glam::Vec2::ZERO).all() && pixel.cmple(camera.size).all();
+        pixels.iter().all(|pixel| pixel.is_some_and(is_seen))
+    };
+    for size in [[2000, 300], [130, 900], [900, 560]] {
+        stage.viewer.handle(Event::Resized(size));
+        hold(is_all_seen(&stage.viewer), format!("{size:?} does not show everything"))?;
+    }
+    stage.viewer.handle(Event::Acted(Action::TurnLeft));
+    let orbit = stage.viewer.orbit;
+    stage.viewer.handle(Event::Resized([130, 900]));
+    hold(stage.viewer.orbit == orbit, "another shape moves a camera that the user turned")?;
+    // The panel takes a part of the window, and the picture is of what is left.
+    stage.viewer.handle(Event::Acted(Action::ResetCamera));
+    stage.settle()?;
+    hold(stage.viewer.size() != SIZE && is_all_seen(&stage.viewer), "the panel covers a part of what is to be seen")
+}
+
+fn refined() -> Outcome {
+    let mut stage = Stage::new(scenes::walking_figure)?;
+    stage.viewer.clock.is_running = true;
+    (0..12).for_each(|_| drop(stage.run(Vec::new())));
+    hold(stage.renderer.is_coarse(&stage.viewer), "a software device draws with all samples while something moves")?;
+    stage.run(vec![key(Key::Space, Modifiers::NONE), release(Key::Space)]);
+    stage.settle()?;
+    let pictures = stage.renderer.pictures();
+    hold(!stage.renderer.is_coarse(&stage.viewer), "the last picture stays coarse")?;
+    stage.settle()?;
+    hold(stage.renderer.pictures() == pictures, "it is drawn once more again and again")
 }
