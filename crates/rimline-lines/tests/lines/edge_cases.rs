@@ -77,6 +77,16 @@ fn single_face() {
     assert!((length - (bounds.high[0] - bounds.low[0])).abs() < 1e-9, "drawn once: {drawing:?}");
 }
 
+/// A line is drawn beside an object so far away that points of the page are rounded by more than the line is high.
+#[test]
+fn objects_far_away_along_the_sight_are_drawn() {
+    let near = vec![[0.0; 3], [0.5, 0.0015, 0.0], [0.25, 0.5, 0.0]];
+    let far = vec![[0.0, 0.0, -1e12], [1.0, 0.0, -1e12], [0.0, 1.0, -1e12]];
+    let view = View::orthographic([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]).expect("a view");
+    let drawing = drawn(&[shape(near, &[[0, 1, 2]]), shape(far, &[[0, 1, 2]])], &view);
+    assert_eq!((drawing.spans.len(), visible(&drawing)), (6, 6), "{drawing:?}");
+}
+
 /// A faulty object is named and left out, and the rest is drawn.
 #[test]
 fn faulty_objects_are_named() {
