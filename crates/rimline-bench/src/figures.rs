@@ -316,9 +316,9 @@ fn stencil_passes(rows: &[&Row]) -> Figure {
     }
     let mean = |all: &Vec<f64>| Some(all.iter().sum::<f64>() / all.len() as f64).filter(|mean| mean.is_finite());
     let means: Vec<Option<f64>> = medians.iter().map(mean).collect();
-    let cells = means.iter().zip(&medians).map(|(mean, all)| {
-        let [low, high] = Summary::of(all.iter().copied()).map_or([f64::NAN; 2], |summary| summary.range);
-        format!("{} ({low:.2} to {high:.2})", or_dash(*mean))
+    let cells = means.iter().zip(&medians).map(|(mean, all)| match Summary::of(all.iter().copied()) {
+        Some(Summary { range: [low, high], .. }) => format!("{} ({low:.2} to {high:.2})", or_dash(*mean)),
+        None => or_dash(None),
     });
     table.rows.push(["mean".to_owned()].into_iter().chain(cells).collect());
     let values = means.iter().map(|mean| mean.map(|mean| (mean, [mean; 2]))).collect();
