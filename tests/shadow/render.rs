@@ -267,7 +267,7 @@ impl<'a> Renderer<'a> {
         for part in corners.chunks(3 * 1024) {
             let part_buffer = gpu.storage(part);
             let bound = [&camera, &part_buffer].map(wgpu::Buffer::as_entire_binding);
-            pass.set_bind_group(0, &passes::bind(gpu, &pipeline.get_bind_group_layout(0), bound), &[]);
+            pass.set_bind_group(0, &pipelines::group(&gpu.device, &pipeline.get_bind_group_layout(0), bound), &[]);
             pass.draw(0..part.len() as u32, 0..1);
         }
         Ok(())
