@@ -58,14 +58,11 @@ impl CasterMesh {
     }
 
     pub(crate) fn shape(self) -> Shape {
-        let mut shape = match self {
+        let shape = match self {
             Self::Cube => shapes::cube(),
             Self::Character => shapes::torus(50, 40, 1.0, 0.4),
         };
-        for position in &mut shape.positions {
-            *position = position.map(|c| (c * GRID).round() / GRID);
-        }
-        shape
+        shape.placed(|position| position.map(|c| (c * GRID).round() / GRID))
     }
 }
 
