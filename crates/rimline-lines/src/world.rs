@@ -10,6 +10,9 @@ use crate::exact::{Eye, Plane, face_value, facing};
 use crate::object::Object;
 use crate::view::View;
 
+/// The bits of two positions.
+pub(crate) type Ends = [[u32; 3]; 2];
+
 /// An object that is drawn.
 pub(crate) struct Placed<'a> {
     /// Its number among the objects given.
@@ -84,6 +87,13 @@ impl<'a> World<'a> {
             Some(position) => position.map(f64::from),
             None => self.pierces[vertex as usize - self.positions.len()].point,
         }
+    }
+
+    /// The bits of the positions of a line's ends, the lower one first. `None` if one is no vertex.
+    pub(crate) fn key(&self, vertices: [u32; 2]) -> Option<Ends> {
+        let bits = |vertex: u32| Some(self.positions.get(vertex as usize)?.map(|c| (c + 0.0).to_bits()));
+        let (a, b) = (bits(vertices[0])?, bits(vertices[1])?);
+        Some([a.min(b), a.max(b)])
     }
 
     /// The exact sign of the side of a triangle that the eye sees.
