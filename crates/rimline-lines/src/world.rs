@@ -109,12 +109,12 @@ impl<'a> World<'a> {
 }
 
 fn fault(object: &Object<'_>) -> Option<Fault> {
+    if object.mesh.edges().is_empty() {
+        return Some(Fault::NoFaces);
+    }
     let (given, needed) = (object.positions.len(), object.mesh.vertex_count());
     if given < needed as usize {
         return Some(Fault::TooFewPositions { given, needed });
-    }
-    if object.mesh.edges().is_empty() {
-        return Some(Fault::NoFaces);
     }
     let is_finite = |position: &[f32; 3]| position.iter().all(|c| c.is_finite());
     if object.positions.iter().all(is_finite) {

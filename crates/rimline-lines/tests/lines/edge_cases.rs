@@ -52,6 +52,10 @@ fn empty_models_are_empty_drawings() {
     let point = shape(vec![[1.0; 3]; 3], &[[0, 1, 2]]);
     let drawing = drawn(&[point], &aside());
     assert!(drawing.spans.is_empty() && drawing.left_out[0].fault == Fault::NoFaces, "{drawing:?}");
+    // Nor need it have positions.
+    let mesh = Mesh::from_faces(3, vec![[0; 3]]).expect("a mesh");
+    let drawing = drawn(&[Shape { positions: Vec::new(), mesh }], &aside());
+    assert!(drawing.spans.is_empty() && drawing.left_out[0].fault == Fault::NoFaces, "{drawing:?}");
     // Three vertices at one point that are not welded.
     let positions = vec![[1.0; 3]; 3];
     let mesh = Mesh::new(&positions, &[[0, 1, 2]], Weld::Keep).expect("a mesh");
