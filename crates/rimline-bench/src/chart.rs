@@ -397,7 +397,7 @@ pub(crate) fn escape(text: &str) -> String {
             '&' => escaped.push_str("&amp;"),
             '"' => escaped.push_str("&quot;"),
             // No letter, and not allowed there.
-            c if c.is_control() => {
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {
                 let _ = write!(escaped, "\\u{:04x}", u32::from(c));
             }
             c => escaped.push(c),
@@ -474,6 +474,6 @@ mod tests {
 
     #[test]
     fn text_is_escaped() {
-        assert_eq!(escape("<a\x1b\0&\u{9b}>"), r"&lt;a\u001b\u0000&amp;\u009b&gt;");
+        assert_eq!(escape("<a\x1b\0&\u{9b}\u{ffff}>"), r"&lt;a\u001b\u0000&amp;\u009b\uffff&gt;");
     }
 }
