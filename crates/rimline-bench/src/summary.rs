@@ -2,7 +2,7 @@
 
 use crate::engine::Metric;
 use crate::extraction::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, OF_USER, ORDINARY, PER_EDGE};
-use crate::figures::usual_lights;
+use crate::figures::{mean_ratio, usual_lights};
 use crate::row::{Row, Section};
 use crate::shadows::Z_PASS;
 use crate::text::{grouped, lights_text, three_digits};
@@ -107,10 +107,7 @@ fn errors(rows: &[&Row]) -> Option<Line> {
 
 /// The price of right shadows.
 fn shadows(rows: &[&Row]) -> Vec<Line> {
-    let mean = |metric: Metric, id: &str| {
-        let ratios: Vec<f64> = rows.iter().filter_map(|row| Some(row.ratio(metric, id, Z_PASS)?.median)).collect();
-        ratios.iter().sum::<f64>() / ratios.len() as f64
-    };
+    let mean = |metric, id| mean_ratio(rows, metric, id, Z_PASS).map_or(f64::NAN, |(mean, _)| mean);
     if rows.is_empty() {
         return Vec::new();
     }
