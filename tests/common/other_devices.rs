@@ -5,9 +5,9 @@ use rimline::gpu::{
     Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery,
     ShadowQueryOptions, StageTimer, read_back_vec, results_bind_group_layout,
 };
-use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
+use rimline_testkit::made_anew;
 use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{one_caster, text};
 use rimline_testkit::passes::{CLEARED, depth_pass};
@@ -79,7 +79,7 @@ fn mixed() -> Result<(), String> {
     quiet("volumes, positions and timer")?;
     // The refused calls changed no state.
     let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT]).map_err(text)?;
-    let mut volumes = one_caster(&ours.gpu, &drawing, &mesh, OneCasterOptions::default()).map_err(text)?;
+    let mut volumes = one_caster(&ours.gpu, &drawing, &mesh, made_anew(32, Counting::Auto)).map_err(text)?;
     let mut encode = |timer| volumes.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&camera()), timer);
     let timed = encode(Some(&mut timer));
     refused([refusal("volumes' timer", timed, shows(OTHER))])?;
@@ -125,7 +125,7 @@ fn made_on_lost() -> Result<(), String> {
     refused([
         refusal("extractor", Extractor::new(pipelines, &mesh, options), shows(LOST)),
         refusal("pipelines", ShadowPipelines::new(pipelines, &format, Counting::ZFail), shows(LOST)),
-        refusal("a scene", one_caster(&watched.gpu, &drawing, &mesh, OneCasterOptions::default()), shows(LOST)),
+        refusal("a scene", one_caster(&watched.gpu, &drawing, &mesh, made_anew(32, Counting::Auto)), shows(LOST)),
         refusal("query", ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()), shows(LOST)),
         refusal("deformer", Deformer::new(pipelines, &model, DeformerOptions::default()), shows(LOST)),
         // Nor with pipelines of one's own.
@@ -149,7 +149,7 @@ fn encoded_on_lost() -> Result<(), String> {
         let layout = results_bind_group_layout(device, wgpu::ShaderStages::COMPUTE);
         let mut extractor = extractor(&watched, &mesh, 1)?;
         let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
-        let mut volumes = one_caster(&watched.gpu, &drawing, &mesh, OneCasterOptions::default()).map_err(text)?;
+        let mut volumes = one_caster(&watched.gpu, &drawing, &mesh, made_anew(32, Counting::Auto)).map_err(text)?;
         let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
         let mut query = ShadowQuery::new(pipelines, &mesh, options).map_err(text)?;
         let mut timer = StageTimer::new(device, queue).ok_or("no timer")?;

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use rimline::gpu::depth_map::{DepthMap, DepthMapError, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
-    Pipelines, QueryError, ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
+    Pipelines, QueryError, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
+    StencilCounts,
 };
 use rimline::internals::Method;
 use rimline::{Counting, Light};
@@ -14,8 +15,7 @@ use rimline_testkit::models::{random_model, random_pose};
 use rimline_testkit::on_gpu::{shadow_statistics, text};
 use rimline_testkit::passes::{CLEARED, depth_pass, texture};
 use rimline_testkit::random::Random;
-use rimline_testkit::{OneCaster, OneCasterOptions};
-use rimline_testkit::{must_fail, same};
+use rimline_testkit::{OneCaster, made_anew, must_fail, same};
 
 use crate::watched::{Watched, camera, caster, depth_stencil, packed};
 
@@ -203,9 +203,9 @@ fn shadows(watched: &Watched) -> Result<(), String> {
     let view = depth_stencil(watched);
     for counting in [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlus2005, Counting::ZFail] {
         let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), counting).map_err(text)?;
-        let options =
-            OneCasterOptions { counting, max_lights: 40, bound_counts: true, end_at_range: true, ..Default::default() };
-        let mut caster = OneCaster::new(pipelines, &watched.gpu.queue, &mesh, &options).map_err(text)?;
+        let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
+        let options = SceneOptions { stencil, end_at_range: true, ..made_anew(40, counting) };
+        let mut caster = OneCaster::new(pipelines, &watched.gpu.queue, &mesh, options).map_err(text)?;
         let shadows = watched.gpu.submit(|encoder| {
             let shadows = caster.encode(encoder, packed(&positions), &lights(), Some(&camera()), None).map_err(text)?;
             let mut pass = encoder.begin_render_pass(&depth_pass(&view, CLEARED));

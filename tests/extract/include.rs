@@ -14,7 +14,7 @@ use rimline_testkit::dispatch::storage_layout;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{interleaved, text};
 use rimline_testkit::oracle::listed;
-use rimline_testkit::passes::bind;
+use rimline_testkit::pipelines::group;
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
 
@@ -120,7 +120,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
     let edges = scene.mesh.edges().len();
     let found = gpu.storage(&vec![u32::MAX; 8 * edges]);
     let draws = scene.extractor.results().draw_arguments;
-    let group = bind(gpu, &output_layout, [draws, &found].map(wgpu::Buffer::as_entire_binding));
+    let group = group(device, &output_layout, [draws, &found].map(wgpu::Buffer::as_entire_binding));
     let results = scene.extraction.bind_group(&results, batch).map_err(text)?;
     gpu.submit(|encoder| {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());

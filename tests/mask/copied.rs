@@ -2,9 +2,9 @@
 
 use rimline::internals::stages::{MASK_SAMPLES, SHADOW_MASKS};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::Dispatch;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::pipelines::TexelKernel;
 use rimline_testkit::textures::depth_view;
 use rimline_testkit::{is_long, must_fail};
 use wgpu::TextureFormat::R8Uint;
@@ -40,11 +40,10 @@ fn read(gpu: &Gpu, map: &wgpu::Texture) -> Result<Vec<u32>, String> {
     let samples = map.sample_count();
     let ty = if samples > 1 { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
     let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
-    let kernel = TexelKernel::new(&gpu.device, "read", &source);
+    let kernel = Dispatch::new(gpu, &source, "read");
     let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
-    let group = kernel.group(&gpu.device, &depth_view(map), &values);
     gpu.submit(|encoder| {
-        kernel.run(encoder, &group, [SIDE / 8, SIDE / 8]);
+        kernel.record_over(gpu, encoder, &depth_view(map), &values, [SIDE / 8, SIDE / 8]);
         Ok(())
     })?;
     gpu.read(&values, usize::MAX)

@@ -3,8 +3,8 @@
 use rimline::gpu::{MaskInputs, SceneOptions, ShadowFormat, ShadowMasks, ShadowPipelines};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::passes::{self, bind, depth_pass, draw_surfaces};
-use rimline_testkit::pipelines::{Drawing, depth};
+use rimline_testkit::passes::{self, depth_pass, draw_surfaces};
+use rimline_testkit::pipelines::{Drawing, depth, group};
 use rimline_testkit::textures::{Stencils, depth_view, texels};
 use wgpu::TextureFormat;
 
@@ -178,7 +178,7 @@ impl DepthDraw<'_> {
             let depth_stencil = Some(depth(format, wgpu::CompareFunction::Always, true));
             Ok(Drawing { source, entry_points, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
         })?;
-        let group = bind(gpu, &pipeline.get_bind_group_layout(0), [bound]);
+        let group = group(&gpu.device, &pipeline.get_bind_group_layout(0), [bound]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let stencils = format.has_stencil_aspect().then_some(wgpu::LoadOp::Clear(0));
         let mut pass = encoder.begin_render_pass(&depth_pass(&view, (Some(wgpu::LoadOp::Clear(0.0)), stencils)));

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3, Vec3};
 use rimline::{Counting, DepthDirection, Light};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
-use rimline_testkit::{OneCasterOptions, is_long, shapes};
+use rimline_testkit::{is_long, shapes};
 
 use crate::classes::CLASSES;
 use crate::compare::Compared;
@@ -118,8 +118,8 @@ fn dark_caps() -> Result<(), String> {
             let bodies = vec![body, Body::room([0.0; 3], 8.0)];
             let traced = Traced::of(Frame { bodies, eye, lights, size: 32 }, 106);
             for range in [f32::INFINITY, 20.0] {
-                let options = OneCasterOptions { end_at_range: range < 40.0, ..OneCasterOptions::default() };
-                let renderer = Renderer { options, range, placing, ..Renderer::new(&gpu) };
+                let mut renderer = Renderer { range, placing, ..Renderer::new(&gpu) };
+                renderer.options.end_at_range = range < 40.0;
                 let counted = renderer.count(&traced.frame, Counting::ZFail)?;
                 for (light, stencil) in counted.stencils.iter().enumerate() {
                     let wrong = Compared { light, ..traced.compared() }.counts(stencil, &every(&counted, light));

@@ -3,7 +3,6 @@
 use glam::DVec3;
 use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light};
-use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
@@ -94,9 +93,9 @@ fn walls() -> Result<(), String> {
     for seed in 5001..5001 + frames {
         let traced = Traced::of(behind_walls(&mut Random::new(seed)), seed);
         let counting = RIGHT[seed as usize % 3];
-        let options = OneCasterOptions { end_at_range: seed % 2 == 0, ..OneCasterOptions::default() };
         let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
-        let ending = Renderer { options, range: 12.0, ..renderer };
+        let mut ending = Renderer { range: 12.0, ..renderer };
+        ending.options.end_at_range = seed % 2 == 0;
         culled += check(&traced, &ending, counting, false)?;
         with_sky += check(&traced, &ending, counting, true)?;
         let renderer = Renderer { receivers: Some(false), ..renderer };

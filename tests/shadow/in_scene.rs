@@ -9,7 +9,6 @@ use rimline::internals::layout::{ShadowLight, ShadowStatistics};
 use rimline::internals::shadow::CAST_BACK_FACING;
 use rimline::mesh::Weld;
 use rimline::{Counting, Light, Matrix3x4, Mesh, ShadowCamera};
-use rimline_testkit::OneCasterOptions;
 
 use crate::classes::CLASSES;
 use crate::compare::Compared;
@@ -139,7 +138,7 @@ fn hiding(body: &Body, mesh: &Mesh, mesh_positions: &[[f32; 3]], positions: &Cas
 /// Options of a scene that match those of separate volumes.
 fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting) -> SceneOptions {
     let clusters_from = SceneOptions::default().clusters_from;
-    let mut options = SceneOptions { max_lights, counting, clusters_from, ..renderer.options.of_scene() };
+    let mut options = SceneOptions { max_lights, counting, clusters_from, ..renderer.options };
     options.stencil.count_batches = renderer.count_batches;
     options.measuring.set(Measuring::CACHED_LISTS, false);
     // Counts of all casters, unless a test asks for dark and lit alone.
@@ -311,8 +310,8 @@ fn excluded() -> Result<(), String> {
         }
         let traced = Traced::of(frame, seed);
         for (counting, every_face) in rotated(&RIGHT, index).into_iter().flat_map(|way| [(way, true), (way, false)]) {
-            let options = OneCasterOptions { every_face, ..OneCasterOptions::default() };
-            let renderer = Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) };
+            let mut renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
+            renderer.options.measuring.set(Measuring::EVERY_FACE, every_face);
             let counted = renderer.count(&traced.frame, counting)?;
             let wrong = |traced: &Traced, light: usize| {
                 let compared = Compared { light, ..traced.compared() };

@@ -2,11 +2,10 @@
 
 use glam::{DVec3, Vec3};
 use rimline::Counting;
-use rimline::gpu::Measuring;
-use rimline_testkit::OneCasterOptions;
+use rimline::gpu::{Capacities, Measuring, SceneOptions};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, must_fail, same, shapes};
+use rimline_testkit::{is_long, made_anew, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
 use crate::culled::behind_walls;
@@ -83,8 +82,8 @@ fn levels() -> Result<(), String> {
             let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][number as usize % 3];
             // Volumes that never end, lists of few entries, and rigid casters, each in some.
             let end_at_range = number % 4 == 0 && counting != Counting::ZpPlus;
-            let list_capacity = (number % 2 == 1).then_some(2);
-            let options = OneCasterOptions { end_at_range, list_capacity, ..OneCasterOptions::default() };
+            let capacities = Capacities { lists: (number % 2 == 1).then_some(2), ..Capacities::default() };
+            let options = SceneOptions { end_at_range, capacities, ..made_anew(32, Counting::Auto) };
             let placing = if number % 2 == 0 { Placing::Moved(traced.seed) } else { Placing::Busy(traced.seed) };
             let of = |levels| Renderer {
                 options,

@@ -1,15 +1,14 @@
 //! Volumes of meshes and of a depth map in one stencil: counts own the low bits, parity the high ones.
 
 use glam::DVec3;
-use rimline::gpu::ShadowFormat;
 use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines};
+use rimline::gpu::{SceneOptions, ShadowFormat, StencilCounts};
 use rimline::{Counting, Light};
-use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{must_fail, same};
+use rimline_testkit::{made_anew, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::classes::CLASSES;
@@ -102,7 +101,8 @@ fn share() -> Result<(), String> {
         let (shared, all) = (of_bits(count_bits)?, of_bits(8)?);
         let what = format!("{placing:?} {counting:?} {parity_bits} {is_first}");
         let beside = Some(Beside { map, pipelines: &shared, options, is_first });
-        let mixed = Renderer { options: OneCasterOptions { count_bits, ..plain.options }, beside, ..plain };
+        let mut mixed = Renderer { beside, ..plain };
+        mixed.options.stencil.count_bits = count_bits;
         let parities = mixed.count(&without_casters(&frame), counting)?.stencils.remove(0);
         let darkened = parities.iter().filter(|&&value| value != 0).count();
         if darkened.min(parities.len() - darkened) < 300 {
@@ -135,7 +135,8 @@ fn batches() -> Result<(), String> {
         let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, first_bit..8).map_err(text)?;
         let options = DepthMapOptions::default();
         let beside = (count_bits < 8).then_some(Beside { map, pipelines: &pipelines, options, is_first: true });
-        let bounded = OneCasterOptions { bound_counts: true, count_bits, ..OneCasterOptions::default() };
+        let stencil = StencilCounts { bound_counts: true, count_bits, ..StencilCounts::default() };
+        let bounded = SceneOptions { stencil, ..made_anew(32, Counting::Auto) };
         let renderer = |count_batches| Renderer {
             placing: Placing::Scene,
             count_batches,

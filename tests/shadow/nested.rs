@@ -115,7 +115,7 @@ fn on_surface() -> Result<(), String> {
         frame.lights = vec![Light::homogeneous([x, y, z, w])];
         let traced = Traced::of(frame, number as u64);
         let mut renderer = Renderer::new(&gpu);
-        renderer.options.list_capacity = [None, Some(10)][number / 2 % 2];
+        renderer.options.capacities.lists = [None, Some(10)][number / 2 % 2];
         for counting in RIGHT {
             let (_, counted) =
                 traced.check(&renderer, counting, true).map_err(|error| format!("frame {number}: {error}"))?;

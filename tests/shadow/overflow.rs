@@ -1,9 +1,10 @@
 //! Lists that overflow.
 
 use rimline::Counting;
+use rimline::gpu::Capacities;
 use rimline::internals::shadow::CAST_EVERY;
 use rimline_testkit::device::Gpu;
-use rimline_testkit::{OneCasterOptions, must_fail, same};
+use rimline_testkit::{must_fail, same};
 
 use crate::classes::CLASSES;
 use crate::render::{Placing, Renderer};
@@ -23,11 +24,10 @@ fn short_lists() -> Result<(), String> {
         let placing = [Placing::Alone, Placing::Scene][index % 2];
         for counting in [rotated(&methods[..3], index / 2), rotated(&methods[3..], index / 2)].concat() {
             let whole = Renderer { placing, ..Renderer::new(&gpu) }.count(frame, counting)?;
-            for ((list_capacity, cap_capacity), overflowed) in capacities.into_iter().zip(&mut overflowed) {
-                let what =
-                    format!("{}, seed {}, {counting:?}, {list_capacity:?}, {cap_capacity:?}", class.name, traced.seed);
-                let options = OneCasterOptions { cap_capacity, list_capacity, ..OneCasterOptions::default() };
-                let renderer = Renderer { options, placing, ..Renderer::new(&gpu) };
+            for ((lists, caps), overflowed) in capacities.into_iter().zip(&mut overflowed) {
+                let what = format!("{}, seed {}, {counting:?}, {lists:?}, {caps:?}", class.name, traced.seed);
+                let mut renderer = Renderer { placing, ..Renderer::new(&gpu) };
+                renderer.options.capacities = Capacities { lists, caps, ..Capacities::default() };
                 let mut counted = renderer.count(frame, counting)?;
                 // The published method sees all edges where a list overflowed, and leaves more to z-fail.
                 let is_alike = counted.chosen == whole.chosen;
@@ -47,8 +47,8 @@ fn short_lists() -> Result<(), String> {
                 }
             }
         }
-        let options = OneCasterOptions { list_capacity: Some(1), ..OneCasterOptions::default() };
-        let renderer = Renderer { options, placing, ..Renderer::new(&gpu) };
+        let mut renderer = Renderer { placing, ..Renderer::new(&gpu) };
+        renderer.options.capacities.lists = Some(1);
         traced.check(&renderer, Counting::Auto, !class.touches)?;
         shadowed += traced.shadowed();
     }

@@ -9,8 +9,7 @@ use rimline_testkit::passes;
 use rimline_testkit::pipelines::Drawing;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::textures::texels;
-use rimline_testkit::{OneCasterOptions, OneFrame};
-use rimline_testkit::{same, shapes};
+use rimline_testkit::{OneFrame, made_anew, same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("formats_serve_for_their_passes_and_no_others", other_passes),
@@ -48,7 +47,7 @@ fn volumes(gpu: &Gpu, format: &ShadowFormat) -> Result<(ShadowPipelines, OneFram
     let shape = shapes::torus(16, 8, 1.0, 0.4);
     let mesh = shape.mesh().map_err(text)?;
     let pipelines = ShadowPipelines::new(&gpu.pipelines, format, Counting::Auto).map_err(text)?;
-    let mut caster = one_caster(gpu, &pipelines, &mesh, OneCasterOptions::default()).map_err(text)?;
+    let mut caster = one_caster(gpu, &pipelines, &mesh, made_anew(32, Counting::Auto)).map_err(text)?;
     let buffer = gpu.storage(&shape.positions);
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let lights = [Light::point([0.0, 5.0, 2.0])];

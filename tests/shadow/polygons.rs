@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 use rimline::Light;
+use rimline::gpu::{Capacities, Measuring};
 use rimline::mesh::Weld;
-use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_torus, random_polygon};
@@ -274,12 +274,10 @@ fn darken() -> Result<(), String> {
         if !is_one {
             bodies[0].lacks = (placing != Placing::Alone).then_some(0);
             bodies.insert(random.below(3), Body::caster(shapes::sphere(2)));
-            renderer.options = OneCasterOptions {
-                list_capacity: [None, Some(7)][random.below(2)],
-                end_at_range: random.below(2) == 0,
-                cap_capacity: [None, Some(9)][random.below(2)],
-                ..renderer.options
-            };
+            let lists = [None, Some(7)][random.below(2)];
+            renderer.options.end_at_range = random.below(2) == 0;
+            let caps = [None, Some(9)][random.below(2)];
+            renderer.options.capacities = Capacities { lists, caps, ..Capacities::default() };
             renderer.range = 30.0;
         }
         let mut frame = frame(&mut random, bodies, if is_one { 1 } else { [2, 33][seed as usize / 5 % 2] });
@@ -294,7 +292,8 @@ fn darken() -> Result<(), String> {
             for counting in rotated(&RIGHT, seed as usize / 4) {
                 let what = format!("seed {seed}, {names}{placing:?}, {counting:?}, {:?}", frame.lights[light]);
                 // Every face, then back-facing ones where they suffice.
-                renderer.options = OneCasterOptions { every_face: true, bound_counts: true, ..renderer.options };
+                renderer.options.measuring.set(Measuring::EVERY_FACE, true);
+                renderer.options.stencil.bound_counts = true;
                 let mut counted = renderer.count(&frame, counting)?;
                 let stencil = &mut counted.stencils[light];
                 let wrong = rig.wrong(stencil, Compared::Counts);
@@ -308,7 +307,7 @@ fn darken() -> Result<(), String> {
                     let wrong = rig.wrong(stencil, Compared::Counts);
                     must_fail("other counts", &if wrong.is_empty() { Ok(()) } else { Err(String::new()) })?;
                 }
-                renderer.options.every_face = false;
+                renderer.options.measuring.set(Measuring::EVERY_FACE, false);
                 let counted = renderer.count(&frame, counting)?;
                 let wrong = rig.wrong(&counted.stencils[light], Compared::Darkness);
                 if !wrong.is_empty() {

@@ -2,7 +2,6 @@
 
 use glam::{DVec3, Vec3};
 use rimline::{Counting, Light};
-use rimline_testkit::OneCasterOptions;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
@@ -64,11 +63,12 @@ fn check(first: u64, make: fn(&mut Random) -> Frame) -> Result<(), String> {
         let mut traced = Traced::of(make(&mut Random::new(seed)), seed);
         shadowed += traced.shadowed();
         let placing = if seed % 3 == 0 { Placing::Alone } else { Placing::Scene };
-        let (end_at_range, cap_capacity) = (seed % 2 == 0, if seed % 5 == 0 { Some(5) } else { None });
-        let options = OneCasterOptions { end_at_range, cap_capacity, ..OneCasterOptions::default() };
+        let end_at_range = seed % 2 == 0;
         // Nothing of the room is out of range.
         let range = if end_at_range { 40.0 } else { f32::INFINITY };
-        let renderer = Renderer { options, range, placing, ..Renderer::new(gpu) };
+        let mut renderer = Renderer { range, placing, ..Renderer::new(gpu) };
+        renderer.options.end_at_range = end_at_range;
+        renderer.options.capacities.caps = (seed % 5 == 0).then_some(5);
         for counting in RIGHT {
             let (_, counted) = traced.check(&renderer, counting, true)?;
             ended += counted.statistics.iter().map(|statistics| statistics.ended).sum::<u32>();
@@ -98,8 +98,8 @@ fn within_hulls() -> Result<(), String> {
 /// one is wrong once the scene takes it to be in the depth buffer, for it then has no light caps.
 fn mixed_group() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
-    let renderer = Renderer { options, range: 40.0, placing: Placing::Scene, ..Renderer::new(gpu) };
+    let mut renderer = Renderer { range: 40.0, placing: Placing::Scene, ..Renderer::new(gpu) };
+    renderer.options.end_at_range = true;
     // Rigid casters read the positions of one page.
     let seen_through = |x: f32| {
         let body = Body::caster(shapes::cube()).moved([x, 0.0, 0.0]);

@@ -1,8 +1,8 @@
 //! Volumes that end at the range of their light.
 
 use glam::DVec3;
+use rimline::gpu::SceneOptions;
 use rimline::{Counting, Light};
-use rimline_testkit::OneCasterOptions;
 
 use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};
@@ -10,7 +10,7 @@ use crate::render::Renderer;
 use crate::trials::{Test, Traced};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::random::Random;
-use rimline_testkit::{is_long, must_fail};
+use rimline_testkit::{is_long, made_anew, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[("volumes_end_at_the_range", ended)];
 
@@ -43,7 +43,7 @@ pub(crate) fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, 
 /// is leaves shadows out that the rays see.
 fn ended() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let options = OneCasterOptions { end_at_range: true, ..OneCasterOptions::default() };
+    let options = SceneOptions { end_at_range: true, ..made_anew(32, Counting::Auto) };
     let methods = [Counting::Auto, Counting::ZFail, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlus2005];
     let (mut volumes, mut shadowed, mut gone) = ([0; 5], 0, [0; 5]);
     for class in CLASSES.iter().filter(|class| class.name != "directional lights") {

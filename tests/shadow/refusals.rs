@@ -6,8 +6,9 @@ use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
 use rimline::gpu::depth_map::{DepthMapError, DepthMapPipelines};
 use rimline::gpu::{
-    Caster, DeviceError, DrawArguments, Extractor, ExtractorOptions, FrameInputs, LightMask, PositionBuffer, Receivers,
-    Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines, StencilCounts, View,
+    Capacities, Caster, DeviceError, DrawArguments, Extractor, ExtractorOptions, FrameInputs, LightMask,
+    PositionBuffer, Receivers, Scene, SceneFrame, SceneOptions, ShadowError, ShadowFormat, ShadowPipelines,
+    StencilCounts, View,
 };
 use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -15,7 +16,7 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text, views};
 use rimline_testkit::passes::{self, draw_small};
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
-use rimline_testkit::{IDENTITY, OneCaster, OneCasterOptions, must_fail, same, shapes};
+use rimline_testkit::{IDENTITY, OneCaster, made_anew, must_fail, same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
@@ -305,14 +306,14 @@ fn capacities() -> Result<(), String> {
     let shape = shapes::torus(24, 16, 1.0, 0.4);
     let mesh = shape.mesh().map_err(text)?;
     let faces = mesh.faces().len() as u32;
-    let made = |gpu: &Gpu, memory_limit, cap_capacity| {
-        let options =
-            OneCasterOptions { counting: Counting::ZFail, memory_limit, cap_capacity, ..OneCasterOptions::default() };
+    let made = |gpu: &Gpu, memory_limit, caps| {
+        let capacities = Capacities { caps, ..Capacities::default() };
+        let options = SceneOptions { memory_limit, capacities, ..made_anew(32, Counting::ZFail) };
         let positions = gpu.storage(&shape.positions);
         let buffer = PositionBuffer { buffer: &positions, offset: 0, stride: 12 };
         let lights: Vec<Light> = (0..32).map(|n| Light::point([0.0, 4.0, n as f32])).collect();
         gpu.submit(|encoder| {
-            let caster = OneCaster::new(&gpu.pipelines, &gpu.queue, &mesh, &options);
+            let caster = OneCaster::new(&gpu.pipelines, &gpu.queue, &mesh, options);
             Ok(caster.and_then(|mut caster| caster.encode(encoder, buffer, &lights, Some(&plain_camera()), None)))
         })
     };

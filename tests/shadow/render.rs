@@ -1,11 +1,13 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes};
-use rimline::gpu::{Measuring, PositionBuffer, Receivers, SceneStatistics, ShadowFormat, ShadowPipelines};
+use rimline::gpu::{
+    Measuring, PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowPipelines,
+};
 use rimline::internals::layout::{ShadowLight, ShadowStatistics};
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh};
-use rimline_testkit::{OneCaster, OneCasterOptions, OneFrame};
+use rimline_testkit::{OneCaster, OneFrame, made_anew};
 
 use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
@@ -65,7 +67,7 @@ pub(crate) struct Renderer<'a> {
     pub(crate) is_reordered: bool,
     /// 1 or 4.
     pub(crate) samples: u32,
-    pub(crate) options: OneCasterOptions,
+    pub(crate) options: SceneOptions,
     /// Range of every light.
     pub(crate) range: f32,
     pub(crate) placing: Placing,
@@ -103,7 +105,7 @@ impl<'a> Renderer<'a> {
             format: wgpu::TextureFormat::Depth24PlusStencil8,
             is_reordered: false,
             samples: 1,
-            options: OneCasterOptions::default(),
+            options: made_anew(32, Counting::Auto),
             range: f32::INFINITY,
             placing: Placing::Alone,
             count_batches: 1,
@@ -123,7 +125,7 @@ impl<'a> Renderer<'a> {
             depth: frame.eye.depth,
             samples: self.samples,
             has_far_plane: frame.eye.far.is_some(),
-            count_bits: self.options.count_bits,
+            count_bits: self.options.stencil.count_bits,
             trim: self.trim,
             ..ShadowFormat::default()
         };
@@ -215,10 +217,12 @@ impl<'a> Renderer<'a> {
             let buffer = self.gpu.storage(&shape.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
             let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
-            let options =
-                OneCasterOptions { counting, max_lights: lights.len(), in_depth: body.in_depth, ..self.options };
-            let caster = OneCaster::new(&self.gpu.pipelines, &self.gpu.queue, &mesh.map_err(text)?, &options);
-            let encoded = caster.and_then(|mut one| one.encode(encoder, positions, &lights, Some(&camera), None));
+            let options = SceneOptions { counting, max_lights: lights.len(), ..self.options };
+            let caster = OneCaster::new(&self.gpu.pipelines, &self.gpu.queue, &mesh.map_err(text)?, options);
+            let encoded = caster.and_then(|mut one| {
+                one.in_depth = body.in_depth;
+                one.encode(encoder, positions, &lights, Some(&camera), None)
+            });
             casters.push((encoded.map_err(text)?, body.mirror.is_some()));
         }
         Ok(casters)
@@ -267,7 +271,7 @@ impl<'a> Renderer<'a> {
         for part in corners.chunks(3 * 1024) {
             let part_buffer = gpu.storage(part);
             let bound = [&camera, &part_buffer].map(wgpu::Buffer::as_entire_binding);
-            pass.set_bind_group(0, &passes::bind(gpu, &pipeline.get_bind_group_layout(0), bound), &[]);
+            pass.set_bind_group(0, &pipelines::group(&gpu.device, &pipeline.get_bind_group_layout(0), bound), &[]);
             pass.draw(0..part.len() as u32, 0..1);
         }
         Ok(())

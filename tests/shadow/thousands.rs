@@ -3,7 +3,8 @@
 
 use glam::{DQuat, DVec3};
 use rimline::gpu::{
-    Capacities, Caster, FrameInputs, PositionBuffer, Scene, SceneOptions, ShadowFormat, ShadowPipelines, StencilCounts,
+    Capacities, Caster, FrameInputs, Measuring, PositionBuffer, Scene, SceneOptions, ShadowFormat, ShadowPipelines,
+    StencilCounts,
 };
 use rimline::internals::layout::{ShadowDraws, ShadowLight, ShadowStatistics, StencilPencil};
 use rimline::internals::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL};
@@ -16,7 +17,7 @@ use rimline_testkit::goldens::golden;
 use rimline_testkit::on_gpu::{chosen, draws, interleaved, one_caster, shadow_statistics, text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::scene;
-use rimline_testkit::{OneCasterOptions, shapes};
+use rimline_testkit::{made_anew, shapes};
 
 pub(crate) const TESTS: &[Test] =
     &[("ten_thousand_casters", thousands), ("shadow_volumes_from_extraction_to_draws", chain)];
@@ -131,20 +132,16 @@ fn chain() -> Result<(), String> {
             let (depth, has_far_plane) = (scene.camera.depth, scene.camera.has_far_plane());
             let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
             let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
-            let capacity = [None, Some(30)][number % 2];
-            let options = OneCasterOptions {
-                // Ten more than are used.
-                max_lights: CHAIN_LIGHTS + 10,
-                list_capacity: capacity,
-                every_face: number == 3,
-                in_depth: !matches!(number, 1 | 5),
-                cap_capacity: [None, Some(9)][number / 2 % 2],
-                cull_by_view: number != 4,
-                end_at_range: number % 3 == 2,
-                bound_counts: number % 2 == 1 || number == 0,
-                ..OneCasterOptions::default()
-            };
+            // Ten more lights than are used.
+            let mut options = made_anew(CHAIN_LIGHTS + 10, counting);
+            options.capacities.lists = [None, Some(30)][number % 2];
+            options.capacities.caps = [None, Some(9)][number / 2 % 2];
+            options.measuring.set(Measuring::EVERY_FACE, number == 3);
+            options.measuring.set(Measuring::CULLED_BY_VIEW, number == 4);
+            options.end_at_range = number % 3 == 2;
+            options.stencil.bound_counts = number % 2 == 1 || number == 0;
             let mut caster = one_caster(gpu, &pipelines, mesh, options).map_err(text)?;
+            caster.in_depth = !matches!(number, 1 | 5);
             let (offset, stride) = [(0, 12), (20, 12), (28, 32)][number % 3];
             let buffer = gpu.storage(&interleaved(positions, offset, stride));
             let bound = PositionBuffer { buffer: &buffer, offset, stride };

@@ -3,8 +3,8 @@
 //! The stages `caps` and `list_sides` have no other test against an oracle, but for the most turns of their loops.
 
 use rimline::Counting;
+use rimline::gpu::Measuring;
 use rimline::internals::layout::ShadowLight;
-use rimline_testkit::OneCasterOptions;
 
 use crate::classes::{CLASSES, Class};
 use crate::compare::{Compared, Wrong};
@@ -197,10 +197,9 @@ fn perturbed() -> Result<(), String> {
 /// Closed casters of which every face casts.
 fn every_face() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let options = OneCasterOptions { every_face: true, ..OneCasterOptions::default() };
-    each_class(&Renderer { options, ..Renderer::new(&gpu) }, &[Counting::Auto, Counting::ZFail], |class| {
-        !class.name.contains("shadow, light")
-    })
+    let mut renderer = Renderer::new(&gpu);
+    renderer.options.measuring.set(Measuring::EVERY_FACE, true);
+    each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| !class.name.contains("shadow, light"))
 }
 
 /// The first frame of some classes.

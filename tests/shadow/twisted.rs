@@ -3,7 +3,7 @@
 //! It tests the stage `piece_crossings`, too.
 
 use glam::DVec3;
-use rimline::gpu::{Capacities, PositionBuffer};
+use rimline::gpu::{Capacities, PositionBuffer, SceneOptions};
 use rimline::mesh::Weld;
 use rimline::{Counting, Light, Mesh};
 use rimline_testkit::device::Gpu;
@@ -11,9 +11,8 @@ use rimline_testkit::goldens::golden;
 use rimline_testkit::on_gpu::{shadow_statistics, text};
 use rimline_testkit::polygons::PolygonSet;
 use rimline_testkit::random::Random;
-use rimline_testkit::same;
 use rimline_testkit::shapes::Shape;
-use rimline_testkit::{OneCaster, OneCasterOptions};
+use rimline_testkit::{OneCaster, made_anew, same};
 
 use crate::polygons::{Compared, Rig, Truth};
 use crate::render::Renderer;
@@ -60,10 +59,10 @@ fn room() -> Result<(), String> {
     let rig = Rig::new(&frame, 0)?;
     for counting in [Counting::Auto, Counting::ZFail] {
         let mut all = None;
-        for (piece_capacity, lost) in [(None, 0), (Some(600), 0), (Some(599), 1), (Some(300), 300), (Some(0), 599)] {
-            let options = OneCasterOptions { piece_capacity, ..OneCasterOptions::default() };
+        for (pieces, lost) in [(None, 0), (Some(600), 0), (Some(599), 1), (Some(300), 300), (Some(0), 599)] {
+            let options = with_pieces(pieces);
             let counted = Renderer { options, ..Renderer::new(gpu) }.count(&frame, counting)?;
-            let what = format!("{counting:?}, room for {piece_capacity:?}");
+            let what = format!("{counting:?}, room for {pieces:?}");
             let statistics = counted.statistics[0];
             same(&what, &[statistics.lost_pieces, statistics.most_pieces], &[lost, 600])?;
             let stencil = &counted.stencils[0];
@@ -80,8 +79,7 @@ fn room() -> Result<(), String> {
             }
         }
     }
-    let options = OneCasterOptions { piece_capacity: Some(7), ..OneCasterOptions::default() };
-    let mut caster = OneCaster::new(&gpu.pipelines, &gpu.queue, &mesh, &options).map_err(text)?;
+    let mut caster = OneCaster::new(&gpu.pipelines, &gpu.queue, &mesh, with_pieces(Some(7))).map_err(text)?;
     let buffer = gpu.storage(&set.positions);
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let camera = frame.eye.camera();
@@ -93,6 +91,11 @@ fn room() -> Result<(), String> {
         same(&format!("{pieces:?}"), &[statistics.lost_pieces, statistics.most_pieces], &[lost, 600])?;
     }
     Ok(())
+}
+
+fn with_pieces(pieces: Option<u32>) -> SceneOptions {
+    let capacities = Capacities { pieces, ..Capacities::default() };
+    SceneOptions { capacities, ..made_anew(32, Counting::Auto) }
 }
 
 /// Each counts once, modulo 256, and the bound tells that counts wrap.
@@ -108,7 +111,7 @@ fn thousand() -> Result<(), String> {
         println!("{light:?}: up to {most} between");
         for counting in [Counting::Auto, Counting::ZFail] {
             let mut renderer = Renderer::new(gpu);
-            renderer.options = OneCasterOptions { bound_counts: true, ..renderer.options };
+            renderer.options.stencil.bound_counts = true;
             let counted = renderer.count(&frame, counting)?;
             let wrong = rig.wrong(&counted.stencils[0], Compared::Counts);
             let statistics = counted.statistics[0];

@@ -58,14 +58,11 @@ impl CasterMesh {
     }
 
     pub(crate) fn shape(self) -> Shape {
-        let mut shape = match self {
+        let shape = match self {
             Self::Cube => shapes::cube(),
             Self::Character => shapes::torus(50, 40, 1.0, 0.4),
         };
-        for position in &mut shape.positions {
-            *position = position.map(|c| (c * GRID).round() / GRID);
-        }
-        shape
+        shape.placed(|position| position.map(|c| (c * GRID).round() / GRID))
     }
 }
 
@@ -197,8 +194,7 @@ pub(crate) fn measure(
         }
     }
     entries.extend(gpu_times);
-    let mut facts = facts(&setting, mesh.shape().faces.len(), &edges);
-    facts.push(("size", json!(size)));
+    let facts = facts(&setting, mesh.shape().faces.len(), size, &edges);
     let (scene, group) = (mesh.id().to_owned(), mesh.id().to_owned());
     Ok(Row { section: Section::Casters, scene, title: mesh.counted(casters), group, facts, entries })
 }
@@ -208,6 +204,7 @@ pub(crate) fn measure_one_mesh(
     rounds: Rounds,
     devices: &mut Devices<'_>,
     faces: usize,
+    size: u32,
     host: &dyn Host,
 ) -> Result<Row, Error> {
     let setting = field(subject::torus(faces), 1);
@@ -220,19 +217,20 @@ pub(crate) fn measure_one_mesh(
     let (mut entries, scene_edges) =
         stages(rounds, &mut devices.stages, &setting, Until::Extraction, ("extractor", stages_of), host)?;
     entries.retain(|entry| entry.variant.id != "scene-still");
-    let facts = facts(&setting, faces, &[scene_edges, other.silhouette_edges(gpu)?]);
+    let facts = facts(&setting, faces, size, &[scene_edges, other.silhouette_edges(gpu)?]);
     let (title, name) = (format!("{} faces", grouped(faces)), "one-mesh".to_owned());
     Ok(Row { section: Section::OneMesh, scene: name.clone(), title, group: name, facts, entries })
 }
 
-/// Facts of a scene. `edges` are silhouette edges of each light: in the scene, and in what it is held against.
-fn facts(setting: &Setting, faces: usize, [scene, other]: &[Vec<u64>; 2]) -> Vec<(&'static str, Value)> {
+/// Facts of a scene. The last are silhouette edges of each light: in the scene, and in what it is held against.
+fn facts(setting: &Setting, faces: usize, size: u32, [scene, other]: &[Vec<u64>; 2]) -> Vec<(&'static str, Value)> {
     vec![
         ("faces", json!(faces)),
         ("casters", json!(setting.casters.count())),
         ("lights", json!(setting.lights.len())),
         ("silhouette_edges", json!(scene)),
         ("wrong_lights", json!(wrong_lights(scene, other))),
+        ("size", json!(size)),
     ]
 }
 

@@ -35,6 +35,9 @@ const FONT: f64 = 26.0;
 const LINE: f64 = 36.0;
 const MARK: f64 = 10.0;
 
+/// Numbers have room on an axis below this, and on a logarithmic one above its inverse: their ratios are finite.
+const MOST: f64 = 1e100;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scale {
     Linear,
@@ -116,8 +119,8 @@ impl Axis {
         values: impl IntoIterator<Item = f64>,
     ) -> Self {
         let (mut low, mut high, mut has_zero) = (f64::INFINITY, f64::NEG_INFINITY, false);
-        for value in values.into_iter().filter(|value| value.is_finite()) {
-            if scale == Scale::Log && value <= 0.0 {
+        for value in values.into_iter().filter(|value| value.abs() < MOST) {
+            if scale == Scale::Log && value < 1.0 / MOST {
                 has_zero = true;
             } else {
                 (low, high) = (low.min(value), high.max(value));
@@ -394,7 +397,7 @@ pub(crate) fn escape(text: &str) -> String {
             '&' => escaped.push_str("&amp;"),
             '"' => escaped.push_str("&quot;"),
             // No letter, and not allowed there.
-            c if c.is_control() => {
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {
                 let _ = write!(escaped, "\\u{:04x}", u32::from(c));
             }
             c => escaped.push(c),
@@ -409,7 +412,9 @@ mod tests {
 
     #[test]
     fn positions_stay_inside_and_ticks_are_in_order() {
-        for values in [[0.001, 1e6].as_slice(), &[1.0, 1.3], &[3.0], &[], &[f64::NAN, 0.0], &[0.001, 5.0, 70.0]] {
+        for values in
+            [[0.001, 1e6].as_slice(), &[1.0, 1.3], &[3.0], &[], &[f64::NAN, 0.0], &[0.001, 5.0, 70.0], &[1e-300, 1e300]]
+        {
             for scale in [Scale::Linear, Scale::Log] {
                 let axis = Axis::over("", scale, |value| value.to_string(), values.iter().copied());
                 let at = [-1.0, 0.0, 0.001, 5.0, 70.0, 1e9, f64::INFINITY].map(|value| axis.at(value, [10.0, 20.0]));
@@ -469,6 +474,6 @@ mod tests {
 
     #[test]
     fn text_is_escaped() {
-        assert_eq!(escape("<a\x1b\0&\u{9b}>"), r"&lt;a\u001b\u0000&amp;\u009b&gt;");
+        assert_eq!(escape("<a\x1b\0&\u{9b}\u{ffff}>"), r"&lt;a\u001b\u0000&amp;\u009b\uffff&gt;");
     }
 }

@@ -293,6 +293,13 @@ fn shadows(rows: &[&Row]) -> Part {
     }
 }
 
+/// The mean over rows of the medians of a ratio, and their range. `None` if no row has it.
+pub(crate) fn mean_ratio(rows: &[&Row], metric: Metric, id: &str, to: &str) -> Option<(f64, [f64; 2])> {
+    let medians: Vec<f64> = rows.iter().filter_map(|row| Some(row.ratio(metric, id, to)?.median)).collect();
+    let range = Summary::of(medians.iter().copied())?.range;
+    Some((medians.iter().sum::<f64>() / medians.len() as f64, range))
+}
+
 /// Time ÷ time of z-pass, a line of dots a model and path, and their means.
 fn stencil_passes(rows: &[&Row]) -> Figure {
     let methods: Vec<&Variant> =
@@ -300,28 +307,26 @@ fn stencil_passes(rows: &[&Row]) -> Figure {
     let mut table = Table::new(["Model, path"]);
     table.head.extend(methods.iter().map(|method| method.name.clone()));
     let (mut bars, mut group) = (Vec::new(), "");
-    let mut medians: Vec<Vec<f64>> = vec![Vec::new(); methods.len()];
+    let time = Metric::Time("stencil");
     let heading = |name: &str| Bar { name: name.to_owned(), ..Bar::default() };
     for row in rows {
         if row.group != group {
             group = &row.group;
             bars.push(heading(group));
         }
-        let found: Vec<_> = methods.iter().map(|of| row.ratio(Metric::Time("stencil"), &of.id, Z_PASS)).collect();
+        let found: Vec<_> = methods.iter().map(|of| row.ratio(time, &of.id, Z_PASS)).collect();
         let cells = found.iter().map(|ratio| or_dash(ratio.map(|ratio| ratio.median)));
         table.rows.push([format!("{group}: {}", row.title)].into_iter().chain(cells).collect());
-        medians.iter_mut().zip(&found).for_each(|(medians, ratio)| medians.extend(ratio.map(|ratio| ratio.median)));
         let values = found.iter().map(|ratio| ratio.map(|ratio| (ratio.median, ratio.quartiles))).collect();
         bars.push(Bar { name: row.title.clone(), values, ..Bar::default() });
     }
-    let mean = |all: &Vec<f64>| Some(all.iter().sum::<f64>() / all.len() as f64).filter(|mean| mean.is_finite());
-    let means: Vec<Option<f64>> = medians.iter().map(mean).collect();
-    let cells = means.iter().zip(&medians).map(|(mean, all)| {
-        let [low, high] = Summary::of(all.iter().copied()).map_or([f64::NAN; 2], |summary| summary.range);
-        format!("{} ({low:.2} to {high:.2})", or_dash(*mean))
+    let means: Vec<_> = methods.iter().map(|of| mean_ratio(rows, time, &of.id, Z_PASS)).collect();
+    let cells = means.iter().map(|mean| match mean {
+        Some((mean, [low, high])) => format!("{} ({low:.2} to {high:.2})", three_digits(*mean)),
+        None => or_dash(None),
     });
     table.rows.push(["mean".to_owned()].into_iter().chain(cells).collect());
-    let values = means.iter().map(|mean| mean.map(|mean| (mean, [mean; 2]))).collect();
+    let values = means.iter().map(|mean| mean.map(|(mean, _)| (mean, [mean; 2]))).collect();
     bars.extend([heading("all"), Bar { name: "mean".to_owned(), values, ..Bar::default() }]);
     let ends = bars.iter().flat_map(|bar| bar.values.iter().flatten());
     let ends = ends.flat_map(|(median, [low, high])| [*median, *low, *high]).chain([0.9, 2.0]);

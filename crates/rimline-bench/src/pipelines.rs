@@ -146,37 +146,3 @@ pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_wri
         bias: wgpu::DepthBiasState::default(),
     }
 }
-
-/// A compute pipeline over the texels of a texture, with one sample or several: binding 0 of group 0.
-/// Binding 1 is a storage buffer that is written.
-#[derive(Debug)]
-pub struct TexelKernel(wgpu::ComputePipeline);
-
-impl TexelKernel {
-    pub fn new(device: &wgpu::Device, label: &str, source: &str) -> Self {
-        let label = Some(label);
-        let source = wgpu::ShaderSource::Wgsl(source.into());
-        let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
-        Self(device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label,
-            layout: None,
-            module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        }))
-    }
-
-    /// The bind group of a run: all that it reads and writes.
-    pub fn group(&self, device: &wgpu::Device, texture: &wgpu::TextureView, words: &wgpu::Buffer) -> wgpu::BindGroup {
-        let resources = [wgpu::BindingResource::TextureView(texture), words.as_entire_binding()];
-        group(device, &self.0.get_bind_group_layout(0), resources)
-    }
-
-    pub fn run(&self, encoder: &mut wgpu::CommandEncoder, group: &wgpu::BindGroup, [x, y]: [u32; 2]) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&self.0);
-        pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups(x, y, 1);
-    }
-}

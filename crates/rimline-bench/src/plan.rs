@@ -116,7 +116,9 @@ impl Plan {
         let of_skipping: Vec<&str> = wanted.iter().filter(|name| SKIPPING.contains(name)).copied().collect();
         let has_casters = wanted.contains(&CASTERS);
         let casters = options.casters.clone();
-        if !has_casters && of_skipping.is_empty() && casters.as_ref().is_some_and(|all| !all.is_empty()) {
+        let takes_casters =
+            |name: &&str| *name == CASTERS || SkipScene::named(name, quick).iter().any(|scene| !scene.is_one_mesh());
+        if casters.as_ref().is_some_and(|all| !all.is_empty()) && !wanted.iter().any(takes_casters) {
             return Err(PlanError::CastersWithoutScene);
         }
         let meshes = usual(&MESHES, &QUICK_MESHES);
@@ -211,5 +213,15 @@ mod tests {
         let mut all: Vec<_> = stress::scenes(1).map(|scene| Some(scene.class)).collect();
         all.dedup();
         assert_eq!(classes, all);
+    }
+
+    #[test]
+    fn numbers_of_casters_need_a_scene_that_takes_them() {
+        let plan = |scene: &str| {
+            let (scenes, casters) = (Some(vec![scene.to_owned()]), Some(vec![3]));
+            Plan::new(Options { scenes, casters, meshes: Some(Vec::new()), frames: Some(0), ..Options::default() })
+        };
+        assert!(matches!(plan("big"), Err(PlanError::CastersWithoutScene)));
+        assert!(plan("city").is_ok() && plan("casters").is_ok());
     }
 }

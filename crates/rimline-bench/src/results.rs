@@ -68,7 +68,7 @@ impl Results {
         let Machine { os, cpu, threads, is_optimised, date } = &self.machine;
         let of = |section: Section| self.rows.iter().filter(move |row| row.section == section);
         let is_of_casters = |row: &&Row| matches!(row.section, Section::Casters | Section::OneMesh);
-        let casters = of(Section::Casters).next().map(|first| {
+        let casters = self.rows.iter().find(is_of_casters).map(|first| {
             json!({
                 "lights": first.lights(),
                 "size": first.fact("size"),
@@ -193,4 +193,23 @@ fn one_mesh_json(row: &Row) -> Value {
         "silhouette_edges": row.fact("silhouette_edges"),
         "wrong_lights": row.fact("wrong_lights"),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_of_one_mesh_is_in_the_data_without_scenes_of_many_casters() {
+        let name = || "one-mesh".to_owned();
+        let facts = vec![("faces", json!(8)), ("lights", json!(5)), ("size", json!(256))];
+        let (section, entries) = (Section::OneMesh, Vec::new());
+        let row = Row { section, scene: name(), title: name(), group: name(), facts, entries };
+        let data = Results { machine: Machine::this(), adapter: None, rows: vec![row], planned_rows: 1 }.json();
+        let casters = &data["casters"];
+        assert_eq!(
+            (&casters["size"], &casters["rows"], &casters["one_mesh"][0]["faces"]),
+            (&json!(256), &json!([]), &json!(8))
+        );
+    }
 }

@@ -55,7 +55,7 @@ impl Results {
                     let Some(devices) = &mut devices else { continue };
                     self.row(&title, host, || match *job {
                         Job::Casters(mesh, count) => casters::measure(rounds, devices, (mesh, count), size, host),
-                        Job::OneMesh(faces) => casters::measure_one_mesh(rounds, devices, faces, host),
+                        Job::OneMesh(faces) => casters::measure_one_mesh(rounds, devices, faces, size, host),
                         Job::Skipping(scene, count) => skipping::measure(rounds, devices, (scene, count), size, host),
                         _ => Err(Error::Stopped),
                     })?;

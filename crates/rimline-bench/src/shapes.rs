@@ -161,12 +161,10 @@ pub fn sphere(subdivisions: u32) -> Shape {
 pub fn blob(subdivisions: u32, amplitude: f32, seed: u32) -> Shape {
     // Not clamp, which would keep a NaN.
     let amplitude = if amplitude > 0.0 { amplitude.min(0.9) } else { 0.0 };
-    let mut shape = sphere(subdivisions);
-    for position in &mut shape.positions {
-        let radius = 1.0 + amplitude * smooth(*position, seed);
-        *position = position.map(|axis| axis * radius);
-    }
-    shape
+    sphere(subdivisions).placed(|position| {
+        let radius = 1.0 + amplitude * smooth(position, seed);
+        position.map(|axis| axis * radius)
+    })
 }
 
 /// A closed cube from −1 to 1 on each axis: 8 vertices, 12 faces.

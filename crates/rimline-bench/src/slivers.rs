@@ -62,32 +62,6 @@ pub fn tube(end: End, seed: u64) -> Vec<Triangle> {
     triangles
 }
 
-/// A part of a triangle within the picture, as a fan. Each edge is cut from its inner to its outer end, at the sides of the
-/// picture in turn. So both triangles of an edge get the same vertices, bit for bit.
-pub fn cut(triangle: Triangle) -> Vec<Triangle> {
-    let mut polygon = triangle.to_vec();
-    for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
-        let height = |v: [f32; 4]| v[3] + sign * v[axis];
-        let mut next = Vec::new();
-        for (corner, &from) in polygon.iter().enumerate() {
-            let to = polygon[(corner + 1) % polygon.len()];
-            let is_in = height(from) >= 0.0;
-            if is_in {
-                next.push(from);
-            }
-            if is_in != (height(to) >= 0.0) {
-                let (inner, outer) = if is_in { (from, to) } else { (to, from) };
-                let part = height(inner) / (height(inner) - height(outer));
-                let mut meeting: [f32; 4] = std::array::from_fn(|i| inner[i] + (outer[i] - inner[i]) * part);
-                meeting[axis] = -sign * meeting[3];
-                next.push(meeting);
-            }
-        }
-        polygon = next;
-    }
-    (2..polygon.len()).map(|corner| [polygon[0], polygon[corner - 1], polygon[corner]]).collect()
-}
-
 const DRAWING: &str = "
 @vertex fn triangle(@location(0) clip: vec4<f32>) -> @invariant @builtin(position) vec4<f32> { return clip; }
 @fragment fn count(@builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {

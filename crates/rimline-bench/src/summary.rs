@@ -2,7 +2,7 @@
 
 use crate::engine::Metric;
 use crate::extraction::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, OF_USER, ORDINARY, PER_EDGE};
-use crate::figures::usual_lights;
+use crate::figures::{mean_ratio, usual_lights};
 use crate::row::{Row, Section};
 use crate::shadows::Z_PASS;
 use crate::text::{grouped, lights_text, three_digits};
@@ -89,8 +89,10 @@ fn hard_scenes(rows: &[&Row]) -> Option<Line> {
     Some((question, format!("{} in the middle, up to {} ({name})", times(middle), times(*worst))))
 }
 
-/// How many bits are wrong?
+/// How many bits are wrong of the meshes that the GPU took, or of all if it took none?
 fn errors(rows: &[&Row]) -> Option<Line> {
+    let on_gpu: Vec<&Row> = rows.iter().copied().filter(|row| row.entry(GPU_EXACT).is_some()).collect();
+    let rows: &[&Row] = if on_gpu.is_empty() { rows } else { &on_gpu };
     let bits: f64 = rows.iter().map(|row| row.number("silhouette_bits")).sum();
     let wrong = |id: &str| {
         let entries: Vec<_> = rows.iter().filter_map(|row| row.entry(id)).collect();
@@ -105,10 +107,7 @@ fn errors(rows: &[&Row]) -> Option<Line> {
 
 /// The price of right shadows.
 fn shadows(rows: &[&Row]) -> Vec<Line> {
-    let mean = |metric: Metric, id: &str| {
-        let ratios: Vec<f64> = rows.iter().filter_map(|row| Some(row.ratio(metric, id, Z_PASS)?.median)).collect();
-        ratios.iter().sum::<f64>() / ratios.len() as f64
-    };
+    let mean = |metric, id| mean_ratio(rows, metric, id, Z_PASS).map_or(f64::NAN, |(mean, _)| mean);
     if rows.is_empty() {
         return Vec::new();
     }
@@ -171,25 +170,39 @@ mod tests {
     use super::*;
     use crate::row::{Entry, Variant};
 
+    fn entry(id: &str, ms: f64) -> Entry {
+        let entry = Entry::new(Variant::new(id, id, 0, 0), &[]);
+        entry.with(TIME, [ms; 3]).with_count("wrong_silhouette_bits", ms as usize)
+    }
+
+    fn row(faces: usize, entries: Vec<Entry>) -> Row {
+        Row {
+            section: Section::Extraction,
+            scene: "torus".to_owned(),
+            title: "torus".to_owned(),
+            group: ORDINARY.to_owned(),
+            facts: vec![("faces", json!(faces)), ("lights", json!(8)), ("silhouette_bits", json!(12 * faces))],
+            entries,
+        }
+    }
+
     #[test]
     fn speed_is_larger_where_the_method_is_faster_and_exactness_costs_what_f32_spares() {
-        let entry = |id: &str, ms: f64| {
-            Entry::new(Variant::new(id, id, 0, 0), &[])
-                .with(TIME, [ms; 3])
-                .with_count("wrong_silhouette_bits", ms as usize)
-        };
-        let row = Row {
-            section: Section::Extraction,
-            scene: "torus-4".to_owned(),
-            title: "torus-4".to_owned(),
-            group: ORDINARY.to_owned(),
-            facts: vec![("faces", json!(4)), ("lights", json!(8)), ("silhouette_bits", json!(48))],
-            entries: vec![entry(PER_EDGE, 6.0), entry(GPU_FAST, 2.0), entry(GPU_EXACT, 3.0)],
-        };
-        let text = summary(&[row]);
+        let text = summary(&[row(4, vec![entry(PER_EDGE, 6.0), entry(GPU_FAST, 2.0), entry(GPU_EXACT, 3.0)])]);
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines[0].contains(": speed ") && lines[0].ends_with(" 2.00× at 8 lights"), "{text}");
         assert!(lines[1].ends_with("1.50× on the GPU"), "{text}");
         assert!(lines[2].ends_with("6 by 2003, 2 by f32, 3 by exact"), "{text}");
+    }
+
+    #[test]
+    fn wrong_bits_are_all_of_the_same_meshes() {
+        let [on_gpu, on_cpu] = [(4, [PER_EDGE, GPU_EXACT, CPU_FAST]), (1000, [CPU_FAST, CPU_EXACT, CPU_EXACT])]
+            .map(|(faces, ids)| row(faces, ids.map(|id| entry(id, 7.0)).into()));
+        let last = |rows: &[Row]| summary(rows).lines().last().map(str::to_owned).unwrap_or_default();
+        let text = last(&[on_gpu, on_cpu.clone()]);
+        assert!(text.contains(", of 48 ") && text.ends_with(" 7 by 2003, 7 by f32, 7 by exact"), "{text}");
+        let text = last(&[on_cpu]);
+        assert!(text.contains(", of 12,000 ") && text.ends_with(" 7 by f32, 7 by exact"), "{text}");
     }
 }

@@ -211,32 +211,13 @@ impl Marked {
 
 /// Each line once where several have the same ends: the highest class, then the first. Lines without a length are left out.
 fn once(lines: Vec<Line>, world: &World<'_>) -> Vec<Line> {
-    let ends = |line: &Line| line.vertices.map(|vertex| world.positions[vertex as usize].map(|c| (c + 0.0).to_bits()));
-    let key = |line: &Line| {
-        let [a, b] = ends(line);
-        [a.min(b), a.max(b)]
-    };
-    // A product of sums scatters well enough; lines with one hash are compared.
-    let hash = |line: &Line| {
-        let mix = |sum: u64, bits: &u32| (sum ^ u64::from(*bits)).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(23);
-        key(line).as_flattened().iter().fold(0, mix)
-    };
-    let mut order: Vec<(u64, u32)> = (0..).zip(&lines).map(|(at, line)| (hash(line), at)).collect();
+    let ranked = |(at, line): (u32, &Line)| (world.key(line.vertices), line.class, at);
+    let mut order: Vec<_> = (0..).zip(&lines).map(ranked).collect();
     order.sort_unstable();
-    let mut is_drawn = vec![true; lines.len()];
-    for run in order.chunk_by(|one, other| one.0 == other.0).filter(|run| run.len() > 1) {
-        let mut run: Vec<_> =
-            run.iter().map(|&(_, at)| (key(&lines[at as usize]), lines[at as usize].class, at)).collect();
-        run.sort_unstable();
-        for same in run.chunk_by(|one, other| one.0 == other.0) {
-            same[1..].iter().for_each(|&(.., at)| is_drawn[at as usize] = false);
-        }
+    let mut is_drawn = vec![false; lines.len()];
+    for same in order.chunk_by(|one, other| one.0 == other.0) {
+        let (ends, _, best) = same[0];
+        is_drawn[best as usize] = ends.is_some_and(|[a, b]| a != b);
     }
-    let kept = lines.into_iter().zip(is_drawn).filter(|(line, is_drawn)| {
-        *is_drawn && {
-            let [a, b] = ends(line);
-            a != b
-        }
-    });
-    kept.map(|(line, _)| line).collect()
+    lines.into_iter().zip(is_drawn).filter_map(|(line, is_drawn)| is_drawn.then_some(line)).collect()
 }

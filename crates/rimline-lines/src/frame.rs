@@ -149,9 +149,19 @@ impl Frame {
         [0, 1].map(|axis| ((page[axis] - self.low[axis]) / self.size) as f32)
     }
 
-    fn bounds(&self, page: [f64; 2], depth: f64) -> Box3 {
+    /// A bound of the rounding errors of a part's page, without the page's size.
+    pub(crate) fn error_of_part(&self, part: &Part) -> f32 {
+        let [from, to] = [0, 1].map(|end| self.error_on_page(part.page[end], part.depths[end]));
+        (from.max(to) / self.size) as f32
+    }
+
+    fn error_on_page(&self, page: [f64; 2], depth: f64) -> f64 {
         let scale = if self.view.is_perspective() { (1.0 + page[0].abs() + page[1].abs()) / depth } else { 1.0 };
-        let error = self.error * scale;
+        self.error * scale
+    }
+
+    fn bounds(&self, page: [f64; 2], depth: f64) -> Box3 {
+        let error = self.error_on_page(page, depth);
         let at = |axis: usize, error: f64| (page[axis] + error - self.low[axis]) / self.size;
         let deep = |error: f64| (depth + error - self.depth_low) / self.depth_size;
         Box3 {

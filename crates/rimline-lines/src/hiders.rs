@@ -52,6 +52,8 @@ pub(crate) struct Reach {
     /// A unit vector across the line, and a point of it.
     across: [f32; 2],
     at: [f32; 2],
+    /// A bound of the roundings of both, and of the line's own ends.
+    error: f32,
 }
 
 impl Reach {
@@ -59,8 +61,9 @@ impl Reach {
         let [a, b] = part.page;
         let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
         let length = (dx * dx + dy * dy).sqrt();
-        let around = frame.bounds_of_part(part);
-        Self { around, across: [(-dy / length) as f32, (dx / length) as f32], at: frame.on_page(a) }
+        let (around, across) = (frame.bounds_of_part(part), [(-dy / length) as f32, (dx / length) as f32]);
+        // Many times the roundings of `f32`.
+        Self { around, across, at: frame.on_page(a), error: 1e-5 + 2.0 * frame.error_of_part(part) }
     }
 
     /// A bit for each box of a row that the line meets.
@@ -74,8 +77,8 @@ impl Reach {
             let (half_x, half_y) = (0.5 * (high_x - low_x), 0.5 * (high_y - low_y));
             let (x, y) = (0.5 * (high_x + low_x) - at_x, 0.5 * (high_y + low_y) - at_y);
             let reach = nx.abs() * half_x + ny.abs() * half_y;
-            // Many times the roundings. A NaN of boxes without end is not apart.
-            let error = 1e-5 * (1.0 + half_x + half_y + x.abs() + y.abs());
+            // A NaN of boxes without end is not apart.
+            let error = self.error + 1e-5 * (half_x + half_y + x.abs() + y.abs());
             let is_beside = (nx * x + ny * y).abs() > reach + error;
             !(is_apart | is_beside)
         })
@@ -88,7 +91,7 @@ impl Reach {
             return columns;
         }
         let at = heights.map(|height| self.at[0] - (height - self.at[1]) * ny / nx);
-        let error = 1e-3 + 2.0 / SIDE as f32;
+        let error = 1e-3 + 2.0 / SIDE as f32 + self.error * (1.0 + (ny / nx).abs());
         let passed = cells(at[0].min(at[1]) - error, at[0].max(at[1]) + error);
         passed.start.max(columns.start)..passed.end.min(columns.end)
     }
@@ -97,6 +100,8 @@ impl Reach {
 /// The cells of the page that lines pass, each with the depth of its farthest line.
 struct Cells {
     far: Vec<f32>,
+    /// How far lines may lie off the page by roundings.
+    error: f32,
 }
 
 /// Cells along a side of the page.
@@ -106,9 +111,10 @@ const MOST: usize = 256;
 
 impl Cells {
     fn new(frame: &Frame, parts: &[Option<Part>]) -> Self {
-        let mut far = vec![f32::NEG_INFINITY; SIDE * SIDE];
+        let (mut far, mut error) = (vec![f32::NEG_INFINITY; SIDE * SIDE], 1e-3_f32);
         for part in parts.iter().flatten() {
             let reach = Reach::new(frame, part);
+            error = error.max(reach.error);
             let Box3 { low, high } = reach.around;
             let [columns, rows] = [0, 1].map(|axis| cells(low[axis], high[axis]));
             for row in rows {
@@ -119,12 +125,12 @@ impl Cells {
                 }
             }
         }
-        Self { far }
+        Self { far, error }
     }
 
     fn may_be_behind(&self, &Box3 { low, high }: &Box3) -> bool {
         // A box behind the eye has no depth.
-        if high[2] == f32::NEG_INFINITY || (0..2).any(|axis| high[axis] < -1e-3 || low[axis] > 1.001) {
+        if high[2] == f32::NEG_INFINITY || (0..2).any(|axis| high[axis] < -self.error || low[axis] > 1.0 + self.error) {
             return false;
         }
         let [columns, rows] = [0, 1].map(|axis| cells(low[axis], high[axis]));

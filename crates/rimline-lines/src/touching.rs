@@ -6,23 +6,14 @@ use crate::drawing::FaceId;
 use crate::edges::Line;
 use crate::fold::is_same_half_plane;
 use crate::options::LineClass;
-use crate::world::World;
-
-/// The bits of the positions of a line's ends, the lower one first.
-type Ends = [[u32; 3]; 2];
+use crate::world::{Ends, World};
 
 /// Takes out lines of intersection along an edge that two objects share, where a face of one lies over a face of the
 /// other: surfaces that coincide do not pass through each other.
 pub(crate) fn without_touching(lines: &mut Vec<Line>, world: &World<'_>) {
-    let key = |vertices: [u32; 2]| {
-        let positions =
-            vertices.map(|vertex| world.positions.get(vertex as usize).map(|p| p.map(|c| (c + 0.0).to_bits())));
-        let [Some(a), Some(b)] = positions else { return None };
-        Some([a.min(b), a.max(b)])
-    };
     let is_meeting = |line: &&Line| line.class == LineClass::Intersection;
     let mut apexes: HashMap<Ends, Vec<(u32, [f32; 3])>> = HashMap::new();
-    apexes.extend(lines.iter().filter(is_meeting).filter_map(|line| Some((key(line.vertices)?, Vec::new()))));
+    apexes.extend(lines.iter().filter(is_meeting).filter_map(|line| Some((world.key(line.vertices)?, Vec::new()))));
     if apexes.is_empty() {
         return;
     }
@@ -30,7 +21,7 @@ pub(crate) fn without_touching(lines: &mut Vec<Line>, world: &World<'_>) {
         for face in placed.object.mesh.faces() {
             for side in 0..3 {
                 let [a, b, c] = [0, 1, 2].map(|step| face[(side + step) % 3] + placed.first_vertex);
-                if let Some(apexes) = key([a, b]).and_then(|key| apexes.get_mut(&key)) {
+                if let Some(apexes) = world.key([a, b]).and_then(|key| apexes.get_mut(&key)) {
                     apexes.push((number, world.positions[c as usize]));
                 }
             }
@@ -38,9 +29,8 @@ pub(crate) fn without_touching(lines: &mut Vec<Line>, world: &World<'_>) {
     }
     let number = |FaceId { object, .. }: FaceId| world.placed.partition_point(|placed| placed.number < object) as u32;
     lines.retain(|line| {
-        let Some(apexes) = key(line.vertices).filter(|_| is_meeting(&line)).and_then(|key| apexes.get(&key)) else {
-            return true;
-        };
+        let key = world.key(line.vertices).filter(|_| is_meeting(&line));
+        let Some(apexes) = key.and_then(|key| apexes.get(&key)) else { return true };
         let edge = line.vertices.map(|vertex| world.positions[vertex as usize]);
         let [one, other] = world.meetings[line.record as usize].map(number);
         let of = |wanted: u32| apexes.iter().filter(move |(number, _)| *number == wanted).map(|(_, apex)| *apex);

@@ -10,6 +10,9 @@ use crate::exact::{Eye, Plane, face_value, facing};
 use crate::object::Object;
 use crate::view::View;
 
+/// The bits of two positions.
+pub(crate) type Ends = [[u32; 3]; 2];
+
 /// An object that is drawn.
 pub(crate) struct Placed<'a> {
     /// Its number among the objects given.
@@ -86,6 +89,13 @@ impl<'a> World<'a> {
         }
     }
 
+    /// The bits of the positions of a line's ends, the lower one first. `None` if one is no vertex.
+    pub(crate) fn key(&self, vertices: [u32; 2]) -> Option<Ends> {
+        let bits = |vertex: u32| Some(self.positions.get(vertex as usize)?.map(|c| (c + 0.0).to_bits()));
+        let (a, b) = (bits(vertices[0])?, bits(vertices[1])?);
+        Some([a.min(b), a.max(b)])
+    }
+
     /// The exact sign of the side of a triangle that the eye sees.
     pub(crate) fn facing(&self, [a, b, c]: [[f32; 3]; 3]) -> i32 {
         let [x, y, z, w] = self.eye;
@@ -99,12 +109,12 @@ impl<'a> World<'a> {
 }
 
 fn fault(object: &Object<'_>) -> Option<Fault> {
+    if object.mesh.edges().is_empty() {
+        return Some(Fault::NoFaces);
+    }
     let (given, needed) = (object.positions.len(), object.mesh.vertex_count());
     if given < needed as usize {
         return Some(Fault::TooFewPositions { given, needed });
-    }
-    if object.mesh.edges().is_empty() {
-        return Some(Fault::NoFaces);
     }
     let is_finite = |position: &[f32; 3]| position.iter().all(|c| c.is_finite());
     if object.positions.iter().all(is_finite) {

@@ -64,10 +64,7 @@ pub fn hard_positions(random: &mut Random) -> Vec<(String, Case, Vec<Light>)> {
         ("scaled by 1e20", 1e20, 0.0),
     ] {
         for shape in [shapes::torus(20, 14, 0.7, 0.3), shapes::blob(9, 0.4, 3)] {
-            let mut shape = shape;
-            for position in &mut shape.positions {
-                *position = position.map(|c| c * scale + offset);
-            }
+            let shape = shape.placed(|position| position.map(|c| c * scale + offset));
             let lights = (0..33)
                 .map(|index| {
                     let near = random.direction().map(|c| c * random.between(0.1, 3.0) * scale + offset);
@@ -89,9 +86,8 @@ pub fn hard_positions(random: &mut Random) -> Vec<(String, Case, Vec<Light>)> {
 
 /// A flat plate, tilted, with lights on it and in its plane: every bit hangs on the last digits.
 fn tilted_plate(random: &mut Random) -> (String, Case, Vec<Light>) {
-    let mut plate = shapes::plane_grid(16, 16);
     let tilt = |[x, _, z]: [f32; 3]| [x + 0.1 * z, 0.3 * x - 0.7 * z, z - 0.2 * x];
-    plate.positions.iter_mut().for_each(|p| *p = tilt(*p));
+    let plate = shapes::plane_grid(16, 16).placed(tilt);
     let lights = (0..33).map(|index| {
         let on_plane = tilt([random.between(-3.0, 3.0), 0.0, random.between(-3.0, 3.0)]);
         match index % 3 {

@@ -75,10 +75,8 @@ fn smooth(random: &mut Random) -> Shape {
         2 => shapes::blob(size, random.between(0.0, 0.5), random.next_u64() as u32),
         // Thin in one direction.
         _ => {
-            let mut shape = shapes::sphere(size);
             let thin = random.between(-20.0, 0.0).exp2();
-            shape.positions.iter_mut().for_each(|position| position[1] *= thin);
-            shape
+            shapes::sphere(size).placed(|[x, y, z]| [x, y * thin, z])
         }
     }
 }
@@ -87,12 +85,11 @@ fn smooth(random: &mut Random) -> Shape {
 fn flat(random: &mut Random) -> Shape {
     let mut slope = || random.below(7) as f32 - 3.0;
     let [p, q, r] = [slope(), slope(), slope()];
-    let mut shape = shapes::plane_grid(6 + random.below(10) as u32, 12);
-    let lattice = |c: f32| (c * 12.0).round();
-    for position in &mut shape.positions {
-        let [x, y, z] = position.map(lattice);
-        *position = [x, y + p * x + q * z + r, z];
-    }
+    let lattice = |position: [f32; 3]| {
+        let [x, y, z] = position.map(|c| (c * 12.0).round());
+        [x, y + p * x + q * z + r, z]
+    };
+    let mut shape = shapes::plane_grid(6 + random.below(10) as u32, 12).placed(lattice);
     let axis = random.below(3);
     shape.positions.iter_mut().for_each(|position| position.rotate_left(axis));
     if random.below(2) == 0 {
@@ -111,20 +108,16 @@ fn nudged(random: &mut Random, make: fn(&mut Random) -> Shape) -> Shape {
 }
 
 fn moved(random: &mut Random, make: fn(&mut Random) -> Shape) -> Shape {
-    let mut shape = make(random);
+    let shape = make(random);
     let by = random.direction().map(|c| c * [1e2, 1e4, 1e6, 1e30][random.below(4)]);
-    for position in &mut shape.positions {
-        *position = std::array::from_fn(|axis| position[axis] + by[axis]);
-    }
-    shape
+    shape.placed(|position| std::array::from_fn(|axis| position[axis] + by[axis]))
 }
 
 fn scaled(random: &mut Random, make: fn(&mut Random) -> Shape) -> Shape {
-    let mut shape = make(random);
+    let shape = make(random);
     // To numbers that are subnormal, and to the largest.
     let by = random.between(-148.0, 123.0).floor().exp2();
-    shape.positions.iter_mut().for_each(|position| *position = position.map(|c| c * by));
-    shape
+    shape.placed(|position| position.map(|c| c * by))
 }
 
 fn soup(random: &mut Random) -> Shape {

@@ -4,7 +4,7 @@ use rimline::internals::stages::Stage;
 
 use crate::device::Gpu;
 
-/// A compute pipeline of a test's, its bind group 0 as the shader has it.
+/// A compute pipeline of a test's, its bind groups as the shader has them.
 pub struct Dispatch(wgpu::ComputePipeline);
 
 impl Dispatch {
@@ -29,45 +29,51 @@ impl Dispatch {
 
     /// Runs with a group of buffers bound from 0 on.
     pub fn run(&self, gpu: &Gpu, buffers: &[&wgpu::Buffer], workgroups: u32) -> Result<(), String> {
-        self.run_over(gpu, buffers, [workgroups, 1])
-    }
-
-    /// The same, for workgroups along x and y.
-    pub fn run_over(&self, gpu: &Gpu, buffers: &[&wgpu::Buffer], workgroups: [u32; 2]) -> Result<(), String> {
         let bound: Vec<_> = (0..).zip(buffers.iter().copied()).collect();
-        self.run_groups(gpu, &[&bound], workgroups)
+        self.run_bound(gpu, &[&bound], workgroups)
     }
 
     /// Runs with the groups' buffers bound where each says.
     pub fn run_bound(&self, gpu: &Gpu, groups: &[&[(u32, &wgpu::Buffer)]], workgroups: u32) -> Result<(), String> {
-        self.run_groups(gpu, groups, [workgroups, 1])
-    }
-
-    fn run_groups(&self, gpu: &Gpu, groups: &[&[(u32, &wgpu::Buffer)]], workgroups: [u32; 2]) -> Result<(), String> {
-        let bind = |(group, buffers): (u32, &&[(u32, &wgpu::Buffer)])| {
-            let entries: Vec<_> = buffers
-                .iter()
-                .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                    binding: *binding,
-                    resource: buffer.as_entire_binding(),
-                })
-                .collect();
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: &self.0.get_bind_group_layout(group),
-                entries: &entries,
-            })
-        };
-        let groups: Vec<_> = (0..).zip(groups).map(bind).collect();
+        let groups = groups.iter().map(|group| {
+            group.iter().map(|&(binding, buffer)| (binding, buffer.as_entire_binding())).collect::<Vec<_>>()
+        });
         gpu.submit(|encoder| {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&self.0);
-            for (number, group) in (0..).zip(&groups) {
-                pass.set_bind_group(number, group, &[]);
-            }
-            pass.dispatch_workgroups(workgroups[0], workgroups[1], 1);
+            self.record(gpu, encoder, groups, [workgroups, 1]);
             Ok(())
         })
+    }
+
+    /// Records a run over a texture at binding 0 that writes words at binding 1.
+    pub fn record_over(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::TextureView,
+        words: &wgpu::Buffer,
+        workgroups: [u32; 2],
+    ) {
+        let group = vec![(0, wgpu::BindingResource::TextureView(texture)), (1, words.as_entire_binding())];
+        self.record(gpu, encoder, [group], workgroups);
+    }
+
+    fn record<'a>(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        groups: impl IntoIterator<Item = Vec<(u32, wgpu::BindingResource<'a>)>>,
+        [x, y]: [u32; 2],
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&self.0);
+        for (number, group) in (0..).zip(groups) {
+            let entries = group.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+            let entries = &*entries.collect::<Vec<_>>();
+            let layout = &self.0.get_bind_group_layout(number);
+            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries });
+            pass.set_bind_group(number, &group, &[]);
+        }
+        pass.dispatch_workgroups(x, y, 1);
     }
 }
 

@@ -34,8 +34,8 @@ pub mod stage_probe;
 pub mod textures;
 pub mod turns;
 
-pub use one_caster::{OneCaster, OneCasterOptions, OneFrame};
-pub use rimline_bench::record::IDENTITY;
+pub use one_caster::{OneCaster, OneFrame};
+pub use rimline_bench::record::{IDENTITY, made_anew};
 pub use rimline_bench::{error_metrics, pipelines, random, rays, shapes, slivers, stress};
 
 use std::path::PathBuf;

@@ -1,6 +1,8 @@
 //! Extractions and deformations on the GPU, read back for tests to compare.
 
-use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowError, ShadowPipelines, View};
+use rimline::gpu::{
+    Deformer, Extractor, ExtractorOptions, PositionBuffer, SceneOptions, ShadowError, ShadowPipelines, View,
+};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::{
     DrawArguments, EdgeMasks, ExtractionStatistics, ShadowDraws, ShadowLight, ShadowStatistics, ViewLight,
@@ -12,7 +14,7 @@ use crate::choices;
 use crate::device::Gpu;
 use crate::same;
 use crate::shapes::{self, Shape};
-use crate::{OneCaster, OneCasterOptions, OneFrame};
+use crate::{OneCaster, OneFrame};
 
 /// Results of one extraction, read back from its buffers.
 pub struct Found {
@@ -123,10 +125,10 @@ pub fn one_caster(
     gpu: &Gpu,
     pipelines: &ShadowPipelines,
     mesh: &Mesh,
-    options: OneCasterOptions,
+    options: SceneOptions,
 ) -> Result<OneCaster, ShadowError> {
-    let options = OneCasterOptions { counting: pipelines.counting(), ..options };
-    OneCaster::new(&gpu.pipelines, &gpu.queue, mesh, &options)
+    let options = SceneOptions { counting: pipelines.counting(), ..options };
+    OneCaster::new(&gpu.pipelines, &gpu.queue, mesh, options)
 }
 
 /// An error in words.

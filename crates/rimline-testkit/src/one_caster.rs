@@ -1,73 +1,10 @@
 //! A scene of one caster, for lights by their numbers.
 
 use rimline::gpu::{
-    Capacities, Caster, CasterHandle, FrameInputs, LightHandle, Measuring, MeshHandle, Pipelines, PositionBuffer,
-    Scene, SceneFrame, SceneOptions, ShadowError, ShadowPipelines, StageTimer, StencilCounts, View,
+    Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Pipelines, PositionBuffer, Scene, SceneFrame,
+    SceneOptions, ShadowError, ShadowPipelines, StageTimer, View,
 };
-use rimline::{Counting, Light, Mesh, ShadowCamera};
-
-/// Options of a scene of one caster. It makes its lists anew for each camera.
-#[derive(Clone, Copy, Debug)]
-#[expect(clippy::struct_excessive_bools, reason = "each is an option of a scene")]
-pub struct OneCasterOptions {
-    pub counting: Counting,
-    pub max_lights: usize,
-    /// Every face casts, always.
-    pub every_face: bool,
-    pub in_depth: bool,
-    pub list_capacity: Option<u32>,
-    pub cap_capacity: Option<u32>,
-    pub piece_capacity: Option<u32>,
-    pub cull_by_view: bool,
-    pub end_at_range: bool,
-    pub bound_counts: bool,
-    pub count_bits: u32,
-    pub memory_limit: Option<u64>,
-}
-
-impl Default for OneCasterOptions {
-    fn default() -> Self {
-        Self {
-            counting: Counting::Auto,
-            max_lights: 32,
-            every_face: false,
-            in_depth: true,
-            list_capacity: None,
-            cap_capacity: None,
-            piece_capacity: None,
-            cull_by_view: true,
-            end_at_range: false,
-            bound_counts: false,
-            count_bits: 8,
-            memory_limit: None,
-        }
-    }
-}
-
-impl OneCasterOptions {
-    /// The options of the scene.
-    pub fn of_scene(&self) -> SceneOptions {
-        let &Self { counting, max_lights, end_at_range, bound_counts, count_bits, memory_limit, .. } = self;
-        let mut measuring = Measuring::CACHED_LISTS;
-        measuring.set(Measuring::EVERY_FACE, self.every_face);
-        measuring.set(Measuring::CULLED_BY_VIEW, !self.cull_by_view);
-        SceneOptions {
-            max_lights,
-            counting,
-            stencil: StencilCounts { count_bits, count_batches: 1, bound_counts },
-            capacities: Capacities {
-                lists: self.list_capacity,
-                caps: self.cap_capacity,
-                pieces: self.piece_capacity,
-                ..Capacities::default()
-            },
-            end_at_range,
-            clusters_from: None,
-            memory_limit,
-            measuring,
-        }
-    }
-}
+use rimline::{Light, Mesh, ShadowCamera};
 
 /// A place in a position buffer.
 type BufferRange = (wgpu::Buffer, u64, u64);
@@ -77,7 +14,8 @@ type BufferRange = (wgpu::Buffer, u64, u64);
 pub struct OneCaster {
     pub scene: Scene,
     mesh: MeshHandle,
-    in_depth: bool,
+    /// Whether the caster is in the depth buffer. It is, unless a test says else before the first encode.
+    pub in_depth: bool,
     caster: Option<(CasterHandle, BufferRange)>,
     lights: Vec<LightHandle>,
 }
@@ -94,11 +32,11 @@ impl OneCaster {
         pipelines: &Pipelines,
         queue: &wgpu::Queue,
         mesh: &Mesh,
-        options: &OneCasterOptions,
+        options: SceneOptions,
     ) -> Result<Self, ShadowError> {
-        let mut scene = Scene::new(pipelines, queue, options.of_scene())?;
+        let mut scene = Scene::new(pipelines, queue, options)?;
         let mesh = scene.add_mesh(mesh, &vec![[0.0; 3]; mesh.vertex_count() as usize])?;
-        Ok(Self { scene, mesh, in_depth: options.in_depth, caster: None, lights: Vec::new() })
+        Ok(Self { scene, mesh, in_depth: true, caster: None, lights: Vec::new() })
     }
 
     /// Records all stages, for a camera the volumes too.

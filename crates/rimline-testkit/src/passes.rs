@@ -47,15 +47,6 @@ pub fn draw_small<T>(gpu: &Gpu, draw: impl FnOnce(&mut wgpu::RenderPass<'_>) -> 
     gpu.submit(|encoder| Ok(draw(&mut encoder.begin_render_pass(&depth_pass(&view, CLEARED)))))
 }
 
-/// A group of resources, bound from 0 on.
-pub fn bind<const N: usize>(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    resources: [wgpu::BindingResource<'_>; N],
-) -> wgpu::BindGroup {
-    group(&gpu.device, layout, resources)
-}
-
 /// Draws the depth of triangles, three corners each, as a camera sees them. Nothing is left of what was there.
 pub fn draw_surfaces(
     gpu: &Gpu,
@@ -75,12 +66,12 @@ pub fn draw_surfaces(
     let [x, y, z] = camera.origin;
     let words = [camera.view_projection.concat(), vec![x, y, z, 0.0]].concat();
     let buffers = [gpu.storage(&words), gpu.storage(corners)];
-    let buffers_group =
-        bind(gpu, &pipeline.get_bind_group_layout(0), buffers.each_ref().map(wgpu::Buffer::as_entire_binding));
+    let resources = buffers.each_ref().map(wgpu::Buffer::as_entire_binding);
+    let group = group(&gpu.device, &pipeline.get_bind_group_layout(0), resources);
     let stencils = format.has_stencil_aspect().then_some(wgpu::LoadOp::Clear(0));
     let mut pass = encoder.begin_render_pass(&depth_pass(view, (Some(wgpu::LoadOp::Clear(far)), stencils)));
     pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &buffers_group, &[]);
+    pass.set_bind_group(0, &group, &[]);
     pass.draw(0..corners.len() as u32, 0..1);
     Ok(())
 }

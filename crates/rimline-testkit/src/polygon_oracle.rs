@@ -53,7 +53,7 @@ impl Scaled {
         Projection::new(&self.edges, &xyz, w)
     }
 
-    fn flat(&self, projection: &Projection) -> Vec<[Point; 2]> {
+    fn flat(&self, projection: &Projection) -> Vec<[Vector; 2]> {
         self.edges.iter().map(|[a, b]| [projection.point(a), projection.point(b)]).collect()
     }
 }
@@ -81,7 +81,7 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
 pub fn cuts(edges: &[[[f32; 3]; 2]], light: Light) -> Option<Vec<usize>> {
     let scaled = Scaled::new(edges, light);
     let flat = scaled.flat(&scaled.projection().filter(|_| !scaled.touches())?);
-    Some(cuts_by(&flat, |a, b, c| sign(&determinant(a, b, c))))
+    Some(cuts_by(&flat, |a, b, c| sign(&dot(a, &cross(b, c)))))
 }
 
 /// The same, by the side on which a point lies of the line through two others.
@@ -89,18 +89,6 @@ pub fn cuts_by<P>(edges: &[[P; 2]], side: impl Fn(&P, &P, &P) -> i32) -> Vec<usi
     let parts = |[a, b]: &[P; 2], [c, d]: &[P; 2]| side(a, b, c) * side(a, b, d) < 0;
     let of = |edge: &[P; 2]| edges.iter().filter(|other| parts(edge, other) && parts(other, edge)).count();
     edges.iter().map(of).collect()
-}
-
-/// A homogeneous point of the plane, with positive z.
-#[derive(Clone, Debug)]
-struct Point {
-    x: BigInt,
-    y: BigInt,
-    z: BigInt,
-}
-
-fn determinant(a: &Point, b: &Point, c: &Point) -> BigInt {
-    &a.x * (&b.y * &c.z - &b.z * &c.y) - &a.y * (&b.x * &c.z - &b.z * &c.x) + &a.z * (&b.x * &c.y - &b.y * &c.x)
 }
 
 /// Which of two fractions with positive denominators is larger.
@@ -137,12 +125,13 @@ impl Projection {
         Some(Self { light: light.clone(), w, u, v, forward })
     }
 
-    fn point(&self, p: &Vector) -> Point {
+    /// A homogeneous point of the plane, with positive z.
+    fn point(&self, p: &Vector) -> Vector {
         if sign(&self.w) == 0 {
-            return Point { x: dot(&self.u, p), y: dot(&self.v, p), z: BigInt::from(1) };
+            return [dot(&self.u, p), dot(&self.v, p), BigInt::from(1)];
         }
         let d = direction(p, &self.light, &self.w);
-        Point { x: dot(&self.u, &d), y: dot(&self.v, &d), z: dot(&self.forward, &d) }
+        [&self.u, &self.v, &self.forward].map(|axis| dot(axis, &d))
     }
 }
 
@@ -243,12 +232,12 @@ fn touch([a, b]: &[Vector; 2], [c, d]: &[Vector; 2]) -> bool {
 }
 
 /// The winding numbers of all regions of the plane with an area.
-fn windings(edges: &[[Point; 2]]) -> BTreeSet<i32> {
-    let lines: Vec<[BigInt; 3]> = edges.iter().map(|[p, q]| line(p, q)).collect();
-    let mut cuts: Vec<(BigInt, BigInt)> = edges.iter().map(|[p, _]| (p.x.clone(), p.z.clone())).collect();
+fn windings(edges: &[[Vector; 2]]) -> BTreeSet<i32> {
+    let lines: Vec<Vector> = edges.iter().map(|[p, q]| cross(p, q)).collect();
+    let mut cuts: Vec<(BigInt, BigInt)> = edges.iter().map(|[[x, _, z], _]| (x.clone(), z.clone())).collect();
     for (i, [p, q]) in edges.iter().enumerate() {
         for (j, [r, s]) in edges.iter().enumerate().take(i) {
-            let side = |line: &[BigInt; 3], p: &Point| sign(&(&line[0] * &p.x + &line[1] * &p.y + &line[2] * &p.z));
+            let side = |line: &Vector, p: &Vector| sign(&dot(line, p));
             let is_crossing =
                 side(&lines[i], r) * side(&lines[i], s) < 0 && side(&lines[j], p) * side(&lines[j], q) < 0;
             if is_crossing {
@@ -270,16 +259,11 @@ fn windings(edges: &[[Point; 2]]) -> BTreeSet<i32> {
     found
 }
 
-fn line(p: &Point, q: &Point) -> [BigInt; 3] {
-    let [p, q] = [p, q].map(|p| [p.x.clone(), p.y.clone(), p.z.clone()]);
-    cross(&p, &q)
-}
-
 /// The winding numbers along the vertical line at x / z, which meets no corner and no crossing.
-fn strip(edges: &[[Point; 2]], lines: &[[BigInt; 3]], x: &BigInt, z: &BigInt, found: &mut BTreeSet<i32>) {
+fn strip(edges: &[[Vector; 2]], lines: &[Vector], x: &BigInt, z: &BigInt, found: &mut BTreeSet<i32>) {
     let mut heights: Vec<(BigInt, BigInt, i32)> = Vec::new();
     for ([p, q], [a, b, c]) in edges.iter().zip(lines) {
-        let (from, to) = (compare(&p.x, &p.z, x, z), compare(&q.x, &q.z, x, z));
+        let [from, to] = [p, q].map(|[at, _, unit]| compare(at, unit, x, z));
         if from == to {
             continue;
         }

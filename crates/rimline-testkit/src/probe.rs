@@ -2,7 +2,7 @@
 
 use crate::device::Gpu;
 use crate::dispatch::storage_layout;
-use crate::passes::bind;
+use crate::pipelines::group;
 
 /// A module whose entry points are made functions, and a compute shader that evaluates an expression of `input`, a
 /// `vec4<f32>`, and of `index`.
@@ -113,7 +113,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
         let entries = &*entries.collect::<Vec<_>>();
         let of_stage =
             gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &self.layouts[0], entries });
-        let probed = bind(gpu, &self.layouts[1], [&given, &found].map(wgpu::Buffer::as_entire_binding));
+        let probed = group(&gpu.device, &self.layouts[1], [&given, &found].map(wgpu::Buffer::as_entire_binding));
         gpu.submit(|encoder| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);

@@ -76,21 +76,16 @@ fn around(random: &mut Random, name: &str, shape: Shape, scale: f32, offset: f32
 
 /// Boxes with whole corners, some touching or equal, their sides cut into triangles, and the boxes.
 pub fn boxes(random: &mut Random, count: usize) -> (Shape, Vec<[[i32; 3]; 2]>) {
-    let cube = shapes::cube();
-    let lowest = cube.positions.iter().flatten().copied().fold(f32::INFINITY, f32::min);
-    let mut shape = Shape::default();
-    let mut corners = Vec::new();
-    for _ in 0..count {
-        let low: [i32; 3] = std::array::from_fn(|_| random.below(5) as i32 - 3);
-        let high: [i32; 3] = std::array::from_fn(|axis| low[axis] + 1 + random.below(3) as i32);
-        let first = shape.positions.len() as u32;
-        let at =
-            |p: &[f32; 3]| std::array::from_fn(|axis| if p[axis] == lowest { low[axis] } else { high[axis] } as f32);
-        shape.positions.extend(cube.positions.iter().map(at));
-        shape.faces.extend(cube.faces.iter().map(|face| face.map(|v| v + first)));
-        corners.push([low, high]);
-    }
-    (shape, corners)
+    let corners: Vec<[[i32; 3]; 2]> = (0..count)
+        .map(|_| {
+            let low = [(); 3].map(|()| random.below(5) as i32 - 3);
+            [low, low.map(|low| low + 1 + random.below(3) as i32)]
+        })
+        .collect();
+    let placed = |[low, high]: &[[i32; 3]; 2]| {
+        shapes::cube().placed(|p| [0, 1, 2].map(|axis| if p[axis] < 0.0 { low[axis] } else { high[axis] } as f32))
+    };
+    (Shape::joined(&corners.iter().map(placed).collect::<Vec<_>>()), corners)
 }
 
 /// Whole points and lights about [`boxes`]: segments run through edges and corners and along sides all the time.

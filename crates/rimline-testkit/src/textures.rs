@@ -1,8 +1,9 @@
 //! Textures of depths of each format, what a shader reads of them, and of stencils; and copies of texels.
 
 use crate::device::Gpu;
-use crate::passes::{self, Loads, bind, depth_pass};
-use crate::pipelines::{Drawing, TexelKernel, depth};
+use crate::dispatch::Dispatch;
+use crate::passes::{self, Loads, depth_pass};
+use crate::pipelines::{Drawing, depth, group};
 use wgpu::{TextureFormat, TextureUsages};
 
 /// The first value is the width, then there are the depths of each texel's samples.
@@ -103,7 +104,7 @@ pub fn sampled(
         Ok(Drawing { source: &source, depth_stencil, samples, ..Drawing::default() }.pipeline(&gpu.device))
     })?;
     let values = gpu.storage(&[&[size[0] as f32], depths].concat());
-    let group = bind(gpu, &pipeline.get_bind_group_layout(0), [values.as_entire_binding()]);
+    let group = group(&gpu.device, &pipeline.get_bind_group_layout(0), [values.as_entire_binding()]);
     let clear = format.has_stencil_aspect().then_some(wgpu::LoadOp::Clear(0));
     pass(gpu, &texture, (Some(wgpu::LoadOp::Clear(0.5)), clear), |pass| {
         pass.set_pipeline(&pipeline);
@@ -129,11 +130,10 @@ pub fn pass<T>(
 pub fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
     let texels = texture.width() * texture.height();
     let bits = gpu.storage(&vec![0_u32; texels as usize]);
-    let kernel = gpu.kept("read", || Ok(TexelKernel::new(&gpu.device, "read", READ)))?;
-    let group = kernel.group(&gpu.device, &depth_view(texture), &bits);
+    let kernel = gpu.kept("read", || Ok(Dispatch::new(gpu, READ, "read")))?;
     gpu.submit(|encoder| {
-        kernel.run(encoder, &group, [1024, texels.div_ceil(65_536)]);
-        Ok::<_, String>(())
+        kernel.record_over(gpu, encoder, &depth_view(texture), &bits, [1024, texels.div_ceil(65_536)]);
+        Ok(())
     })?;
     let bits: Vec<u32> = gpu.read(&bits, texels as usize)?;
     Ok(bits.into_iter().map(f32::from_bits).collect())
@@ -156,10 +156,10 @@ impl Stencils {
             return Ok(Self { copy: copied(gpu, encoder, from, size[0]), size, samples });
         }
         let words = size[0] * size[1] * samples;
-        let kernel = gpu.kept("stencils", || Ok(TexelKernel::new(&gpu.device, "stencils", STENCILS)))?;
+        let kernel = gpu.kept("stencils", || Ok(Dispatch::new(gpu, STENCILS, "stencils")))?;
         let copy = gpu.storage(&vec![0_u32; words as usize]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
-        kernel.run(encoder, &kernel.group(&gpu.device, &view, &copy), [words.div_ceil(64), 1]);
+        kernel.record_over(gpu, encoder, &view, &copy, [words.div_ceil(64), 1]);
         Ok(Self { copy, size, samples })
     }
 

@@ -38,8 +38,7 @@ fn twisted_torus() -> Shape {
 const ROOM: f32 = 24.0;
 
 pub(crate) fn room() -> Shape {
-    let mut shape = shapes::cube();
-    shape.positions.iter_mut().for_each(|position| *position = position.map(|c| c * ROOM));
+    let mut shape = shapes::cube().placed(|position| position.map(|c| c * ROOM));
     shape.faces.iter_mut().for_each(|face| face.swap(1, 2));
     shape
 }
@@ -120,8 +119,8 @@ impl Path {
 /// A shape of the user, as large as the other models.
 pub(crate) fn fitted(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Shape {
     let (middle, size) = extent(positions);
-    let at = |p: &[f32; 3]| std::array::from_fn(|axis| (p[axis] - middle[axis]) / size);
-    Shape { positions: positions.iter().map(at).collect(), faces: faces.to_vec() }
+    let shape = Shape { positions: positions.to_vec(), faces: faces.to_vec() };
+    shape.placed(|p| std::array::from_fn(|axis| (p[axis] - middle[axis]) / size))
 }
 
 #[cfg(test)]

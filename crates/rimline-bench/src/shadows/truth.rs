@@ -34,12 +34,14 @@ impl Truth {
     /// `light` must be a point.
     pub(super) fn new(stage: &Stage, light: Light) -> Self {
         let triangles = |shape: &Shape, casts: bool| {
-            let triangle = |face: &[u32; 3]| {
-                let [a, b, c] = face.map(|vertex| shape.positions[vertex as usize]);
+            let corners = shape.faces.iter().map(|face| face.map(|vertex| shape.positions[vertex as usize]));
+            // Others cast nothing, and no ray meets them.
+            let finite = corners.filter(|corners| corners.as_flattened().iter().all(|c| c.is_finite()));
+            let triangle = |[a, b, c]: [[f32; 3]; 3]| {
                 let faces_light = cpu::exact_facing(a, b, c, light.to_array()) > 0;
                 ([a, b, c].map(|p| DVec3::from(p.map(f64::from))), Face { faces_light, casts })
             };
-            shape.faces.iter().map(triangle).collect::<Vec<_>>()
+            finite.map(triangle).collect::<Vec<_>>()
         };
         Self {
             tracer: Tracer::build(triangles(&stage.caster, true).into_iter().chain(triangles(&stage.room, false))),
@@ -117,5 +119,15 @@ mod tests {
             let inverse: Vec<u8> = right.iter().map(|count| 1 - count).collect();
             assert!(seen.wrong(&inverse) > 300, "{path:?}: {}", seen.wrong(&inverse));
         }
+    }
+
+    /// A model of the user may have vertices that are infinite or NaN.
+    #[test]
+    fn casters_need_not_be_finite() {
+        let mut caster = MODELS[0].1();
+        caster.positions[0] = [f32::NAN, 0.0, f32::INFINITY];
+        let stage = Stage { caster, room: room(), size: 8 };
+        let seen = Truth::new(&stage, PATHS[0].light()).seen(&PATHS[0].camera(0.3));
+        assert!(seen.pixels.iter().any(Option::is_some));
     }
 }

@@ -52,6 +52,10 @@ fn empty_models_are_empty_drawings() {
     let point = shape(vec![[1.0; 3]; 3], &[[0, 1, 2]]);
     let drawing = drawn(&[point], &aside());
     assert!(drawing.spans.is_empty() && drawing.left_out[0].fault == Fault::NoFaces, "{drawing:?}");
+    // Nor need it have positions.
+    let mesh = Mesh::from_faces(3, vec![[0; 3]]).expect("a mesh");
+    let drawing = drawn(&[Shape { positions: Vec::new(), mesh }], &aside());
+    assert!(drawing.spans.is_empty() && drawing.left_out[0].fault == Fault::NoFaces, "{drawing:?}");
     // Three vertices at one point that are not welded.
     let positions = vec![[1.0; 3]; 3];
     let mesh = Mesh::new(&positions, &[[0, 1, 2]], Weld::Keep).expect("a mesh");
@@ -75,6 +79,16 @@ fn single_face() {
     let bounds = drawing.bounds(0).expect("lines");
     let length: f64 = drawing.spans.iter().map(|span| (span.page[1][0] - span.page[0][0]).abs()).sum();
     assert!((length - (bounds.high[0] - bounds.low[0])).abs() < 1e-9, "drawn once: {drawing:?}");
+}
+
+/// A line is drawn beside an object so far away that points of the page are rounded by more than the line is high.
+#[test]
+fn objects_far_away_along_the_sight_are_drawn() {
+    let near = vec![[0.0; 3], [0.5, 0.0015, 0.0], [0.25, 0.5, 0.0]];
+    let far = vec![[0.0, 0.0, -1e12], [1.0, 0.0, -1e12], [0.0, 1.0, -1e12]];
+    let view = View::orthographic([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]).expect("a view");
+    let drawing = drawn(&[shape(near, &[[0, 1, 2]]), shape(far, &[[0, 1, 2]])], &view);
+    assert_eq!((drawing.spans.len(), visible(&drawing)), (6, 6), "{drawing:?}");
 }
 
 /// A faulty object is named and left out, and the rest is drawn.
