@@ -45,7 +45,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
 /// A button in the corner of the picture that does what Tab does, where there may be no keyboard.
 fn panel_button(context: &egui::Context, viewer: &mut Viewer, rect: Rect) {
     let at = rect.right_top() + egui::vec2(-8.0, 8.0);
-    let area = egui::Area::new(egui::Id::new("panel button")).fixed_pos(at).pivot(egui::Align2::RIGHT_TOP);
+    let area = egui::Area::new(egui::Id::unique("panel button")).fixed_pos(at).pivot(egui::Align2::RIGHT_TOP);
     area.show(context, |ui| {
         if ui.button("Panel").on_hover_text(key_of(Action::Panel)).clicked() {
             viewer.handle(Event::Acted(Action::Panel));

@@ -238,7 +238,7 @@ fn escape_in_a_menu() -> Outcome {
     let mut stage = Stage::new(scenes::still_life)?;
     stage.settle()?;
     let context = stage.panel.context().clone();
-    egui::Popup::open_id(&context, egui::Id::new("menu"));
+    egui::Popup::open_id(&context, egui::Id::unique("menu"));
     stage.run(vec![key(Key::Escape, Modifiers::NONE)]);
     hold(stage.viewer.requests.is_empty(), "Escape closes the window behind the menu")?;
     egui::Popup::close_all(&context);
