@@ -18,21 +18,22 @@
 
 const ONE_LOOP: u32 = 0x80000000u;
 
-// Words of the head. For each of four indirect dispatches: three words of workgroups, then the number of items.
+// Words of the head. Four times: three words of workgroups, the arguments of indirect dispatches, then the number of items.
 // * RECORD_…: records, BOUNDARY_LANES a workgroup, for `polygon_turns`, `polygon_masks` and `cut_quads`.
 // * ENTRY_COUNT, WORKGROUPS: entries for `polygon_pairs`, a workgroup each.
-// * CUT_…: entries for `cut_edges`, by which `polygon_masks` overwrites the others.
-// * ROW_…: groups of up to GROUP_CUTS cuts of a light, which `cut_edges` lists.
+// * CUT_COUNT, CUT_WORKGROUPS: entries for `cut_edges`, by which `polygon_masks` overwrites those for
+//   `polygon_pairs`.
+// * CUT_GROUP_…: groups of up to GROUP_CUTS records of cuts, a workgroup each, for the later passes of `cut_edges`.
 const RECORD_WORKGROUPS: u32 = 0u;
 const RECORD_COUNT: u32 = 3u;
 const WORKGROUPS: u32 = 4u;
 const ENTRY_COUNT: u32 = 7u;
 const CUT_WORKGROUPS: u32 = 8u;
 const CUT_COUNT: u32 = 11u;
-const ROW_WORKGROUPS: u32 = 12u;
-const ROW_COUNT: u32 = 15u;
+const CUT_GROUP_WORKGROUPS: u32 = 12u;
+const CUT_GROUP_COUNT: u32 = 15u;
 const UNDECIDED_HEAD: u32 = 16u;
-// The cuts of a group.
+// Records of a group of cuts (polygon/cuts.wgsl).
 const GROUP_CUTS: u32 = 8u;
 
 // Words of a record.

@@ -16,11 +16,11 @@ const ENTRY_LIGHTS: usize = 16;
 pub(crate) const HEAD_WORDS: u64 = 16;
 const RECORD_WORDS: u64 = 10;
 /// Bytes of the head before the arguments of the indirect dispatches over records, over entries, over those of
-/// `cut_edges`, and over cuts.
+/// `cut_edges`, and over groups of cuts.
 pub(super) const RECORD_WORKGROUPS: u64 = 0;
 pub(super) const WORKGROUPS: u64 = 16;
 pub(super) const CUT_WORKGROUPS: u64 = 32;
-pub(super) const ROW_WORKGROUPS: u64 = 48;
+pub(super) const CUT_GROUP_WORKGROUPS: u64 = 48;
 const ONE_LOOP: u32 = 1 << 31;
 /// Bytes of the arguments of an indirect dispatch.
 pub(super) const INDIRECT_BYTES: u64 = 12;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::options::ExtractorOptions;
 use super::polygon_buffers::{
-    CUT_WORKGROUPS, HEAD_WORDS, INDIRECT_BYTES, PIECE_COUNTS, PolygonBuffers, RECORD_WORKGROUPS, ROW_WORKGROUPS,
+    CUT_GROUP_WORKGROUPS, CUT_WORKGROUPS, HEAD_WORDS, INDIRECT_BYTES, PIECE_COUNTS, PolygonBuffers, RECORD_WORKGROUPS,
     WORKGROUPS,
 };
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
@@ -80,9 +80,9 @@ pub(super) fn from_positions(
         ];
         let cut = [
             (&CUT_EDGES, 0, Size::Written(CUT_WORKGROUPS)),
-            (&CUT_EDGES, 1, Size::Written(ROW_WORKGROUPS)),
-            (&CUT_EDGES, 2, Size::Written(ROW_WORKGROUPS)),
-            (&CUT_EDGES, 3, Size::Written(ROW_WORKGROUPS)),
+            (&CUT_EDGES, 1, Size::Written(CUT_GROUP_WORKGROUPS)),
+            (&CUT_EDGES, 2, Size::Written(CUT_GROUP_WORKGROUPS)),
+            (&CUT_EDGES, 3, Size::Written(CUT_GROUP_WORKGROUPS)),
             // Quadrilaterals whose signs are all certain. Their pieces follow the others, where the list has no cuts.
             (&CUT_QUADS, 0, Size::Written(RECORD_WORKGROUPS)),
         ];
