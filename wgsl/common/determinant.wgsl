@@ -1,9 +1,9 @@
-// The determinant det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w), and a bound on its
-// error. It is positive if the light is on the counter-clockwise side of the face. The local form computes it from
-// differences, the plane form from the face's plane. Stages of extraction, polygons and queries import it. If |determinant|
-// exceeds the bound, its sign is exact on every device; callers pass other cases to common/exact_sign.wgsl. The bounds hold
-// for exactly these operations and for coordinates below LARGE. Claims: docs/numerics/facing.md, "Error band", "Per edge"
-// and "Filter".
+// The determinant det[b - a, c - a, l - w a] in f32, for a face (a, b, c) and a homogeneous light (l, w). It is positive if
+// the light is on the counter-clockwise side of the face. The local form computes it from differences, the plane form from
+// the face's plane. Stages of extraction, polygons and queries import it. Also a bound on the error of the local form. If
+// |determinant| exceeds the bound, its sign is exact on every device; callers that need exact signs pass other cases to
+// common/exact_sign.wgsl. The plane form has no bound here, and its signs are never exact. Bounds hold for exactly these
+// operations and for coordinates below LARGE. Claims: docs/numerics/facing.md, "Error band", "Per edge" and "Filter".
 
 override PLANE: bool = false; // Whether to compute the plane form, as published in 2003, instead of the local form.
 
@@ -32,7 +32,8 @@ fn plane_form(plane: vec4<f32>, light: vec4<f32>) -> f32 {
   return plane.x * light.x + plane.y * light.y + plane.z * light.z + plane.w * light.w;
 }
 
-// Ten units in the last place, 10 * 2^-23, and the most that underflow adds, 2^-115.
+// The bound has two parts: a share of the size of the terms, ten units in the last place, 10 * 2^-23; and what underflow
+// adds, 2^-115 times the factors in `underflow_bound`.
 const RELATIVE: f32 = 0x1.4p-20;
 const UNDERFLOW: f32 = 0x1p-115;
 // The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
@@ -46,8 +47,8 @@ fn largest_magnitude(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>) -> u32 {
   return max(max(magnitudes.x, magnitudes.y), magnitudes.z);
 }
 
-// The most that underflow adds to the error for a face with coordinates up to `largest` and a light of size 1. Callers
-// multiply it by the size of their light.
+// The most that underflow adds to the error for a face with coordinates up to `largest`, but for a factor. Callers multiply
+// it by 1 + s, where s is at least the largest component of |l - w a|.
 fn underflow_bound(largest: f32) -> f32 {
   let span = max(2.0 * largest, 1.0);
   return UNDERFLOW * span * span;
