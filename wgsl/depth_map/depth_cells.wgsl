@@ -1,11 +1,12 @@
 // Stage `depth_cells`: lists the cells of a depth map (squares between four samples) that have a triangle to draw. After
 // `depth_cube` and `depth_edges`, if these are dispatched; not with contours. In three passes:
 // `depth_cells_count`, an invocation for a strip of 8 × 4 cells, reads depths and objects, decides, and writes `cell_words`
-// (cell_words.wgsl). `depth_edges_count` may replace it. `depth_cells_scan`, one workgroup, scans the counts of blocks and
-// writes `draws`. `depth_cells_list`, workgroups that loop over blocks, writes `cells`: their number, then their entries
-// (edge_code.wgsl). `depth_surface` reads `cells` and is drawn by `draws`.
+// (cell_words.wgsl). `depth_edges_count` may replace it. `depth_cells_scan`, one workgroup, scans the counts of blocks, and
+// writes `draws` and the number of listed cells, the first word of `cells`. `depth_cells_list`, workgroups that loop over
+// blocks, writes their entries after it (edge_code.wgsl). `depth_surface` reads `cells` and is drawn by `draws`.
 // The list is exact and in the same order on every device: integers decide where floats might be wrong. If it overflows, its
-// number says so and no entry is read: `depth_surface` draws every cell and decides about each by edge_code.wgsl.
+// number says so and no entry is read: `depth_surface` takes every cell and decides about it by edge_code.wgsl, without the
+// marks of `depth_edges`.
 
 #import depth_map/cell_words
 #import depth_map/edge_code

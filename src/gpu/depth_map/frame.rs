@@ -55,7 +55,8 @@ pub struct DepthMapStatistics {
 }
 
 impl DepthMapStatistics {
-    /// Whether the list overflowed. Then every cell is drawn: the result is the same, but slower.
+    /// Whether the list overflowed. [`DepthMapOptions::capacity`](crate::gpu::depth_map::DepthMapOptions::capacity) says
+    /// which shadows are drawn then.
     pub fn is_overflowed(&self) -> bool {
         self.found > self.capacity
     }

@@ -150,8 +150,10 @@ pub struct DepthMapOptions {
     /// How shadows are found. Default: [`DepthMapMethod::Automatic`].
     pub method: DepthMapMethod,
     /// Cells that the list has room for; with contours, walls and flaps. Default: `None`, which is every cell or as many as
-    /// fit one binding; with contours, a fourth of the cells and at least 1,024. If the list overflows, every cell is drawn:
-    /// the result is the same, but slower. Lower it to save memory, by what
+    /// fit one binding; with contours, a fourth of the cells and at least 1,024. If the list overflows, every cell is
+    /// drawn, which is slower. For methods that look beside an edge or continue edges, shadows are then those of
+    /// [`DepthMapMethod::EveryCell`]; for contours they are those of [`DepthMapMethod::Differences`] with the same
+    /// threshold. Lower it to save memory, by what
     /// [`DepthMapFrame::statistics`](crate::gpu::depth_map::DepthMapFrame::statistics) counts.
     pub capacity: Option<u32>,
     /// How far the boundary moves away from the light on slopes, in multiples of the depth difference over half a texel in
