@@ -1,5 +1,5 @@
-//! Detectors that read more than the two samples of an edge, or continue edges. They mark all edges, and cells are decided
-//! from the marks.
+//! Detectors that read more than the two samples of an edge, or continue edges. They mark edges first, and cells are
+//! decided from the marks.
 
 use super::bound::ObjectStage;
 use super::options::{DanglingEdges, DepthMapMethod};
@@ -20,7 +20,7 @@ pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
 /// Samples of a row whose marks one word has.
 const WORD_SAMPLES: u32 = 16;
 
-/// Rows of words that one invocation marks.
+/// Words below each other that one invocation marks.
 const STRIP: u32 = 4;
 
 /// Invocations of a workgroup that marks.
@@ -29,16 +29,17 @@ const MARKERS: u64 = 64;
 /// The error of a float, four steps of up to 2⁻²³ of it, has an exponent that is smaller by this than that of the float.
 const FLOAT_EXPONENTS: u32 = 21;
 
-/// `DepthMapMethod::Automatic` marks differences above so many times the differences beside them.
+/// `DepthMapMethod::Automatic` marks differences above so many times the smaller of the two beside them.
 const SLOPES: f32 = 2.0;
 
 /// A detector that needs marks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Detector {
     rule: DepthEdgeRule,
-    /// The use of second differences, as a constant of the stage.
+    /// The use of second differences: `SECOND` in depth_edges.wgsl.
     second: u32,
     dangling: Option<DanglingEdges>,
+    /// Which triangles without a marked edge are drawn near one: `RINGS` in depth_edges.wgsl.
     rings: u32,
 }
 
@@ -48,7 +49,9 @@ pub(super) fn threshold_bits(threshold: f32) -> u32 {
 }
 
 impl Detector {
-    /// `None`: an edge is decided by its two samples alone. The options have been checked.
+    /// `None`: the method needs no marks. It decides an edge by its two samples alone, draws every cell, or has contours.
+    /// `bits`: how many bits of the stencil the boundary is drawn into. `faces`: the number of maps, 1 or 6. The options
+    /// have been checked.
     pub(super) fn new(method: DepthMapMethod, bits: u32, faces: u32, size: [u32; 2]) -> Option<Self> {
         let dangling = method.dangling();
         let (second, low, high) = match method {
@@ -120,7 +123,7 @@ impl EdgeStages {
     }
 
     /// Marks, continues, counts. `share` and `constant`: the error of depths, from their formats. `get`: what all stages
-    /// of cells read. `few`: workgroups that loop over blocks.
+    /// of cells read. `has_objects`: whether edges between objects are marked. `few`: workgroups that loop over blocks.
     pub(super) fn steps<'a>(
         &'a self,
         shared: &Pipelines,
