@@ -12,23 +12,25 @@ struct MeshDepthView {
 }
 
 struct MeshDepthCaster {
-  // Rows of the matrix from positions to the world, less the light's origin.
+  // Rows of the matrix from positions to world space, relative to `ShadowCamera::origin` of the light's camera.
   row_0: vec4<f32>,
   row_1: vec4<f32>,
   row_2: vec4<f32>,
   // The word of vertex 0 in `positions`, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  // The range of its faces in `faces`.
+  // Its faces in `faces`: the index of the first, and how many there are. Only `scene_depth` reads them.
   first_face: u32,
   face_count: u32,
 }
 
-// One element. It is an array so that its binding has no dynamic offset.
+// One element. It is an array because the test of required limits (src/gpu/common/requirements/tests.rs) counts a struct in
+// a storage binding of a draw as one with a dynamic offset, and this binding has none.
 @group(0) @binding(0) var<storage, read> views: array<MeshDepthView>;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;
 @group(0) @binding(2) var<storage, read> casters: array<MeshDepthCaster>;
-// Three vertices a face, of all casters that are drawn together. Only `scene_depth` reads it.
+// Three vertices a face, of all meshes of the page that the drawn casters have in common. Only `scene_depth` reads this
+// binding and the next.
 @group(0) @binding(3) var<storage, read> faces: array<u32>;
 // x: the caster of each chunk. y: the index of the chunk's first face among those of the caster.
 @group(0) @binding(4) var<storage, read> chunks: array<vec2<u32>>;
