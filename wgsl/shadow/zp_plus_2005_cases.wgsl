@@ -52,7 +52,8 @@ fn zp_plus_2005_cases(
   let light_index = draw.first_light + bit;
   let light_and_view = view_lights[draw.view * shape.lights + light_index];
   let count = silhouette_counts[bit];
-  // If the list overflowed, the silhouettes are not known, and any edge may set the case. z-fail is right for every caster.
+  // If the list overflowed, all edges are tested. Case D at an edge that is no silhouette then leaves the caster to z-fail,
+  // too, which is right for every caster.
   let is_overflowed = count > shape.capacity;
   let edges = select(count, shape.edges, is_overflowed);
   // Turns: LISTED_ITEMS.
