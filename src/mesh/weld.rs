@@ -40,8 +40,8 @@ pub struct WeldCounts {
     /// How many vertices remained separate from another at the same position, because their skin or morph data differ.
     /// They are included in `after`. With [`Weld::Distance`]: how many more groups there are because of such data.
     pub apart: usize,
-    /// How many faces welding made degenerate: their corners are fewer than three vertices now. They stay in the
-    /// list, face no light and have no edge records.
+    /// How many faces welding made degenerate: their corners are fewer than three vertices now, or a polygon has no
+    /// [boundary](super::Polygons::boundary) any more. They stay in the list, face no light and have no edge records.
     pub collapsed: usize,
     /// How many groups are wider than 10 times the distance of [`Weld::Distance`], from corner to corner of their box.
     pub wide: usize,

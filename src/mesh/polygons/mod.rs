@@ -64,7 +64,7 @@ pub struct PolygonTriangles {
     pub faces: Vec<[u32; 3]>,
     /// The index of each triangle's polygon.
     pub polygons: Vec<u32>,
-    /// How many vertices and polygons welding united.
+    /// The counts of welding. [`WeldCounts::collapsed`] counts polygons that lost their boundary.
     pub counts: WeldCounts,
 }
 
@@ -74,7 +74,7 @@ pub const MAX_POLYGON_CORNERS: usize = 1 << 24;
 /// The polygons of a mesh that takes each as one face.
 ///
 /// The **boundary** of a polygon is its edges, without those that it walks both ways and without edges from a vertex to
-/// itself. Boundaries are all that facing, edge records and shadows see. Loops are the polygon as given.
+/// itself. Facing and edge records see boundaries only. Loops are the polygon as given, and triangles are its surface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Polygons {
     /// Where each polygon's loops begin, and an end.
@@ -96,7 +96,7 @@ impl Polygons {
         given: PolygonLoops<'_>,
         weld: Weld,
     ) -> Result<(Self, Vec<[u32; 3]>, WeldCounts), MeshError> {
-        // Vertices that are welded have indices of 32 bits.
+        // Welding needs indices of 32 bits, so the number of vertices is checked first.
         check::check(positions.len(), given)?;
         let (groups, mut counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Self::new(positions, given, &groups);
@@ -187,7 +187,7 @@ impl Polygons {
         (0..self.len()).map(|polygon| first(polygon).copied().unwrap_or(0)).collect()
     }
 
-    /// The mask of each triangle from planes with one a polygon.
+    /// The masks of all triangles, from those of all polygons. Both are given for one batch of lights after the other.
     pub(crate) fn masks_of_triangles(&self, of_polygons: &[u32]) -> impl Iterator<Item = u32> {
         let of_polygon = |(polygon, &mask)| std::iter::repeat_n(mask, self.triangles(polygon).len());
         of_polygons.chunks(self.len().max(1)).flat_map(move |plane| plane.iter().enumerate().flat_map(of_polygon))
@@ -241,7 +241,7 @@ fn starts(sizes: &[u32]) -> Vec<u32> {
     std::iter::once(0).chain(sums).collect()
 }
 
-/// The polygon of each element, where those of each polygon begin.
+/// The polygon of each element. `starts` has the index of the first element of each polygon, and an end.
 fn polygons_of(starts: &[u32]) -> Vec<u32> {
     let count = |ends: &[u32]| (ends[1] - ends[0]) as usize;
     (0..).zip(starts.windows(2)).flat_map(|(polygon, ends)| std::iter::repeat_n(polygon, count(ends))).collect()
