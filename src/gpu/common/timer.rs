@@ -41,7 +41,8 @@ pub struct StageTimer {
 }
 
 impl StageTimer {
-    /// Makes a timer. `None` if the device has no timestamp queries.
+    /// Makes a timer. `None` if the device has no timestamp queries, or if a software device refuses the load that checks
+    /// them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
         if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return None;
@@ -130,8 +131,8 @@ impl StageTimer {
 
     /// Name and time of each stage in milliseconds, summed over its passes, in the order first recorded. Call it after
     /// the encoder was submitted. It waits for the device. The timer has times of the first 2,048 passes only. An
-    /// extraction has at most two passes for each chunk of the mesh and batch of 32 lights, four for each batch, and
-    /// one more.
+    /// extraction has at most two passes for each chunk of the mesh and batch of 32 lights, or four for each batch if the
+    /// mesh is of polygons by loop. Beside these it has at most four for each batch, and one more.
     ///
     /// # Errors
     /// [`DeviceError`] when the device is lost or the timestamps have no meaning.
