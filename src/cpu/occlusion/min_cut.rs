@@ -1,4 +1,4 @@
-//! A minimum cut between faces that are kept and faces that are left out, by Dinic's algorithm (1970). All costs are 1.
+//! A minimum cut between faces that are kept and faces that are left out, by Dinic's algorithm (1970). Costs are counts.
 
 const UNSEEN: u32 = u32::MAX;
 
@@ -17,7 +17,7 @@ impl MinCut {
         Self { inflow: vec![0; nodes], outflow: vec![0; nodes], pairs: Vec::new() }
     }
 
-    /// Keeping the node costs 1 more.
+    /// Keeping the node costs 1 more. `None` is a face that is kept in any case, so nothing changes.
     pub(crate) fn cost_of_keeping(&mut self, node: Option<usize>) {
         if let Some(cost) = node.and_then(|node| self.outflow.get_mut(node)) {
             *cost += 1;
@@ -52,17 +52,19 @@ impl MinCut {
 struct Flow {
     inflow: Vec<u32>,
     outflow: Vec<u32>,
-    /// The arcs of a node are those from `first[node]` to `first[node + 1]` in `arcs`.
+    /// The arcs that leave a node are those from `first[node]` to before `first[node + 1]` in `arcs`.
     first: Vec<usize>,
     arcs: Vec<u32>,
     /// Arc 2p leads from the first node of pair p to the second, and arc 2p + 1 back.
     to: Vec<u32>,
+    /// The capacity that is left of each arc, 0 to 2: both arcs of a pair have 2 together.
     left: Vec<u8>,
-    /// Steps from a node with inflow.
+    /// The fewest steps from a node with inflow, or [`UNSEEN`].
     level: Vec<u32>,
-    /// The next arc of each node to try.
+    /// For each node the index in `arcs` of the next arc to try.
     at: Vec<usize>,
     queue: Vec<usize>,
+    /// The steps of the path that is tried: the node, and the arc that leaves it.
     path: Vec<(usize, usize)>,
 }
 
