@@ -116,7 +116,8 @@ impl Film for Clip<'_> {
         let written = match &mut self.encoder {
             None => Ok(()),
             Some(Encoder::Gif(encoder)) => {
-                // Delays are rounded so that the film keeps its length.
+                // Delays are rounded so that the film keeps its length, unless a picture lasts under 2 or over 65,535
+                // hundredths of a second.
                 let at = |frame: u32| (100.0 * f64::from(frame) / f64::from(self.args.fps)).round() as u64;
                 let mut picture = gif::Frame::from_rgb_speed(width as u16, height as u16, &rgb, 10);
                 picture.delay = (at(frame + 1) - at(frame)).clamp(2, 65535) as u16;
@@ -177,7 +178,7 @@ impl Ffmpeg {
         let child = Command::new("ffmpeg")
             .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
             .args(["-video_size", &size, "-framerate", &rate, "-i", "-"])
-            // H.264 halves the colours, so sides must be even.
+            // In yuv420p four pixels share a colour, so sides must be even.
             .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"])
             .args(["-movflags", "+faststart", "-f", "mp4"])
             .arg(&made)
