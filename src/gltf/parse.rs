@@ -293,7 +293,8 @@ impl Parser<'_> {
     fn influences(&self, attributes: &Json<'_>) -> Result<Vec<InfluenceSet>, GltfError> {
         let mut sets = Vec::new();
         for key in attributes.keys() {
-            if let Some(joints) = key.strip_prefix("WEIGHTS_").map(|set| format!("JOINTS_{set}"))
+            let weights = key.strip_prefix("WEIGHTS_").filter(|text| set_index(text).is_some());
+            if let Some(joints) = weights.map(|text| format!("JOINTS_{text}"))
                 && !attributes.has(&joints)
             {
                 return Err(GltfError::missing(attributes.path_of(&joints)));

@@ -142,6 +142,7 @@ pub(crate) const SKINNED: &[Row] = &[
         Set(&[(ATTRIBUTES, "{'POSITION': 0, 'JOINTS_+0': 2, 'WEIGHTS_+0': 3}")]),
         "nodes[0]|has no JOINTS_0",
     ),
+    ("padded_weights", Set(&[(ATTRIBUTES, "{'POSITION': 0, 'WEIGHTS_00': 3}")]), "nodes[0]|has no JOINTS_0"),
     ("unskinned", Set(&[(ATTRIBUTES, "{'POSITION': 0}")]), "nodes[0]|meshes[0].primitives[0]|JOINTS_0"),
     ("joints_count", Set(&[("accessors[2].count", "3")]), "JOINTS_0 has 3 elements, expected 4"),
     ("joints_type", Set(&[("accessors[2].componentType", "5120")]), "accessors[2]|JOINTS_0|I8 Vec4"),

@@ -39,14 +39,17 @@ impl Smoothing {
         let mut groups = Vec::with_capacity(3 * faces.len());
         for (corner, &vertex) in faces.as_flattened().iter().enumerate() {
             let (face, vertex, first) = (corner / 3, same[vertex as usize], members.len());
-            if first < most {
+            let is_within = first < most;
+            if is_within {
                 members.extend(near.of(face, vertex).map(|other| other as u32));
             }
             if members.len() == first {
                 members.push(face as u32);
             }
             let of = |group: u32| starts[group as usize]..starts[group as usize + 1];
-            let found = known[vertex as usize].iter().find(|&&group| members[of(group)] == members[first..]).copied();
+            let is_same = |group: &u32| members[of(*group)] == members[first..];
+            // Behind the bound each face is alone, and a vertex may have as many groups as faces.
+            let found = if is_within { known[vertex as usize].iter().copied().find(is_same) } else { None };
             if found.is_some() {
                 members.truncate(first);
             } else {
@@ -55,10 +58,15 @@ impl Smoothing {
             }
             groups.push(found.unwrap_or(starts.len() as u32 - 2));
         }
+        Self::of_groups(members, &starts, &groups)
+    }
+
+    /// `starts`: where the faces of each group begin, and at last where they end. `groups`: the group of each corner.
+    fn of_groups(faces: Vec<u32>, starts: &[usize], groups: &[u32]) -> Self {
         let mut corners: Vec<u32> = (0..groups.len() as u32).collect();
         corners.sort_by_key(|&corner| groups[corner as usize]);
         let mut ends = vec![0; starts.len()];
-        for &group in &groups {
+        for &group in groups {
             ends[group as usize + 1] += 1;
         }
         let mut end = 0;
@@ -66,7 +74,7 @@ impl Smoothing {
             end += corners;
             [face as u32, end]
         });
-        Self { starts: starts.collect(), faces: members, corners }
+        Self { starts: starts.collect(), faces, corners }
     }
 
     /// Keeps every face flat.

@@ -7,7 +7,7 @@ use rimline_picture::{Resources, VolumeOverlay, filled};
 
 use super::canvas::Canvas;
 use super::error::RenderError;
-use super::gpu::Gpu;
+use super::gpu::{Gpu, granted};
 use super::models::Models;
 use super::pipelines::Pipelines;
 use crate::state::body::{bits_of_faces, non_manifold_bits};
@@ -45,8 +45,9 @@ impl Overlays {
             let mesh = body.model().mesh(&pose).map_err(|error| failed(&error))?;
             let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| failed(&error))?;
             let bits = non_manifold_bits(&mesh);
-            let [non_manifold, exact] = ["non-manifold", "exact"]
-                .map(|label| filled(gpu.on(), label, bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE));
+            let marked = |label| filled(gpu.on(), label, bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE);
+            let made = granted(&gpu.device, || ["non-manifold", "exact"].map(marked));
+            let [non_manifold, exact] = made.map_err(|why| failed(&why))?;
             bodies.push(Extracted { extractor, mesh, non_manifold, exact });
         }
         Ok(Self { generation: viewer.generation(), bodies, extractions: Vec::new() })

@@ -27,7 +27,7 @@ pub struct Modifiers {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Event {
-    /// The picture has another size, in pixels.
+    /// The picture has another size, in pixels. A camera that the user left alone still shows everything.
     Resized([u32; 2]),
     /// The pointer is somewhere else.
     Moved([f32; 2]),
