@@ -36,6 +36,7 @@ fn main() {
         Trial::test("the_estimate_is_close_and_comes_before_the_data", estimates),
         Trial::test("buffers_that_name_one_file", one_file_many_times),
         Trial::test("a_sparse_file_of_a_terabyte", hole),
+        Trial::test("zeros_that_no_machine_holds", no_room),
         Trial::test("mutated_files_within_a_limit", mutated),
         Trial::test("by_default_too", by_default).with_ignored_flag(!is_long()),
     ]);
@@ -357,6 +358,16 @@ fn hole() -> Outcome {
         }
     }
     Ok(())
+}
+
+/// Without a limit, an accessor of zeros for which no machine has the memory.
+fn no_room() -> Outcome {
+    let (peak, result) = measured(&zeros(1 << 50).glb(), None, u64::MAX);
+    ensure(peak <= SLACK, || format!("{peak} bytes used"))?;
+    match result {
+        Err(GltfError::Memory { what, bytes }) if what.contains("accessors[0]") && bytes == 12 << 50 => Ok(()),
+        other => Err(format!("{other:?}").into()),
+    }
 }
 
 /// At every limit, doubled until the file loads, no more is used than that; and at the last no more than `most` times
