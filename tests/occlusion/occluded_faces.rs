@@ -162,6 +162,16 @@ fn faces_behind_walls_are_found_and_none_before_them() {
 }
 
 #[test]
+fn faces_that_the_tree_has_no_room_for_are_counted() {
+    let scene = StaticScene { casters: vec![wall(5.0), wall(-5.0)], light: LAMP };
+    // A wall takes three nodes.
+    for (max_nodes, expected) in [(3, [3, 1, 0]), (2, [0, 0, 2]), (0, [0, 0, 2])] {
+        let found = find(&scene, OcclusionOptions { max_nodes, ..OcclusionOptions::default() }).statistics();
+        assert_eq!([found.nodes, found.occluded, found.without_room], expected, "{max_nodes} nodes");
+    }
+}
+
+#[test]
 fn faces_edge_on_to_the_light_are_occluded_only_where_others_hide_them() {
     // The light is in the planes of the cube's four walls.
     let under = |hider| StaticScene {

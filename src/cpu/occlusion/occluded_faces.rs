@@ -46,7 +46,7 @@ pub struct OcclusionStatistics {
     /// Faces that still cast because they exceeded [`OcclusionOptions::max_steps`]. Here and in `without_room`, a face
     /// counts in each cone of directions that it is in, and a polygon by its triangles.
     pub undecided: usize,
-    /// Faces that still cast and occlude nothing more, because the tree was full.
+    /// Faces that still cast and occlude no other face, or only by a part of them, because the tree was full.
     pub without_room: usize,
     /// Nodes of all trees.
     pub nodes: usize,

@@ -18,7 +18,7 @@ pub(crate) struct Searched {
     pub(crate) staying: Vec<usize>,
     /// Faces that met the bound on steps. Here and in `without_room` a face counts in each of its cones.
     pub(crate) undecided: usize,
-    /// Faces that are not occluded and may occlude others, if the tree is full after them.
+    /// Faces that are not occluded and may occlude others, but that the tree had no room for, or only for a part.
     pub(crate) without_room: usize,
     /// Nodes of the trees, without those of the planes of cones.
     pub(crate) nodes: usize,
@@ -92,7 +92,8 @@ impl Work<'_> {
                     match tree.decide(face) {
                         Decision::Occluded => continue,
                         Decision::Undecided => searched.undecided += 1,
-                        Decision::Visible => searched.without_room += usize::from(face.may_occlude && tree.is_full()),
+                        Decision::WithoutRoom => searched.without_room += 1,
+                        Decision::Visible => {}
                     }
                     searched.staying.push(number);
                 }
