@@ -19,7 +19,7 @@ pub(crate) fn find(scene: &StaticScene, options: OcclusionOptions) -> OccludedFa
     OccludedFaces::find(scene.light, &casters(scene), options, |_, _| ControlFlow::Continue(())).expect("found")
 }
 
-fn casters(scene: &StaticScene) -> Vec<OcclusionCaster<'_>> {
+pub(crate) fn casters(scene: &StaticScene) -> Vec<OcclusionCaster<'_>> {
     let casters = scene.casters.iter();
     casters.map(|caster| OcclusionCaster { mesh: &caster.mesh, positions: &caster.positions, version: None }).collect()
 }

@@ -39,6 +39,11 @@ struct Work<'a> {
     is_cancelled: AtomicBool,
 }
 
+/// Faces of all cones. A face counts in each of its cones.
+pub(crate) fn total(cones: &[Cone]) -> usize {
+    cones.iter().map(|cone| cone.faces.len()).sum()
+}
+
 /// Searches all cones, each by itself. The result does not depend on the number of threads. `progress` is called on the
 /// caller's thread, with the faces that were begun before and those of all cones; a face counts in each of its cones.
 /// `None` if it ends the search.
@@ -54,7 +59,7 @@ pub(crate) fn search(
         light,
         options,
         cones,
-        total: cones.iter().map(|cone| cone.faces.len()).sum(),
+        total: total(cones),
         next_cone: AtomicUsize::new(0),
         begun: AtomicUsize::new(0),
         is_cancelled: AtomicBool::new(false),
