@@ -35,6 +35,9 @@ pub enum GltfError {
          the file is meant to be that large, else split it"
     )]
     TooLarge { what: String, needed: u64, limit: u64 },
+    /// The machine has no room for what a part of the file takes, though the memory limit allows it.
+    #[error("{what}: {bytes} bytes do not fit into the memory of this machine; split the file")]
+    Memory { what: String, bytes: u64 },
     /// A file name leads outside the folder of the glTF. `uri` has its first characters.
     #[error(
         "{json_path}: {uri:?} leads to {}, which is outside the glTF's folder and is not read; put the file there, or \

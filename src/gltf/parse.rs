@@ -289,20 +289,20 @@ impl Parser<'_> {
         })
     }
 
-    /// Pairs `JOINTS_n` with `WEIGHTS_n`. It is an error if one of them is missing.
+    /// Pairs `JOINTS_n` with `WEIGHTS_n`. It is an error if one of them is missing. Names that glTF does not allow, such as
+    /// `JOINTS_00` and `WEIGHTS_00`, are ignored.
     fn influences(&self, attributes: &Json<'_>) -> Result<Vec<InfluenceSet>, GltfError> {
         let mut sets = Vec::new();
         for key in attributes.keys() {
-            let weights = key.strip_prefix("WEIGHTS_").filter(|text| set_index(text).is_some());
-            if let Some(joints) = weights.map(|text| format!("JOINTS_{text}"))
+            let set_of = |prefix: &str| key.strip_prefix(prefix).and_then(set_index);
+            if let Some(joints) = set_of("WEIGHTS_").map(|set| format!("JOINTS_{set}"))
                 && !attributes.has(&joints)
             {
                 return Err(GltfError::missing(attributes.path_of(&joints)));
             }
-            let Some(text) = key.strip_prefix("JOINTS_") else { continue };
-            let Some(set) = set_index(text) else { continue };
+            let Some(set) = set_of("JOINTS_") else { continue };
             let index = |key: &str| attributes.need_index(key, self.accessors);
-            sets.push(InfluenceSet { set, joints: index(key)?, weights: index(&format!("WEIGHTS_{text}"))? });
+            sets.push(InfluenceSet { set, joints: index(key)?, weights: index(&format!("WEIGHTS_{set}"))? });
         }
         sets.sort_by_key(|set| set.set);
         Ok(sets)

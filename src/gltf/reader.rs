@@ -85,6 +85,17 @@ impl Use<'_> {
         GltfError::invalid(self.json_path(), format!(": {problem}"))
     }
 
+    /// The elements of an accessor without a view. No data of the file bounds their number, and the memory limit may be
+    /// more than there is.
+    fn zeros(&self, count: u64, element: usize) -> Result<Vec<u8>, GltfError> {
+        let bytes = count.saturating_mul(element as u64);
+        let length = usize::try_from(bytes).unwrap_or(usize::MAX);
+        let mut zeros = Vec::new();
+        zeros.try_reserve_exact(length).map_err(|_| GltfError::Memory { what: self.json_path(), bytes })?;
+        zeros.resize(length, 0);
+        Ok(zeros)
+    }
+
     /// There are no bytes for a view.
     fn no_data(&self, view: usize, View { buffer, compressed, .. }: &View) -> GltfError {
         let Some(name) = compressed else { return self.fault(format_args!("buffers[{buffer}] has no data")) };
@@ -175,7 +186,7 @@ impl<'a> Reader<'a> {
         self.charge(count, (element.max(4 * components) + 4 * components) as u64, &|| at.json_path())?;
         let mut bytes = match source {
             Some((data, stride)) => pack(data, stride, element, count as usize),
-            None => vec![0; count as usize * element],
+            None => at.zeros(count, element)?,
         };
         if let Some(sparse) = sparse {
             self.replace(&mut bytes, sparse, element, count, at)?;

@@ -83,11 +83,11 @@ impl<'a> Warnings<'a> {
         Ok(())
     }
 
-    /// The part, or its fault, which is stored until the part is used. The memory limit is about the whole file, so
-    /// [`GltfError::TooLarge`] is no part's fault.
+    /// The part, or its fault, which is stored until the part is used. Memory is about the whole file, so
+    /// [`GltfError::TooLarge`] and [`GltfError::Memory`] are no part's fault.
     pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Part<T>, GltfError> {
         match result {
-            Err(error @ GltfError::TooLarge { .. }) => Err(error),
+            Err(error @ (GltfError::TooLarge { .. } | GltfError::Memory { .. })) => Err(error),
             Err(error) => self.charge(&error.to_string()).map(|()| Err(Box::new(error))),
             Ok(value) => Ok(Ok(value)),
         }

@@ -214,12 +214,15 @@ fn for_each_half_edge(faces: &(impl HalfEdges + ?Sized), mut visit: impl FnMut(u
 /// For every number of a half-edge, the half-edge that shares its record, with [`INCONSISTENT_BIT`] set if both
 /// traverse the edge in the same direction. Or [`BOUNDARY`], or [`UNUSED`].
 fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
-    let mut starts = vec![0_u32; vertex_count + 1];
-    for_each_half_edge(faces, |lower, _| starts[lower as usize + 1] += 1);
+    let named = (vertex_count / 4 > faces.number_limit()).then(|| lower_vertices(faces));
+    let buckets = named.as_ref().map_or(vertex_count, Vec::len);
+    let bucket = |lower: u32| named.as_ref().map_or(lower, |named| named.partition_point(|&of| of < lower) as u32);
+    let mut starts = vec![0_u32; buckets + 1];
+    for_each_half_edge(faces, |lower, _| starts[bucket(lower) as usize + 1] += 1);
     prefix_sum(&mut starts);
-    let mut entries = vec![Entry::default(); starts[vertex_count] as usize];
+    let mut entries = vec![Entry::default(); starts[buckets] as usize];
     let mut next = starts.clone();
-    for_each_half_edge(faces, |lower, entry| put(&mut next, &mut entries, lower, entry));
+    for_each_half_edge(faces, |lower, entry| put(&mut next, &mut entries, bucket(lower), entry));
     let mut mates = vec![UNUSED; faces.number_limit()];
     for range in starts.windows(2) {
         let bucket = &mut entries[range[0] as usize..range[1] as usize];
@@ -229,6 +232,16 @@ fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Ve
         }
     }
     mates
+}
+
+/// The lower vertices of all half-edges, each once, ascending. A mesh that names few of its vertices has buckets for these
+/// alone: any number of vertices may be stated for a few faces.
+fn lower_vertices(faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
+    let mut named = Vec::with_capacity(faces.number_limit());
+    for_each_half_edge(faces, |lower, _| named.push(lower));
+    named.sort_unstable();
+    named.dedup();
+    named
 }
 
 /// Counts become the ends of buckets.

@@ -25,6 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("readers_are_refused_what_is_not_there", readers),
     ("wrong_lights_and_meshes_are_typed_errors", lights),
     ("wrong_position_buffers_are_typed_errors", positions),
+    ("buffers_that_are_destroyed_between_encodes_are_typed_errors", destroyed),
     ("polygons_need_exact_masks_and_boundaries_of_some_size", polygons),
 ];
 
@@ -268,6 +269,32 @@ fn positions() -> Result<(), String> {
             row(&buffer, 0, most, too_short(0, most, u64::MAX)),
             row(&buffer, most, 12, too_short(most, 12, u64::MAX)),
             row(&vertices, 0, 12, refused_as(DeviceError::NotStorage)),
+        ])
+    })
+}
+
+/// The first encode took the buffer, and may remember it.
+fn destroyed() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::cube();
+    let [gone, other] = [(); 2].map(|()| gpu.storage(&shape.positions));
+    let mut extractor =
+        Extractor::new(&gpu.pipelines, &shape.mesh().map_err(text)?, ExtractorOptions::default()).map_err(text)?;
+    let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, packed(&gone), &LIGHT).map_err(text))?;
+    let before = extraction.bind_group(&layout, 0);
+    gone.destroy();
+    let buffer_refused = || shows(&["Device(BufferRefused"]);
+    // The encoder is submitted, so nothing of the destroyed buffer may be in it.
+    gpu.submit(|encoder| {
+        let mut encode = |buffer: &wgpu::Buffer| extractor.encode(encoder, packed(buffer), &LIGHT);
+        refused([
+            refusal("its include", before, Expected::Taken),
+            refusal("the include of the destroyed buffer", extraction.bind_group(&layout, 0), buffer_refused()),
+            refusal("the destroyed buffer", encode(&gone), buffer_refused()),
+            refusal("another buffer", encode(&other), Expected::Taken),
+            refusal("the destroyed buffer again", encode(&gone), buffer_refused()),
+            refusal("the other buffer again", encode(&other), Expected::Taken),
         ])
     })
 }

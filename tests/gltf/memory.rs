@@ -36,6 +36,8 @@ fn main() {
         Trial::test("the_estimate_is_close_and_comes_before_the_data", estimates),
         Trial::test("buffers_that_name_one_file", one_file_many_times),
         Trial::test("a_sparse_file_of_a_terabyte", hole),
+        Trial::test("zeros_that_no_machine_holds", no_room),
+        Trial::test("the_smallest_edge_takes_no_more_than_the_mesh", smallest_edge),
         Trial::test("mutated_files_within_a_limit", mutated),
         Trial::test("by_default_too", by_default).with_ignored_flag(!is_long()),
     ]);
@@ -357,6 +359,32 @@ fn hole() -> Outcome {
         }
     }
     Ok(())
+}
+
+/// Without a limit, an accessor of zeros for which no machine has the memory.
+fn no_room() -> Outcome {
+    let (peak, result) = measured(&zeros(1 << 50).glb(), None, u64::MAX);
+    ensure(peak <= SLACK, || format!("{peak} bytes used"))?;
+    match result {
+        Err(GltfError::Memory { what, bytes }) if what.contains("accessors[0]") && bytes == 12 << 50 => Ok(()),
+        other => Err(format!("{other:?}").into()),
+    }
+}
+
+/// The mesh of all instances is charged 8 bytes a vertex and 72 a face. No face names most vertices.
+fn smallest_edge() -> Outcome {
+    const COUNT: usize = 100_000;
+    let mut maker = Maker::new();
+    let coordinates: Vec<f32> = (0..3 * COUNT).map(|number| number as f32).collect();
+    let (positions, indices) = (maker.floats("VEC3", &coordinates), maker.indices(U8, &[0, 1, 2]));
+    maker.mesh(&json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+    maker.push("nodes", json!({ "mesh": 0 }));
+    let asset = Asset::from_slice(&maker.glb(), None, Weld::Data)?;
+    let vertices = asset.model().geometries()[0].positions().len();
+    ensure(vertices == COUNT, || format!("{vertices} vertices"))?;
+    let (peak, smallest) = peak(|| asset.smallest_edge(None, 0.0));
+    ensure(smallest? == 27.0_f64.sqrt(), || "another edge".to_owned())?;
+    ensure(peak <= 8 * COUNT as u64 + SLACK, || format!("{peak} bytes used"))
 }
 
 /// At every limit, doubled until the file loads, no more is used than that; and at the last no more than `most` times

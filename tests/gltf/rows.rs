@@ -132,6 +132,8 @@ pub(crate) const SQUARE: &[Row] = &[
 pub(crate) const SKINNED: &[Row] = &[
     ("no_weights", Set(&[(ATTRIBUTES, "{'POSITION': 0, 'JOINTS_0': 2}")]), "attributes.WEIGHTS_0 is missing"),
     ("no_joints", Set(&[(ATTRIBUTES, "{'POSITION': 0, 'WEIGHTS_0': 3}")]), "attributes.JOINTS_0 is missing"),
+    ("padded_joints", Set(&[(ATTRIBUTES, "{'POSITION': 0, 'JOINTS_00': 2}")]), "nodes[0]|has no JOINTS_0"),
+    ("padded_weights", Set(&[(ATTRIBUTES, "{'POSITION': 0, 'WEIGHTS_00': 3}")]), "nodes[0]|has no JOINTS_0"),
     (
         "padded_set",
         Set(&[(ATTRIBUTES, "{'POSITION': 0, 'JOINTS_00': 2, 'WEIGHTS_00': 3}")]),

@@ -2,11 +2,15 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{DeviceError, MaskError, MaskInputs, SceneFrame, SceneOptions, ShadowError, ShadowMasks};
+use rimline::gpu::{
+    Caster, DeviceError, MaskError, MaskInputs, PositionBuffer, SceneFrame, SceneOptions, ShadowError, ShadowMasks,
+};
+use rimline::{Mesh, mesh::Weld};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
+use rimline_testkit::shapes::Shape;
 use wgpu::TextureFormat::{
     Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, R8Uint, R8Unorm, R32Uint, Rgba8Unorm,
 };
@@ -19,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("frames_and_lights_that_have_no_masks_are_typed_errors", frames),
     ("textures_that_serve_no_masks_are_typed_errors", textures),
     ("textures_that_are_destroyed_between_calls_are_typed_errors", destroyed),
+    ("frames_whose_buffers_are_destroyed_are_typed_errors", buffers),
 ];
 
 const PICTURE: Picture = Picture { size: [16, 8], depth: Depth24Plus, samples: 1, target: R8Uint };
@@ -183,5 +188,25 @@ fn destroyed() -> Result<(), String> {
         refusal("another target", another_target, Expected::Taken),
         refusal("a depth that was destroyed", without_depth, shows(&["Refused { what: \"the depth\""])),
         refusal("all good", write(given.good()), Expected::Taken),
+    ])
+}
+
+/// The volumes of a frame read the buffers of its casters.
+fn buffers() -> Result<(), String> {
+    let mut given = Given::new()?;
+    let Encoded { scene, frame, .. } = &mut given.encoded;
+    let Shape { positions, faces } = &given.world.casters[0];
+    let buffer = given.gpu.storage(positions);
+    let mesh = Mesh::new(positions, faces, Weld::Position).map_err(text)?;
+    let mesh = scene.add_mesh(&mesh, positions).map_err(text)?;
+    scene.insert(Caster::in_buffer(mesh, PositionBuffer { buffer: &buffer, offset: 0, stride: 12 })).map_err(text)?;
+    *frame = given.gpu.submit(|encoder| encode(scene, encoder, &[given.world.camera]))?;
+    let masks = &mut ShadowMasks::new(&given.gpu.pipelines).map_err(text)?;
+    let before = given.write(&given.encoded.frame, masks, given.good());
+    buffer.destroy();
+    let after = given.write(&given.encoded.frame, masks, given.good());
+    refused([
+        refusal("a buffer", before, Expected::Taken),
+        refusal("a destroyed buffer", after, shows(&["Device(BufferRefused"])),
     ])
 }

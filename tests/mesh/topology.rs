@@ -190,3 +190,16 @@ fn more_vertices_than_indices_can_name_are_refused() {
     let vertices = u32::MAX as usize;
     assert_eq!(Mesh::from_faces(vertices, vec![[0, 1, 2]]), Err(MeshError::TooManyVertices { vertices }));
 }
+
+/// Buckets for each vertex would take 34 GB.
+#[test]
+fn vertices_that_no_face_names_cost_nothing() {
+    for seed in 0..100 {
+        let shape = soup(seed);
+        let apart = |vertex: u32| u32::MAX - 2 - vertex * 50_000_000;
+        let faces: Vec<_> = shape.faces.iter().map(|face| face.map(apart)).collect();
+        let mesh = Mesh::from_faces(u32::MAX as usize - 1, faces.clone()).expect("a mesh");
+        let records: Vec<Edge> = mesh.edges().iter().collect();
+        assert_eq!(difference(&records, &faces), None, "seed {seed}");
+    }
+}

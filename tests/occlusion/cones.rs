@@ -1,11 +1,13 @@
 //! Scenes of so many faces that cones of directions are searched one by one.
 
+use std::ops::ControlFlow;
+
 use rimline::Light;
-use rimline::cpu::{OcclusionOptions, Threads};
+use rimline::cpu::{OccludedFaces, OcclusionOptions, Threads};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
-use crate::occluded_faces::{all_left_out, check, find, lists};
+use crate::occluded_faces::{all_left_out, casters, check, find, lists};
 use crate::static_scenes::{Caster, StaticScene};
 
 /// Towers around the light or under it.
@@ -49,4 +51,24 @@ fn occluded_faces_are_occluded_in_scenes_of_many_cones() {
     }
     println!("{occluded} occluded faces; {refuted} wrong lists refuted");
     assert!(occluded > 4000 && refuted > 2, "{occluded} {refuted}");
+}
+
+#[test]
+fn progress_never_goes_back_and_has_one_end() {
+    let light = Light::point([0.0, 0.0, 9.5]);
+    let scene = towers(&mut Random::new(8010), light);
+    let faces: usize = scene.casters.iter().map(|caster| caster.mesh.faces().len()).sum();
+    for threads in [Threads::ONE, Threads::new(3)] {
+        let options = OcclusionOptions { threads, ..OcclusionOptions::default() };
+        let mut calls = Vec::new();
+        let progress = |done, all| {
+            calls.push((done, all));
+            ControlFlow::Continue(())
+        };
+        OccludedFaces::find(light, &casters(&scene), options, progress).expect("found");
+        let (last, end) = calls.last().copied().expect("a call");
+        assert!(calls.is_sorted() && calls.iter().all(|&(_, all)| all == end), "{calls:?}");
+        // Faces are in several cones.
+        assert!(last == end && end > faces && calls.len() >= 500, "{last} of {end}, {faces} faces");
+    }
 }

@@ -19,7 +19,7 @@ pub(crate) fn find(scene: &StaticScene, options: OcclusionOptions) -> OccludedFa
     OccludedFaces::find(scene.light, &casters(scene), options, |_, _| ControlFlow::Continue(())).expect("found")
 }
 
-fn casters(scene: &StaticScene) -> Vec<OcclusionCaster<'_>> {
+pub(crate) fn casters(scene: &StaticScene) -> Vec<OcclusionCaster<'_>> {
     let casters = scene.casters.iter();
     casters.map(|caster| OcclusionCaster { mesh: &caster.mesh, positions: &caster.positions, version: None }).collect()
 }
@@ -159,6 +159,16 @@ fn faces_behind_walls_are_found_and_none_before_them() {
     // One of two casters at one position stays.
     let scene = StaticScene { casters: vec![wall(5.0), wall(5.0)], light: LAMP };
     assert_eq!(find(&scene, OcclusionOptions::default()).statistics().occluded, 1);
+}
+
+#[test]
+fn faces_that_the_tree_has_no_room_for_are_counted() {
+    let scene = StaticScene { casters: vec![wall(5.0), wall(-5.0)], light: LAMP };
+    // A wall takes three nodes.
+    for (max_nodes, expected) in [(3, [3, 1, 0]), (2, [0, 0, 2]), (0, [0, 0, 2])] {
+        let found = find(&scene, OcclusionOptions { max_nodes, ..OcclusionOptions::default() }).statistics();
+        assert_eq!([found.nodes, found.occluded, found.without_room], expected, "{max_nodes} nodes");
+    }
 }
 
 #[test]

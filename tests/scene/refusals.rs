@@ -2,7 +2,7 @@
 
 use rimline::gpu::{
     Caster, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_BOUNDARY_EDGES, MeshHandle,
-    Scene, SceneOptions, ShadowError, StencilCounts,
+    PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
 };
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_testkit::IDENTITY;
@@ -21,6 +21,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("what_does_not_fit_the_memory_is_a_typed_error", memory),
     ("what_fits_a_new_scene_fits_one_that_grew", grown),
     ("removed_meshes_of_polygons_give_their_memory_back", given_back),
+    ("buffers_that_are_destroyed_between_encodes_are_typed_errors", destroyed),
 ];
 
 const LIGHT: Light = Light::point([1.0, 2.0, 3.0]);
@@ -223,4 +224,27 @@ fn given_back() -> Result<(), String> {
     }
     let all = boxes.iter().try_for_each(|(mesh, positions)| together.add_mesh(mesh, positions).map(drop));
     refused([refusal("all at once", all, shows(&["Device(MemoryLimit"]))])
+}
+
+/// The layout of the scene stays, and its steps bind a buffer that is gone.
+fn destroyed() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (rest, _) = cube()?;
+    let mut scene = scene(gpu, None)?;
+    let cube = add_cube(&mut scene)?;
+    scene.add_light(LIGHT).map_err(text)?;
+    let [kept, gone] = [(); 2].map(|()| gpu.storage(&rest));
+    let of = |buffer| PositionBuffer { buffer, offset: 0, stride: 12 };
+    let mut insert = |buffer| scene.insert(Caster::in_buffer(cube, of(buffer))).map_err(text);
+    insert(&kept)?;
+    let casters = [insert(&gone)?, insert(&gone)?];
+    encoded(gpu, &mut scene, 1)?.map_err(text)?;
+    gone.destroy();
+    let buffer_refused = || shows(&["Device(BufferRefused"]);
+    refused([
+        refusal("a destroyed buffer", encoded(gpu, &mut scene, 1)?, buffer_refused()),
+        refusal("the same again", encoded(gpu, &mut scene, 1)?, buffer_refused()),
+    ])?;
+    casters.into_iter().try_for_each(|caster| scene.set_positions(caster, of(&kept))).map_err(text)?;
+    refused([refusal("another buffer", encoded(gpu, &mut scene, 1)?, Expected::Taken)])
 }

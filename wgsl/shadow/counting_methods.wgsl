@@ -25,7 +25,14 @@
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
 @group(0) @binding(7) var<storage, read> relevant_lights: array<u32>; // By batch and caster.
 
-// Whether the box may meet the box around the near rectangle, in the camera frame.
+// Which values are finite. Tests bits, like `is_finite`.
+fn are_finite(values: vec3<f32>) -> vec3<bool> {
+  let infinite = vec3<u32>(0x7f800000u);
+  return (bitcast<vec3<u32>>(values) & infinite) != infinite;
+}
+
+// Whether the box may meet the box around the near rectangle, in the camera frame. Along an axis whose numbers overflow it
+// may.
 fn can_meet_near_rectangle(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
   for (var axis = 0u; axis < 3u; axis++) {
     let row = view.placement[axis];
@@ -34,18 +41,24 @@ fn can_meet_near_rectangle(view: ShadowView, low: vec3<f32>, high: vec3<f32>) ->
       dot_3(max(row.xyz * low, row.xyz * high), vec3<f32>(1.0)));
     let terms = dot_3(abs(row.xyz), max(abs(low), abs(high))) + abs(row.w);
     let slack = SLACK * max(terms, max(abs(view.near_min[axis]), abs(view.near_max[axis])));
-    if (ends.x + row.w - slack > view.near_max[axis] || ends.y + row.w + slack < view.near_min[axis]) {
+    let below = ends.x + row.w - slack;
+    let above = ends.y + row.w + slack;
+    if (is_finite(vec3<f32>(below, above, slack)) && (below > view.near_max[axis] || above < view.near_min[axis])) {
       return false;
     }
   }
   return true;
 }
 
-// Whether the light may be in the box. False for a light at infinity. Values are multiplied by w, so that nothing overflows.
+// Whether the light may be in the box. False for a light at infinity. Values are multiplied by w, which is at most 1. Along
+// an axis whose numbers overflow the light may be in the box.
 fn can_contain_light(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   let w = light.light.w;
   let slack = SLACK * max(max(abs(w * low), abs(w * high)), abs(light.light.xyz));
-  return w > 0.0 && all(w * low - slack <= light.light.xyz) && all(w * high + slack >= light.light.xyz);
+  let below = w * low - slack;
+  let above = w * high + slack;
+  return w > 0.0 && all((below <= light.light.xyz) | !are_finite(below)) &&
+    all((above >= light.light.xyz) | !are_finite(above));
 }
 
 // Whether the whole box is outside the pyramid of light and near rectangle.
@@ -132,7 +145,9 @@ fn choose_by_box(
   // Near caps assume a volume to infinity, so volumes that ZP+ counts do not end.
   let can_end = light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL;
   if (can_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
-    light.end = min(scale * distance_lower_bound(light, low, high) / light.range, 1.0);
+    // A volume whose end is not finite does not end.
+    let end = scale * distance_lower_bound(light, low, high) / light.range;
+    light.end = select(0.0, min(end, 1.0), is_finite(vec3<f32>(end)));
   }
   return light;
 }

@@ -250,8 +250,8 @@ fn with_hull_vertex(
     hull.outside.z && is_negative(clip.w + clip.y, y_terms),
     hull.outside.w && is_negative(clip.w - clip.y, y_terms));
   next.outside_near = hull.outside_near && is_negative(height, terms_of_height);
-  let are_finite = is_finite(terms.xyz) && is_finite(vec3<f32>(terms.w, height, terms_of_height));
-  next.is_beyond_near = hull.is_beyond_near && are_finite && height > SLACK * terms_of_height &&
+  let is_certain = is_finite(terms.xyz) && is_finite(vec3<f32>(terms.w, height, terms_of_height));
+  next.is_beyond_near = hull.is_beyond_near && is_certain && height > SLACK * terms_of_height &&
     clip.w > 0x1p-10 * terms.w && all(terms < vec4<f32>(0x1p100));
   if (next.is_beyond_near) {
     let ndc = clip.xyz / clip.w;

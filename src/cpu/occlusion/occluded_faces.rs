@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::cones::cones;
 use super::options::OcclusionOptions;
 use super::order::order;
-use super::search::search;
+use super::search::{search, total};
 use super::silhouette::Silhouette;
 use super::tree::Face;
 use crate::cpu::common::positions::{is_finite, position};
@@ -46,7 +46,7 @@ pub struct OcclusionStatistics {
     /// Faces that still cast because they exceeded [`OcclusionOptions::max_steps`]. Here and in `without_room`, a face
     /// counts in each cone of directions that it is in, and a polygon by its triangles.
     pub undecided: usize,
-    /// Faces that still cast and occlude nothing more, because the tree was full.
+    /// Faces that still cast and occlude no other face, or only by a part of them, because the tree was full.
     pub without_room: usize,
     /// Nodes of all trees.
     pub nodes: usize,
@@ -78,7 +78,8 @@ pub(crate) struct OccludedOfCaster {
 
 impl OccludedFaces {
     /// Finds the occluded faces. It takes no device and may run on a thread of its own. `progress` is called now and
-    /// then with the number of faces tried and of all to try; [`ControlFlow::Break`] ends the search.
+    /// then with the number of faces tried and of all to try; [`ControlFlow::Break`] ends the search. A face counts in each
+    /// cone of directions that it is in. The first number never becomes smaller, and the second stays the same.
     ///
     /// # Errors
     /// [`CpuError`] for a light that shadows refuse, missing positions, or if `progress` ends it.
@@ -117,6 +118,7 @@ impl OccludedFaces {
             })
             .collect();
         let cones = cones(&faces, order(&faces, light), light);
+        let total = total(&cones);
         let searched = search(&faces, light, options, &cones, &mut progress).ok_or(CpuError::Cancelled)?;
         let mut statistics = OcclusionStatistics {
             tried,
@@ -134,7 +136,7 @@ impl OccludedFaces {
             }
         }
         for ((caster, facing), of_caster) in casters.iter().zip(&facing).zip(&mut of_casters) {
-            if progress(faces.len(), faces.len()).is_break() {
+            if progress(total, total).is_break() {
                 return Err(CpuError::Cancelled);
             }
             of_caster.faces = whole(caster.mesh, std::mem::take(&mut of_caster.faces));

@@ -18,7 +18,7 @@ pub(crate) struct Searched {
     pub(crate) staying: Vec<usize>,
     /// Faces that met the bound on steps. Here and in `without_room` a face counts in each of its cones.
     pub(crate) undecided: usize,
-    /// Faces that are not occluded and may occlude others, if the tree is full after them.
+    /// Faces that are not occluded and may occlude others, but that the tree had no room for, or only for a part.
     pub(crate) without_room: usize,
     /// Nodes of the trees, without those of the planes of cones.
     pub(crate) nodes: usize,
@@ -39,6 +39,11 @@ struct Work<'a> {
     is_cancelled: AtomicBool,
 }
 
+/// Faces of all cones. A face counts in each of its cones.
+pub(crate) fn total(cones: &[Cone]) -> usize {
+    cones.iter().map(|cone| cone.faces.len()).sum()
+}
+
 /// Searches all cones, each by itself. The result does not depend on the number of threads. `progress` is called on the
 /// caller's thread, with the faces that were begun before and those of all cones; a face counts in each of its cones.
 /// `None` if it ends the search.
@@ -54,7 +59,7 @@ pub(crate) fn search(
         light,
         options,
         cones,
-        total: cones.iter().map(|cone| cone.faces.len()).sum(),
+        total: total(cones),
         next_cone: AtomicUsize::new(0),
         begun: AtomicUsize::new(0),
         is_cancelled: AtomicBool::new(false),
@@ -92,7 +97,8 @@ impl Work<'_> {
                     match tree.decide(face) {
                         Decision::Occluded => continue,
                         Decision::Undecided => searched.undecided += 1,
-                        Decision::Visible => searched.without_room += usize::from(face.may_occlude && tree.is_full()),
+                        Decision::WithoutRoom => searched.without_room += 1,
+                        Decision::Visible => {}
                     }
                     searched.staying.push(number);
                 }

@@ -19,6 +19,8 @@ pub(crate) struct Face {
 pub(crate) enum Decision {
     Occluded,
     Visible,
+    /// Visible. It may occlude others, but the tree has no room for it, or only for a part.
+    WithoutRoom,
     /// The bound on steps was met, so the face stays.
     Undecided,
 }
@@ -99,10 +101,8 @@ impl Tree {
     /// Decides whether a face is occluded. If it is not and may occlude others, the tree grows by it.
     pub(crate) fn decide(&mut self, face: &Face) -> Decision {
         let decision = self.find(face);
-        if decision == Decision::Visible && face.may_occlude && !self.open_leaves.is_empty() {
-            self.insert(face);
-        }
-        decision
+        let grows = decision == Decision::Visible && face.may_occlude && !self.open_leaves.is_empty();
+        if grows && !self.insert(face) { Decision::WithoutRoom } else { decision }
     }
 
     fn child(&self, link: Link) -> Option<Child> {
@@ -160,8 +160,12 @@ impl Tree {
         })
     }
 
-    /// Replaces the open leaves that the face is in by nodes, as long as there is room.
-    fn insert(&mut self, face: &Face) {
+    /// Replaces the open leaves that the face is in by nodes, as long as there is room. Returns whether it replaced all.
+    fn insert(&mut self, face: &Face) -> bool {
+        // The bound on nodes bounds the planes, too.
+        if self.is_full() {
+            return false;
+        }
         let [a, b, c] = face.corners;
         let first_plane = self.planes.len() as u32;
         let occluder = self.occluders.len() as u32;
@@ -171,7 +175,7 @@ impl Tree {
         let inner = usize::from(face.side < 0);
         for (link, edges) in std::mem::take(&mut self.open_leaves) {
             if self.is_full() {
-                break;
+                return false;
             }
             let mut child = Child::Occluded(occluder);
             // An edge in the plane of a visited node needs no node: the face is on the visited side.
@@ -190,10 +194,11 @@ impl Tree {
                 }
             }
         }
+        true
     }
 
-    /// Whether there is no room for another occluder.
-    pub(crate) fn is_full(&self) -> bool {
+    /// Whether there is no room for an occluder in another leaf.
+    fn is_full(&self) -> bool {
         self.nodes() + 3 > self.max_nodes
     }
 }

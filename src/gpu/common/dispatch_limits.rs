@@ -40,7 +40,7 @@ pub(crate) const WINDOWS: usize = 4;
 /// The limits of a device that dispatches must keep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DispatchLimits {
-    /// The largest size of a storage binding in bytes, a multiple of the offset alignment.
+    /// The largest size of a storage binding in bytes, a multiple of the offset alignment. Its words have 32-bit indices.
     pub(crate) binding: u64,
     pub(crate) buffer: u64,
     alignment: u64,
@@ -50,8 +50,9 @@ pub(crate) struct DispatchLimits {
 impl DispatchLimits {
     pub(crate) fn new(limits: &wgpu::Limits) -> Self {
         let alignment = u64::from(limits.min_storage_buffer_offset_alignment.max(4));
+        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(4 * u64::from(u32::MAX));
         Self {
-            binding: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / alignment * alignment,
+            binding: binding / alignment * alignment,
             buffer: limits.max_buffer_size,
             alignment,
             workgroups: u64::from(limits.max_compute_workgroups_per_dimension),
@@ -114,5 +115,20 @@ impl Windows {
     pub(crate) fn named(&self, prefix: &str, name: &str) -> Option<Range<u64>> {
         let number: usize = name.strip_prefix(prefix)?.parse().ok()?;
         self.ranges.get(number).cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Metal binds all of a buffer, of any size.
+    #[test]
+    fn words_of_a_binding_have_32_bit_indices() {
+        let (max_storage_buffer_binding_size, max_buffer_size) = (u64::MAX, u64::MAX);
+        let limits = wgpu::Limits { max_storage_buffer_binding_size, max_buffer_size, ..wgpu::Limits::default() };
+        let DispatchLimits { binding, buffer, .. } = DispatchLimits::new(&limits);
+        assert!(u32::try_from(binding / 4).is_ok() && binding > 1 << 33, "{binding}");
+        assert_eq!(buffer, u64::MAX);
     }
 }

@@ -199,8 +199,20 @@ impl Pipelines {
 
     /// Refuses a caller's buffer that the device cannot bind.
     pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), DeviceError> {
+        self.check_all_bindable(std::slice::from_ref(buffer))
+    }
+
+    /// The same for several buffers.
+    pub(crate) fn check_all_bindable(&self, buffers: &[wgpu::Buffer]) -> Result<(), DeviceError> {
+        if buffers.is_empty() {
+            return Ok(());
+        }
         let layout = self.layout("bindable", entries(wgpu::ShaderStages::COMPUTE, [(0, READ)]));
-        bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[part(buffer, 0..4)])))
+        bound(self.device(), || {
+            for buffer in buffers {
+                drop(group(self.device(), "bindable", &layout, &[part(buffer, 0..4)]));
+            }
+        })
     }
 
     /// A bind group layout.

@@ -198,8 +198,8 @@ impl Extraction {
     /// gives the same group.
     ///
     /// # Errors
-    /// [`ExtractorError`] if the extractor lacks what the include reads, an array does not fit one binding,
-    /// there is no such batch, or a later encode overwrites the results.
+    /// [`ExtractorError`] if the extractor lacks what the include reads, an array does not fit one binding, there is no
+    /// such batch, a later encode overwrites the results, or the buffer of the positions was destroyed.
     pub fn bind_group(&self, layout: &wgpu::BindGroupLayout, batch: usize) -> Result<wgpu::BindGroup, ExtractorError> {
         self.check_current()?;
         let batches = self.batches();
@@ -210,6 +210,8 @@ impl Extraction {
         let is_it =
             |made: &&IncludeGroup| made.batch == batch && made.positions == self.positions && made.layout == *layout;
         if let Some(made) = cached.iter().find(is_it) {
+            // The buffer may have been destroyed since. A group that binds it would spoil the caller's submission.
+            self.shared.pipelines.check_bindable(&self.positions.buffer)?;
             return Ok(made.group.clone());
         }
         let group = self.shared.include_group(layout, batch, self.positions.as_buffer())?;

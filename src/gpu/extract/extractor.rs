@@ -155,7 +155,8 @@ impl Extractor {
     /// Makes the bind groups that read positions, unless they exist for this slice.
     fn bind_positions(&mut self, slice: &PositionSlice, bound: &BoundPositions) -> Result<(), DeviceError> {
         if self.from_positions.as_ref().is_some_and(|(made, _)| made == slice) {
-            return Ok(());
+            // The buffer may have been destroyed since. Groups that bind it would spoil the caller's submission.
+            return self.shared.pipelines.check_bindable(&slice.buffer);
         }
         self.from_positions = None;
         let Self { shared, options, ranges, .. } = &*self;

@@ -208,8 +208,8 @@ impl SceneFrame {
     /// calls.
     ///
     /// # Errors
-    /// [`MaskError`] if the frame is out of date, an input is refused, or the device lacks something. Nothing is
-    /// recorded then.
+    /// [`MaskError`] if the frame is out of date, an input is refused, the buffer of a caster was destroyed, or the device
+    /// lacks something. Nothing is recorded then.
     pub fn write_masks(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -221,6 +221,7 @@ impl SceneFrame {
         let encoded = lights.iter().map(|&light| self.check_drawn(view, light)).collect::<Result<Vec<_>, _>>()?;
         check_same(["`ShadowMasks`", "the scene"], [masks.shared.device(), &self.device])?;
         let layers = inputs.check()?;
+        self.structure.check_positions(&masks.shared)?;
         let map = depth.texture();
         let (size, samples) = ([map.width(), map.height()], map.sample_count());
         let bounds = lights.iter().zip(&encoded).map(|(&handle, light)| (handle, affected_pixels(camera, light, size)));

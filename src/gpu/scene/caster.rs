@@ -67,7 +67,8 @@ pub enum CasterPositions {
     /// same buffer are drawn together, so keep many in one buffer. [`Scene::insert_model`](crate::gpu::Scene::insert_model)
     /// is easier for a model with poses.
     Buffer {
-        /// The buffer, with usage `STORAGE`.
+        /// The buffer, with usage `STORAGE`. Each encode refuses one that was destroyed. A draw of an earlier frame does not
+        /// check it, and wgpu then refuses the submission.
         buffer: wgpu::Buffer,
         /// Bytes from the start of the buffer to the x of vertex 0. A multiple of 4.
         offset: u64,

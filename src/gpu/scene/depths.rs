@@ -1,6 +1,6 @@
 //! The casters of a scene that are drawn into a depth map.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use slotmap::DefaultKey;
@@ -32,7 +32,6 @@ pub enum SceneDepthCasters<'a> {
 /// Casters that are drawn together, with faces and positions in the same buffers.
 #[derive(Debug)]
 pub(crate) struct DepthGroup<'a> {
-    source: Source,
     pub(crate) faces: &'a wgpu::Buffer,
     pub(crate) positions: wgpu::Buffer,
     /// The bound part of `positions`, in bytes.
@@ -71,6 +70,7 @@ impl DepthCaster {
 
 impl Scene {
     /// The casters of a choice, by group.
+    #[allow(clippy::mutable_key_type, reason = "buffers are compared by identity")]
     pub(crate) fn depth_groups(&self, which: SceneDepthCasters<'_>) -> Result<Vec<DepthGroup<'_>>, ShadowError> {
         let (listed, is_left_out) = match which {
             SceneDepthCasters::All => (&[][..], true),
@@ -94,24 +94,28 @@ impl Scene {
             _ => keys.contains(&key) != is_left_out,
         };
         let mut groups: Vec<DepthGroup<'_>> = Vec::new();
+        // The index of each source's group.
+        let mut indices: HashMap<Source, usize> = HashMap::new();
         for (key, caster) in &self.content.casters {
             if !is_chosen(key, caster) {
                 continue;
             }
             let Some(drawn) = DepthCaster::new(caster) else { continue };
             let source = Source::of(caster);
-            match groups.iter_mut().find(|group| group.source == source) {
-                Some(group) => group.casters.push(drawn),
-                None => groups.extend(self.depth_group(source, drawn)),
+            if let Some(group) = indices.get(&source).and_then(|&index| groups.get_mut(index)) {
+                group.casters.push(drawn);
+            } else if let Some(group) = self.depth_group(&source, drawn) {
+                indices.insert(source, groups.len());
+                groups.push(group);
             }
         }
         Ok(groups)
     }
 
     /// A group with one caster.
-    fn depth_group(&self, source: Source, caster: DepthCaster) -> Option<DepthGroup<'_>> {
+    fn depth_group(&self, source: &Source, caster: DepthCaster) -> Option<DepthGroup<'_>> {
         let page = self.content.pages.get(source.page)?;
         let (positions, range) = source.bound_positions(page);
-        Some(DepthGroup { source, faces: &page.faces, positions, range, casters: vec![caster] })
+        Some(DepthGroup { faces: &page.faces, positions, range, casters: vec![caster] })
     }
 }

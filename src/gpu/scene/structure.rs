@@ -55,6 +55,8 @@ pub(crate) struct Structure {
     pub(crate) shapes: wgpu::Buffer,
     /// For each group.
     pub(crate) topology: Vec<GroupTopology>,
+    /// The buffers that casters with positions of their own read, each once.
+    position_buffers: Vec<wgpu::Buffer>,
 }
 
 /// The parts of a scene that a structure is made from.
@@ -147,8 +149,10 @@ impl Structure {
             parts.push(GroupBatch { group, batch, sizes, buffers, exclusions, dispatch, offset, shape });
         }
         let topology = |group: &Group| Some(group.source.topology(pages.get(group.source.page)?));
+        let topology: Vec<_> = layout.groups.iter().filter_map(topology).collect();
         Ok(Self {
-            topology: layout.groups.iter().filter_map(topology).collect(),
+            position_buffers: position_buffers(&topology),
+            topology,
             layout,
             table: table_buffer,
             choices_offset: table.parts.len(),
@@ -158,6 +162,12 @@ impl Structure {
             uniforms: uniforms.into_buffer(device, "scene dispatches"),
             shapes: shapes.into_buffer(device, "draw shapes"),
         })
+    }
+
+    /// Refuses buffers of casters that were destroyed since the steps were made. The steps would spoil the caller's
+    /// submission.
+    pub(crate) fn check_positions(&self, pipelines: &Pipelines) -> Result<(), DeviceError> {
+        pipelines.check_all_bindable(&self.position_buffers)
     }
 
     /// The size of all buffers in bytes.
@@ -184,6 +194,15 @@ impl Structure {
         };
         self.parts.iter().filter_map(light_batch).collect()
     }
+}
+
+/// The buffers of positions that are not at rest, each once.
+fn position_buffers(topology: &[GroupTopology]) -> Vec<wgpu::Buffer> {
+    let of_casters = topology.iter().filter(|topology| !topology.are_at_rest);
+    let mut buffers: Vec<_> = of_casters.map(|topology| topology.positions.0.clone()).collect();
+    buffers.sort_unstable();
+    buffers.dedup();
+    buffers
 }
 
 /// For each group and batch the masks of faces that callers exclude, by slots. `None`: there are none.

@@ -27,6 +27,7 @@ pub(super) const TESTS: &[Test] = &[
     ("the_published_frustum_begins_before_the_caster", published_frustum),
     ("volumes_end_beyond_the_range_and_hardly_later", volumes_end),
     ("receivers_limit_no_volume_whose_numbers_overflow", overflow),
+    ("boxes_whose_numbers_overflow_may_have_the_light_and_the_camera", uncertain),
 ];
 
 /// Or miss it by a few ulps: what is seen is decided by the rasteriser's near plane, which rounding moves that far.
@@ -250,4 +251,35 @@ fn overflow() -> Result<(), String> {
     let found = probe.run(&gpu, &[(8, &gpu.storage(&receivers))], &seen, &[(0, behind), (1, huge), (2, huge)])?;
     let found: Vec<_> = found.iter().map(|out| [out[0][0], out[0][1]]).collect();
     same("no receiver, and the end", &found, &[[1.0, 0.0], [0.0, -1.0], [0.0, 0.0]])
+}
+
+/// Boxes far from camera and light, around them, and so large that numbers of an axis overflow. Another axis may be certain.
+fn uncertain() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(213)?;
+    let probe = Probe::of(
+        &gpu,
+        &COUNTING_METHODS,
+        [2, 1],
+        "let meets = can_meet_near_rectangle(pair.view, input_position(0u), input_position(1u));
+    let has_light = can_contain_light(pair.light, input_position(0u), input_position(1u));
+    out[0] = vec4<f32>(select(0.0, 1.0, meets), select(0.0, 1.0, has_light), 0.0, 0.0);",
+    )?;
+    let camera = Pose::random(&mut random, DVec3::ZERO, 1.0).camera(0, false);
+    let seen = |x, w| {
+        let mut view = shadow::view(&camera).map_err(text)?;
+        let mut light = shadow::light(&camera, &view, Light::point([0.0; 3]));
+        view.placement = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        light.light[3] = w;
+        Ok::<_, String>((view, light))
+    };
+    let seen = [seen(0.0, 1.0)?, seen(f32::MAX, 4.0)?];
+    let rows = [
+        ((0, [[100.0; 3], [101.0; 3]]), [0.0, 0.0]),
+        ((0, [[-100.0; 3], [100.0; 3]]), [1.0, 1.0]),
+        ((1, [[f32::MAX, -100.0, -100.0], [f32::MAX, 100.0, 100.0]]), [1.0, 1.0]),
+        ((1, [[f32::MAX, 100.0, -100.0], [f32::MAX, 101.0, 100.0]]), [0.0, 0.0]),
+    ];
+    let found = probe.run(&gpu, &[], &seen, &rows.map(|(input, _)| input))?;
+    let found: Vec<_> = found.iter().map(|out| [out[0][0], out[0][1]]).collect();
+    same("near rectangle, and light", &found, &rows.map(|(_, expected)| expected))
 }
