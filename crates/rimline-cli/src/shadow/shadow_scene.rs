@@ -7,10 +7,10 @@ use glam::{DVec3, Vec3};
 use rimline::gltf::{SceneLight, SpotCone};
 use rimline::gpu::StageTimer;
 use rimline::internals::light::check_shadow_lights;
-use rimline::{AreaLight, AreaShape, Counting, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
+use rimline::{AreaLight, AreaShape, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
 use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
-use super::args::{ShadowSceneArgs, method_name};
+use super::args::{ShadowSceneArgs, method_name, needs_perspective, not_orthographic};
 use super::casters::Casters;
 use super::casting::{CastInputs, PosedModel};
 use super::pictures::DrawInputs;
@@ -125,7 +125,7 @@ impl<'a> ShadowScene<'a> {
         let seen = points.iter().chain(&*shadows).copied();
         let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, seen)?;
         match camera.far {
-            Some(_) if matches!(args.method, Counting::ZFail | Counting::ZpPlus2005) => {
+            Some(_) if needs_perspective(args.method) => {
                 return Err(not_orthographic(&format!("--method {}", method_name(args.method))));
             }
             // The ground that is seen lies between its planes, too.
@@ -268,13 +268,6 @@ fn seen_shadows(view: &PlacedView, lights: &[ShadedLight], points: &[[f32; 3]], 
 /// Points, or those of all turns about a target.
 fn turned(points: &[[f32; 3]], target: Option<[f32; 3]>) -> Cow<'_, [[f32; 3]]> {
     target.map_or(Cow::Borrowed(points), |axis| Cow::Owned(swept(points, Some(axis.into()))))
-}
-
-/// Refuses an orthographic view for an option.
-pub(super) fn not_orthographic(option: &str) -> Failure {
-    Failure::usage(format!(
-        "{option} takes a perspective view, and this one is orthographic; leave it out, or leave out --ortho or the --camera"
-    ))
 }
 
 /// The near plane for models with these points.
