@@ -47,6 +47,8 @@ pub enum Event {
     Flown([f32; 3], f32),
     /// Seconds passed.
     Passed(f32),
+    /// Files were chosen or dropped, and each comes as [`Event::Opened`]. Errors of these are shown together.
+    Opening,
     /// A model was opened, or could not be: its name and why.
     Opened(Result<Box<Body>, (String, String)>),
     /// The scene was replaced, by models of the viewer's own.
