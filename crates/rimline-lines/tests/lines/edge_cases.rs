@@ -43,6 +43,15 @@ fn box_has_nine_visible_edges() {
     let front = View::orthographic([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
     let drawing = drawn(&[cuboid([0.0; 3], [1.0; 3])], &front);
     assert_eq!((drawing.spans.len(), visible(&drawing), drawing.chains.len()), (4, 4, 1));
+    // So is that of a row of boxes behind each other, whose lines all lie on those four.
+    let boxes: Vec<Shape> = (0..150_u16)
+        .map(|number| 2.0 * f32::from(number))
+        .map(|y| cuboid([0.0, y, 0.0], [1.0, y + 1.0, 1.0]))
+        .collect();
+    for boxes in [boxes.clone(), boxes.into_iter().rev().collect()] {
+        let drawing = drawn(&boxes, &front);
+        assert_eq!((drawing.spans.len(), visible(&drawing)), (4, 4));
+    }
 }
 
 /// Nothing to draw is an empty drawing.
