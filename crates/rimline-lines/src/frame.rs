@@ -100,7 +100,9 @@ impl Frame {
         let depths = ends.map(|end| self.view.depth(end));
         let mut part = [0.0, 1.0];
         if self.view.is_perspective() {
-            clip(&mut part, depths.map(|depth| depth - self.near))?;
+            let is_cut = depths.into_iter().any(|depth| depth < self.near);
+            let near = if is_cut { self.near_of_cut(ends) } else { self.near };
+            clip(&mut part, depths.map(|depth| depth - near))?;
         }
         if let Some(PageBox { low, high }) = self.window {
             // Beyond the near plane, the inside of the window's four sides is where linear functions are positive.
@@ -124,6 +126,14 @@ impl Frame {
         let (depths, page) = (points.map(|point| self.view.depth(point)), points.map(|point| self.view.page(point)));
         let is_finite = page.as_flattened().iter().all(|c| c.is_finite());
         (part[0] < part[1] && page[0] != page[1] && is_finite).then_some(Part { ends: part, depths, page })
+    }
+
+    /// Where a line is cut that reaches too near to a perspective eye. Depths on it are rounded by less than a tenth of the least, so
+    /// that of the cut is above 0.
+    fn near_of_cut(&self, ends: [[f64; 3]; 2]) -> f64 {
+        let eye = self.view.eye().xyz.map(f64::from);
+        let reach = ends.iter().chain([&eye]).flatten().fold(0.0, |reach: f64, c| reach.max(c.abs()));
+        self.near.max(1e-13 * reach)
     }
 
     /// The box around a part of a line.

@@ -306,6 +306,20 @@ fn windows_cut_lines() {
     }
 }
 
+/// Lines that reach behind the eye are cut, not lost, where the near plane is nearer than depths are rounded.
+#[test]
+fn near_planes_below_the_rounding_of_depths_cut_lines() {
+    let shapes = [shape(vec![[-1.0, 0.3, -0.2], [3.0, 0.4, -0.1], [2.0, -0.5, -0.3]], &[[0, 1, 2]])];
+    let view = View::perspective([0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
+    for near in [1e-6, 1e-30, 1e-300] {
+        let options = LineOptions { near: Some(near), ..LineOptions::default() };
+        let drawing = draw(&objects(&shapes), &view, &options, go_on).expect("drawn");
+        let edges: BTreeSet<_> = drawing.spans.iter().map(|span| span.edge).collect();
+        assert_eq!(edges.len(), 3, "{near}: {drawing:?}");
+        assert!(drawing.spans.iter().flat_map(|span| span.page).flatten().all(f64::is_finite), "{near}: {drawing:?}");
+    }
+}
+
 /// A line that an edge crosses at next to no angle is cut where integers say: numbers in `f64` lose all but a few digits there.
 #[test]
 fn cuts_at_small_angles() {
