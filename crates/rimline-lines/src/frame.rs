@@ -146,7 +146,7 @@ impl Frame {
     pub(crate) fn bounds_of_vertex(&self, position: [f32; 3]) -> Box3 {
         let point = position.map(f64::from);
         let depth = self.view.depth(point);
-        if self.view.is_perspective() && depth < 0.5 * self.near {
+        if self.view.is_perspective() && depth < (0.5 * self.near).max(self.error) {
             // A face with such a corner may be anywhere on the page. One with no other corners hides nothing.
             let far = if depth < -self.error { f32::NEG_INFINITY } else { f32::INFINITY };
             return Box3 { low: [f32::NEG_INFINITY; 3], high: [f32::INFINITY, f32::INFINITY, far] };
