@@ -9,6 +9,7 @@ use rimline::gpu::depth_map::{
 };
 use rimline::gpu::{PositionBuffer, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
+use rimline_bench::arguments::value_of;
 use rimline_bench::engine::{Contender, Rounds, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
 use rimline_bench::pipelines::{Drawing, depth, group};
@@ -37,8 +38,9 @@ const NEAR: f64 = 0.1;
 fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().collect();
     let is_quick = arguments.iter().any(|argument| argument == "--quick");
+    let json = value_of("--json", &arguments)?;
     let rows = measure(if is_quick { 3 } else { 15 })?;
-    if let Some(file) = arguments.iter().skip_while(|argument| *argument != "--json").nth(1) {
+    if let Some(file) = json {
         std::fs::write(file, format!("{:#}\n", depth_maps::to_json(&rows)))?;
     }
     Ok(())

@@ -9,6 +9,7 @@ use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threa
 use rimline::gpu::{Measuring, SceneOptions, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, Light, Mesh, Predicate};
 use rimline_bench::Error;
+use rimline_bench::arguments::value_of;
 use rimline_bench::engine::{Contender, Rounds, clock, times};
 use rimline_bench::gpu::{Gpu, Stopwatch};
 use rimline_bench::random::Random;
@@ -26,8 +27,8 @@ const PARTS: [&str; 3] = ["stages", "depth", STENCIL];
 
 fn main() -> Result<(), Error> {
     let arguments: Vec<String> = std::env::args().collect();
-    if let Some(at) = arguments.iter().position(|argument| argument == "--obj") {
-        return Ok(write(&arguments[at + 1])?);
+    if let Some(folder) = value_of("--obj", &arguments)? {
+        return Ok(write(&folder)?);
     }
     let of_the_paper = of_the_paper();
     let large = [city(100_000), forest(100_000), building(100_000)];

@@ -27,6 +27,8 @@ pub enum Error {
     Read(#[from] DeviceError),
     #[error(transparent)]
     Shadow(#[from] ShadowError),
+    #[error("{option} needs a value; give one behind it")]
+    NoValue { option: &'static str },
     #[error("a chart cannot be drawn: {0}")]
     Chart(#[from] std::io::Error),
 }

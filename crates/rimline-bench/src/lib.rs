@@ -26,6 +26,8 @@ pub mod slivers;
 pub mod stress;
 
 #[cfg(feature = "measure")]
+pub mod arguments;
+#[cfg(feature = "measure")]
 pub mod depth_maps;
 #[cfg(feature = "measure")]
 pub mod engine;

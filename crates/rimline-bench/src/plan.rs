@@ -112,20 +112,22 @@ impl Plan {
     pub fn new(options: Options) -> Result<Self, PlanError> {
         let Options { quick, cpu_only, .. } = options;
         let usual = |all: &[usize], few: &[usize]| if quick { few.to_vec() } else { all.to_vec() };
-        let wanted = wanted(&options)?;
+        let wanted = each_once(wanted(&options)?);
         let of_skipping: Vec<&str> = wanted.iter().filter(|name| SKIPPING.contains(name)).copied().collect();
         let has_casters = wanted.contains(&CASTERS);
-        let casters = options.casters.clone();
+        let casters = options.casters.clone().map(each_once);
         let takes_casters =
             |name: &&str| *name == CASTERS || SkipScene::named(name, quick).iter().any(|scene| !scene.is_one_mesh());
         if casters.as_ref().is_some_and(|all| !all.is_empty()) && !wanted.iter().any(takes_casters) {
             return Err(PlanError::CastersWithoutScene);
         }
-        let meshes = usual(&MESHES, &QUICK_MESHES);
-        let meshes = options.meshes.unwrap_or(if options.model.is_some() { Vec::new() } else { meshes });
+        let usual_meshes = usual(&MESHES, &QUICK_MESHES);
+        let meshes = options.meshes.map(each_once);
+        let meshes = meshes.unwrap_or(if options.model.is_some() { Vec::new() } else { usual_meshes });
         let scene_faces = options.scene_faces.unwrap_or(if quick { QUICK_SCENE_FACES } else { SCENE_FACES });
-        let lights_of_meshes = options.lights.clone().unwrap_or_else(|| LIGHTS.into());
-        let lights_of_scenes = options.lights.unwrap_or_else(|| vec![8]);
+        let lights = options.lights.map(each_once);
+        let lights_of_meshes = lights.clone().unwrap_or_else(|| LIGHTS.into());
+        let lights_of_scenes = lights.unwrap_or_else(|| vec![8]);
         let (most, seconds) = if quick { (9, 0.4) } else { (21, 5.0) };
         let most = options.rounds.unwrap_or(most);
         let rounds =
@@ -180,6 +182,17 @@ impl Plan {
     }
 }
 
+/// The values without those that are there before.
+fn each_once<T: PartialEq>(values: Vec<T>) -> Vec<T> {
+    let mut kept = Vec::new();
+    for value in values {
+        if !kept.contains(&value) {
+            kept.push(value);
+        }
+    }
+    kept
+}
+
 fn names() -> impl Iterator<Item = &'static str> {
     stress::names().chain([CASTERS]).chain(SKIPPING)
 }
@@ -213,6 +226,18 @@ mod tests {
         let mut all: Vec<_> = stress::scenes(1).map(|scene| Some(scene.class)).collect();
         all.dedup();
         assert_eq!(classes, all);
+    }
+
+    #[test]
+    fn everything_is_measured_once() {
+        let plan = |scenes: &[&str], number: usize| {
+            let scenes = Some(scenes.iter().map(|&scene| scene.to_owned()).collect());
+            let [meshes, casters, lights] = [64, 3, 8].map(|value| Some(vec![value; number]));
+            let plan = Plan::new(Options { scenes, meshes, casters, lights, frames: Some(0), ..Options::default() });
+            let plan = plan.expect("there is something to measure");
+            (plan.jobs.iter().map(Job::title).collect::<Vec<_>>(), plan.rows())
+        };
+        assert_eq!(plan(&["city", "plate-third", "city", "plate-third"], 2), plan(&["city", "plate-third"], 1));
     }
 
     #[test]

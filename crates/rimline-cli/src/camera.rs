@@ -53,7 +53,7 @@ pub(crate) fn camera(
     Ok(view.camera(eye, view.scale, distance.min(extent) * 1e-3, None))
 }
 
-/// A camera of a file, for a picture of this size.
+/// A camera of a file, for a picture of this size. Negative magnifications of an orthographic one do not mirror it.
 pub(crate) fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
     let [eye, forward, up] = [camera.eye, camera.forward, camera.up].map(Vec3::from);
     let [width, height] = size.map(|pixels| pixels as f32);

@@ -1,7 +1,8 @@
 //! Input files, and where a result goes: a regular file, which is replaced, or something else, which is written through.
 
-use std::collections::HashMap;
-use std::fs::{File, Metadata, OpenOptions};
+use std::collections::{HashMap, HashSet};
+use std::ffi::OsString;
+use std::fs::{DirEntry, File, Metadata, OpenOptions};
 use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -177,6 +178,38 @@ pub(crate) fn real_path(path: &Path) -> Option<PathBuf> {
     Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
 }
 
+/// The folders of many results, each of which is read once.
+#[derive(Debug, Default)]
+pub(crate) struct Folders(HashMap<PathBuf, Option<Folder>>);
+
+/// A folder by its real path, and the names in it, with small letters.
+#[derive(Debug)]
+struct Folder {
+    path: PathBuf,
+    names: HashSet<OsString>,
+}
+
+impl Folders {
+    /// The [`real_path`] of a file that is certainly not there, so neither a link nor an input. `None`: it may be there, or its
+    /// folder is not.
+    pub(crate) fn path_of_new(&mut self, file: &Path) -> Option<PathBuf> {
+        let name = file.file_name().filter(|_| !is_standard(file))?;
+        let parent = folder_of(file);
+        let folder = self.0.entry(parent.to_owned()).or_insert_with(|| Folder::read(parent).ok());
+        let Folder { path, names } = folder.as_ref()?;
+        // Some systems take letters of either case for one, and different spellings of others.
+        let is_new = name.is_ascii() && !names.contains(&name.to_ascii_lowercase());
+        is_new.then(|| path.join(name))
+    }
+}
+
+impl Folder {
+    fn read(path: &Path) -> io::Result<Self> {
+        let name = |entry: io::Result<DirEntry>| entry.map(|entry| entry.file_name().to_ascii_lowercase());
+        Ok(Self { path: path.canonicalize()?, names: path.read_dir()?.map(name).collect::<io::Result<_>>()? })
+    }
+}
+
 /// Endings that stand for a format. One that is none of these is a part of the name.
 const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf dxf eps ps exr hdr tga ppm \
                        pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
@@ -285,6 +318,21 @@ fn stdin(memory_limit: u64) -> Result<Vec<u8>, FileError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_a_file_that_is_certainly_not_there_is_new() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("There.png"), "").expect("a file");
+        let mut folders = Folders::default();
+        let new = folder.path().join("new.png");
+        for _ in 0..2 {
+            assert!(folders.path_of_new(&new).is_some_and(|path| Some(path) == real_path(&new)));
+            for name in ["There.png", "there.PNG", "\u{e9}.png", "none/new.png", "none/.."] {
+                assert_eq!(folders.path_of_new(&folder.path().join(name)), None, "{name}");
+            }
+        }
+        assert_eq!(folders.path_of_new(Path::new("-")), None);
+    }
 
     #[test]
     fn endings_of_other_formats_are_refused() {

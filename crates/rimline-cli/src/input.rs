@@ -5,7 +5,7 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rimline::gltf::{GltfError, SceneCamera, SceneLight};
+use rimline::gltf::{CameraProjection, GltfError, SceneCamera, SceneLight};
 use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PoseInputs, PositionBuffer, StageTimer};
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::light::check_lights;
@@ -224,7 +224,19 @@ impl Input {
     }
 
     pub(crate) fn view(&self, args: &ViewArgs, time_s: f32) -> Result<PlacedView, Failure> {
-        Ok(PlacedView { camera: self.camera(&args.camera, time_s)?, ..args.relative_to(self.origin()) })
+        let camera = self.camera(&args.camera, time_s)?;
+        self.warn_of_mirror(camera.as_ref());
+        Ok(PlacedView { camera, ..args.relative_to(self.origin()) })
+    }
+
+    /// Warns of a camera whose picture would be a mirror image.
+    pub(crate) fn warn_of_mirror(&self, camera: Option<&SceneCamera>) {
+        let is_negative = |camera: &&SceneCamera| match camera.projection {
+            CameraProjection::Orthographic { xmag, ymag, .. } => xmag.min(ymag) < 0.0,
+            CameraProjection::Perspective { .. } => false,
+        };
+        let why = "its camera has a negative xmag or ymag, and pictures are not mirrored: signs have no effect";
+        self.warn(camera.filter(is_negative).map(|_| why.to_owned()));
     }
 
     /// The camera of the file that is asked for, at a time.

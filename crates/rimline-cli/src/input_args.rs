@@ -149,7 +149,7 @@ pub(crate) struct ViewArgs {
     /// Show the view without perspective, as large as fits. --eye and --target then say in which direction it looks. Shadows take
     /// --method auto, zp+ or z-pass, and no depth maps
     #[arg(long, conflicts_with_all = ["fov", "camera"])]
-    ortho: bool,
+    pub(crate) ortho: bool,
 
     /// The vertical field of view in degrees
     #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]

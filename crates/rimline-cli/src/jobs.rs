@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
-use crate::files::{self, Inputs, check_parent, is_standard, real_path};
+use crate::files::{self, Folders, Inputs, check_parent, is_standard, real_path};
 use crate::input_args::JobsArgs;
 use crate::output::{self, collected, complain, print, say};
 use crate::{device, lines, shadow};
@@ -311,6 +311,8 @@ impl Many {
     /// Refuses jobs that would write the same file, an input of any of them, or into a folder that is not there.
     fn check_results(&self, jobs: &[Job]) -> Result<(), Failure> {
         let read = Inputs::new(jobs.iter().flat_map(|job| job.files.iter().chain(&job.read)).chain(&self.args.jobs));
+        // A job with all lights of a file may have a thousand results, most of which are not there.
+        let mut folders = Folders::default();
         let mut writers: HashMap<PathBuf, &Job> = HashMap::new();
         for job in jobs {
             // A film of drawings makes its folder.
@@ -319,7 +321,10 @@ impl Many {
                 _ => None,
             };
             for file in folder.into_iter().chain(&job.results) {
-                read.spare(file)?;
+                let new_path = folders.path_of_new(file);
+                if new_path.is_none() {
+                    read.spare(file)?;
+                }
                 if jobs.len() > 1 && is_standard(file) {
                     return Err(Failure::usage(format!(
                         "standard output takes the result of one job, and these are {}; give --out such as \
@@ -327,10 +332,11 @@ impl Many {
                         jobs.len()
                     )));
                 }
-                if folder.is_none_or(|folder| folder == file) {
+                if new_path.is_none() && folder.is_none_or(|folder| folder == file) {
                     check_parent(file).map_err(Failure::output(file))?;
                 }
-                let Some(other) = real_path(file).and_then(|file| writers.insert(file, job)) else { continue };
+                let path = new_path.or_else(|| real_path(file));
+                let Some(other) = path.and_then(|path| writers.insert(path, job)) else { continue };
                 if other.index != job.index {
                     let (file, jobs) = (file.clone(), [other, job].map(|job| self.named(job)));
                     return Err(Failure::usage(format!(

@@ -26,14 +26,14 @@ use crate::image::Picture;
 use crate::input::{Input, note_idle_time, settle};
 use crate::output::{Progress, print, say};
 use crate::report::Times;
-use args::ShadowArgs;
+use args::{ShadowArgs, not_orthographic};
 use casters::Casters;
 use casting::{CastInputs, CoveredFaces, PosedModel};
 use from_depth::FromDepth;
 use pictures::{DrawInputs, Masks, Pictures};
 use report::{Report, ResultFiles};
 pub(crate) use report::{are_written, files};
-use shadow_scene::{ShadowInputs, ShadowScene, not_orthographic};
+use shadow_scene::{ShadowInputs, ShadowScene};
 use shadows::{RenderResources, ShadowMethod, VolumePipelines, warn_of_limits};
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {

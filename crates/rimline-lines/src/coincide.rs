@@ -22,34 +22,48 @@ impl Drawn<'_> {
         let item = |(line, part): (u32, &Option<Part>)| Some((frame.bounds_of_part(part.as_ref()?), line));
         let items: Vec<_> = (0..).zip(self.parts).filter_map(item).collect();
         let tree = Tree::new(items.len(), (2, &Box3::UNIT), threads, |at| items[at]);
+        // A pair is found from both of its lines, and held for one line at a time: there may be as many as the square of the lines.
         let found = ranges(threads, self.lines.len(), RUN, |range| {
-            let mut pairs = Vec::new();
-            for line in range {
-                let Some(part) = &self.parts[line] else { continue };
-                let reach = Reach::new(frame, part);
-                tree.visit(
-                    |row| reach.meets(row),
-                    |other: u32| {
-                        if other as usize != line && self.coincide(line, other as usize) {
-                            pairs.extend([[line as u32, other], [other, line as u32]]);
-                        }
-                    },
-                );
+            let [first, last] =
+                [range.start, range.end].map(|line| self.pieces.partition_point(|piece| (piece.line as usize) < line));
+            let (mut others, mut kept) = (Vec::new(), Vec::new());
+            for of_line in self.pieces[first..last].chunk_by(|one, other| one.line == other.line) {
+                self.find(frame, &tree, of_line[0].line, &mut others);
+                if others.is_empty() {
+                    kept.extend_from_slice(of_line);
+                } else {
+                    self.keep(of_line, &others, &mut kept);
+                }
             }
-            pairs
+            kept
         });
-        let mut pairs = found.concat();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut pairs = pairs.chunk_by(|one, other| one[0] == other[0]).peekable();
-        let mut kept = Vec::with_capacity(self.pieces.len());
-        for of_line in self.pieces.chunk_by(|one, other| one.line == other.line) {
-            match pairs.next_if(|pairs| pairs[0][0] == of_line[0].line) {
-                Some(pairs) => self.keep(of_line, pairs, &mut kept),
-                None => kept.extend_from_slice(of_line),
-            }
-        }
-        kept
+        found.concat()
+    }
+
+    /// The lines that coincide with one, in order.
+    fn find(&self, frame: &Frame, tree: &Tree<u32>, line: u32, others: &mut Vec<u32>) {
+        others.clear();
+        let Some(part) = &self.parts[line as usize] else { return };
+        let reach = Reach::new(frame, part).at_all_depths();
+        // A line finds another that overlaps it by more than the least share of its length, and does not lie wholly behind it.
+        let finds =
+            |one: u32, other: u32| self.coincide(one as usize, other as usize) && !self.is_before(frame, one, other);
+        tree.visit(
+            |row| reach.meets(row),
+            |other| {
+                if other != line && (finds(line, other) || finds(other, line)) {
+                    others.push(other);
+                }
+            },
+        );
+        others.sort_unstable();
+    }
+
+    /// Whether all of a line is nearer than all of another.
+    fn is_before(&self, frame: &Frame, line: u32, other: u32) -> bool {
+        let [one, other] =
+            [line, other].map(|line| self.parts[line as usize].as_ref().map(|part| frame.bounds_of_part(part)));
+        one.zip(other).is_some_and(|(one, other)| other.low[2] > one.high[2])
     }
 
     /// Whether two lines lie in one plane with the eye, and overlap on the page.
@@ -76,13 +90,13 @@ impl Drawn<'_> {
     }
 
     /// The pieces of one line that are kept, with the lines that coincide with it.
-    fn keep(&self, of_line: &[Piece], pairs: &[[u32; 2]], kept: &mut Vec<Piece>) {
+    fn keep(&self, of_line: &[Piece], coinciding: &[u32], kept: &mut Vec<Piece>) {
         let line = of_line[0].line as usize;
         let Some(part) = &self.parts[line] else { return };
         let is_perspective = self.world.view.is_perspective();
         // Pieces of other lines, by where they are along this one's page, and their ranks.
         let mut others = Vec::new();
-        for &[_, other] in pairs {
+        for &other in coinciding {
             let first = self.pieces.partition_point(|piece| piece.line < other);
             for piece in self.pieces[first..].iter().take_while(|piece| piece.line == other) {
                 let points = self.lines[other as usize].vertices.map(|vertex| self.world.point(vertex));

@@ -100,7 +100,9 @@ impl Frame {
         let depths = ends.map(|end| self.view.depth(end));
         let mut part = [0.0, 1.0];
         if self.view.is_perspective() {
-            clip(&mut part, depths.map(|depth| depth - self.near))?;
+            let is_cut = depths.into_iter().any(|depth| depth < self.near);
+            let near = if is_cut { self.near_of_cut(ends) } else { self.near };
+            clip(&mut part, depths.map(|depth| depth - near))?;
         }
         if let Some(PageBox { low, high }) = self.window {
             // Beyond the near plane, the inside of the window's four sides is where linear functions are positive.
@@ -126,6 +128,14 @@ impl Frame {
         (part[0] < part[1] && page[0] != page[1] && is_finite).then_some(Part { ends: part, depths, page })
     }
 
+    /// Where a line is cut that reaches too near to a perspective eye. Depths on it are rounded by less than a tenth of the least, so
+    /// that of the cut is above 0.
+    fn near_of_cut(&self, ends: [[f64; 3]; 2]) -> f64 {
+        let eye = self.view.eye().xyz.map(f64::from);
+        let reach = ends.iter().chain([&eye]).flatten().fold(0.0, |reach: f64, c| reach.max(c.abs()));
+        self.near.max(1e-13 * reach)
+    }
+
     /// The box around a part of a line.
     pub(crate) fn bounds_of_part(&self, part: &Part) -> Box3 {
         let ends = [0, 1].map(|end| self.bounds(part.page[end], part.depths[end]));
@@ -136,7 +146,7 @@ impl Frame {
     pub(crate) fn bounds_of_vertex(&self, position: [f32; 3]) -> Box3 {
         let point = position.map(f64::from);
         let depth = self.view.depth(point);
-        if self.view.is_perspective() && depth < 0.5 * self.near {
+        if self.view.is_perspective() && depth < (0.5 * self.near).max(self.error) {
             // A face with such a corner may be anywhere on the page. One with no other corners hides nothing.
             let far = if depth < -self.error { f32::NEG_INFINITY } else { f32::INFINITY };
             return Box3 { low: [f32::NEG_INFINITY; 3], high: [f32::INFINITY, f32::INFINITY, far] };

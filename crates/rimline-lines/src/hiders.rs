@@ -66,6 +66,12 @@ impl Reach {
         Self { around, across, at: frame.on_page(a), error: 1e-5 + 2.0 * frame.error_of_part(part) }
     }
 
+    /// The same for boxes behind the line, too.
+    pub(crate) fn at_all_depths(mut self) -> Self {
+        self.around.high[2] = f32::INFINITY;
+        self
+    }
+
     /// A bit for each box of a row that the line meets.
     #[expect(clippy::needless_bitwise_bool, reason = "boxes are tested together, without branches")]
     pub(crate) fn meets(&self, Row { low, high }: &Row) -> u32 {

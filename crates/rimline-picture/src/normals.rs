@@ -1,19 +1,31 @@
 //! Shading normals: smooth where the surface bends gently, split where it has a crease.
 
+use std::collections::HashMap;
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
 
 /// Faces that meet at more than this angle, in degrees, keep their own normals.
 const CREASE: f32 = 60.0;
 
+/// At a vertex of more faces, neighbours go by rounded normals, of which there are few: else a fan would take the square of its
+/// faces.
+const MANY: usize = 1024;
+
 /// A normal a corner of `faces`, folded onto an octahedron as two 16-bit signed fractions. Neighbours count by area.
 pub fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
     let near = Neighbours::new(positions, faces, None);
+    let sum = |face: usize, vertex: u32| near.of(face, vertex).map(|other| near.areas[other]).sum::<Vec3>();
+    let mut shared = HashMap::new();
     let normal = |(face, vertex): (usize, u32)| {
-        let sum: Vec3 = near.of(face, vertex).map(|other| near.areas[other]).sum();
+        let sum = match near.rounded(face, vertex) {
+            Some(rounded) => *shared.entry((vertex, rounded)).or_insert_with(|| sum(face, vertex)),
+            None => sum(face, vertex),
+        };
         sum.try_normalize().unwrap_or(near.units[face])
     };
     let corners = faces.iter().enumerate().flat_map(|(face, corners)| corners.map(|v| (face, v)));
-    corners.map(|corner| fold(normal(corner))).collect()
+    corners.map(normal).map(fold).collect()
 }
 
 /// Faces around vertices that smooth into each other.
@@ -43,9 +55,24 @@ impl Neighbours {
 
     /// The neighbours of a face at one of its vertices.
     pub(crate) fn of(&self, face: usize, vertex: u32) -> impl Iterator<Item = usize> + '_ {
-        let normal = self.units[face];
-        self.around.faces(vertex).filter(move |&other| self.units[other].dot(normal) > self.cosine)
+        let has_many = self.around.range(vertex).len() > MANY;
+        let direction = move |face: usize| {
+            let unit = self.units[face];
+            if has_many { Vec3::from(rounded(unit).map(f32::from)).normalize_or_zero() } else { unit }
+        };
+        let normal = direction(face);
+        self.around.faces(vertex).filter(move |&other| direction(other).dot(normal) > self.cosine)
     }
+
+    /// The rounded normal of a face at a vertex of many faces: those with the same one have the same neighbours there.
+    pub(crate) fn rounded(&self, face: usize, vertex: u32) -> Option<[i8; 3]> {
+        (self.around.range(vertex).len() > MANY).then(|| rounded(self.units[face]))
+    }
+}
+
+/// A unit vector in eighths, by at most 6.3° beside it: one of about a thousand.
+fn rounded(unit: Vec3) -> [i8; 3] {
+    unit.to_array().map(|c| (8.0 * c).round() as i8)
 }
 
 /// The faces around each vertex.
@@ -76,8 +103,11 @@ impl Around {
     }
 
     fn faces(&self, vertex: u32) -> impl Iterator<Item = usize> + '_ {
-        let range = self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize;
-        self.faces[range].iter().map(|&face| face as usize)
+        self.faces[self.range(vertex)].iter().map(|&face| face as usize)
+    }
+
+    fn range(&self, vertex: u32) -> Range<usize> {
+        self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize
     }
 }
 
@@ -109,6 +139,31 @@ mod tests {
             let a = i as f32;
             let normal = Vec3::new(a.sin(), (2.3 * a).cos(), (0.7 * a).sin()).normalize();
             assert!(unfold(fold(normal)).dot(normal) > 0.999_999, "{normal}");
+        }
+    }
+
+    /// A fan around its tip at this height over a ring of radius 1.
+    fn fan(sides: u32, height: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+        let ring = (0..sides).map(|side| (side as f32 * std::f32::consts::TAU / sides as f32).sin_cos());
+        let positions = std::iter::once([0.0, height, 0.0]).chain(ring.map(|(x, z)| [x, 0.0, z]));
+        (positions.collect(), (0..sides).map(|side| [0, side + 1, (side + 1) % sides + 1]).collect())
+    }
+
+    #[test]
+    fn a_large_fan_takes_no_square_of_its_faces() {
+        let (positions, faces) = fan(300_000, 0.0);
+        let normals = corner_normals(&positions, &faces);
+        assert!(normals.into_iter().all(|normal| unfold(normal).dot(Vec3::Y) > 0.999));
+    }
+
+    #[test]
+    fn rounded_normals_of_a_fan_are_close_to_those_of_all_pairs() {
+        let (positions, faces) = fan(2 * MANY as u32, 1.5);
+        let near = Neighbours::new(&positions, &faces, None);
+        for (face, normals) in corner_normals(&positions, &faces).chunks(3).enumerate().step_by(7) {
+            let is_near = |other: &usize| near.units[*other].dot(near.units[face]) > near.cosine;
+            let sum: Vec3 = (0..faces.len()).filter(is_near).map(|other| near.areas[other]).sum();
+            assert!(unfold(normals[0]).dot(sum.normalize()) > 0.98, "face {face}");
         }
     }
 

@@ -36,9 +36,16 @@ impl Smoothing {
         // The faces of each group, and where they begin; the groups of each vertex, which are few; the group of each corner.
         let (mut members, mut starts) = (Vec::new(), vec![0]);
         let mut known: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
-        let mut groups = Vec::with_capacity(3 * faces.len());
+        let mut groups: Vec<u32> = Vec::with_capacity(3 * faces.len());
+        // Groups at vertices of many faces, by rounded normals.
+        let mut shared: HashMap<(u32, [i8; 3]), u32> = HashMap::new();
         for (corner, &vertex) in faces.as_flattened().iter().enumerate() {
             let (face, vertex, first) = (corner / 3, same[vertex as usize], members.len());
+            let key = near.rounded(face, vertex).map(|rounded| (vertex, rounded));
+            if let Some(&group) = key.and_then(|key| shared.get(&key)) {
+                groups.push(group);
+                continue;
+            }
             let is_within = first < most;
             if is_within {
                 members.extend(near.of(face, vertex).map(|other| other as u32));
@@ -56,7 +63,9 @@ impl Smoothing {
                 known[vertex as usize].push(starts.len() as u32 - 1);
                 starts.push(members.len());
             }
-            groups.push(found.unwrap_or(starts.len() as u32 - 2));
+            let group = found.unwrap_or(starts.len() as u32 - 2);
+            groups.push(group);
+            shared.extend(key.map(|key| (key, group)));
         }
         Self::of_groups(members, &starts, &groups)
     }
@@ -177,13 +186,17 @@ impl NormalPipeline {
 mod tests {
     use super::*;
 
+    /// The sides of a cone of this height.
+    fn cone(sides: u32, height: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+        let ring = (0..sides).map(|side| (side as f32 * std::f32::consts::TAU / sides as f32).sin_cos());
+        let positions = std::iter::once([0.0, height, 0.0]).chain(ring.map(|(x, z)| [x, 0.0, z]));
+        (positions.collect(), (0..sides).map(|side| [0, side + 1, (side + 1) % sides + 1]).collect())
+    }
+
     #[test]
     fn the_tip_of_a_cone_takes_no_more_memory_than_there_may_be() {
         const SIDES: u32 = 60;
-        let ring = (0..SIDES).map(|side| (side as f32 * std::f32::consts::TAU / SIDES as f32).sin_cos());
-        let positions: Vec<[f32; 3]> =
-            std::iter::once([0.0, 10.0, 0.0]).chain(ring.map(|(x, z)| [x, 0.0, z])).collect();
-        let faces: Vec<[u32; 3]> = (0..SIDES).map(|side| [0, side + 1, (side + 1) % SIDES + 1]).collect();
+        let (positions, faces) = cone(SIDES, 10.0);
         // A third of the sides for each of them at the tip; below, corners of a ring vertex share two.
         let whole = Smoothing::of(&positions, &faces);
         assert!(whole.faces.len() > (SIDES * SIDES / 4) as usize, "{}", whole.faces.len());
@@ -193,6 +206,16 @@ mod tests {
         corners.sort_unstable();
         assert_eq!(corners, (0..3 * SIDES).collect::<Vec<_>>());
         assert_eq!(bounded.starts.last(), Some(&[bounded.faces.len() as u32, 3 * SIDES]));
+    }
+
+    #[test]
+    fn a_large_fan_has_few_groups_at_its_tip() {
+        const SIDES: u32 = 200_000;
+        let (positions, faces) = cone(SIDES, 0.0);
+        let fan = Smoothing::of(&positions, &faces);
+        // All share one at the tip, and two each at the ring.
+        assert_eq!(fan.faces.len(), 3 * SIDES as usize);
+        assert_eq!(fan.corners.len(), 3 * SIDES as usize);
     }
 
     #[test]

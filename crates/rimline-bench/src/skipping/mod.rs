@@ -154,11 +154,15 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
         recorder.deform(encoder, timer.as_deref_mut())?;
         recorder.encode(encoder, Until::Volumes(None), timer)
     })?;
+    if !timed.has_stamps {
+        // All that is known is their sum.
+        let mut sample = times([("compute", timed.clock_ms)]);
+        sample.push((Metric::Stage("all stages"), timed.clock_ms));
+        return Ok(sample);
+    }
     let [deform, compute] = [true, false].map(|deforms| timed.of(|name| (name == "deform") == deforms));
-    // Without timestamps all that is known is their sum.
-    let compute = if timed.has_stamps { compute } else { timed.clock_ms };
     let mut sample = times([("deform", deform), ("compute", compute)]);
-    sample.extend(if timed.has_stamps { timed.stages() } else { vec![(Metric::Stage("all stages"), compute)] });
+    sample.extend(timed.stages());
     Ok(sample)
 }
 

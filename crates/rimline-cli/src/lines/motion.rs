@@ -48,6 +48,7 @@ impl<'a> Motion<'a> {
         }
         let bounds = Bounds::of(&corners).ok_or_else(|| Failure::input(&args.files[0], NO_FINITE_FACE))?;
         let still = Eye::new(args, inputs[0].origin(), &corners, &bounds)?;
+        inputs[0].warn_of_mirror(inputs[0].camera(&args.camera, time_s(args, 0))?.as_ref());
         Ok(Self { args, inputs, frames, is_moving, first, bounds, still })
     }
 

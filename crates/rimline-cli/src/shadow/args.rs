@@ -64,6 +64,18 @@ pub(super) fn method_name(counting: Counting) -> &'static str {
     METHODS.iter().find(|(method, ..)| *method == counting).map_or("auto", |(_, name, _)| *name)
 }
 
+/// Whether a way to count takes no orthographic view.
+pub(super) fn needs_perspective(counting: Counting) -> bool {
+    matches!(counting, Counting::ZFail | Counting::ZpPlus2005)
+}
+
+/// Refuses an orthographic view for an option.
+pub(super) fn not_orthographic(option: &str) -> Failure {
+    Failure::usage(format!(
+        "{option} takes a perspective view, and this one is orthographic; leave it out, or leave out --ortho or the --camera"
+    ))
+}
+
 /// The name that an option's value goes by.
 pub(crate) fn value_name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
@@ -167,6 +179,9 @@ impl ShadowSceneArgs {
             return Err(Failure::usage(format!(
                 "--mode {mode} cannot draw soft shadows; leave out --mode {mode}, or --area and radius="
             )));
+        }
+        if self.view.ortho && needs_perspective(self.method) {
+            return Err(not_orthographic(&format!("--method {}", method_name(self.method))));
         }
         Ok(())
     }
@@ -288,6 +303,11 @@ impl ShadowArgs {
     /// Refuses options that do not go together and that clap cannot tell.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         self.scene.check()?;
+        for (option, is_given) in [("--from-depth", self.from_depth.is_some()), ("--depth", self.depth.is_some())] {
+            if is_given && self.scene.view.ortho {
+                return Err(not_orthographic(option));
+            }
+        }
         for (option, is_given) in [
             ("--hide-covered", self.hide_covered),
             ("--depth", self.depth.is_some()),

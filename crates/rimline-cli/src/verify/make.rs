@@ -40,22 +40,40 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     let _folder = Folder::create(folder)?;
     progress.step("opening the device");
     let maker = Maker { folder, device: device::open(&wanted.into())?, progress: &progress };
-    for model in &args.models {
+    // All are read and checked before the first file is written, because files are never written over.
+    let read = |model: &PathBuf| {
         progress.step(format!("reading {}", model.display()));
-        let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
-        if input.polygons().is_some_and(|mesh| mesh.polygons().is_some()) {
-            return Err(Failure::input(model, NpzError::Polygons));
-        }
-        maker.pose(&input, 0.0, &stem(model))?;
-        let mut animations = input.asset().map_or(&[][..], Asset::animations).iter().enumerate();
-        if let Some((index, animation)) = animations.find(|(_, info)| info.fault.is_none()) {
-            let time_s = MOMENT * animation.duration_s;
-            input.playing = vec![index];
-            maker.pose(&input, time_s, &posed(model))?;
-        }
+        read(model, args)
+    };
+    for mut input in args.models.iter().map(read).collect::<Result<Vec<_>, _>>()? {
+        each_pose(&mut input, |input, time_s, name| maker.pose(input, time_s, name))?;
     }
     for scene in stress::scenes(args.faces as usize) {
         maker.scene(scene)?;
+    }
+    Ok(())
+}
+
+/// Reads a model, and refuses one that has no mesh of triangles in each of its poses.
+fn read(model: &Path, args: &VerifyArgs) -> Result<Input, Failure> {
+    let mut input = Input::at_rest(model, &args.load.options(Weld::Data, Polygons::Triangles))?;
+    if input.polygons().is_some_and(|mesh| mesh.polygons().is_some()) {
+        return Err(Failure::input(model, NpzError::Polygons));
+    }
+    each_pose(&mut input, |input, time_s, _| input.scene(time_s, false).map(drop))?;
+    Ok(input)
+}
+
+/// Calls `run` for a model at rest and, if an animation can play, for a moment of the first one: with the time and the name
+/// of the archive.
+fn each_pose(input: &mut Input, run: impl Fn(&Input, f32, &str) -> Result<(), Failure>) -> Result<(), Failure> {
+    input.playing.clear();
+    run(input, 0.0, &stem(&input.file))?;
+    let mut animations = input.asset().map_or(&[][..], Asset::animations).iter().enumerate();
+    if let Some((index, animation)) = animations.find(|(_, info)| info.fault.is_none()) {
+        let time_s = MOMENT * animation.duration_s;
+        input.playing = vec![index];
+        run(input, time_s, &posed(&input.file))?;
     }
     Ok(())
 }

@@ -43,6 +43,15 @@ fn box_has_nine_visible_edges() {
     let front = View::orthographic([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
     let drawing = drawn(&[cuboid([0.0; 3], [1.0; 3])], &front);
     assert_eq!((drawing.spans.len(), visible(&drawing), drawing.chains.len()), (4, 4, 1));
+    // So is that of a row of boxes behind each other, whose lines all lie on those four.
+    let boxes: Vec<Shape> = (0..150_u16)
+        .map(|number| 2.0 * f32::from(number))
+        .map(|y| cuboid([0.0, y, 0.0], [1.0, y + 1.0, 1.0]))
+        .collect();
+    for boxes in [boxes.clone(), boxes.into_iter().rev().collect()] {
+        let drawing = drawn(&boxes, &front);
+        assert_eq!((drawing.spans.len(), visible(&drawing)), (4, 4));
+    }
 }
 
 /// Nothing to draw is an empty drawing.
@@ -294,6 +303,20 @@ fn windows_cut_lines() {
         let is_within =
             |axis: usize| bounds.low[axis] > window.low[axis] - 1e-9 && bounds.high[axis] < window.high[axis] + 1e-9;
         assert!(is_within(0) && is_within(1), "{bounds:?}");
+    }
+}
+
+/// Lines that reach behind the eye are cut, not lost, where the near plane is nearer than depths are rounded.
+#[test]
+fn near_planes_below_the_rounding_of_depths_cut_lines() {
+    let shapes = [shape(vec![[-1.0, 0.3, -0.2], [3.0, 0.4, -0.1], [2.0, -0.5, -0.3]], &[[0, 1, 2]])];
+    let view = View::perspective([0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
+    for near in [1e-6, 1e-30, 1e-300] {
+        let options = LineOptions { near: Some(near), ..LineOptions::default() };
+        let drawing = draw(&objects(&shapes), &view, &options, go_on).expect("drawn");
+        let edges: BTreeSet<_> = drawing.spans.iter().map(|span| span.edge).collect();
+        assert_eq!(edges.len(), 3, "{near}: {drawing:?}");
+        assert!(drawing.spans.iter().flat_map(|span| span.page).flatten().all(f64::is_finite), "{near}: {drawing:?}");
     }
 }
 

@@ -17,7 +17,7 @@ use super::{DesktopError, DesktopOptions};
 use crate::panel::Panel;
 use crate::renderer::Renderer;
 use crate::state::event::Event;
-use crate::state::viewer::{Request, Tone, Viewer};
+use crate::state::viewer::{Request, Viewer};
 
 /// A dialog that ends sooner was never shown.
 const LEAST_DIALOG: Duration = Duration::from_millis(300);
@@ -34,7 +34,8 @@ pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), Des
     let events = EventLoop::<Chosen>::with_user_event();
     let events = { events }.build().map_err(|error| DesktopError::NoDisplay(reason(&error.to_string())))?;
     let proxy = events.create_proxy();
-    let mut app = App { options, viewer, proxy, shown: None, clipboard: None, error: None, wake_at: None };
+    let mut app =
+        App { options, viewer, proxy, shown: None, clipboard: None, error: None, wake_at: None, is_dropping: false };
     events.run_app(&mut app).map_err(|error| DesktopError::Window(error.to_string()))?;
     app.error.map_or(Ok(()), Err)
 }
@@ -43,11 +44,10 @@ pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), Des
 fn open(viewer: &mut Viewer, path: &Path) -> bool {
     let options = rimline_files::ReadOptions { up: viewer.up, ..rimline_files::ReadOptions::default() };
     let file = rimline_files::read(path, &options);
-    viewer.open(&name(path), path.display().to_string(), file);
-    let error = viewer.message.as_ref().filter(|message| message.tone == Tone::Error);
-    if let Some(error) = error {
+    let error = viewer.open(&name(path), path.display().to_string(), file);
+    if let Some(error) = &error {
         // Names may have characters that steer a terminal. Nobody may be there to read.
-        let _ = writeln!(io::stderr(), "rimline: {}", error.text.replace(char::is_control, "\u{fffd}"));
+        let _ = writeln!(io::stderr(), "rimline: {}", error.replace(char::is_control, "\u{fffd}"));
     }
     error.is_none()
 }
@@ -77,6 +77,8 @@ struct App {
     error: Option<DesktopError>,
     /// When the panel wants to be run again.
     wake_at: Option<Instant>,
+    /// Whether files were dropped since the last frame.
+    is_dropping: bool,
 }
 
 /// A window that is open. Fields are dropped in this order.
@@ -248,7 +250,10 @@ impl ApplicationHandler<Chosen> for App {
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
         match files {
-            Some(files) => files.iter().for_each(|file| _ = open(&mut self.viewer, file)),
+            Some(files) => {
+                self.viewer.handle(Event::Opening);
+                files.iter().for_each(|file| _ = open(&mut self.viewer, file));
+            }
             None => self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into())),
         }
         self.redraw();
@@ -269,8 +274,15 @@ impl ApplicationHandler<Chosen> for App {
                 shown.screen.window.request_redraw();
             }
             // egui hears of it, too, or it would wait for the file that it saw coming, and ask for frames meanwhile.
-            WindowEvent::DroppedFile(path) => _ = open(&mut self.viewer, path),
+            WindowEvent::DroppedFile(path) => {
+                // Files that are dropped together come one by one, with no frame between them.
+                if !std::mem::replace(&mut self.is_dropping, true) {
+                    self.viewer.handle(Event::Opening);
+                }
+                open(&mut self.viewer, path);
+            }
             WindowEvent::RedrawRequested => {
+                self.is_dropping = false;
                 if let Err(error) = self.paint() {
                     return self.fail(events, error);
                 }

@@ -64,7 +64,7 @@ fn listen(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, scale: 
         }
     } else {
         point(ui, viewer, response, scale);
-        scroll(ui, viewer, response);
+        scroll(ui, viewer, response, scale);
     }
     fly(ui, viewer);
 }
@@ -122,13 +122,15 @@ fn point(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, scale: f
 }
 
 /// Makes events of a wheel or of fingers beside the screen.
-fn scroll(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response) {
+fn scroll(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, scale: f32) {
     if !response.hovered() {
         return;
     }
     let (modifiers, scrolled, pinched) =
         ui.input(|input| (input.modifiers, input.smooth_scroll_delta(), input.zoom_delta()));
-    if scrolled != egui::Vec2::ZERO {
+    if scrolled != egui::Vec2::ZERO && modifiers.shift {
+        viewer.handle(Event::Panned((scrolled * scale).into()));
+    } else if scrolled != egui::Vec2::ZERO {
         viewer.handle(Event::Scrolled([scrolled.x / 40.0, scrolled.y / 40.0], held(modifiers)));
     }
     if pinched != 1.0 {

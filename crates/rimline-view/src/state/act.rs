@@ -58,14 +58,20 @@ impl Viewer {
                 let at = COUNTINGS.iter().position(|(of, _)| *of == self.options.counting).unwrap_or(0);
                 self.options.counting = COUNTINGS[(at + 1) % COUNTINGS.len()].0;
             }
-            Action::Screenshot => self.requests.push(Request::Screenshot { scale: 1 }),
-            Action::LargeScreenshot => self.requests.push(Request::Screenshot { scale: 4 }),
+            Action::Screenshot => self.ask_for_screenshot(1),
+            Action::LargeScreenshot => self.ask_for_screenshot(4),
             Action::CopyCommand => self.requests.push(Request::Copy(self.command())),
             Action::Close if self.shows_help => self.shows_help = false,
             Action::Close => self.requests.push(Request::Close),
             // No light, or a switch.
             _ => {}
         }
+    }
+
+    /// Its message comes in the place of those before.
+    fn ask_for_screenshot(&mut self, scale: u32) {
+        self.message = None;
+        self.requests.push(Request::Screenshot { scale });
     }
 
     /// Stops, and shows another moment.

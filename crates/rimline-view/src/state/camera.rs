@@ -48,7 +48,8 @@ impl Orbit {
         orbit
     }
 
-    /// The view of a camera of a file on models in `bounds`. It stands upright, and looks with perspective.
+    /// The view of a camera of a file on models in `bounds`. It stands upright, looks with perspective, and never
+    /// mirrors.
     pub fn of_file(camera: &SceneCamera, bounds: &Bounds) -> Self {
         let (eye, forward) = (Vec3::from(camera.eye), Vec3::from(camera.forward));
         let ahead = (bounds.centre() - eye).dot(forward).max(0.1 * bounds.extent());

@@ -35,7 +35,8 @@ pub enum Event {
     Pressed(Button, Modifiers),
     /// A button went up.
     Released,
-    /// The wheel or two fingers scrolled: lines to the right and up. Up is nearer.
+    /// The wheel or two fingers scrolled: lines to the right and up. Up is nearer. With Shift a line moves the camera sideways by 40
+    /// pixels; [`Event::Panned`] says how many.
     Scrolled([f32; 2], Modifiers),
     /// Two fingers moved the picture by so many pixels to the right and down.
     Panned([f32; 2]),
@@ -47,6 +48,8 @@ pub enum Event {
     Flown([f32; 3], f32),
     /// Seconds passed.
     Passed(f32),
+    /// Files were chosen or dropped, and each comes as [`Event::Opened`]. Errors of these are shown together.
+    Opening,
     /// A model was opened, or could not be: its name and why.
     Opened(Result<Box<Body>, (String, String)>),
     /// The scene was replaced, by models of the viewer's own.

@@ -9,15 +9,21 @@ use super::viewer::Viewer;
 
 impl Viewer {
     /// Shows a file that was read, beside those that are shown already and relative to their origin, or says why it
-    /// cannot be shown. `path` is what the command calls it.
-    pub fn open(&mut self, name: &str, path: String, file: Result<File, FileError>) {
+    /// cannot be shown, and returns that. `path` is what the command calls it.
+    pub fn open(&mut self, name: &str, path: String, file: Result<File, FileError>) -> Option<String> {
         let origin = self.opened_origin();
         match file.map_err(BodyError::from).and_then(|file| body(name, path, file, origin)) {
             Ok((body, origin)) => {
                 self.handle(Event::Opened(Ok(Box::new(body))));
                 self.origin = origin;
+                None
             }
-            Err(error) => self.handle(Event::Opened(Err((name.to_owned(), error.to_string())))),
+            Err(error) => {
+                let why = error.to_string();
+                let said = format!("{name}: {why}");
+                self.handle(Event::Opened(Err((name.to_owned(), why))));
+                Some(said)
+            }
         }
     }
 }
@@ -30,4 +36,37 @@ fn body(name: &str, path: String, mut file: File, origin: Option<Origin>) -> Res
     }
     let origin = file.origin();
     Ok((Body::new(name, Some(path), file)?, origin))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rimline_files::{ReadOptions, read_bytes};
+
+    use crate::state::event::Event;
+    use crate::state::viewer::{Tone, Viewer};
+
+    #[test]
+    fn errors_of_files_stay_until_others_are_opened() {
+        let mut viewer = Viewer::new(crate::scenes::moebius().expect("a band"));
+        let mut open = |names: &[&str]| {
+            viewer.handle(Event::Opening);
+            for name in names {
+                let is_good = name.ends_with(".obj");
+                let content: &[u8] =
+                    if is_good { b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" } else { b"this is no model" };
+                let file = read_bytes(content, Some(Path::new(name)), &ReadOptions::default());
+                assert_eq!(viewer.open(name, (*name).to_owned(), file).is_none(), is_good, "{name}");
+            }
+            viewer.message.clone().expect("files were opened")
+        };
+        let failed = open(&["a.glb", "b.obj", "c.glb", "d.obj"]);
+        assert_eq!(failed.tone, Tone::Error);
+        let names: Vec<_> = failed.text.lines().map(|line| line.split(':').next().unwrap_or_default()).collect();
+        assert_eq!(names, ["a.glb", "c.glb"]);
+        let many = open(&["a.glb"; 9]);
+        assert_eq!((many.text.lines().count(), many.details.lines().count()), (7, 3));
+        assert_eq!(open(&["e.obj"]).tone, Tone::Note);
+    }
 }

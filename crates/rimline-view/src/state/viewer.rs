@@ -263,10 +263,9 @@ impl Viewer {
             Event::Acted(action) => self.act(action),
             Event::Flown(by, seconds) => self.orbit.shift(Vec3::from(by) * 0.7 * seconds * self.bounds().extent()),
             Event::Passed(seconds) => self.clock.advance(seconds, self.duration()),
+            Event::Opening => self.message = None,
             Event::Opened(Ok(body)) => self.add(*body),
-            Event::Opened(Err((name, why))) => {
-                self.message = Some(Message::new(Tone::Error, format!("{name}: {why}")));
-            }
+            Event::Opened(Err((name, why))) => self.add_error(&format!("{name}: {why}")),
             Event::Replaced(bodies) => self.replace(bodies),
             Event::Copied(how, line) => self.copied(how, line),
             Event::Message(text) => self.message = Some(Message::new(Tone::Note, text)),
@@ -294,8 +293,29 @@ impl Viewer {
         self.begin();
     }
 
+    /// Says what failed, beside what failed before: in lines, and the rest in details.
+    fn add_error(&mut self, error: &str) {
+        const SHOWN: usize = 6;
+        match &mut self.message {
+            Some(Message { tone: Tone::Error, text, .. }) if text.lines().count() < SHOWN => {
+                *text += "\n";
+                *text += error;
+            }
+            Some(Message { tone: Tone::Error, text, details }) => {
+                if details.is_empty() {
+                    *text += "\n…";
+                } else {
+                    *details += "\n";
+                }
+                *details += error;
+            }
+            _ => self.message = Some(Message::new(Tone::Error, error)),
+        }
+    }
+
     /// Adds a model of a file. Models of files take the place of those of the viewer's own.
     fn add(&mut self, body: Body) {
+        let failed = self.message.take().filter(|message| message.tone == Tone::Error);
         if self.is_built_in && !self.show_opened() {
             self.bodies.clear();
         }
@@ -314,7 +334,7 @@ impl Viewer {
         }
         // The selected light is one of those that stay.
         self.begin();
-        self.message = Some(Message::new(Tone::Note, text));
+        self.message = Some(failed.unwrap_or_else(|| Message::new(Tone::Note, text)));
     }
 
     /// Other models are shown: what belongs to those before ends.

@@ -97,6 +97,7 @@ fn listen_to_page(app: &Shared) -> Result<(), String> {
 
 /// Opens files, or lets the viewer say why they cannot be opened.
 fn open(app: &Shared, list: Option<&web_sys::FileList>) {
+    app.borrow_mut().viewer.handle(Event::Opening);
     let app = Rc::clone(app);
     let take = move |name: &str, file| {
         app.borrow_mut().viewer.open(name, name.to_owned(), file);

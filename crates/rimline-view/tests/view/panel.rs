@@ -11,10 +11,11 @@ use rimline_view::{
 
 use crate::support::{Outcome, handle, hold, say, viewer};
 
-pub(crate) const TESTS: [Test; 10] = [
+pub(crate) const TESTS: [Test; 11] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
     ("the pointer drags a light on the picture", the_pointer_drags_a_light),
     ("what the pointer does within one frame has its order", a_frame_of_many_events),
+    ("the wheel with Shift moves what is seen as far as it scrolls, at every scale", scrolled_sideways),
     ("keys do what the list says", keys),
     ("a bad file gives a message and the viewer goes on", a_bad_file),
     ("a key that is held acts once, or step by step", held_keys),
@@ -33,6 +34,8 @@ pub(crate) struct Stage {
     panel: Panel,
     target: wgpu::TextureView,
     time: f64,
+    /// Pixels of a point.
+    scale: f32,
 }
 
 impl Stage {
@@ -51,18 +54,19 @@ impl Stage {
         });
         let target = target.create_view(&wgpu::TextureViewDescriptor::default());
         let panel = Panel::new(renderer.gpu(), format);
-        Ok(Self { viewer, renderer, panel, target, time: 0.0 })
+        Ok(Self { viewer, renderer, panel, target, time: 0.0, scale: 1.0 })
     }
 
     pub(crate) fn run(&mut self, events: Vec<Heard>) -> PanelOutput {
         self.time += 0.05;
-        let input = RawInput {
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(SIZE[0] as f32, SIZE[1] as f32))),
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(SIZE[0] as f32, SIZE[1] as f32) / self.scale)),
             time: Some(self.time),
             focused: true,
             events,
             ..RawInput::default()
         };
+        input.viewports.entry(egui::ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.scale);
         let output = self.panel.run(input, &mut self.viewer, &mut self.renderer);
         self.panel.paint(self.renderer.gpu(), &self.target, SIZE, &output);
         output
@@ -91,6 +95,30 @@ fn key(key: Key, modifiers: Modifiers) -> Heard {
 
 fn release(key: Key) -> Heard {
     Heard::Key { key, physical_key: None, pressed: false, repeat: false, modifiers: Modifiers::NONE }
+}
+
+fn scrolled_sideways() -> Outcome {
+    for scale in [1.0, 2.0] {
+        let mut stage = Stage::new(scenes::still_life)?;
+        stage.scale = scale;
+        stage.settle()?;
+        stage.run(vec![Heard::PointerMoved(pos2(30.0, 100.0))]);
+        let before = stage.viewer.orbit;
+        // So few points are not spread over frames.
+        let wheel = Heard::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: vec2(5.0, 0.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers: Modifiers::SHIFT,
+        };
+        stage.run(vec![Heard::ModifiersChanged(Modifiers::SHIFT), wheel]);
+        let after = stage.viewer.orbit;
+        let pixels = (after.target - before.target).length() / (stage.viewer.camera().pixel() * before.distance);
+        hold((pixels - 5.0 * scale).abs() < 0.05, format!("5 points at scale {scale} moved it by {pixels} pixels"))?;
+        hold(after.distance == before.distance, "it came nearer, too")?;
+    }
+    Ok(())
 }
 
 fn a_still_panel_asks_for_no_repaint() -> Outcome {
