@@ -252,7 +252,9 @@ impl ApplicationHandler<Chosen> for App {
         match files {
             Some(files) => {
                 self.viewer.handle(Event::Opening);
-                files.iter().for_each(|file| _ = open(&mut self.viewer, file));
+                for file in &files {
+                    _ = open(&mut self.viewer, file);
+                }
             }
             None => self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into())),
         }

@@ -53,7 +53,7 @@ mod tests {
         let mut open = |names: &[&str]| {
             viewer.handle(Event::Opening);
             for name in names {
-                let is_good = name.ends_with(".obj");
+                let is_good = Path::new(name).extension().is_some_and(|ending| ending == "obj");
                 let content: &[u8] =
                     if is_good { b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" } else { b"this is no model" };
                 let file = read_bytes(content, Some(Path::new(name)), &ReadOptions::default());
