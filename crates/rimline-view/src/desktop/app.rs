@@ -249,7 +249,11 @@ impl ApplicationHandler<Chosen> for App {
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
         match files {
             Some(files) => files.iter().for_each(|file| _ = open(&mut self.viewer, file)),
-            None => self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into())),
+            None => {
+                let instead =
+                    "no file dialog here; drop files on the window, or under Wayland name them in the command";
+                self.viewer.handle(Event::Message(instead.into()));
+            }
         }
         self.redraw();
     }
@@ -269,6 +273,7 @@ impl ApplicationHandler<Chosen> for App {
                 shown.screen.window.request_redraw();
             }
             // egui hears of it, too, or it would wait for the file that it saw coming, and ask for frames meanwhile.
+            // winit tells of dropped files under X11, on Windows and macOS, not under Wayland.
             WindowEvent::DroppedFile(path) => _ = open(&mut self.viewer, path),
             WindowEvent::RedrawRequested => {
                 if let Err(error) = self.paint() {
