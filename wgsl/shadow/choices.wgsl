@@ -67,7 +67,7 @@ fn choice_part(caster: u32, batch: u32, view: u32, part: u32) -> vec4<u32> {
   return table[shape.choices_offset + 2u * choice_index(caster, batch, view) + part];
 }
 
-// What the words of the first caster of a group say of all its casters: CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE and
+// The words of the first caster of a group that hold for all its casters: CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE and
 // CHOICE_DIRTY.
 struct GroupChoices {
   may_exclude: u32,

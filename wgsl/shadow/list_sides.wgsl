@@ -25,7 +25,7 @@
 @group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>; // Two counts for each light, then the lists.
-@group(0) @binding(9) var<storage, read> extraction_statistics: ExtractionStatistics; // Of the silhouettes.
+@group(0) @binding(9) var<storage, read> extraction_statistics: ExtractionStatistics; // From the extraction of the silhouettes.
 
 // Appends the side of the edge in a slot to a list, as often as its weight says. If the list is full, only its count grows.
 fn list_edge(slot: u32, bit: u32) {
