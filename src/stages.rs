@@ -73,7 +73,7 @@ stages! {
     COUNTING_METHODS = shadow / counting_methods;
     ZP_PLUS_2005_CASES = shadow / zp_plus_2005_cases;
     CAPS = shadow / caps;
-    LIST_SIDES = shadow / list_sides;
+    LIST_SIDES = shadow / list_sides as list_sides if STATISTICS_READ;
     SHADOW_ARGUMENTS = shadow / shadow_arguments;
     PIECE_ARGUMENTS = shadow / piece_arguments in shadow_arguments;
     STENCIL_PENCIL = shadow / stencil_pencil;

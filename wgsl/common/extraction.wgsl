@@ -58,16 +58,23 @@ struct EdgeMasks {
   winding: u32, // Face 0 faces the light. If only face 1 counts: the bit that face 0 would have (edges.wgsl).
 }
 
+// A binding that is only read cannot hold atomics.
+#if STATISTICS_READ
+alias StatisticsWord = u32;
+#else
+alias StatisticsWord = atomic<u32>;
+#endif
+
 struct ExtractionStatistics {
-  non_finite_faces: atomic<u32>, // Faces with an infinite or NaN vertex. They face no light.
+  non_finite_faces: StatisticsWord, // Faces with an infinite or NaN vertex. They face no light.
   // Lists that overflowed. The draws of their lights have an instance for every edge; the vertex shader drops the others.
-  overflowed_lists: atomic<u32>,
+  overflowed_lists: StatisticsWord,
   // Pairs of face and light that the filter passed to exact arithmetic, and those of them whose determinant is zero.
-  undecided_pairs: atomic<u32>,
-  exact_zeros: atomic<u32>,
+  undecided_pairs: StatisticsWord,
+  exact_zeros: StatisticsWord,
   // Lights for which a polygon is twisted: its boundary crosses itself as seen from light L, so it has lit and dark parts.
   // Bit n stands for the lights n, n + 32, …
-  twisted_lights: atomic<u32>,
+  twisted_lights: StatisticsWord,
 }
 
 // Statistics and the list of undecided faces. They share a binding, because a stage may have only eight storage buffers.

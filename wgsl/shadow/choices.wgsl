@@ -67,6 +67,20 @@ fn choice_part(caster: u32, batch: u32, view: u32, part: u32) -> vec4<u32> {
   return table[shape.choices_offset + 2u * choice_index(caster, batch, view) + part];
 }
 
+// The words of the first caster of a group that hold for all its casters: CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE and
+// CHOICE_DIRTY.
+struct GroupChoices {
+  may_exclude: u32,
+  does_exclude: u32,
+  dirty: u32,
+}
+
+// The choices for the group of casters in `shape`, a batch and a view, from the table.
+fn group_choices(batch: u32, view: u32) -> GroupChoices {
+  let words = choice_part(shape.first_caster, batch, view, 1u);
+  return GroupChoices(words.y, words.z, words.w); // Words 5 to 7.
+}
+
 // The light with all choices for a caster and a view, from the table.
 fn with_stored_choices(caster: u32, light: ShadowLight, light_index: u32, view: u32) -> ShadowLight {
   let words = choice_part(caster, light_index / 32u, view, 0u);

@@ -25,7 +25,7 @@
 @group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>; // Two counts for each light, then the lists.
-@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>; // `ExtractionStatistics` of the silhouettes.
+@group(0) @binding(9) var<storage, read> extraction_statistics: ExtractionStatistics; // From the extraction of the silhouettes.
 
 // Appends the side of the edge in a slot to a list, as often as its weight says. If the list is full, only its count grows.
 fn list_edge(slot: u32, bit: u32) {
@@ -50,14 +50,11 @@ fn list_edge(slot: u32, bit: u32) {
 }
 
 // Whether all edges with sides are in the light's list of silhouettes.
-fn has_all_silhouettes(bit: u32) -> bool {
-  // Words 4 to 7 of the first caster's choices.
-  let group_words = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
-  // Whether any light lies in the plane of a face. If not, a light in the box of a caster excludes no face. Word 3 is
-  // `exact_zeros`. It does not count cached facing, for which CACHED_ZEROS tells.
-  let has_zeros = extraction_statistics[3] != 0u || silhouette_counts[CACHED_ZEROS] != 0u;
-  let excluding_lights = group_words[CHOICE_DOES_EXCLUDE - 4u] |
-    select(0u, group_words[CHOICE_MAY_EXCLUDE - 4u], has_zeros);
+fn has_all_silhouettes(choices: GroupChoices, bit: u32) -> bool {
+  // Whether any light lies in the plane of a face. If not, a light in the box of a caster excludes no face. Statistics do
+  // not count cached facing, for which CACHED_ZEROS tells.
+  let has_zeros = extraction_statistics.exact_zeros != 0u || silhouette_counts[CACHED_ZEROS] != 0u;
+  let excluding_lights = choices.does_exclude | select(0u, choices.may_exclude, has_zeros);
   return silhouette_counts[bit] <= shape.capacity && ((excluding_lights >> bit) & 1u) == 0u;
 }
 
@@ -68,11 +65,11 @@ fn list_sides(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y; // The light's index in the batch, and its bit in masks.
-  let group_words = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
-  if (((group_words[CHOICE_DIRTY - 4u] >> bit) & 1u) == 0u) {
+  let choices = group_choices(draw.first_light / 32u, draw.view);
+  if (((choices.dirty >> bit) & 1u) == 0u) {
     return;
   }
-  let is_from_silhouettes = has_all_silhouettes(bit);
+  let is_from_silhouettes = has_all_silhouettes(choices, bit);
   let items = select(shape.edges, silhouette_counts[bit], is_from_silhouettes);
   // Turns: LISTED_ITEMS.
   for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {

@@ -34,7 +34,8 @@ pub(crate) fn run() -> Result<(), String> {
     let mut build = process::cargo(["build", "--release", "--package", "rimline-cli", "--package", "rimline-models"]);
     // Pictures need no measurements and no charts.
     build.arg("--no-default-features");
-    process::run(&mut build)?;
+    // Whoever only looks at pictures debugs nothing, and the profile's debug information takes time and space.
+    process::run(build.env("CARGO_PROFILE_RELEASE_DEBUG", "0"))?;
     let demo = process::root().join("demo");
     std::fs::create_dir_all(&demo).map_err(|error| format!("cannot make {}: {error}", demo.display()))?;
     for (file, model, arguments) in MODELS {

@@ -11,6 +11,9 @@ pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 /// Debian's toolchain for browsers, which has no compiled standard library for them.
 const DEBIAN: &str = "rustc-web cargo-web rust-web-src rust-web-llvm lld-22";
 
+/// The files of the page.
+const FILES: [&str; 3] = ["index.html", "rimline.js", "rimline_bg.wasm"];
+
 /// Bytes of all three files, compressed.
 const MOST: u64 = 6 << 20;
 
@@ -32,6 +35,7 @@ pub(crate) fn build() -> Result<PathBuf, String> {
         println!("note: wasm-opt is not installed; it would make the page smaller (Debian's package binaryen)");
     }
     write_index(&page)?;
+    check_files(&page)?;
     report(&page)?;
     Ok(page)
 }
@@ -125,11 +129,20 @@ fn base64(bytes: &[u8]) -> String {
     bytes.chunks(3).flat_map(quartet).collect()
 }
 
+/// The page has its three files and no others: a host is given the folder as it is.
+fn check_files(page: &Path) -> Result<(), String> {
+    let unreadable = |error: std::io::Error| format!("cannot read {}: {error}", page.display());
+    let entries = fs::read_dir(page).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(unreadable)?;
+    let mut names: Vec<_> = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    if names == FILES { Ok(()) } else { Err(format!("{} has {names:?} instead of {FILES:?}", page.display())) }
+}
+
 /// Prints the size of each file, and fails if all are too large together.
 fn report(page: &Path) -> Result<(), String> {
     let mut total = 0;
     println!();
-    for file in ["index.html", "rimline.js", "rimline_bg.wasm"] {
+    for file in FILES {
         let path = page.join(file);
         let bytes = fs::metadata(&path).map_err(|error| format!("{}: {error}", path.display()))?.len();
         // Where there is no gzip, the bytes as they are.

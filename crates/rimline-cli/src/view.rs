@@ -15,7 +15,7 @@ use crate::spec;
 #[command(help_template = verbatim(EXAMPLES), mut_arg("device", drawing_device))]
 pub(crate) struct WindowArgs {
     /// Models: .gltf, .glb, .obj, .ply, .stl or .npz. Without any, a built-in scene is shown. More can be dropped on
-    /// the window
+    /// the window, but not under Wayland
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
 

@@ -12,8 +12,8 @@ use crate::gpu::common::requirements::{Subject, check_same, check_sample_shading
 use crate::gpu::scene::frame::{EncodedView, SceneFrame};
 use crate::gpu::scene::handles::LightHandle;
 
-/// Lights whose bits one pass writes.
-const GROUP: usize = 32;
+/// Lights of a batch: one pass writes their bits.
+const BATCH: usize = 32;
 
 /// Pipelines, and a depth and stencil buffer that Rimline owns, for [`SceneFrame::write_masks`].
 ///
@@ -263,9 +263,9 @@ impl SceneFrame {
             }
             return Ok(());
         };
-        let groups = bounds.chunks(GROUP).zip(views.chunks(GROUP / inputs.lights_a_layer()?));
-        let last = groups.len() - 1;
-        for (number, (lights, views)) in groups.enumerate() {
+        let batches = bounds.chunks(BATCH).zip(views.chunks(BATCH / inputs.lights_a_layer()?));
+        let last = batches.len() - 1;
+        for (number, (lights, views)) in batches.enumerate() {
             let color = writing.as_ref().map(|(_, bits)| &bits.view).or(views.first());
             let mut pass = begin(encoder, color, &stencil.view, convention.depth, [number == 0, number == last]);
             pass.set_bind_group(0, &depth_group, &[]);

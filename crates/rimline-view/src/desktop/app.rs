@@ -256,7 +256,11 @@ impl ApplicationHandler<Chosen> for App {
                     _ = open(&mut self.viewer, file);
                 }
             }
-            None => self.viewer.handle(Event::Message("no file dialog here; drop files on the window".into())),
+            None => {
+                let instead =
+                    "no file dialog here; drop files on the window, or under Wayland name them in the command";
+                self.viewer.handle(Event::Message(instead.into()));
+            }
         }
         self.redraw();
     }
@@ -276,6 +280,7 @@ impl ApplicationHandler<Chosen> for App {
                 shown.screen.window.request_redraw();
             }
             // egui hears of it, too, or it would wait for the file that it saw coming, and ask for frames meanwhile.
+            // winit tells of dropped files under X11, on Windows and macOS, not under Wayland.
             WindowEvent::DroppedFile(path) => {
                 // Files that are dropped together come one by one, with no frame between them.
                 if !std::mem::replace(&mut self.is_dropping, true) {
