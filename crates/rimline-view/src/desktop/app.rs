@@ -249,18 +249,14 @@ impl ApplicationHandler<Chosen> for App {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
-        match files {
-            Some(files) => {
-                self.viewer.handle(Event::Opening);
-                for file in &files {
-                    _ = open(&mut self.viewer, file);
-                }
+        if let Some(files) = files {
+            self.viewer.handle(Event::Opening);
+            for file in &files {
+                _ = open(&mut self.viewer, file);
             }
-            None => {
-                let instead =
-                    "no file dialog here; drop files on the window, or under Wayland name them in the command";
-                self.viewer.handle(Event::Message(instead.into()));
-            }
+        } else {
+            let instead = "no file dialog here; drop files on the window, or under Wayland name them in the command";
+            self.viewer.handle(Event::Message(instead.into()));
         }
         self.redraw();
     }
