@@ -48,6 +48,8 @@ pub struct Skipping {
     pub view: bool,
     /// Shadows that fall on nothing that is seen.
     pub receivers: bool,
+    /// Deforming casters that neither the picture nor a shadow in it needs.
+    pub casters: bool,
     /// Facing bits of what did not change.
     pub bits: bool,
     /// Lists of what did not change.
@@ -58,7 +60,7 @@ pub struct Skipping {
 
 impl Default for Skipping {
     fn default() -> Self {
-        Self { range: true, view: true, receivers: true, bits: true, lists: true, faces: true }
+        Self { range: true, view: true, receivers: true, casters: true, bits: true, lists: true, faces: true }
     }
 }
 
