@@ -12,7 +12,7 @@ use rimline_view::{
 
 use crate::support::{Outcome, drag, finish, gpu, handle, hold, on_ground, picture, say, viewer};
 
-pub(crate) const TESTS: [Test; 12] = [
+pub(crate) const TESTS: [Test; 13] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
@@ -20,6 +20,7 @@ pub(crate) const TESTS: [Test; 12] = [
     ("counting methods and levels of skipping change no picture", switches_change_no_picture),
     ("a model that nothing seen needs is left out, if that is wanted", casters_that_are_not_needed),
     ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
+    ("creases are drawn where faces meet at an edge", creases),
     ("cameras of the file are looked through", cameras),
     ("models have their base colours, or are of clay", base_colors),
     ("built-in scenes are drawn in every moment", scenes_are_drawn),
@@ -309,6 +310,18 @@ fn overlays_change_the_picture() -> Outcome {
         hold((now == before) == (mode == Mode::Additive), name)?;
     }
     Ok(())
+}
+
+fn creases() -> Outcome {
+    // The still life has a block.
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [240, 160])?;
+    let before = picture(&viewer, &mut renderer)?;
+    viewer.handle(Event::Acted(Action::Creases));
+    let now = picture(&viewer, &mut renderer)?;
+    let changed = now.pixels.iter().zip(&before.pixels).filter(|(a, b)| a != b).count();
+    hold((30..4000).contains(&changed), format!("creases change {changed} pixels"))?;
+    viewer.handle(Event::Acted(Action::Creases));
+    hold(picture(&viewer, &mut renderer)? == before, "creases did not go back")
 }
 
 /// A block with cameras.
