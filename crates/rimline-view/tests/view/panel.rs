@@ -111,7 +111,10 @@ fn a_still_panel_asks_for_no_repaint() -> Outcome {
         stage.run(Vec::new());
         stage.renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
     }
-    hold(stage.renderer.counters().scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
+    let counters = stage.renderer.counters();
+    hold(counters.scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
+    let (made, all) = (counters.bytes, counters.device_bytes);
+    hold(made > 0 && all.is_none_or(|all| all > made), format!("{made} bytes of {all:?} on the device"))?;
     stage.settle()?;
     let pictures = stage.renderer.pictures();
     stage.settle()?;
