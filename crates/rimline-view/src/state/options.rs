@@ -6,7 +6,8 @@ use rimline_picture::Mode;
 
 use super::keys::Action;
 
-/// Overlays of the picture.
+/// Overlays of the picture. Clusters of faces and the depths of receivers have none: scenes keep both on the device and give no
+/// access to them. The counters say how much work they save.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct Overlays {
