@@ -30,20 +30,8 @@ pub(crate) struct ModelArgs {
 /// How models are read, and how their vertices are joined.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct ReadArgs {
-    /// Which vertices are joined to one
-    #[arg(long, value_enum, default_value_t = WeldArg::Data)]
-    weld: WeldArg,
-
-    /// Join no vertices: use them as they are in the file
-    #[arg(long, conflicts_with = "weld")]
-    no_weld: bool,
-
-    /// Also join vertices that are at most D apart, in the units of each mesh of the file, and vertices that others
-    /// join to each other. All of them take the lexicographically smallest of their positions. It closes seams that
-    /// rounding left open (`rimline info` says which). Vertices whose skin or morph data differ are joined only with
-    /// `--weld position`
-    #[arg(long, value_name = "D", conflicts_with = "no_weld", allow_hyphen_values = true, value_parser = spec::weld_distance)]
-    weld_distance: Option<WeldDistance>,
+    #[command(flatten)]
+    weld: WeldArgs,
 
     /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a
     /// light or the eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn
@@ -60,10 +48,32 @@ pub(crate) struct ReadArgs {
 
 impl ReadArgs {
     pub(crate) fn options(self) -> ReadOptions {
-        self.load.options(self.weld(), if self.polygons { Polygons::Whole } else { Polygons::Triangles })
+        let polygons = if self.polygons { Polygons::Whole } else { Polygons::Triangles };
+        self.load.options(self.weld.weld(), polygons)
     }
+}
 
-    fn weld(self) -> Weld {
+/// How vertices are joined.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct WeldArgs {
+    /// Which vertices are joined to one
+    #[arg(long, value_enum, default_value_t = WeldArg::Data)]
+    weld: WeldArg,
+
+    /// Join no vertices: use them as they are in the file
+    #[arg(long, conflicts_with = "weld")]
+    no_weld: bool,
+
+    /// Also join vertices that are at most D apart, in the units of each mesh of the file, and vertices that others
+    /// join to each other. All of them take the lexicographically smallest of their positions. It closes seams that
+    /// rounding left open (`rimline info` says which). Vertices whose skin or morph data differ are joined only with
+    /// `--weld position`
+    #[arg(long, value_name = "D", conflicts_with = "no_weld", allow_hyphen_values = true, value_parser = spec::weld_distance)]
+    weld_distance: Option<WeldDistance>,
+}
+
+impl WeldArgs {
+    pub(crate) fn weld(self) -> Weld {
         match (self.weld, self.weld_distance) {
             _ if self.no_weld => Weld::Keep,
             (WeldArg::Data, None) => Weld::Data,
@@ -230,7 +240,7 @@ pub(crate) struct LoadArgs {
 }
 
 /// Reads the axis that is up.
-pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
+fn up() -> impl TypedValueParser<Value = Up> {
     PossibleValuesParser::new(["y", "z"]).map(|axis| if axis == "z" { Up::Z } else { Up::Y })
 }
 

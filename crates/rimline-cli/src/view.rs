@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use rimline_files::Up;
+use rimline_files::Polygons;
 use rimline_view::desktop::{DesktopError, DesktopOptions, run as open_window};
 
 use crate::device::Wanted;
 use crate::failure::{DRAW_ON_CPU, Failure, NoDevice};
-use crate::input_args::{drawing_device, up, verbatim};
+use crate::input_args::{LoadArgs, WeldArgs, drawing_device, verbatim};
 use crate::spec;
 
 #[derive(Args, Debug)]
@@ -27,23 +27,27 @@ pub(crate) struct WindowArgs {
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
     device: Wanted,
 
-    /// The axis of an .obj, .ply, .stl or .npz that is up. With `z`, as files of CAD often have it, (x, y, z) of the file is (x, z,
-    /// -y) in the copied line. A glTF is always y up
-    #[arg(long, value_name = "y|z", value_parser = up(), default_value = "y")]
-    up: Up,
-
     /// The folder that screenshots go to
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     pictures: PathBuf,
+
+    #[command(flatten)]
+    weld: WeldArgs,
+
+    #[command(flatten)]
+    load: LoadArgs,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   rimline view                          a walking figure; N shows the next scene
   rimline view fox.glb house.obj
+  rimline view --weld position scan.obj   seams of split vertices are joined
 
-Drag a light by its handle, or elsewhere to turn. ? lists the keys. C copies the view as
-a line of `rimline shadow`, without shadows of `draw` or `lines`, which needs no window.
+Drag a light by its handle, or elsewhere to turn. ? lists the keys, and Tab goes through
+the panel, so nothing needs a pointer. C copies the view as a line of `rimline shadow`,
+without shadows of `draw` or `lines`, which needs no window. Options of files hold for
+those that are dropped on the window, too.
 Overlays but volumes, flat faces and a missing ground have no option there: the message
 says what of the view is not in the line.
 ";
@@ -59,7 +63,8 @@ pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
         size: args.size,
         device,
         pictures: args.pictures.clone(),
-        up: args.up,
+        // Triangles are drawn, and decide.
+        read: args.load.options(args.weld.weld(), Polygons::Triangles),
     };
     open_window(options).map_err(|error| match error {
         DesktopError::NoGpu => NoDevice::none().into(),

@@ -25,6 +25,17 @@ pub enum Format {
 }
 
 impl Format {
+    /// The name of the format, as the command takes it: `gltf`, `obj`, `ply`, `stl` or `npz`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gltf => "gltf",
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::Stl => "stl",
+            Self::Npz => "npz",
+        }
+    }
+
     /// The format of a file: by how it begins, or, where that says nothing, by its ending. `None` if neither says it. Leaves
     /// the reader at its start.
     ///

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use rimline_files::{ReadOptions, read_bytes};
+use rimline::mesh::Weld;
+use rimline_files::{Format, ReadOptions, Up, read_bytes};
 use rimline_testkit::device::Gpu as Device;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::shapes;
@@ -11,10 +12,13 @@ use rimline_view::{Event, Gpu, Lamp, LampKind, Mode, Renderer, Viewer, scenes};
 
 use super::makers::npz_model;
 use super::pictures::apart;
-use super::run::{Folder, folder, run_command};
+use super::run::{Folder, folder, rimline, run_command};
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[("view::a_copied_command_draws_the_picture_of_the_viewer", copied)];
+pub(crate) const TESTS: &[Test] = &[
+    ("view::a_copied_command_draws_the_picture_of_the_viewer", copied),
+    ("view::a_copied_command_reads_files_as_the_viewer_did", read_alike),
+];
 
 const SIZE: [u32; 2] = [320, 240];
 
@@ -31,6 +35,23 @@ fn screenshot(renderer: &mut Renderer, viewer: &Viewer) -> Result<Vec<u8>, Strin
     Ok(pollster::block_on(picture).map_err(text)?.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect())
 }
 
+fn renderer() -> Result<Renderer, String> {
+    let device = Device::shared_with_depth_features()?;
+    let gpu = Gpu::of(device.device.clone(), device.queue.clone(), device.name.clone(), true);
+    Renderer::new(gpu).map_err(text)
+}
+
+/// A viewer of one file.
+fn viewer(model: &[u8], read: ReadOptions) -> Result<Viewer, String> {
+    let mut viewer = Viewer::new(scenes::moebius().map_err(text)?);
+    viewer.handle(Event::Resized(SIZE));
+    viewer.read = read;
+    let file = read_bytes(model, Some(Path::new("torus.npz")), &viewer.read);
+    viewer.open("torus.npz", "torus.npz".into(), file);
+    ensure!(!viewer.is_built_in(), "{:?}", viewer.message);
+    Ok(viewer)
+}
+
 /// Channels of the picture that a command draws in a folder.
 fn drawn(folder: &Folder, command: &str) -> Result<Vec<u8>, String> {
     let words = command.strip_prefix("rimline ").ok_or("another command")?.split(' ');
@@ -43,13 +64,7 @@ fn copied() -> Outcome {
     let folder = folder();
     let model = npz_model(&shapes::torus(24, 16, 1.0, 0.4), 1.0, [3.0, 1.0, -2.0]);
     folder.write("torus.npz", &model)?;
-    let device = Device::shared_with_depth_features()?;
-    let gpu = Gpu::of(device.device.clone(), device.queue.clone(), device.name.clone(), true);
-    let mut renderer = Renderer::new(gpu).map_err(text)?;
-    let mut viewer = Viewer::new(scenes::moebius().map_err(text)?);
-    viewer.handle(Event::Resized(SIZE));
-    let file = read_bytes(&model, Some(Path::new("torus.npz")), &ReadOptions::default());
-    viewer.open("torus.npz", "torus.npz".into(), file);
+    let (mut renderer, mut viewer) = (renderer()?, viewer(&model, ReadOptions::default())?);
     let bounds = viewer.bounds();
     let spot = |viewer: &mut Viewer| viewer.lamps[0].set_spot(true, &bounds);
     let states: [State<'_>; 5] = [
@@ -87,4 +102,26 @@ fn copied() -> Outcome {
     let count = apart([&screenshot(&mut renderer, &viewer)?, &around], 3, CHANNEL)?;
     ensure!(count > 1000, "only {count} pixels differ");
     Ok(())
+}
+
+fn read_alike() -> Outcome {
+    let folder = folder();
+    let model = npz_model(&shapes::torus(24, 16, 1.0, 0.4), 1.0, [3.0, 1.0, -2.0]);
+    folder.write("torus.npz", &model)?;
+    let (weld, format) = (Weld::Position, Some(Format::Npz));
+    let read =
+        ReadOptions { weld, format, memory_limit: 1 << 30, allow_outside: true, up: Up::Z, ..ReadOptions::default() };
+    let viewer = viewer(&model, read)?;
+    let command = viewer.command();
+    let options = " --weld position --memory-limit 1073741824 --input-format npz --allow-outside --up z ";
+    ensure!(command.contains(options), "{command}");
+    let (shown, drawn) = (screenshot(&mut renderer()?, &viewer)?, drawn(&folder, &command)?);
+    let count = apart([&shown, &drawn], 3, CHANNEL)?;
+    ensure!(count == 0, "{count} pixels are apart: {command}");
+    // The window's own command takes them, too, and then opens no file: there is none.
+    let words = ["view", "--weld-distance", "0.1", "--no-weld", "nope.npz"];
+    rimline(words).expect(2, &["--no-weld"])?;
+    let words =
+        "view --weld position --weld-distance 0.1 --input-format npz --memory-limit 1GiB --allow-outside nope.npz";
+    rimline(words.split(' ')).expect(1, &["nope.npz"])
 }

@@ -42,8 +42,7 @@ pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), Des
 
 /// Opens a file, or prints why it cannot be opened; the viewer says so, too.
 fn open(viewer: &mut Viewer, path: &Path) -> bool {
-    let options = rimline_files::ReadOptions { up: viewer.up, ..rimline_files::ReadOptions::default() };
-    let file = rimline_files::read(path, &options);
+    let file = rimline_files::read(path, &viewer.read);
     let error = viewer.open(&name(path), path.display().to_string(), file);
     if let Some(error) = &error {
         // Names may have characters that steer a terminal. Nobody may be there to read.

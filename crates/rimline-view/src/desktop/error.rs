@@ -32,11 +32,11 @@ pub enum DesktopError {
     },
     /// No adapter can draw onto the window.
     #[error(
-        "no GPU can draw onto this display (found: {found}); on Linux install a Vulkan driver, such as mesa-vulkan-drivers; \
-         `rimline shadow` draws to a file on any of them"
+        "none of these can draw onto this display: {found}; open the window on a display of the GPU's own, or on Linux install \
+         a driver that draws onto any, such as mesa-vulkan-drivers; `rimline shadow` draws to a file on all of them"
     )]
     NoAdapter {
-        /// Adapters that were found.
+        /// Adapters that were found, or those of them that have the name that was asked for.
         found: String,
     },
     /// The picture cannot be drawn.
@@ -45,4 +45,16 @@ pub enum DesktopError {
     /// A built-in scene cannot be made.
     #[error(transparent)]
     Body(#[from] BodyError),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DesktopError;
+
+    #[test]
+    fn devices_that_cannot_present_are_not_called_missing() {
+        let said = DesktopError::NoAdapter { found: "GeForce (Vulkan)".into() }.to_string();
+        assert!(said.starts_with("none of these can draw onto this display: GeForce (Vulkan); "), "{said}");
+        assert!(!said.contains("no GPU"), "{said}");
+    }
 }

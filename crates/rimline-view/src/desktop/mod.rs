@@ -8,7 +8,7 @@ mod surface;
 use std::path::PathBuf;
 
 pub use error::DesktopError;
-use rimline_files::Up;
+use rimline_files::ReadOptions;
 
 use crate::state::viewer::Viewer;
 
@@ -23,14 +23,15 @@ pub struct DesktopOptions {
     pub device: Option<String>,
     /// Where screenshots go.
     pub pictures: PathBuf,
-    /// The axis that is up in files that do not say it.
-    pub up: Up,
+    /// How files are read, also those that are opened later. Polygons are drawn as triangles in any case.
+    pub read: ReadOptions,
 }
 
 impl Default for DesktopOptions {
     /// A built-in scene at 1280 × 800 on any device. Screenshots go to the current folder.
     fn default() -> Self {
-        Self { files: Vec::new(), size: [1280, 800], device: None, pictures: PathBuf::from("."), up: Up::Y }
+        let read = ReadOptions::default();
+        Self { files: Vec::new(), size: [1280, 800], device: None, pictures: PathBuf::from("."), read }
     }
 }
 
@@ -40,6 +41,6 @@ impl Default for DesktopOptions {
 /// [`DesktopError`] if there is no display, or nothing that can draw onto it.
 pub fn run(options: DesktopOptions) -> Result<(), DesktopError> {
     let mut viewer = Viewer::new(crate::scenes::walking_figure()?);
-    viewer.up = options.up;
+    viewer.read = options.read;
     app::run(options, viewer)
 }

@@ -121,6 +121,7 @@ async fn adapter(
     if let Some(name) = device.filter(|_| wanted.is_empty()) {
         return Err(DesktopError::NotNamed { name: name.to_owned(), found });
     }
+    let tried: Vec<String> = wanted.iter().map(name).collect();
     let mut fitting = wanted.into_iter().filter(|adapter| adapter.is_surface_supported(surface));
-    fitting.next().ok_or_else(|| DesktopError::NoAdapter { found: found.join(", ") })
+    fitting.next().ok_or_else(|| DesktopError::NoAdapter { found: tried.join(", ") })
 }

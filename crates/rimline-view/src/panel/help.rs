@@ -24,6 +24,7 @@ pub(super) fn show(context: &egui::Context, viewer: &mut Viewer) {
             "Drag elsewhere to turn; with Shift, the right or the middle button to move sideways.",
             "Scroll or pinch for nearer and farther. Two fingers on a screen move sideways, too.",
             "W, A, S, D, Q and E fly.",
+            "Tab goes through the panel: Space, arrows and numbers change what is there. Escape comes back.",
             "Drop files on the window to open them: several at once, too. Under Wayland press O instead.",
         ] {
             ui.colored_label(style::DIM, text);

@@ -51,14 +51,13 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
 fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
     let extent = bounds.extent();
     match &mut lamp.kind {
-        LampKind::Point(at) => numbers(ui, "at", at, 0.01 * extent),
-        LampKind::Sun(towards) => {
-            let mut given = *towards;
-            numbers(ui, "from", &mut given, 0.01);
-            if given != *towards {
-                *towards = given.normalize_or(*towards);
+        LampKind::Point(at) => {
+            numbers(ui, "at", at, 0.01 * extent);
+            if let Some((axis, _)) = &mut lamp.cone {
+                direction(ui, "aim", axis);
             }
         }
+        LampKind::Sun(towards) => direction(ui, "from", towards),
     }
     ui.horizontal_wrapped(|ui| {
         if let LampKind::Sun(_) = lamp.kind {
@@ -75,7 +74,7 @@ fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
             let mut degrees = angle.to_degrees();
             let value = egui::DragValue::new(&mut degrees).range(1.0..=89.0).speed(0.25).suffix("°");
             if ui.add(value.clamp_existing_to_range(false)).changed() {
-                *angle = degrees.to_radians();
+                *angle = degrees.clamp(1.0, 89.0).to_radians();
             }
         }
     });
@@ -88,7 +87,20 @@ fn length(ui: &mut egui::Ui, name: &str, value: &mut Option<f32>, usual: f32, ra
         *value = is_given.then_some(usual);
     }
     if let Some(value) = value {
-        ui.add(egui::DragValue::new(value).range(range).clamp_existing_to_range(false).speed(0.01 * usual));
+        let shown = egui::DragValue::new(value).range(range.clone()).clamp_existing_to_range(false);
+        if ui.add(shown.speed(0.01 * usual)).changed() {
+            // Arrow keys go on past the range.
+            *value = value.clamp(*range.start(), *range.end());
+        }
+    }
+}
+
+/// A direction of length 1.
+fn direction(ui: &mut egui::Ui, name: &str, towards: &mut Vec3) {
+    let mut given = *towards;
+    numbers(ui, name, &mut given, 0.01);
+    if given != *towards {
+        *towards = given.normalize_or(*towards);
     }
 }
 

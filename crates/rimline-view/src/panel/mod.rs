@@ -40,6 +40,8 @@ pub struct Panel {
     refine_at: Option<f64>,
     /// The key that went down last, and whether with Shift, until a key goes up.
     pressed: Option<(egui::Key, bool)>,
+    /// The widget that had the keyboard in the last run.
+    focused: Option<egui::Id>,
     deltas: egui::TexturesDelta,
 }
 
@@ -69,6 +71,7 @@ impl Panel {
             was_busy: false,
             refine_at: None,
             pressed: None,
+            focused: None,
             deltas: egui::TexturesDelta::default(),
         }
     }
@@ -98,7 +101,7 @@ impl Panel {
         let has_news = renderer.poll();
         let full = self.context.clone().run_ui(input, |ui| {
             if viewer.shows_panel {
-                side_panel(ui, viewer, renderer, &self.history);
+                side_panel(ui, viewer, renderer, &self.history, &mut self.focused);
             }
             if viewer.duration() > 0.0 {
                 egui::Panel::bottom("time").frame(style::strip()).show(ui, |ui| time::show(ui, viewer));
@@ -219,7 +222,13 @@ fn take_key(event: &egui::Event, is_repeated: bool, viewer: &mut Viewer) -> bool
     true
 }
 
-fn side_panel(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, history: &VecDeque<f32>) {
+fn side_panel(
+    ui: &mut egui::Ui,
+    viewer: &mut Viewer,
+    renderer: &Renderer,
+    history: &VecDeque<f32>,
+    focused: &mut Option<egui::Id>,
+) {
     egui::Panel::right("panel").exact_size(302.0).resizable(false).frame(style::panel()).show(ui, |ui| {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             title(ui, viewer);
@@ -227,8 +236,21 @@ fn side_panel(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, histo
             lights::show(ui, viewer);
             switches::show(ui, viewer);
             statistics::show(ui, viewer, renderer, history);
+            follow(ui, focused);
         });
     });
+}
+
+/// Scrolls to the widget that the keyboard went to.
+fn follow(ui: &egui::Ui, focused: &mut Option<egui::Id>) {
+    let now = ui.ctx().memory(egui::Memory::focused);
+    if std::mem::replace(focused, now) == now {
+        return;
+    }
+    let widget = now.and_then(|id| ui.ctx().read_response(id)).filter(|widget| widget.layer_id == ui.layer_id());
+    if let Some(widget) = widget {
+        ui.scroll_to_rect_animation(widget.rect, None, egui::style::ScrollAnimation::none());
+    }
 }
 
 fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {

@@ -21,7 +21,8 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     if size != viewer.size() {
         viewer.handle(Event::Resized(size));
     }
-    let response = ui.interact(rect, ui.scope_id().with("picture"), egui::Sense::drag());
+    // Tab passes the picture by, which listens while no widget has the keyboard.
+    let response = ui.interact(rect, ui.scope_id().with("picture"), egui::Sense::DRAG);
     listen(ui, viewer, &response, scale);
     let painter = ui.painter_at(rect);
     let over = Over { painter, rect, scale, camera: viewer.camera(), bounds: viewer.bounds(), ground: viewer.ground() };
@@ -42,7 +43,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
     }
 }
 
-/// A button in the corner of the picture that does what Tab does, where there may be no keyboard.
+/// A button in the corner of the picture that shows and hides the panel, where there may be no keyboard.
 fn panel_button(context: &egui::Context, viewer: &mut Viewer, rect: Rect) {
     let at = rect.right_top() + egui::vec2(-8.0, 8.0);
     let area = egui::Area::new(egui::Id::unique("panel button")).fixed_pos(at).pivot(egui::Align2::RIGHT_TOP);

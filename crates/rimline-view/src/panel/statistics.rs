@@ -32,7 +32,11 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, 
         line(ui, "with near caps", grouped(shadow.near_capped as usize));
         line(ui, "lists cached", grouped(shadow.cached_lists as usize));
     }
-    line(ui, "textures and models", format!("{:.1} MiB", counters.bytes as f64 / f64::from(1 << 20)));
+    let mebibytes = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
+    line(ui, "textures and models", mebibytes(counters.bytes));
+    if let Some(bytes) = counters.device_bytes {
+        line(ui, "all on the device", mebibytes(bytes));
+    }
     if renderer.has_timer() {
         ui.checkbox(&mut viewer.options.timing, "time the stages on the device");
     } else {

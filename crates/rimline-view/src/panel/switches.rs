@@ -39,6 +39,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
             (&mut skipping.range, "casters out of a light's range or cone"),
             (&mut skipping.view, "shadows out of sight"),
             (&mut skipping.receivers, "shadows that no receiver is in"),
+            (&mut skipping.casters, "deforming casters that are not needed"),
             (&mut skipping.faces, "faces that need not cast"),
             (&mut skipping.bits, "bits of what did not change"),
             (&mut skipping.lists, "lists of what did not change"),

@@ -23,6 +23,9 @@ pub struct Counters {
     pub stages: Option<Result<StageTimes, String>>,
     /// Bytes of textures and models that the viewer made.
     pub bytes: u64,
+    /// Bytes of everything on the device, the scene's tables, lists and volumes included. `None`: only Vulkan and Direct3D 12
+    /// say it.
+    pub device_bytes: Option<u64>,
 }
 
 /// Copies that are on their way.

@@ -172,6 +172,8 @@ impl Renderer {
         let mut encoder = self.gpu.encoder("view");
         let recorded = self.record(&mut encoder, viewer, &canvas);
         self.counters.bytes = canvas.bytes() + self.models.as_ref().map_or(0, Models::bytes);
+        let report = self.gpu.device.generate_allocator_report();
+        self.counters.device_bytes = report.map(|report| report.total_allocated_bytes);
         self.canvas = Some(canvas);
         let frame = recorded?;
         self.gpu.queue.submit([encoder.finish()]);

@@ -182,8 +182,8 @@ impl Report {
                 Some("Faces disagree about which side is out. Shadows are right; turn them in a modeller for outlines.")
             }
             _ => Some(
-                "Shadows are right, also of open surfaces. If edges are seams of split vertices, open the file in the command \
-                 with --weld position.",
+                "Shadows are right, also of open surfaces. If edges are seams of split vertices, `rimline view --weld position` \
+                 joins them.",
             ),
         }
     }

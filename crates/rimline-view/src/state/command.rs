@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use rimline_files::Up;
+use rimline::mesh::Weld;
+use rimline_files::{ReadOptions, Up};
 use rimline_picture::Mode;
 
 use super::body::Body;
@@ -64,9 +65,7 @@ impl Viewer {
         let mut line = format!("rimline {verb}");
         let files: Vec<_> = self.bodies.iter().filter_map(|body| body.file.as_deref()).map(quoted).collect();
         let _ = write!(line, " {}", if files.is_empty() { "FILE".to_owned() } else { files.join(" ") });
-        if self.up == Up::Z {
-            line += " --up z";
-        }
+        line += &reading(&self.read);
         let origin = self.origin.to_array();
         // Digits of a single number where they say all of it.
         let along = |axis: usize, value: f32| {
@@ -120,6 +119,33 @@ impl Viewer {
     }
 }
 
+/// The options of files that are not read as by default.
+fn reading(options: &ReadOptions) -> String {
+    let default = ReadOptions::default();
+    let mut words = match options.weld {
+        Weld::Data => String::new(),
+        Weld::Position => " --weld position".to_owned(),
+        Weld::Keep => " --no-weld".to_owned(),
+        Weld::Distance(distance) => {
+            let position = if distance.is_across_data() { " --weld position" } else { "" };
+            format!("{position} --weld-distance {}", distance.get())
+        }
+    };
+    if options.memory_limit != default.memory_limit {
+        let _ = write!(words, " --memory-limit {}", options.memory_limit);
+    }
+    if let Some(format) = options.format {
+        let _ = write!(words, " --input-format {}", format.name());
+    }
+    if options.allow_outside {
+        words += " --allow-outside";
+    }
+    if options.up == Up::Z {
+        words += " --up z";
+    }
+    words
+}
+
 /// The name of a file for a shell, in quotes if it needs them.
 fn quoted(file: &str) -> String {
     // A dash begins options, and is standard input.
@@ -147,7 +173,10 @@ fn escaped(mut text: String, c: char) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::quoted;
+    use rimline::mesh::{Weld, WeldDistance};
+    use rimline_files::{Format, ReadOptions, Up};
+
+    use super::{quoted, reading};
     use crate::state::event::Event;
     use crate::state::keys::Action;
     use crate::state::viewer::Viewer;
@@ -186,11 +215,33 @@ mod tests {
         assert!(viewer.message.is_none(), "the message is of the models before");
         assert!(viewer.command().starts_with("rimline draw 0.obj --eye "), "{}", viewer.command());
         assert_eq!(viewer.not_in_command(), ["ground off", "lights", "flat faces"]);
-        viewer.up = rimline_files::Up::Z;
+        viewer.read.up = rimline_files::Up::Z;
         assert!(viewer.command().starts_with("rimline draw 0.obj --up z --eye "), "{}", viewer.command());
-        viewer.up = rimline_files::Up::Y;
+        viewer.read.up = rimline_files::Up::Y;
         viewer.handle(Event::Acted(Action::Creases));
         assert!(viewer.command().starts_with("rimline lines 0.obj --eye "), "{}", viewer.command());
+    }
+
+    #[test]
+    fn options_of_files_are_in_the_line() {
+        let all = ReadOptions::default();
+        assert_eq!(reading(&all), "");
+        let near = WeldDistance::new(0.25).expect("a distance");
+        for (weld, words) in [
+            (Weld::Position, " --weld position"),
+            (Weld::Keep, " --no-weld"),
+            (Weld::Distance(near), " --weld-distance 0.25"),
+            (Weld::Distance(near.across_data()), " --weld position --weld-distance 0.25"),
+        ] {
+            assert_eq!(reading(&ReadOptions { weld, ..all }), words);
+        }
+        let format = Some(Format::Stl);
+        let others = ReadOptions { memory_limit: 1 << 20, format, allow_outside: true, up: Up::Z, ..all };
+        assert_eq!(reading(&others), " --memory-limit 1048576 --input-format stl --allow-outside --up z");
+        let mut viewer = viewer(1);
+        viewer.read = others;
+        let begin = format!("rimline shadow 0.obj{} --eye ", reading(&others));
+        assert!(viewer.command().starts_with(&begin), "{}", viewer.command());
     }
 
     #[test]

@@ -87,12 +87,13 @@ const fn shift(key: egui::Key, action: Action, what: &'static str) -> KeyBinding
     KeyBinding { key, shift: true, action, what }
 }
 
-/// All keys. W, A, S, D, Q and E fly besides while they are held.
+/// All keys. W, A, S, D, Q and E fly besides while they are held. Tab, which is none of them, moves the keyboard on to the next
+/// widget of the panel, until Escape: so everything there needs no pointer.
 pub const KEYS: [KeyBinding; 48] = {
     use egui::Key as K;
     [
         key(K::F1, Action::Help, "this list; ? too"),
-        key(K::Tab, Action::Panel, "show or hide the panel"),
+        key(K::U, Action::Panel, "show or hide the panel"),
         key(K::O, Action::OpenFile, "open files"),
         key(K::N, Action::NextScene, "next scene: built-in ones, your files"),
         key(K::R, Action::ResetCamera, "show everything"),
@@ -192,6 +193,13 @@ mod tests {
             let name = binding.name();
             let is_drawn = context.fonts_mut(|fonts| fonts.has_glyphs(&egui::FontId::default(), &name));
             assert!(is_drawn, "{name}: {}", binding.what);
+        }
+    }
+
+    #[test]
+    fn keys_that_the_panel_needs_are_left_to_it() {
+        for shift in [false, true] {
+            assert_eq!([egui::Key::Tab, egui::Key::Enter].map(|key| action(key, shift)), [None; 2]);
         }
     }
 

@@ -6,7 +6,8 @@ use rimline_picture::Mode;
 
 use super::keys::Action;
 
-/// Overlays of the picture.
+/// Overlays of the picture. Clusters of faces and the depths of receivers have none: scenes keep both on the device and give no
+/// access to them. The counters say how much work they save.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct Overlays {
@@ -48,6 +49,8 @@ pub struct Skipping {
     pub view: bool,
     /// Shadows that fall on nothing that is seen.
     pub receivers: bool,
+    /// Deforming casters that neither the picture nor a shadow in it needs.
+    pub casters: bool,
     /// Facing bits of what did not change.
     pub bits: bool,
     /// Lists of what did not change.
@@ -58,7 +61,7 @@ pub struct Skipping {
 
 impl Default for Skipping {
     fn default() -> Self {
-        Self { range: true, view: true, receivers: true, bits: true, lists: true, faces: true }
+        Self { range: true, view: true, receivers: true, casters: true, bits: true, lists: true, faces: true }
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use rimline::Origin;
 use rimline::gltf::SceneCamera;
-use rimline_files::Up;
+use rimline_files::ReadOptions;
 use rimline_picture::{Bounds, Mode};
 
 use super::body::Body;
@@ -97,8 +97,8 @@ pub struct Viewer {
     pub shows_help: bool,
     /// The origin of models with large coordinates.
     pub origin: Origin,
-    /// The axis that is up in files that do not say it, for those that are read from now on.
-    pub up: Up,
+    /// How files are read from now on, which [`Self::command`] repeats.
+    pub read: ReadOptions,
     /// How near to a handle the pointer drags it, in pixels.
     pub handle_radius: f32,
     /// Requests to the shell, which takes them out.
@@ -133,7 +133,7 @@ impl Viewer {
             shows_panel: true,
             shows_help: false,
             origin: Origin::ZERO,
-            up: Up::Y,
+            read: ReadOptions::default(),
             handle_radius: 16.0,
             requests: Vec::new(),
             size: [1280, 800],

@@ -84,7 +84,7 @@ fn session() -> Result<(), String> {
     browser.drop_files(&[&plate])?;
     browser.wait_for("said", |said| said == "plate.obj: 6 faces")?;
     // Without the panel the picture has the whole page, from the next frame on.
-    browser.press("Tab")?;
+    browser.press("u")?;
     screenshot(&mut browser, 1)?;
     browser.press("r")?;
     let (mut viewer, before) = (twin()?, screenshot(&mut browser, 2)?);

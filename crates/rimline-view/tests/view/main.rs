@@ -1,11 +1,14 @@
 //! The viewer without a display: events in, pictures out.
 
+mod keyboard;
 mod panel;
 mod pictures;
+mod pointer;
 mod support;
 mod touch;
 
 fn main() {
-    let tests = panel::TESTS.iter().chain(&touch::TESTS).chain(&pictures::TESTS).copied();
+    let of_panel = panel::TESTS.iter().chain(&keyboard::TESTS).chain(&pointer::TESTS).chain(&touch::TESTS);
+    let tests = of_panel.chain(&pictures::TESTS).copied();
     rimline_testkit::harness::run(rimline_testkit::harness::gpu_trials(tests));
 }

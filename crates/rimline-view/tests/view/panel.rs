@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use egui::{Event as Heard, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use glam::Vec3;
+use rimline_testkit::device::Gpu as Device;
 use rimline_testkit::harness::Test;
+use rimline_testkit::textures::texels;
 use rimline_view::{
     Action, Event, Handle, LampKind, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes,
 };
@@ -22,16 +24,17 @@ pub(crate) const TESTS: [Test; 11] = [
     ("Escape closes a menu and not the window", escape_in_a_menu),
     ("a light that is removed is let go, and none may be left", no_lights),
     ("the picture shows everything in every shape until the user moves the camera", other_shapes),
+    ("boxes are drawn around models, over the picture", boxes),
     ("a picture drawn in a hurry is drawn again when nothing moves", refined),
 ];
 
-const SIZE: [u32; 2] = [900, 560];
+pub(crate) const SIZE: [u32; 2] = [900, 560];
 
 /// A viewer with a panel, and a target that stands for the window.
 pub(crate) struct Stage {
     pub(crate) viewer: Viewer,
     renderer: Renderer,
-    panel: Panel,
+    pub(crate) panel: Panel,
     target: wgpu::TextureView,
     time: f64,
     /// Pixels of a point.
@@ -72,6 +75,14 @@ impl Stage {
         output
     }
 
+    /// Pixels of the window's part with the picture.
+    fn pixels(&self) -> Result<Vec<u8>, String> {
+        let all = texels(&Device::shared()?, self.target.texture(), 0)?;
+        let [width, height] = self.viewer.size().map(|side| side as usize);
+        let rows = all.chunks_exact(4 * SIZE[0] as usize).take(height);
+        Ok(rows.flat_map(|row| &row[..4 * width]).copied().collect())
+    }
+
     /// Runs until nothing is on its way, and returns what the last run asked for.
     pub(crate) fn settle(&mut self) -> Result<Duration, String> {
         for _ in 0..40 {
@@ -89,11 +100,11 @@ pub(crate) fn button(at: Pos2, pressed: bool) -> Heard {
     Heard::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
 }
 
-fn key(key: Key, modifiers: Modifiers) -> Heard {
+pub(crate) fn key(key: Key, modifiers: Modifiers) -> Heard {
     Heard::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }
 }
 
-fn release(key: Key) -> Heard {
+pub(crate) fn release(key: Key) -> Heard {
     Heard::Key { key, physical_key: None, pressed: false, repeat: false, modifiers: Modifiers::NONE }
 }
 
@@ -128,7 +139,10 @@ fn a_still_panel_asks_for_no_repaint() -> Outcome {
         stage.run(Vec::new());
         stage.renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
     }
-    hold(stage.renderer.counters().scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
+    let counters = stage.renderer.counters();
+    hold(counters.scene.is_some_and(|scene| scene.faces > 0), "no counters arrived")?;
+    let (made, all) = (counters.bytes, counters.device_bytes);
+    hold(made > 0 && all.is_none_or(|all| all > made), format!("{made} bytes of {all:?} on the device"))?;
     stage.settle()?;
     let pictures = stage.renderer.pictures();
     stage.settle()?;
@@ -326,4 +340,21 @@ fn refined() -> Outcome {
     hold(!stage.renderer.is_coarse(&stage.viewer), "the last picture stays coarse")?;
     stage.settle()?;
     hold(stage.renderer.pictures() == pictures, "it is drawn once more again and again")
+}
+
+fn boxes() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.settle()?;
+    let before = stage.pixels()?;
+    let pictures = stage.renderer.pictures();
+    stage.run(vec![key(Key::Num9, Modifiers::NONE), release(Key::Num9)]);
+    stage.settle()?;
+    let with_boxes = stage.pixels()?;
+    let changed = with_boxes.chunks(4).zip(before.chunks(4)).filter(|(now, before)| now != before).count();
+    // Twelve edges around each of five models.
+    hold((500..50_000).contains(&changed), format!("{changed} pixels are of boxes"))?;
+    hold(stage.renderer.pictures() == pictures, "the picture behind was drawn again")?;
+    stage.run(vec![key(Key::Num9, Modifiers::NONE), release(Key::Num9)]);
+    stage.settle()?;
+    hold(stage.pixels()? == before, "boxes are left")
 }

@@ -12,13 +12,15 @@ use rimline_view::{
 
 use crate::support::{Outcome, drag, finish, gpu, handle, hold, on_ground, picture, say, viewer};
 
-pub(crate) const TESTS: [Test; 11] = [
+pub(crate) const TESTS: [Test; 13] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
     ("a still viewer draws nothing", a_still_viewer_draws_nothing),
     ("counting methods and levels of skipping change no picture", switches_change_no_picture),
+    ("a model that nothing seen needs is left out, if that is wanted", casters_that_are_not_needed),
     ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
+    ("creases are drawn where faces meet at an edge", creases),
     ("cameras of the file are looked through", cameras),
     ("models have their base colours, or are of clay", base_colors),
     ("built-in scenes are drawn in every moment", scenes_are_drawn),
@@ -224,6 +226,7 @@ fn switches_change_no_picture() -> Outcome {
         (Skipping { range: false, ..all }, "range"),
         (Skipping { view: false, ..all }, "view"),
         (Skipping { receivers: false, ..all }, "receivers"),
+        (Skipping { casters: false, ..all }, "casters"),
         (Skipping { bits: false, ..all }, "bits"),
         (Skipping { lists: false, ..all }, "lists"),
         (Skipping { faces: false, ..all }, "faces"),
@@ -244,6 +247,28 @@ fn switches_change_no_picture() -> Outcome {
         hold(ended.is_some_and(|ended| (ended > 0) == receivers), format!("{receivers}: {ended:?} end"))?;
     }
     Ok(())
+}
+
+fn casters_that_are_not_needed() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::walking_figure, [160, 120])?;
+    // The eye looks away from the figure, with the light between them: the shadow falls behind the figure.
+    let (bounds, [_, _, forward]) = (viewer.bounds(), viewer.orbit.axes());
+    viewer.lamps.truncate(1);
+    viewer.lamps[0].kind = LampKind::Point(bounds.centre() + 3.0 * bounds.extent() * forward);
+    viewer.orbit.target += 50.0 * bounds.extent() * forward;
+    let mut pictures = Vec::new();
+    for casters in [true, false] {
+        viewer.options.skipping.casters = casters;
+        // The counters that arrive may be of the picture before.
+        for action in [Action::TurnLeft, Action::TurnRight] {
+            viewer.handle(Event::Acted(action));
+            pictures.push(picture(&viewer, &mut renderer)?);
+            renderer.poll();
+        }
+        let culled = renderer.counters().scene.map(|scene| scene.culled_casters);
+        hold(culled.is_some_and(|culled| (culled > 0) == casters), format!("{casters}: {culled:?} are culled"))?;
+    }
+    hold(pictures[1] == pictures[3], "a caster that is not needed changes the picture")
 }
 
 fn overlays_change_the_picture() -> Outcome {
@@ -285,6 +310,18 @@ fn overlays_change_the_picture() -> Outcome {
         hold((now == before) == (mode == Mode::Additive), name)?;
     }
     Ok(())
+}
+
+fn creases() -> Outcome {
+    // The still life has a block.
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [240, 160])?;
+    let before = picture(&viewer, &mut renderer)?;
+    viewer.handle(Event::Acted(Action::Creases));
+    let now = picture(&viewer, &mut renderer)?;
+    let changed = now.pixels.iter().zip(&before.pixels).filter(|(a, b)| a != b).count();
+    hold((30..4000).contains(&changed), format!("creases change {changed} pixels"))?;
+    viewer.handle(Event::Acted(Action::Creases));
+    hold(picture(&viewer, &mut renderer)? == before, "creases did not go back")
 }
 
 /// A block with cameras.

@@ -76,6 +76,12 @@ impl Display {
         Err("no window appeared".into())
     }
 
+    /// The pixel of the screen where a window begins.
+    pub(crate) fn corner(&self, window: Window) -> Result<[i16; 2], String> {
+        let shape = self.connection.get_geometry(window).map_err(say)?.reply().map_err(say)?;
+        Ok([shape.x, shape.y])
+    }
+
     pub(crate) fn title(&self, window: Window) -> Result<String, String> {
         let atom = |name: &[u8]| -> Result<_, String> {
             Ok(self.connection.intern_atom(false, name).map_err(say)?.reply().map_err(say)?.atom)

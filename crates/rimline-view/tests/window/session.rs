@@ -6,7 +6,11 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use glam::{Vec2, Vec3};
+use rimline_files::{ReadOptions, read_bytes};
 use rimline_testkit::on_gpu::text as say;
+use rimline_view::{Event, LampKind, Viewer, scenes};
+use x11rb::protocol::xproto::Window;
 
 use crate::display::Display;
 
@@ -62,6 +66,72 @@ fn picture(folder: &Path, number: usize, child: &mut Child) -> Result<Vec<u8>, S
     Ok(pixels)
 }
 
+/// The file that lines are printed to.
+const LINES: &str = "lines.txt";
+
+/// Copies the view as a command, and returns its words. The window prints the line, too, as the one with this number.
+fn copied(display: &Display, window: Window, folder: &Path, number: usize) -> Result<Vec<String>, String> {
+    display.press(window, u32::from('c'))?;
+    let mut words = Vec::new();
+    wait("no command was printed", || {
+        let text = fs::read_to_string(folder.join(LINES)).map_err(say)?;
+        let line = text.split_inclusive('\n').nth(number).filter(|line| line.ends_with('\n'));
+        words = line.unwrap_or_default().split_whitespace().map(str::to_owned).collect();
+        Ok(!words.is_empty())
+    })?;
+    Ok(words)
+}
+
+/// The values of an option in a command.
+fn values<'a>(words: &'a [String], option: &str) -> Result<Vec<&'a str>, String> {
+    let pairs = words.windows(2).filter(|pair| pair[0] == option);
+    let found: Vec<_> = pairs.map(|pair| pair[1].as_str()).collect();
+    if found.is_empty() { Err(format!("no {option} in {words:?}")) } else { Ok(found) }
+}
+
+/// Numbers with a sign between them.
+fn numbers(text: &str, between: char) -> Result<Vec<f32>, String> {
+    text.split(between).map(|number| number.parse::<f32>().map_err(say)).collect()
+}
+
+/// The pixel of the first light's handle in the view of a command, from a viewer of the same file without a window.
+fn handle(words: &[String]) -> Result<Vec2, String> {
+    let mut viewer = Viewer::new(scenes::moebius().map_err(say)?);
+    let file = read_bytes(BLOCK.as_bytes(), Some(Path::new("block.obj")), &ReadOptions::default());
+    viewer.open("block.obj", "block.obj".into(), file);
+    let size = numbers(values(words, "--size")?[0], 'x')?;
+    viewer.handle(Event::Resized([size[0] as u32, size[1] as u32]));
+    let line: Vec<String> = viewer.command().split_whitespace().map(str::to_owned).collect();
+    expect(values(&line, "--eye")? == values(words, "--eye")?, format!("the camera is not as at first: {words:?}"))?;
+    let light = values(words, "--light")?[0].strip_prefix("point:").ok_or("the first light is at no point")?;
+    let at: Vec<&str> = light.split(',').take(3).collect();
+    let at = Vec3::from_slice(&numbers(&at.join(","), ',')?);
+    viewer.lamps[0].kind = LampKind::Point(at);
+    viewer.camera().project(at).ok_or_else(|| "the handle is behind the eye".into())
+}
+
+/// Drags the first light by its handle, and sees by the copied command that the light went with the pointer, and nothing else.
+fn drag_a_light(
+    display: &Display,
+    window: Window,
+    folder: &Path,
+    mut take: impl FnMut() -> Result<Vec<u8>, String>,
+) -> Result<(), String> {
+    let before = copied(display, window, folder, 1)?;
+    let (from, by) = (handle(&before)?.round(), Vec2::new(90.0, 70.0));
+    let [left, top] = display.corner(window)?;
+    let on_screen = |at: Vec2| [left + at.x as i16, top + at.y as i16];
+    display.drag(on_screen(from), on_screen(from + by))?;
+    // A key that comes within the frame of the drag is heard before it: the picture ends that frame.
+    take()?;
+    let after = copied(display, window, folder, 2)?;
+    let there = handle(&after)?;
+    expect(there.distance(from + by) < 1.5, format!("the light is at {there}, and the pointer at {}", from + by))?;
+    let [old, new] = [&before, &after].map(|words| values(words, "--light"));
+    let (old, new) = (old?, new?);
+    expect(old[0] != new[0] && old[1..] == new[1..], format!("{old:?} became {new:?}"))
+}
+
 fn a_session() -> Result<(), String> {
     let display = Display::start()?;
     let folder = tempfile::tempdir().map_err(say)?;
@@ -69,6 +139,7 @@ fn a_session() -> Result<(), String> {
         fs::write(folder.path().join(name), text).map_err(say)?;
     }
     let mut command = viewer(folder.path());
+    command.stdout(fs::File::create(folder.path().join(LINES)).map_err(say)?);
     let mut child = command.args(["bad.glb", "block.obj"]).env("DISPLAY", &display.name).spawn().map_err(say)?;
     let outcome = steps(&display, folder.path(), &mut child);
     if outcome.is_err() {
@@ -95,17 +166,20 @@ fn steps(display: &Display, folder: &Path, child: &mut Child) -> Result<(), Stri
     let title = display.title(window)?;
     expect(title == "block.obj – Rimline", format!("the title is `{title}`"))?;
     // The text is there as long as the window has it.
-    display.press(window, u32::from('c'))?;
+    copied(display, window, folder, 0)?;
     wait("nothing is on the clipboard", || display.has_clipboard())?;
     sleep(Duration::from_millis(300));
     expect(display.has_clipboard()?, "the clipboard was emptied")?;
     display.press(window, u32::from(' '))?;
     let still = take(child)?;
     expect(take(child)? == still, "a still viewer shows another picture")?;
+    drag_a_light(display, window, folder, || take(child))?;
+    let dragged = take(child)?;
+    expect(dragged != still, "dragging a light changed nothing")?;
     // Elsewhere than on a handle, dragging turns the camera.
     display.drag([60, 600], [160, 560])?;
     let turned = take(child)?;
-    expect(turned != still, "dragging changed nothing")?;
+    expect(turned != dragged, "dragging changed nothing")?;
     display.press(window, u32::from('3'))?;
     let volumes = take(child)?;
     expect(volumes != turned, "switching volumes on changed nothing")?;
