@@ -81,7 +81,7 @@ fn reserve_row(light: u32, cuts: u32) -> u32 {
   let listed = min(vec2<u32>(first, first + cuts + 1u), vec2<u32>(chunk.capacity));
   let groups = (listed + GROUP_CUTS - 1u) / GROUP_CUTS;
   if (groups.y > groups.x) {
-    reserve_entries(ROW_COUNT, ROW_WORKGROUPS, groups.y - groups.x);
+    reserve_entries(ROW_WORKGROUPS, groups.y - groups.x);
   }
   return first;
 }
