@@ -19,7 +19,7 @@ use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::{Device, Gpu, GpuError, On as _};
 use crate::failure::Failure;
 use crate::files::{Inputs, check_ending};
-use crate::input::{PosedInput, Positions, Scene};
+use crate::input::{Done, PosedInput, Positions, Scene};
 use crate::output::{Line, Output, Progress, print, say};
 use crate::report::{self, Lines, Times, per_light};
 use crate::shadow::args::value_name;
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         time_s: posed.time_s(),
     };
     let work = |device: &Device, times: &mut Times| job.find(device, times, args.json);
-    let (adapter, found, mut times) = posed.work((&progress, "extracting"), &times, work)?;
+    let Done { device: adapter, result: found, mut times } = posed.work((&progress, "extracting"), &times, work)?;
     let (mesh, origin) = (&scene.mesh, posed.input.origin());
     times.measure("write", || output.finish(|file| write_arrays(file, mesh, &lights, &found, origin)))?;
     drop(progress);
