@@ -41,7 +41,7 @@ pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    let (method, predicate, named) = way(args)?;
+    let Way { method, predicate, named } = way(args)?;
     check_ending(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
@@ -135,7 +135,14 @@ fn report(
 }
 
 /// Method and predicate, which must go together.
-fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), Failure> {
+struct Way {
+    method: Method,
+    predicate: Predicate,
+    /// The option that means the predicate.
+    named: PredicateArg,
+}
+
+fn way(args: &ExtractArgs) -> Result<Way, Failure> {
     let (method, usual) = match args.method {
         MethodArg::FaceMask => (Method::FaceMask, PredicateArg::Exact),
         MethodArg::PerEdge => (Method::PerEdge, PredicateArg::Plane),
@@ -151,7 +158,7 @@ fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), Failure>
         PredicateArg::Fast => Predicate::Fast,
         PredicateArg::Plane => Predicate::Plane,
     };
-    Ok((method, predicate, named))
+    Ok(Way { method, predicate, named })
 }
 
 /// An extraction, and how it is computed.
