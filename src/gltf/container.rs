@@ -22,19 +22,19 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     let content = bytes
         .get(..length)
         .ok_or_else(|| damaged(8, &format!("the header states {length} bytes, there are {}", bytes.len())))?;
-    let (kind, json, mut offset) = chunk(content, HEADER_BYTES)?;
-    if &kind != b"JSON" {
+    let json = chunk(content, HEADER_BYTES)?;
+    if &json.kind != b"JSON" {
         return Err(damaged(HEADER_BYTES, "the first chunk is not JSON"));
     }
-    let mut binary = None;
+    let (mut binary, mut offset) = (None, json.end);
     while offset < content.len() {
-        let (kind, data, next) = chunk(content, offset)?;
+        let Chunk { kind, data, end } = chunk(content, offset)?;
         if &kind == b"BIN\0" && binary.is_none() {
             binary = Some(data);
         }
-        offset = next;
+        offset = end;
     }
-    Ok((json, binary))
+    Ok((json.data, binary))
 }
 
 /// The bytes before the JSON of a GLB.
@@ -55,8 +55,16 @@ pub(super) fn unpadded(json: &[u8]) -> (&[u8], usize) {
     if zeros == 0 { (json, 0) } else { (text, zeros) }
 }
 
-/// The type and data of a chunk, and the offset of the next chunk.
-fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfError> {
+/// A chunk of a GLB.
+struct Chunk<'a> {
+    /// Its type.
+    kind: [u8; 4],
+    data: &'a [u8],
+    /// The offset of the next chunk.
+    end: usize,
+}
+
+fn chunk(content: &[u8], offset: usize) -> Result<Chunk<'_>, GltfError> {
     let length = word(content, offset)? as usize;
     let kind = word(content, offset + 4)?.to_le_bytes();
     let start = offset + CHUNK_HEADER_BYTES;
@@ -64,7 +72,7 @@ fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfE
         let there = content.len().saturating_sub(start);
         damaged(offset, &format!("the chunk states {length} bytes, there are {there}"))
     })?;
-    Ok((kind, data, start + length))
+    Ok(Chunk { kind, data, end: start + length })
 }
 
 fn word(bytes: &[u8], offset: usize) -> Result<u32, GltfError> {

@@ -72,8 +72,17 @@ pub(super) struct Accessor {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sparse {
     pub(super) count: u64,
-    pub(super) indices: (usize, u64, Component),
-    pub(super) values: (usize, u64),
+    pub(super) indices: ArrayStart,
+    /// The type of the indices.
+    pub(super) component: Component,
+    pub(super) values: ArrayStart,
+}
+
+/// Where an array begins: in which view, and how many bytes after its begin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ArrayStart {
+    pub(super) view: usize,
+    pub(super) offset: u64,
 }
 
 /// The type of a number in a buffer, as the file numbers it.

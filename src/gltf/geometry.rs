@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::budget::grown;
 use super::colors::{self, Colors, WHITE};
-use super::document::{Mesh, Primitive, checked};
+use super::document::{InfluenceSet, Mesh, Primitive, checked};
 use super::error::GltfError;
 use super::extensions;
 use super::reader::Reader;
@@ -28,52 +28,17 @@ pub(super) struct Merged {
 pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
     let named = &reader.document.meshes[index];
     let mesh = checked(&named.part)?;
-    let mut draft = Draft::new(mesh, skinned_by.is_some());
-    let mut highest_joints = Vec::new();
-    // The first vertex of each block, and the accessor of its colours. Primitives with the same accessors share vertices.
-    let mut blocks = HashMap::new();
+    let draft = Draft::new(mesh, skinned_by.is_some());
+    let mut merging = Merging { reader, skinned_by, draft, blocks: HashMap::new(), highest_joints: Vec::new() };
     let mark = reader.budget.mark();
     for (p, primitive) in mesh.primitives.iter().enumerate() {
         // Reading the last primitive took memory that is free again.
-        reader.budget.settle(mark, draft.bytes());
-        let Some(position) = primitive.position else {
-            continue;
-        };
-        let json_path = format!("meshes[{index}].primitives[{p}]");
-        let read = || vertices::read(reader, primitive, position, skinned_by.is_some(), &json_path);
-        let compression = check_compression(reader, primitive, &json_path);
-        if !primitive.mode.has_triangles() {
-            reader.warnings.leave_out(compression.and_then(|()| read()))?;
-            continue;
+        reader.budget.settle(mark, merging.draft.bytes());
+        if let Some(position) = primitive.position {
+            merging.add(primitive, position, &format!("meshes[{index}].primitives[{p}]"))?;
         }
-        compression?;
-        if let Some(node) = skinned_by
-            && primitive.influences.as_ref().is_ok_and(Vec::is_empty)
-        {
-            let problem = format!(" has a skin, but {json_path} has no JOINTS_0 and WEIGHTS_0");
-            return Err(GltfError::invalid(format!("nodes[{node}]"), problem));
-        }
-        let key = (position, &primitive.targets, primitive.influences.as_ref().ok());
-        let color = primitive.color.as_ref().ok().copied().flatten();
-        let first = if let Some(&(first, of_first)) = blocks.get(&key) {
-            if color != of_first {
-                let problem =
-                    ": COLOR_0 differs from that of a primitive with the same positions, which is taken instead";
-                let json_path = json_path.clone();
-                reader.warnings.push(GltfWarning::Changed { json_path, problem: problem.to_owned() })?;
-            }
-            first
-        } else {
-            let vertices = read()?;
-            highest_joints.extend(vertices.bindings.highest.clone());
-            let first = draft.append(&vertices, reader, &json_path)?;
-            draft.color_vertices(reader, primitive, first as usize, &json_path)?;
-            blocks.insert(key, (first, color));
-            first
-        };
-        let faces = triangles::read(reader, primitive, reader.count(position)?, &json_path)?;
-        draft.add_faces(reader, primitive, faces, first, &json_path)?;
     }
+    let Merging { mut draft, highest_joints, .. } = merging;
     reader.budget.settle(mark, draft.bytes());
     let json_path = format!("meshes[{index}]");
     let vertices = draft.positions.len();
@@ -85,6 +50,77 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
     let colors = Colors { faces: of(&mut draft.face_colors), vertices: of(&mut draft.vertex_colors) };
     let geometry = draft.finish(named.name.clone()).map_err(GltfError::model(json_path))?;
     Ok(Merged { geometry, colors, highest_joints })
+}
+
+/// The accessors that decide the vertices of a primitive.
+#[derive(PartialEq, Eq, Hash)]
+struct VertexSource<'a> {
+    position: usize,
+    targets: &'a [Option<usize>],
+    influences: Option<&'a [InfluenceSet]>,
+}
+
+/// The vertices of a source in the merged mesh.
+struct Block {
+    /// The first of them.
+    first: u32,
+    /// The accessor of their colours.
+    color: Option<usize>,
+}
+
+/// A mesh while its primitives are merged.
+struct Merging<'a, 'r> {
+    reader: &'a Reader<'r>,
+    skinned_by: Option<usize>,
+    draft: Draft,
+    blocks: HashMap<VertexSource<'a>, Block>,
+    highest_joints: Vec<HighestJoint>,
+}
+
+impl<'a> Merging<'a, '_> {
+    /// Adds a primitive with positions if it has triangles.
+    fn add(&mut self, primitive: &'a Primitive, position: usize, json_path: &str) -> Result<(), GltfError> {
+        let reader = self.reader;
+        let compression = check_compression(reader, primitive, json_path);
+        if !primitive.mode.has_triangles() {
+            let read = |()| vertices::read(reader, primitive, position, self.skinned_by.is_some(), json_path);
+            reader.warnings.leave_out(compression.and_then(read))?;
+            return Ok(());
+        }
+        compression?;
+        if let Some(node) = self.skinned_by
+            && primitive.influences.as_ref().is_ok_and(Vec::is_empty)
+        {
+            let problem = format!(" has a skin, but {json_path} has no JOINTS_0 and WEIGHTS_0");
+            return Err(GltfError::invalid(format!("nodes[{node}]"), problem));
+        }
+        let first = self.first_vertex(primitive, position, json_path)?;
+        let faces = triangles::read(reader, primitive, reader.count(position)?, json_path)?;
+        self.draft.add_faces(reader, primitive, faces, first, json_path)
+    }
+
+    /// The first vertex of a primitive. Primitives with the same accessors share vertices; those of others are added.
+    fn first_vertex(&mut self, primitive: &'a Primitive, position: usize, json_path: &str) -> Result<u32, GltfError> {
+        let reader = self.reader;
+        let influences = primitive.influences.as_ref().ok().map(Vec::as_slice);
+        let source = VertexSource { position, targets: &primitive.targets, influences };
+        let color = primitive.color.as_ref().ok().copied().flatten();
+        if let Some(block) = self.blocks.get(&source) {
+            if color != block.color {
+                let problem =
+                    ": COLOR_0 differs from that of a primitive with the same positions, which is taken instead";
+                let json_path = json_path.to_owned();
+                reader.warnings.push(GltfWarning::Changed { json_path, problem: problem.to_owned() })?;
+            }
+            return Ok(block.first);
+        }
+        let vertices = vertices::read(reader, primitive, position, self.skinned_by.is_some(), json_path)?;
+        self.highest_joints.extend(vertices.bindings.highest.clone());
+        let first = self.draft.append(&vertices, reader, json_path)?;
+        self.draft.color_vertices(reader, primitive, first as usize, json_path)?;
+        self.blocks.insert(source, Block { first, color });
+        Ok(first)
+    }
 }
 
 /// Makes room for so many elements in a list.

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use super::budget::{Budget, NODE};
 use super::document::{
-    Accessor, Buffer, Component, Document, InfluenceSet, KINDS, Mesh, Mode, Named, Node, Part, Primitive, Skin, Sparse,
-    View,
+    Accessor, ArrayStart, Buffer, Component, Document, InfluenceSet, KINDS, Mesh, Mode, Named, Node, Part, Primitive,
+    Skin, Sparse, View,
 };
 use super::error::GltfError;
 use super::extensions;
@@ -223,16 +223,14 @@ impl Parser<'_> {
 
     fn sparse(&self, json: &Json<'_>) -> Result<Sparse, GltfError> {
         let (indices, values): (Json<'_>, Json<'_>) = (json.need("indices")?, json.need("values")?);
-        let (view, at, component) =
-            (indices.need_index("bufferView", self.views)?, offset(&indices)?, component(&indices)?);
+        let start = |json: &Json<'_>| -> Result<ArrayStart, GltfError> {
+            Ok(ArrayStart { view: json.need_index("bufferView", self.views)?, offset: offset(json)? })
+        };
+        let (index_start, component) = (start(&indices)?, component(&indices)?);
         if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
             return Err(indices.wrong("componentType", "an unsigned integer type (5121, 5123 or 5125)"));
         }
-        Ok(Sparse {
-            count: json.need("count")?,
-            indices: (view, at, component),
-            values: (values.need_index("bufferView", self.views)?, offset(&values)?),
-        })
+        Ok(Sparse { count: json.need("count")?, indices: index_start, component, values: start(&values)? })
     }
 
     fn mesh(&self, json: &Json<'_>) -> Result<Mesh, GltfError> {

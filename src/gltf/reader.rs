@@ -230,14 +230,14 @@ impl<'a> Reader<'a> {
         elements: u64,
         at: Use<'_>,
     ) -> Result<(), GltfError> {
-        let Sparse { count, indices: (view, offset, component), values } = sparse;
+        let Sparse { count, indices, component, values } = sparse;
         if count > elements {
             return Err(at.fault(format_args!("it replaces {count} elements of {elements}")));
         }
-        let (indices, stride) = self.strided(view, offset, count, component.size(), at)?;
+        let (indices, stride) = self.strided(indices.view, indices.offset, count, component.size(), at)?;
         self.charge(count, (component.size() + 4 + element) as u64, &|| at.json_path())?;
         let indices = unsigned(&pack(indices, stride, component.size(), count as usize), component);
-        let (values, stride) = self.strided(values.0, values.1, count, element, at)?;
+        let (values, stride) = self.strided(values.view, values.offset, count, element, at)?;
         let values = pack(values, stride, element, count as usize);
         let mut least = 0;
         for (position, (&index, value)) in indices.iter().zip(values.chunks_exact(element)).enumerate() {

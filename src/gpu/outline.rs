@@ -304,10 +304,18 @@ enum Source {
 #[derive(Clone, Debug)]
 struct Part {
     groups: [wgpu::BindGroup; 2],
-    /// The pipeline of silhouettes and boundaries, and the arguments of their draw.
-    silhouettes: Option<(wgpu::RenderPipeline, wgpu::Buffer, u64)>,
+    silhouettes: Option<Silhouettes>,
     /// The pipeline of creases and marked edges, and the number of edge records.
     features: Option<(wgpu::RenderPipeline, u32)>,
+}
+
+/// The draw of silhouettes and boundaries.
+#[derive(Clone, Debug)]
+struct Silhouettes {
+    pipeline: wgpu::RenderPipeline,
+    /// The buffer of its arguments, and their offset.
+    arguments: wgpu::Buffer,
+    offset: u64,
 }
 
 impl Part {
@@ -338,7 +346,7 @@ impl Outline {
             }
         }
         for part in &self.parts {
-            if let Some((pipeline, arguments, offset)) = &part.silhouettes {
+            if let Some(Silhouettes { pipeline, arguments, offset }) = &part.silhouettes {
                 part.bind(pass);
                 pass.set_pipeline(pipeline);
                 pass.draw_indirect(arguments, *offset);
@@ -497,7 +505,10 @@ impl OutlinePipeline {
     ) -> Part {
         let draws = |classes: u32| view.classes & classes != 0;
         let features = (draws(0b1100) && edges > 0).then(|| (pair.features(&self.shared, &self.format).clone(), edges));
-        let silhouettes = || (pair.silhouettes(&self.shared, &self.format).clone(), arguments.clone(), offset);
+        let silhouettes = || {
+            let pipeline = pair.silhouettes(&self.shared, &self.format).clone();
+            Silhouettes { pipeline, arguments: arguments.clone(), offset }
+        };
         Part { groups, silhouettes: draws(0b11).then(silhouettes), features }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::{MAX_FACES, MeshError};
-use super::polygons::{PolygonLoops, Polygons};
+use super::polygons::{PolygonLoops, Polygons, Welded};
 use super::topology::{EdgeCounts, EdgeRecords, is_degenerate};
 use super::weld::{self, Weld, WeldCounts};
 
@@ -113,7 +113,7 @@ impl Mesh {
         polygons: PolygonLoops<'_>,
         weld: Weld,
     ) -> Result<Self, MeshError> {
-        let (polygons, triangles, weld) = Polygons::welded(positions, polygons, weld)?;
+        let Welded { polygons, triangles, counts: weld } = Polygons::welded(positions, polygons, weld)?;
         if polygons.are_triangles() {
             return Ok(Self::build(positions.len(), polygons.into_triangles(), weld));
         }

@@ -64,15 +64,18 @@ impl Silhouette {
     pub fn chains(&self) -> Vec<Chain> {
         const NONE: u32 = u32::MAX;
         let ends_at = |end: usize| {
-            let key =
-                |(number, edge): (u32, &SilhouetteEdge)| (edge.vertices[end], edge.kind == EdgeKind::Boundary, number);
+            let key = |(number, edge): (u32, &SilhouetteEdge)| End {
+                vertex: edge.vertices[end],
+                is_boundary: edge.kind == EdgeKind::Boundary,
+                number,
+            };
             let mut keys: Vec<_> = (0..).zip(&self.edges).map(key).collect();
             keys.sort_unstable();
             keys
         };
         let mut next = vec![NONE; self.edges.len()];
-        let (ends, starts) = join(&mut next, ends_at(1), ends_at(0), |&(vertex, is_boundary, _)| (vertex, is_boundary));
-        join(&mut next, ends, starts, |&(vertex, ..)| (vertex, false));
+        let (ends, starts) = join(&mut next, ends_at(1), ends_at(0), |end| (end.vertex, end.is_boundary));
+        join(&mut next, ends, starts, |end| (end.vertex, false));
 
         let mut is_begun = vec![true; self.edges.len()];
         next.iter().filter(|&&to| to != NONE).for_each(|&to| is_begun[to as usize] = false);
@@ -100,8 +103,15 @@ impl Silhouette {
     }
 }
 
-/// A vertex, whether an edge there is a boundary edge, and the number of the edge.
-type End = (u32, bool, u32);
+/// An edge at a vertex where it ends or starts. Ends are sorted by their fields, in order.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct End {
+    vertex: u32,
+    /// Whether the edge is a boundary edge.
+    is_boundary: bool,
+    /// The number of the edge.
+    number: u32,
+}
 
 /// Lets edges that end go on as edges that start with the same key, in order. Both are sorted by the key. Returns the rest.
 fn join(next: &mut [u32], ends: Vec<End>, starts: Vec<End>, key: impl Fn(&End) -> (u32, bool)) -> (Vec<End>, Vec<End>) {
@@ -112,7 +122,7 @@ fn join(next: &mut [u32], ends: Vec<End>, starts: Vec<End>, key: impl Fn(&End) -
             other_starts.push(start);
         }
         match starts.next_if(|start| key(start) == key(&end)) {
-            Some((.., start)) => next[end.2 as usize] = start,
+            Some(start) => next[end.number as usize] = start.number,
             None => other_ends.push(end),
         }
     }

@@ -208,10 +208,8 @@ fn multiply_limbs(p: vec4<i32>, q: vec4<i32>) -> Columns {
   );
 }
 
-// A component of the normal, p q - r s, carried. The last limb has the sign and may have more bits.
-fn normal_limbs(p: vec4<i32>, q: vec4<i32>, r: vec4<i32>, s: vec4<i32>) -> Columns {
-  let first = multiply_limbs(p, q);
-  let second = multiply_limbs(r, s);
+// The difference of two products, carried: a component of the normal. The last limb has the sign and may have more bits.
+fn normal_limbs(first: Columns, second: Columns) -> Columns {
   var low = first.low - second.low;
   var high = first.high - second.high;
   low.y += low.x >> 12u;
@@ -255,9 +253,9 @@ fn fixed_face(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>) -> FixedF
     span.y - span.x <= FACE_BITS,
     span.x,
     a,
-    normal_limbs(u.y, v.z, u.z, v.y),
-    normal_limbs(u.z, v.x, u.x, v.z),
-    normal_limbs(u.x, v.y, u.y, v.x),
+    normal_limbs(multiply_limbs(u.y, v.z), multiply_limbs(u.z, v.y)),
+    normal_limbs(multiply_limbs(u.z, v.x), multiply_limbs(u.x, v.z)),
+    normal_limbs(multiply_limbs(u.x, v.y), multiply_limbs(u.y, v.x)),
   );
 }
 

@@ -238,15 +238,22 @@ fn add_node(count: u32, kind: u32, exit: CellExit) {
   node_samples[index] = vec4<i32>(sample * TEXEL, biased_distance(sample), select(0, 1, is_right_nearer));
 }
 
-// Whether `distance`, at `position` from 0 to `length`, is within the tolerance of the line from `first` to `last`.
-fn is_near_line(first: i32, distance: i32, last: i32, position: i32, length: i32) -> bool {
-  if (first == FAR || distance == FAR || last == FAR) {
-    return first == distance && distance == last;
+// The distances of a surface over a segment: a line from the first to the last.
+struct SurfaceLine {
+  first: i32,
+  last: i32,
+  length: i32, // The segment's length along its longer axis.
+}
+
+// Whether `distance`, at `position` from 0 to `line.length`, is within the tolerance of the line.
+fn is_near_line(line: SurfaceLine, distance: i32, position: i32) -> bool {
+  if (line.first == FAR || distance == FAR || line.last == FAR) {
+    return line.first == distance && distance == line.last;
   }
-  let rise = (distance - first) >> contour.shift;
-  let total_rise = (last - first) >> contour.shift;
+  let rise = (distance - line.first) >> contour.shift;
+  let total_rise = (line.last - line.first) >> contour.shift;
   return abs(rise) <= 65536 && abs(total_rise) <= 65536
-    && abs(rise * length - total_rise * position) <= contour.tolerance * length;
+    && abs(rise * line.length - total_rise * position) <= contour.tolerance * line.length;
 }
 
 // The distances of the surfaces to the left and right of a node, without STEEP.
@@ -267,6 +274,8 @@ fn segment_fits(last: u32) -> bool {
   let length = abs(segment[axis]);
   let first_surfaces = surfaces_without_steep(0u);
   let last_surfaces = surfaces_without_steep(last);
+  let left_line = SurfaceLine(first_surfaces.x, last_surfaces.x, length);
+  let right_line = SurfaceLine(first_surfaces.y, last_surfaces.y, length);
   // Turns: 36 * TILE_NODES in all.
   for (var node = 1u; node < last; node++) {
     let index = ring_index(node);
@@ -276,8 +285,8 @@ fn segment_fits(last: u32) -> bool {
       && cross_product(segment, right) >= 0 && cross_product(left - segment, right - segment) <= 0;
     let surfaces = surfaces_without_steep(node);
     let position = clamp((node_points[index][axis] - start[axis]) * sign(segment[axis]), 0, length);
-    if (!passes_between || !is_near_line(first_surfaces.x, surfaces.x, last_surfaces.x, position, length)
-      || !is_near_line(first_surfaces.y, surfaces.y, last_surfaces.y, position, length)) {
+    if (!passes_between || !is_near_line(left_line, surfaces.x, position)
+      || !is_near_line(right_line, surfaces.y, position)) {
       return false;
     }
   }
@@ -290,14 +299,22 @@ fn write_vertex(offset: u32, vertex: vec3<i32>) {
   walls[offset + 2u] = bitcast<u32>(vertex.z);
 }
 
-// Counts a wall or flap, and lists it if there is room.
-fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
+// A wall or flap over a segment from node a to node b: its edges at both, from `begin` to `end`.
+struct Wall {
+  a_begin: vec3<i32>,
+  a_end: vec3<i32>,
+  b_begin: vec3<i32>,
+  b_end: vec3<i32>,
+}
+
+// Counts a wall or flap, and lists its vertices around it if there is room.
+fn add_wall(wall: Wall) {
   if (LISTS && next_wall < contour.capacity) {
     let offset = 4u + 12u * next_wall;
-    write_vertex(offset, p);
-    write_vertex(offset + 3u, q);
-    write_vertex(offset + 6u, r);
-    write_vertex(offset + 9u, s);
+    write_vertex(offset, wall.a_begin);
+    write_vertex(offset + 3u, wall.a_end);
+    write_vertex(offset + 6u, wall.b_end);
+    write_vertex(offset + 9u, wall.b_begin);
   }
   next_wall++;
 }
@@ -325,8 +342,8 @@ fn add_segment_walls(last: u32) {
     range_a = select(
       range_a.yy, vec2<i32>(range_a.y, next_split(node_edges[window_start].xyz, range_a.y, a.w)), advances_a);
     range_b = select(range_b.yy, vec2<i32>(range_b.y, next_split(node_edges[end].xyz, range_b.y, b.w)), advances_b);
-    add_wall(
-      vec3<i32>(a.xy, range_a.x), vec3<i32>(a.xy, range_a.y), vec3<i32>(b.xy, range_b.y), vec3<i32>(b.xy, range_b.x));
+    add_wall(Wall(
+      vec3<i32>(a.xy, range_a.x), vec3<i32>(a.xy, range_a.y), vec3<i32>(b.xy, range_b.x), vec3<i32>(b.xy, range_b.y)));
   }
   for (var side = 0; side < 2; side++) {
     let has_flap_a = node_samples[window_start].w == side;
@@ -334,9 +351,9 @@ fn add_segment_walls(last: u32) {
     if (has_flap_a || has_flap_b) {
       let top_a = vec3<i32>(a.xy, a[2 + side]);
       let top_b = vec3<i32>(b.xy, b[2 + side]);
-      add_wall(
-        select(top_a, node_samples[window_start].xyz, has_flap_a), top_a, top_b,
-        select(top_b, node_samples[end].xyz, has_flap_b));
+      let begin_a = select(top_a, node_samples[window_start].xyz, has_flap_a);
+      let begin_b = select(top_b, node_samples[end].xyz, has_flap_b);
+      add_wall(Wall(begin_a, top_a, begin_b, top_b));
     }
   }
 }

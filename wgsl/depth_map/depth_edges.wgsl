@@ -262,45 +262,86 @@ fn with_states(marks: Marks, states: vec4<u32>, bit: u32) -> Marks {
     marks.marked | ((states & vec4<u32>(1u)) << shift), marks.undecided | ((states >> vec4<u32>(1u)) << shift));
 }
 
+// Four columns of samples beside each other.
+struct FourColumns {
+  before: vec4<u32>, // Only the keys in the rows of the strip.
+  current: Column,
+  next: Column,
+  after: Column,
+}
+
+// The columns one sample further on. `after` is the new last one.
+fn shifted(columns: FourColumns, after: Column) -> FourColumns {
+  return FourColumns(columns.current.keys, columns.next, columns.after, after);
+}
+
+// Where a column of samples is within its map. Maps of a cube lie beside each other, and no edge leads from one to the next.
+struct MapPosition {
+  size: vec2<u32>,
+  rows: vec4<u32>,
+  column: u32,
+}
+
+// The edges from the samples `columns.current` along an axis.
+fn edges_along(columns: FourColumns, position: MapPosition, axis: u32) -> FourEdges {
+  let far = vec4<u32>(FAR_KEY);
+  let current = columns.current;
+  if (axis == 1u) {
+    return FourEdges(
+      select(vec4<u32>(current.beyond.x, current.keys.xyz), far, position.rows == vec4<u32>(0u)),
+      current.keys,
+      vec4<u32>(current.keys.yzw, current.beyond.y),
+      select(vec4<u32>(current.keys.zw, current.beyond.yz), far, position.rows + 2u >= vec4<u32>(position.size.y)));
+  }
+  return FourEdges(
+    select(columns.before, far, position.column == 0u),
+    current.keys,
+    columns.next.keys,
+    select(columns.after.keys, far, position.column + 2u >= position.size.x));
+}
+
+// Which edges along an axis lead out of the map or the lattice. `x` is the column of their samples in the lattice.
+fn leads_out(position: MapPosition, x: u32, axis: u32) -> vec4<bool> {
+  if (axis == 1u) {
+    return (position.rows + 1u == vec4<u32>(position.size.y)) | vec4<bool>(x >= lattice_size().x);
+  }
+  return vec4<bool>(position.column + 1u == position.size.x || x >= lattice_size().x);
+}
+
+// The bits of `sample_bits` for a column of samples, shifted to bit 0 and 16: they cast; their cells are split.
+fn bits_of_column(current: Column, next: Column) -> vec4<u32> {
+  let below = vec4<u32>(current.keys.yzw, current.beyond.y);
+  let next_below = vec4<u32>(next.keys.yzw, next.beyond.y);
+  let split = vec4<bool>(
+    is_split(vec4<u32>(current.keys.x, next.keys.x, below.x, next_below.x)),
+    is_split(vec4<u32>(current.keys.y, next.keys.y, below.y, next_below.y)),
+    is_split(vec4<u32>(current.keys.z, next.keys.z, below.z, next_below.z)),
+    is_split(vec4<u32>(current.keys.w, next.keys.w, below.w, next_below.w)));
+  let casts = select(vec4<u32>(1u), vec4<u32>(0u), current.keys == vec4<u32>(FAR_KEY));
+  return casts | select(vec4<u32>(0u), vec4<u32>(0x10000u), split);
+}
+
 // Writes the words of a strip: marks, of both levels if edges are continued, and `sample_bits`.
 fn mark_strip(strip: u32) {
   let word = first_word_of_strip(strip);
   let corner = vec2<u32>(word.x * WORD_SAMPLES, word.y);
-  let far = vec4<u32>(FAR_KEY);
-  // Maps of a cube lie beside each other, and no edge leads from one to the next.
   let map_size = select(vec2<u32>(0x40000000u), depth_map.size, depth_map.faces > 1u);
-  // The rows, and the column of `current`, within their map.
-  let rows = (corner.y + vec4<u32>(0u, 1u, 2u, 3u)) % map_size.y;
-  let is_last_row = rows + 1u == vec4<u32>(map_size.y);
-  var column = corner.x % map_size.x;
-  var current: Column;
-  var next: Column;
-  var after: Column;
+  var position = MapPosition(map_size, (corner.y + vec4<u32>(0u, 1u, 2u, 3u)) % map_size.y, corner.x % map_size.x);
+  var columns: FourColumns;
   var marks: Marks;
   var faint_marks: Marks;
   var bits = vec4<u32>(0u);
-  // The first three iterations fill `current`, `next` and `after`.
+  // The first three iterations fill `columns`.
   for (var index = 0u; index < WORD_SAMPLES + 3u; index++) {
-    let before = current.keys;
-    current = next;
-    next = after;
-    after = load_column(corner + vec2<u32>(index, 0u) - vec2<u32>(1u, 0u));
+    columns = shifted(columns, load_column(corner + vec2<u32>(index, 0u) - vec2<u32>(1u, 0u)));
     if (index < 3u) {
       continue;
     }
     let bit = index - 3u;
     let sample = corner + vec2<u32>(bit, 0u);
-    let below = vec4<u32>(current.keys.yzw, current.beyond.y);
     for (var axis = 0u; axis < 2u; axis++) {
-      var four = FourEdges(
-        select(before, far, column == 0u), current.keys, next.keys, select(after.keys, far, column + 2u >= map_size.x));
-      var never_marked = vec4<bool>(column + 1u == map_size.x || sample.x >= lattice_size().x);
-      if (axis == 1u) {
-        four.before = select(vec4<u32>(current.beyond.x, current.keys.xyz), far, rows == vec4<u32>(0u));
-        four.second = below;
-        four.after = select(vec4<u32>(current.keys.zw, current.beyond.yz), far, rows + 2u >= vec4<u32>(map_size.y));
-        never_marked = is_last_row | vec4<bool>(sample.x >= lattice_size().x);
-      }
+      let four = edges_along(columns, position, axis);
+      let never_marked = leads_out(position, sample.x, axis);
       let always_marked = are_object_edges(four, sample, step_along(axis));
       let states = select(edge_states(four, 0u), vec4<u32>(1u), always_marked);
       marks = with_states(marks, select(states, vec4<u32>(0u), never_marked), bit + 16u * axis);
@@ -309,15 +350,8 @@ fn mark_strip(strip: u32) {
         faint_marks = with_states(faint_marks, select(faint_states, vec4<u32>(0u), never_marked), bit + 16u * axis);
       }
     }
-    let next_below = vec4<u32>(next.keys.yzw, next.beyond.y);
-    let split = vec4<bool>(
-      is_split(vec4<u32>(current.keys.x, next.keys.x, below.x, next_below.x)),
-      is_split(vec4<u32>(current.keys.y, next.keys.y, below.y, next_below.y)),
-      is_split(vec4<u32>(current.keys.z, next.keys.z, below.z, next_below.z)),
-      is_split(vec4<u32>(current.keys.w, next.keys.w, below.w, next_below.w)));
-    let casts = select(vec4<u32>(1u), vec4<u32>(0u), current.keys == far);
-    bits |= (casts | select(vec4<u32>(0u), vec4<u32>(0x10000u), split)) << vec4<u32>(bit);
-    column = select(column + 1u, 0u, column + 1u == map_size.x);
+    bits |= bits_of_column(columns.current, columns.next) << vec4<u32>(bit);
+    position.column = select(position.column + 1u, 0u, position.column + 1u == map_size.x);
   }
   marks.marked |= resolve_undecided(corner, marks.undecided, 0u);
   if (CONTINUES) {

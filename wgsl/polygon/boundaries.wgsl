@@ -18,20 +18,21 @@
 
 const ONE_LOOP: u32 = 0x80000000u;
 
-// Words of the head. Four times: three words of workgroups, the arguments of indirect dispatches, then the number of items.
+// Words of the head. Four times: three words of workgroups, the arguments of indirect dispatches, then, at COUNT_WORD, the
+// number of items.
 // * RECORD_…: records, BOUNDARY_LANES a workgroup, for `polygon_turns`, `polygon_masks` and `cut_quads`.
 // * ENTRY_COUNT, WORKGROUPS: entries for `polygon_pairs`, a workgroup each.
 // * CUT_COUNT, CUT_WORKGROUPS: entries for `cut_edges`, by which `polygon_masks` overwrites those for
 //   `polygon_pairs`.
 // * CUT_GROUP_…: groups of up to GROUP_CUTS records of cuts, a workgroup each, for the later passes of `cut_edges`.
+const COUNT_WORD: u32 = 3u;
 const RECORD_WORKGROUPS: u32 = 0u;
-const RECORD_COUNT: u32 = 3u;
+const RECORD_COUNT: u32 = RECORD_WORKGROUPS + COUNT_WORD;
 const WORKGROUPS: u32 = 4u;
-const ENTRY_COUNT: u32 = 7u;
+const ENTRY_COUNT: u32 = WORKGROUPS + COUNT_WORD;
 const CUT_WORKGROUPS: u32 = 8u;
-const CUT_COUNT: u32 = 11u;
+const CUT_COUNT: u32 = CUT_WORKGROUPS + COUNT_WORD;
 const CUT_GROUP_WORKGROUPS: u32 = 12u;
-const CUT_GROUP_COUNT: u32 = 15u;
 const UNDECIDED_HEAD: u32 = 16u;
 // Records of a group of cuts (polygon/cuts.wgsl).
 const GROUP_CUTS: u32 = 8u;
@@ -107,10 +108,10 @@ fn polygon_of(offset: u32) -> u32 {
   return atomicLoad(&undecided[offset + POLYGON]) & ~NOT_FINITE;
 }
 
-// Reserves items of a dispatch, a workgroup each, and returns the index of the first. `count_word` and `workgroups_word` are
-// the words of the head with the number of items and with the workgroups, in rows of ENTRY_ROW.
-fn reserve_entries(count_word: u32, workgroups_word: u32, entries: u32) -> u32 {
-  let first = atomicAdd(&undecided[count_word], entries);
+// Reserves items of a dispatch, a workgroup each, and returns the index of the first. `workgroups_word` is the first word of
+// the dispatch in the head. Its workgroups are in rows of ENTRY_ROW.
+fn reserve_entries(workgroups_word: u32, entries: u32) -> u32 {
+  let first = atomicAdd(&undecided[workgroups_word + COUNT_WORD], entries);
   let end = first + entries;
   atomicMax(&undecided[workgroups_word], min(end, ENTRY_ROW));
   atomicMax(&undecided[workgroups_word + 1u], (end + ENTRY_ROW - 1u) / ENTRY_ROW);
@@ -123,11 +124,11 @@ fn write_entry(index: u32, record_index: u32, part: u32) {
 }
 
 // Lists entries for some lights of a record: ENTRY_EDGES edges and ENTRY_LIGHTS lights each for a small boundary, one edge
-// and light for a large one.
-fn list_entries(record_index: u32, boundary: PolygonBoundary, lights: u32, count_word: u32, workgroups_word: u32) {
+// and light for a large one. `workgroups_word`: see `reserve_entries`.
+fn list_entries(record_index: u32, boundary: PolygonBoundary, lights: u32, workgroups_word: u32) {
   let edges = boundary.count;
   if (is_large(boundary)) {
-    var index = reserve_entries(count_word, workgroups_word, edges * countOneBits(lights));
+    var index = reserve_entries(workgroups_word, edges * countOneBits(lights));
     for (var remaining = lights; remaining != 0u; remaining &= remaining - 1u) {
       // Turns: BOUNDARY_EDGES.
       for (var edge = 0u; edge < edges; edge++) {
@@ -140,7 +141,7 @@ fn list_entries(record_index: u32, boundary: PolygonBoundary, lights: u32, count
   let entry_rows = (edges + ENTRY_EDGES - 1u) / ENTRY_EDGES;
   let has_half = vec2<bool>((lights & 0xffffu) != 0u, lights > 0xffffu);
   let first = reserve_entries(
-    count_word, workgroups_word, entry_rows * (select(0u, 1u, has_half.x) + select(0u, 1u, has_half.y)));
+    workgroups_word, entry_rows * (select(0u, 1u, has_half.x) + select(0u, 1u, has_half.y)));
   // Turns: SMALL_BOUNDARY / ENTRY_EDGES.
   for (var entry_row = 0u; entry_row < entry_rows; entry_row++) {
     if (has_half.x) {

@@ -61,10 +61,10 @@ fn overlap_in_line(f: Edge, f_index: u32, e: Edge, e_index: u32) -> Overlap {
   return Overlap(is_cut, is_left, upward_f.b);
 }
 
-// Whether edges (p, q) and (a, b), which must be on one line in space, have the same direction.
-fn has_same_direction(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
+// Whether edges from p to q and `e`, which must be on one line in space, have the same direction.
+fn has_same_direction(p: vec3<u32>, q: vec3<u32>, e: Edge) -> bool {
   let is_ascending = order_keys(p) < order_keys(q);
-  return any((p != q) & (a != b) & (is_ascending == (order_keys(a) < order_keys(b))));
+  return any((p != q) & (e.a != e.b) & (is_ascending == (order_keys(e.a) < order_keys(e.b))));
 }
 
 // The edges that an invocation finds to cut its edge, a bit each. For a large boundary it tests every 64th edge: bit n is
@@ -133,9 +133,9 @@ fn is_triangle_beside_end(corners: array<vec3<u32>, 3>, e: Edge, signs: array<i3
   var sides = vec3<i32>(signs[1], signs[3], signs[5]);
   sides = select(sides, vec3<i32>(signs[2], signs[4], signs[6]), sides == vec3<i32>(0));
   let is_same = vec3<bool>(
-    has_same_direction(corners[0], corners[1], e.a, e.b),
-    has_same_direction(corners[1], corners[2], e.a, e.b),
-    has_same_direction(corners[2], corners[0], e.a, e.b),
+    has_same_direction(corners[0], corners[1], e),
+    has_same_direction(corners[1], corners[2], e),
+    has_same_direction(corners[2], corners[0], e),
   );
   sides = select(sides, select(vec3<i32>(-1), vec3<i32>(1), is_same), sides == vec3<i32>(0));
   return signs[0] != 0 && all(sides == vec3<i32>(signs[0]));

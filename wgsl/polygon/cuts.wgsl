@@ -81,7 +81,7 @@ fn reserve_row(light: u32, cuts: u32) -> u32 {
   let listed = min(vec2<u32>(first, first + cuts + 1u), vec2<u32>(chunk.capacity));
   let groups = (listed + GROUP_CUTS - 1u) / GROUP_CUTS;
   if (groups.y > groups.x) {
-    reserve_entries(CUT_GROUP_COUNT, CUT_GROUP_WORKGROUPS, groups.y - groups.x);
+    reserve_entries(CUT_GROUP_WORKGROUPS, groups.y - groups.x);
   }
   return first;
 }
@@ -423,122 +423,180 @@ fn foremost(triple: EdgeTriple, in_line: vec3<bool>) -> u32 {
   return select(preceding(triple, 0u, first_of_others), first_of_others, in_line.z);
 }
 
-// Whether cut j is before cut i on the edge that both cut. Turns decide if one cut is on one side of the other's edge.
-// Otherwise all three edges cross each other, and the fractions along one of them decide for all three. If they seem to
-// cross in one point, the moved light decides. If it sees one point, too, each edge is moved to its left a little, and the
-// foremost one farther, out of the others' crossing. Rounded fractions also decide if edges cross each other's opposite
-// directions; no other order must fit then.
-fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
-  let e = cut_edge.edge;
-  let j = cut_j.cutting_edge;
-  let i = cut_i.cutting_edge;
-  let touching_end_j = touching_end(cut_edge.boundary, cut_j);
-  let touching_end_i = touching_end(cut_edge.boundary, cut_i);
-  let is_up = is_below(e.a, e.b);
-  if (touching_end_j.w + touching_end_i.w == 2u && any(touching_end_j != touching_end_i)) {
-    return is_below(touching_end_j.xyz, touching_end_i.xyz) == is_up;
-  }
-  let f = load_edge(cut_edge.boundary.first + i);
-  let g = load_edge(cut_edge.boundary.first + j);
+// Two cuts of an edge e: cut j by edge g, and cut i by edge f.
+struct CutPair {
+  cut_j: Cut,
+  cut_i: Cut,
+  g: Edge,
+  f: Edge,
+}
+
+// The turns of the edges e, f and g of a `CutPair`.
+struct PairTurns {
   // Tests 0 and 1: the sides of the end of e at f and at g. 2 and 3: of the ends of g at f. 4 and 5: of the ends of f at g.
   // 6 to 9: of the ends of g, then of f, at e.
-  var signs: array<i32, 10>;
+  signs: array<i32, 10>,
   // The `tie` of the cuts of g and of f by the two others.
-  var ties = array<vec2<u32>, 2>(vec2<u32>(IN_LINE), vec2<u32>(IN_LINE));
-  var is_crossing = false;
+  ties: array<vec2<u32>, 2>,
+}
+
+// The three points of a test of `PairTurns`: the side of the third at the edge from the first to the second.
+fn points_of_pair_test(e: Edge, pair: CutPair, test: u32) -> array<vec3<u32>, 3> {
+  var p = pair.f;
+  if (test == 1u || test == 4u || test == 5u) {
+    p = pair.g;
+  } else if (test >= 6u) {
+    p = e;
+  }
+  var r = e.b;
+  switch (test) {
+    case 2u, 6u: { r = pair.g.a; }
+    case 3u, 7u: { r = pair.g.b; }
+    case 4u, 8u: { r = pair.f.a; }
+    case 5u, 9u: { r = pair.f.b; }
+    default: {}
+  }
+  return array<vec3<u32>, 3>(p.a, p.b, r);
+}
+
+// The order of two cuts by sides.
+struct SideOrder {
+  is_decided: bool,
+  // Whether cut j is before cut i, if so.
+  is_before: bool,
+}
+
+// The order of two cuts if the edges are in line, a cut touches, or one is on one side of the other's edge. `signs` are
+// those of tests 0 to 5. Touching cuts must touch at one point.
+fn order_by_sides(cut_edge: CutEdge, pair: CutPair, signs: array<i32, 10>) -> SideOrder {
+  let e = cut_edge.edge;
+  let f = pair.f;
+  let g = pair.g;
+  let i = pair.cut_i.cutting_edge;
+  let j = pair.cut_j.cutting_edge;
+  let turns_of_g = vec2<i32>(signs[2], signs[3]);
+  let turns_of_f = vec2<i32>(signs[4], signs[5]);
+  if (all(turns_of_g == vec2<i32>(0))) {
+    // All are in one line: the nearer one cuts first in ascending direction.
+    let is_first = precedes(ascending(g), j, ascending(f), i);
+    return SideOrder(
+      true, select(is_first == (signs[0] == right_sign(f)), is_first != is_below(e.a, e.b), signs[0] == 0));
+  }
+  if (pair.cut_j.has_touching_end && pair.cut_i.has_touching_end) {
+    // Both touch at one point of e. An edge in line with e has no side of the other.
+    return SideOrder(
+      true, select(turns_of_g.x + turns_of_g.y != signs[0], turns_of_f.x + turns_of_f.y == signs[1], signs[0] == 0));
+  }
+  if (pair.cut_j.has_touching_end) {
+    let is_nearest = signs[1] == 0 || precedes(ascending(f), i, ascending(e), cut_edge.index);
+    return SideOrder(true, touching_side(turns_of_g, pair.cut_j.is_second_end, f, is_nearest) != signs[0]);
+  }
+  if (pair.cut_i.has_touching_end) {
+    let is_nearest = signs[0] == 0 || precedes(ascending(g), j, ascending(e), cut_edge.index);
+    return SideOrder(true, touching_side(turns_of_f, pair.cut_i.is_second_end, g, is_nearest) == signs[1]);
+  }
+  // The cut of g is on this side of f, or the cut of f on this side of g.
+  if (common_side(turns_of_g) != 0) {
+    return SideOrder(true, common_side(turns_of_g) != signs[0]);
+  }
+  return SideOrder(common_side(turns_of_f) != 0, common_side(turns_of_f) == signs[1]);
+}
+
+// Whether edges f and g cross each other, if no side decides. If they cross each other's opposite directions, they count
+// as if they did not: no other order must fit.
+fn is_pair_crossing(signs: array<i32, 10>) -> bool {
+  return signs[2] == signs[5];
+}
+
+// Whether cut j is before cut i on the edge that both cut. Turns decide if one cut is on one side of the other's edge.
+// Otherwise fractions decide, or the moved light. One loop, so that `turn` is compiled once.
+fn is_before(cut_edge: CutEdge, cut_j: Cut, cut_i: Cut) -> bool {
+  let e = cut_edge.edge;
+  let touching_end_j = touching_end(cut_edge.boundary, cut_j);
+  let touching_end_i = touching_end(cut_edge.boundary, cut_i);
+  if (touching_end_j.w + touching_end_i.w == 2u && any(touching_end_j != touching_end_i)) {
+    return is_below(touching_end_j.xyz, touching_end_i.xyz) == is_below(e.a, e.b);
+  }
+  let f = load_edge(cut_edge.boundary.first + cut_i.cutting_edge);
+  let g = load_edge(cut_edge.boundary.first + cut_j.cutting_edge);
+  let pair = CutPair(cut_j, cut_i, g, f);
+  var turns: PairTurns;
+  turns.ties = array<vec2<u32>, 2>(vec2<u32>(IN_LINE), vec2<u32>(IN_LINE));
   for (var test = 0u; test < 10u; test++) {
     if (test == 6u) {
-      let turns_of_g = vec2<i32>(signs[2], signs[3]);
-      let turns_of_f = vec2<i32>(signs[4], signs[5]);
-      if (all(turns_of_g == vec2<i32>(0))) {
-        // All are in one line: the nearer one cuts first in ascending direction.
-        let is_first = precedes(ascending(g), j, ascending(f), i);
-        return select(is_first == (signs[0] == right_sign(f)), is_first != is_up, signs[0] == 0);
+      let order = order_by_sides(cut_edge, pair, turns.signs);
+      if (order.is_decided) {
+        return order.is_before;
       }
-      if (touching_end_j.w + touching_end_i.w == 2u) {
-        // Both touch at one point of e. An edge in line with e has no side of the other.
-        return select(turns_of_g.x + turns_of_g.y != signs[0], turns_of_f.x + turns_of_f.y == signs[1], signs[0] == 0);
-      }
-      if (touching_end_j.w == 1u) {
-        let is_nearest = signs[1] == 0 || precedes(ascending(f), i, ascending(e), cut_edge.index);
-        return touching_side(turns_of_g, cut_j.is_second_end, f, is_nearest) != signs[0];
-      }
-      if (touching_end_i.w == 1u) {
-        let is_nearest = signs[0] == 0 || precedes(ascending(g), j, ascending(e), cut_edge.index);
-        return touching_side(turns_of_f, cut_i.is_second_end, g, is_nearest) == signs[1];
-      }
-      // The cut of g is on this side of f, or the cut of f on this side of g.
-      if (common_side(turns_of_g) != 0) {
-        return common_side(turns_of_g) != signs[0];
-      }
-      if (common_side(turns_of_f) != 0) {
-        return common_side(turns_of_f) == signs[1];
-      }
-      // If they cross each other's opposite directions, no other order must fit.
-      is_crossing = signs[2] == signs[5];
-      if (!is_crossing) {
+      if (!is_pair_crossing(turns.signs)) {
         break;
       }
     }
-    var p = f;
-    if (test == 1u || test == 4u || test == 5u) {
-      p = g;
-    } else if (test >= 6u) {
-      p = e;
-    }
-    var r = e.b;
-    switch (test) {
-      case 2u, 6u: { r = g.a; }
-      case 3u, 7u: { r = g.b; }
-      case 4u, 8u: { r = f.a; }
-      case 5u, 9u: { r = f.b; }
-      default: {}
-    }
-    let result = turn(p.a, p.b, r, cut_edge.light);
-    signs[test] = result.sign;
+    let points = points_of_pair_test(e, pair, test);
+    let result = turn(points[0], points[1], points[2], cut_edge.light);
+    turns.signs[test] = result.sign;
     if (test >= 2u) {
       let is_end_of_f = (test / 2u) % 2u == 0u;
       let is_cut_by = vec2<bool>(test >= 6u, test < 6u);
-      ties[select(0u, 1u, is_end_of_f)] = min(
-        ties[select(0u, 1u, is_end_of_f)], select(vec2<u32>(IN_LINE), vec2<u32>(result.tie), is_cut_by));
+      turns.ties[select(0u, 1u, is_end_of_f)] = min(
+        turns.ties[select(0u, 1u, is_end_of_f)], select(vec2<u32>(IN_LINE), vec2<u32>(result.tie), is_cut_by));
     }
   }
+  return is_before_by_fractions(cut_edge, pair, turns);
+}
+
+// Whether cut j is before cut i if no side decides. If all three edges cross each other, the fractions along one of them
+// decide for all three. If they seem to cross in one point, the moved light decides. Rounded fractions also decide if edges
+// f and g cross each other's opposite directions.
+fn is_before_by_fractions(cut_edge: CutEdge, pair: CutPair, turns: PairTurns) -> bool {
+  let is_crossing = is_pair_crossing(turns.signs);
+  let i = pair.cut_i.cutting_edge;
+  let j = pair.cut_j.cutting_edge;
   var is_nearer = false;
   if (!is_crossing) {
-    let fractions = vec2<f32>(fraction_along(cut_edge, cut_j), fraction_along(cut_edge, cut_i));
+    let fractions = vec2<f32>(fraction_along(cut_edge, pair.cut_j), fraction_along(cut_edge, pair.cut_i));
     is_nearer = fractions.x < fractions.y || (fractions.x == fractions.y && j < i);
     if (abs(fractions.x - fractions.y) > SAME_POINT) {
       return is_nearer;
     }
   }
-  // Whether e and g, e and f, and g and f are seen in line, and it is unknown where they cross.
-  let in_line = vec3<bool>(!cut_edge.holds_turns) & (vec3<u32>(ties[0].x, ties[1].x, ties[0].y) > vec3<u32>(0u));
   let known = select(vec2<u32>(0u), vec2<u32>(0xffffffffu), cut_edge.holds_turns);
   let triple = EdgeTriple(
-    array<Edge, 3>(e, g, f),
+    array<Edge, 3>(cut_edge.edge, pair.g, pair.f),
     vec3<u32>(cut_edge.index, j, i),
-    array<vec2<u32>, 3>(vec2<u32>(cut_j.tie, cut_i.tie), ties[0] & known, ties[1] & known),
+    array<vec2<u32>, 3>(vec2<u32>(pair.cut_j.tie, pair.cut_i.tie), turns.ties[0] & known, turns.ties[1] & known),
   );
   let order = order_by_turns(triple, cut_edge, is_crossing);
   if (order.deciding_edge == NONE) {
     if (!is_crossing) {
       return is_nearer;
     }
-    switch (foremost(triple, in_line)) {
-      case 2u: { return right_sign(f) != signs[0]; }
-      case 1u: { return right_sign(g) == signs[1]; }
-      // e is cut after the others have left their crossing: by the end of g on its left.
-      default: { return select(signs[2], signs[3], signs[6] == right_sign(e)) != signs[0]; }
-    }
+    return is_before_at_one_point(cut_edge, triple, turns);
   }
   if (order.deciding_edge == 0u) {
     return !order.is_after;
   }
   // The product of: the order along the deciding edge; the sides of its end at e and at the other; the sides of the end of e
   // here.
+  let signs = turns.signs;
   let is_at_f = order.deciding_edge == 2u;
   let end_turns = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_at_f);
   return signs[0] * signs[1] * end_turns.x * end_turns.y * select(-1, 1, order.is_after) > 0;
+}
+
+// Whether cut j is before cut i if the moved light, too, sees three edges cross in one point: e, g and f are edges 0 to 2.
+// Each edge is moved to its left a little, and the foremost one farther, out of the others' crossing.
+fn is_before_at_one_point(cut_edge: CutEdge, triple: EdgeTriple, turns: PairTurns) -> bool {
+  let signs = turns.signs;
+  // Whether e and g, e and f, and g and f are seen in line, and it is unknown where they cross.
+  let in_line =
+    vec3<bool>(!cut_edge.holds_turns) & (vec3<u32>(turns.ties[0].x, turns.ties[1].x, turns.ties[0].y) > vec3<u32>(0u));
+  switch (foremost(triple, in_line)) {
+    case 2u: { return right_sign(triple.edges[2]) != signs[0]; }
+    case 1u: { return right_sign(triple.edges[1]) == signs[1]; }
+    // e is cut after the others have left their crossing: by the end of g on its left.
+    default: { return select(signs[2], signs[3], signs[6] == right_sign(triple.edges[0])) != signs[0]; }
+  }
 }
 
 // The fraction of the edge at which a cut lies, rounded.

@@ -343,7 +343,7 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     atomicStore(&undecided[offset + TURN_0], decided.turn_0);
     atomicStore(&undecided[offset + TURN_1], decided.turn_1);
     if (has_finite_corners && undecided_lights != 0u) {
-      list_entries(index, boundary, undecided_lights, ENTRY_COUNT, WORKGROUPS);
+      list_entries(index, boundary, undecided_lights, WORKGROUPS);
     }
   }
 }
@@ -421,7 +421,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let cut = masks.twisted & ~quad;
     atomicStore(&undecided[offset + LIGHTS], cut);
     if (cut != 0u) {
-      list_entries(index, boundary, cut, CUT_COUNT, CUT_WORKGROUPS);
+      list_entries(index, boundary, cut, CUT_WORKGROUPS);
     }
   }
 }

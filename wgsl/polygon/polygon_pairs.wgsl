@@ -38,10 +38,17 @@ fn winding_change(sides: vec2<i32>, turn_of_b: i32) -> i32 {
   return 0;
 }
 
-// Whether two edges cross, or touch elsewhere than at a common end. `turns_at_e` are the turns from `e` to both ends of `f`,
-// and `turns_at_f` those from `f` to both ends of `e`, for the moved light.
-fn has_contact(e: Edge, f: Edge, turns_at_e: vec2<i32>, turns_at_f: vec2<i32>) -> bool {
-  let in_line = all(turns_at_e == vec2<i32>(0)) && all(turns_at_f == vec2<i32>(0));
+// The turns of two edges e and f, for the moved light.
+struct PairTurns {
+  // Tests 0 and 1: from e to both ends of f.
+  at_e: vec2<i32>,
+  // Tests 2 and 3: from f to both ends of e.
+  at_f: vec2<i32>,
+}
+
+// Whether two edges cross, or touch elsewhere than at a common end.
+fn has_contact(e: Edge, f: Edge, turns: PairTurns) -> bool {
+  let in_line = all(turns.at_e == vec2<i32>(0)) && all(turns.at_f == vec2<i32>(0));
   let shares = vec4<bool>(all(e.a == f.a), all(e.a == f.b), all(e.b == f.a), all(e.b == f.b));
   if (any(shares)) {
     // The edges share `from_end`; `end` and `other` are their other ends. Edges in line overlap unless `from_end` lies
@@ -55,105 +62,145 @@ fn has_contact(e: Edge, f: Edge, turns_at_e: vec2<i32>, turns_at_f: vec2<i32>) -
   if (in_line) {
     return is_between(e.a, f.a, e.b) || is_between(e.a, f.b, e.b) || is_between(f.a, e.a, f.b);
   }
-  let sides_at_e = turns_at_e.x * turns_at_e.y;
-  let sides_at_f = turns_at_f.x * turns_at_f.y;
+  let sides_at_e = turns.at_e.x * turns.at_e.y;
+  let sides_at_f = turns.at_f.x * turns.at_f.y;
   if (sides_at_e < 0 && sides_at_f < 0) {
-    return turns_at_e.x == turns_at_f.y;
+    return turns.at_e.x == turns.at_f.y;
   }
   return (sides_at_e == 0 && sides_at_f < 0) || (sides_at_e < 0 && sides_at_f == 0);
 }
 
+// The test that compares the first corner of f with the rightmost corner.
+const RIGHTMOST_TEST: u32 = 4u;
+
+// The three points of a test.
+fn points_of_pair_test(e: Edge, f: Edge, best: vec4<u32>, test: u32) -> array<vec3<u32>, 3> {
+  switch (test) {
+    case 0u: { return array<vec3<u32>, 3>(e.a, e.b, f.a); }
+    case 1u: { return array<vec3<u32>, 3>(e.a, e.b, f.b); }
+    case 2u: { return array<vec3<u32>, 3>(f.a, f.b, e.a); }
+    case 3u: { return array<vec3<u32>, 3>(f.a, f.b, e.b); }
+    default: { return array<vec3<u32>, 3>(e.a, best.xyz, f.a); }
+  }
+}
+
+// The turns with the sign of a test from 0 to 3.
+fn with_turn(turns: PairTurns, test: u32, sign: i32) -> PairTurns {
+  var result = turns;
+  switch (test) {
+    case 0u: { result.at_e.x = sign; }
+    case 1u: { result.at_e.y = sign; }
+    case 2u: { result.at_f.x = sign; }
+    case 3u: { result.at_f.y = sign; }
+    default: {}
+  }
+  return result;
+}
+
+// A phase of `orientation_by_pairs` for an invocation.
+struct Phase {
+  // Phase 0: all pairs, and the rightmost corner that the invocation sees.
+  is_pairs: bool,
+  // Phase 7: whether all corners are left of the line to the rightmost corner of all.
+  is_check: bool,
+  // Phases 1 to 6: 64 invocations of a large boundary reduce to the rightmost corner of all. The first `half` of them take
+  // that of the other half.
+  half: u32,
+  // The edges that the invocation goes over. While it reduces, it has one item or none.
+  first: u32,
+  end: u32,
+}
+
+fn phase_of(number: u32, edge_count: u32, work: Work, lane: u32) -> Phase {
+  var phase = Phase(number == 0u, number == 7u, BOUNDARY_LANES >> number, select(0u, lane, work.is_large), edge_count);
+  if (!phase.is_pairs && !phase.is_check) {
+    phase.first = 0u;
+    phase.end = select(0u, 1u, work.is_large && lane < phase.half);
+  }
+  phase.end = select(0u, phase.end, work.exists);
+  return phase;
+}
+
+// An edge with which an invocation compares its edge.
+struct OtherEdge {
+  // If false, it does not count.
+  is_corner: bool,
+  // While invocations reduce: only the first corner, the rightmost one of another invocation.
+  edge: Edge,
+}
+
+// Edge `index` of the boundary, or, while invocations reduce, the rightmost corner of the other half.
+fn other_edge(boundary: PolygonBoundary, phase: Phase, work: Work, index: u32, lane: u32) -> OtherEdge {
+  var other: OtherEdge;
+  if (phase.is_pairs || phase.is_check) {
+    other.edge = load_edge(boundary.first + index);
+    other.is_corner = other.edge.has_length && index != work.edge_index;
+  } else {
+    let other_best = rightmost[lane + phase.half];
+    other.edge.a = other_best.xyz;
+    other.is_corner = other_best.w != 0u;
+  }
+  return other;
+}
+
 // Tests the pairs of the invocation's edge and every other; for a large boundary every 64th, so at most 16 of 1,024 edges,
 // fewer than the SMALL_BOUNDARY that `Turns:` counts. All invocations must call it, for its barriers. One loop has eight
-// phases, so that `turn` is compiled once. Phase 0: all pairs, and the rightmost corner that the invocation sees. Phases 1
-// to 6: 64 invocations of a large boundary reduce to the rightmost corner of all, by halves. Phase 7: whether all corners
-// are left of the line to it.
+// phases, so that `turn` is compiled once.
 fn orientation_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, BOUNDARY_LANES, work.is_large);
   var best = vec4<u32>(0u);
-  for (var phase = 0u; phase < 8u; phase++) {
-    let is_pairs = phase == 0u;
-    let is_check = phase == 7u;
-    let half = BOUNDARY_LANES >> phase;
-    if (is_check && work.is_large) {
+  for (var number = 0u; number < 8u; number++) {
+    let phase = phase_of(number, boundary.count, work, lane);
+    if (phase.is_check && work.is_large) {
       best = rightmost[0];
     }
-    var first = select(0u, lane, work.is_large);
-    var end = boundary.count;
-    if (!is_pairs && !is_check) {
-      first = 0u;
-      end = select(0u, 1u, work.is_large && lane < half);
-    }
-    end = select(0u, end, work.exists);
     // Turns: 2 * SMALL_BOUNDARY + 6 in all.
-    for (var other = first; other < end; other += step) {
-      var f: Edge;
-      var is_corner = true;
-      if (is_pairs || is_check) {
-        f = load_edge(boundary.first + other);
-        is_corner = f.has_length && other != work.edge_index;
-      } else {
-        let other_best = rightmost[lane + half];
-        f.a = other_best.xyz;
-        is_corner = other_best.w != 0u;
-      }
-      if (!is_corner) {
+    for (var index = phase.first; index < phase.end; index += step) {
+      let other = other_edge(boundary, phase, work, index, lane);
+      if (!other.is_corner) {
         continue;
       }
-      var turns_at_e = vec2<i32>(0);
-      var turns_at_f = vec2<i32>(0);
+      var turns = PairTurns();
       // Turns: 6 * SMALL_BOUNDARY + 6 in all.
-      for (var test = select(4u, 0u, is_pairs); test < 5u; test++) {
-        var p = work.edge.a;
-        var q = work.edge.b;
-        var r = f.a;
-        switch (test) {
-          case 0u: {}
-          case 1u: { r = f.b; }
-          case 2u: { p = f.a; q = f.b; r = work.edge.a; }
-          case 3u: { p = f.a; q = f.b; r = work.edge.b; }
-          default: { q = best.xyz; }
-        }
+      for (var test = select(RIGHTMOST_TEST, 0u, phase.is_pairs); test <= RIGHTMOST_TEST; test++) {
+        let points = points_of_pair_test(work.edge, other.edge, best, test);
         // A corner at the position of the edge's first corner does not count.
-        if (test == 4u && (best.w == 0u || all(r == p))) {
-          if (best.w == 0u && any(r != p) && !is_check) {
-            best = vec4<u32>(r, 1u);
+        let is_at_first = all(points[2] == points[0]);
+        if (test == RIGHTMOST_TEST && (best.w == 0u || is_at_first)) {
+          if (best.w == 0u && !is_at_first && !phase.is_check) {
+            best = vec4<u32>(points[2], 1u);
           }
           continue;
         }
-        let turn_result = turn(p, q, r, work.light_index);
-        let sign = turn_result.sign;
-        switch (test) {
-          case 0u: { turns_at_e.x = sign; }
-          case 1u: { turns_at_e.y = sign; }
-          case 2u: { turns_at_f.x = sign; }
-          case 3u: { turns_at_f.y = sign; }
-          default: {}
-        }
-        if (test < 4u && turn_result.tie == 0u) {
+        let result = turn(points[0], points[1], points[2], work.light_index);
+        turns = with_turn(turns, test, result.sign);
+        if (test != RIGHTMOST_TEST && result.tie == 0u) {
           atomicOr(&results[slot], LEAVES_PLANE);
         }
-        if (test == 4u) {
-          if (is_check) {
-            atomicOr(&results[slot], select(0u, IS_ANY_LEFT, sign > 0) | select(0u, IS_ANY_RIGHT, sign < 0));
-          } else if (sign < 0) {
-            best = vec4<u32>(r, 1u);
-          }
+        if (test == RIGHTMOST_TEST && phase.is_check) {
+          atomicOr(&results[slot], select(0u, IS_ANY_LEFT, result.sign > 0) | select(0u, IS_ANY_RIGHT, result.sign < 0));
+        } else if (test == RIGHTMOST_TEST && result.sign < 0) {
+          best = vec4<u32>(points[2], 1u);
         }
       }
-      if (is_pairs) {
-        atomicAdd(&windings[slot], winding_change(turns_at_e, turns_at_f.y));
-        if (has_contact(work.edge, f, turns_at_e, turns_at_f)) {
-          atomicOr(&results[slot], HAS_CONTACT);
-        }
+      if (phase.is_pairs) {
+        add_pair(slot, work.edge, other.edge, turns);
       }
     }
     // Each phase reads the result of the other half.
-    if (is_pairs || (!is_check && lane < half)) {
+    if (phase.is_pairs || (!phase.is_check && lane < phase.half)) {
       rightmost[lane] = best;
     }
     workgroupBarrier();
+  }
+}
+
+// Adds a pair of edges to the results of edge `e`.
+fn add_pair(slot: u32, e: Edge, f: Edge, turns: PairTurns) {
+  atomicAdd(&windings[slot], winding_change(turns.at_e, turns.at_f.y));
+  if (has_contact(e, f, turns)) {
+    atomicOr(&results[slot], HAS_CONTACT);
   }
 }
 

@@ -69,7 +69,7 @@ fn count_cluster(segment: Segment, cluster: u32) -> i32 {
   let edge = sum_of_sizes(bitcast<vec3<f32>>(high.xyz) - bitcast<vec3<f32>>(low.xyz));
   let extent = sum_of_sizes(max(abs(to_low), abs(to_high)));
   let underflow = underflow_bound(bitcast<f32>(max(low.w, segment.largest)));
-  let bound = (RELATIVE * segment.size) * (edge * extent) + underflow * (1.0 + 3.0 * segment.size);
+  let bound = determinant_bound(edge * extent, segment.size, underflow);
   let is_certain = segment.is_certain && low.w < LARGE;
   var count = 0;
   for (var index = 0u; index < CLUSTER; index++) {

@@ -15,10 +15,13 @@ const COUNT_MASK: u32 = 7u;
 const ODD_FACES: u32 = 3u;
 const ODD_AT_END: u32 = 64u;
 
-// The sign of d = det[u, v, t], or 0 if it is not certain. `uv`: the product of `sum_of_sizes` of u and v. `t`: the largest
-// component of t.
-fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
-  let bound = (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
+// The most that det[u, v, t] in f32 is off. `uv`: the product of `sum_of_sizes` of u and v. `t`: the largest component of t.
+fn determinant_bound(uv: f32, t: f32, underflow: f32) -> f32 {
+  return (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
+}
+
+// The sign of a value that may be off by `bound`, or 0 if it is not certain.
+fn certain_sign(d: f32, bound: f32) -> i32 {
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
 }
 
@@ -100,9 +103,12 @@ fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
   let c = bitcast<vec3<f32>>(face.c);
   let underflow = underflow_bound(bitcast<f32>(largest));
   let d = edge_determinants(segment, a, b, c);
-  let ab = certain_sign(d.x, sum_of_sizes(b - a) * sum_of_sizes(segment.p - a), segment.size, underflow);
-  let bc = certain_sign(d.y, sum_of_sizes(c - b) * sum_of_sizes(segment.p - b), segment.size, underflow);
-  let ca = certain_sign(d.z, sum_of_sizes(a - c) * sum_of_sizes(segment.p - c), segment.size, underflow);
+  let ab_bound = determinant_bound(sum_of_sizes(b - a) * sum_of_sizes(segment.p - a), segment.size, underflow);
+  let bc_bound = determinant_bound(sum_of_sizes(c - b) * sum_of_sizes(segment.p - b), segment.size, underflow);
+  let ca_bound = determinant_bound(sum_of_sizes(a - c) * sum_of_sizes(segment.p - c), segment.size, underflow);
+  let ab = certain_sign(d.x, ab_bound);
+  let bc = certain_sign(d.y, bc_bound);
+  let ca = certain_sign(d.z, ca_bound);
   let highest = max(max(ab, bc), ca);
   let lowest = min(min(ab, bc), ca);
   if (highest > 0 && lowest < 0) {
@@ -113,12 +119,13 @@ fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
   let n = cross_product(u, v);
   let uv = sum_of_sizes(u) * sum_of_sizes(v);
   let t = segment.p - a;
-  let point_side = certain_sign(n.x * t.x + n.y * t.y + n.z * t.z, uv, largest_of(t), underflow);
+  let point_side = certain_sign(n.x * t.x + n.y * t.y + n.z * t.z, determinant_bound(uv, largest_of(t), underflow));
   let light = batch.lights[segment.light];
   let to_light = light.xyz - light.w * a;
   let inexact_w = batch.inexact_w[segment.light / 4u][segment.light % 4u];
   let light_size = largest_of(abs(to_light) + inexact_w * abs(a));
-  let light_side = certain_sign(n.x * to_light.x + n.y * to_light.y + n.z * to_light.z, uv, light_size, underflow);
+  let light_bound = determinant_bound(uv, light_size, underflow);
+  let light_side = certain_sign(n.x * to_light.x + n.y * to_light.y + n.z * to_light.z, light_bound);
   if (point_side * light_side > 0) {
     return NOT_BETWEEN;
   }

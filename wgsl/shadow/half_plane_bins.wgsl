@@ -77,10 +77,16 @@ fn axis_of_pencil(pencil: StencilPencil) -> u32 {
   return select(select(2u, 1u, used.y == 0.0), 0u, used.x == 0.0);
 }
 
-// Adds a weight to the bins from `first` to `last`.
-fn add_to_bins(row: u32, first: u32, last: u32, weight: u32) {
-  atomicAdd(&bin_rows[row + first], weight);
-  atomicSub(&bin_rows[row + last + 1u], weight);
+// Bins from `first` to `last`.
+struct BinRange {
+  first: u32,
+  last: u32,
+}
+
+// Adds a weight to bins of a row.
+fn add_to_bins(row: u32, range: BinRange, weight: u32) {
+  atomicAdd(&bin_rows[row + range.first], weight);
+  atomicSub(&bin_rows[row + range.last + 1u], weight);
 }
 
 fn bin_of_key(pencil: StencilPencil, key: f32) -> u32 {
@@ -95,9 +101,9 @@ fn add_edge(pencil: StencilPencil, row: u32, a: vec3<f32>, b: vec3<f32>, weight:
   let last = bin_of_key(pencil, max(p, q));
   // The axis does not meet the caster's box, so the edge spans less than half a turn: it goes around the shorter way.
   if (pencil.kind == PENCIL_AROUND && abs(p - q) > 2.0) {
-    add_to_bins(row, 0u, first, weight);
-    add_to_bins(row, last, BINS - 1u, weight);
+    add_to_bins(row, BinRange(0u, first), weight);
+    add_to_bins(row, BinRange(last, BINS - 1u), weight);
   } else {
-    add_to_bins(row, first, last, weight);
+    add_to_bins(row, BinRange(first, last), weight);
   }
 }

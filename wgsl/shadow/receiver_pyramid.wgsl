@@ -117,9 +117,72 @@ fn extend_box_by_cell(cell: vec2<u32>, size: u32, key: u32) {
   }
 }
 
+// A level of the pyramid.
+struct PyramidLevel {
+  cells: vec2<u32>,
+  // The pixels of a cell, across and down.
+  size: u32,
+  // The offset of its keys in `receivers`. Those of the next level follow them.
+  offset: u32,
+}
+
+fn cell_count(level: PyramidLevel) -> u32 {
+  return level.cells.x * level.cells.y;
+}
+
+// The level with cells twice as wide and high.
+fn next_level(level: PyramidLevel) -> PyramidLevel {
+  return PyramidLevel((level.cells + 1u) / 2u, level.size * 2u, level.offset + cell_count(level));
+}
+
+fn key_of_cell(level: PyramidLevel, cell: vec2<u32>) -> u32 {
+  return receivers[level.offset + cell.y * level.cells.x + cell.x];
+}
+
+// The thread's part of extending the box by all cells of a level. It has at most MOST_BOXED.
+fn extend_box_by_level(level: PyramidLevel, thread: u32) {
+  let count = cell_count(level);
+  // Turns: MOST_BOXED / 256 in all.
+  for (var cell = thread; cell < count; cell += 256u) {
+    extend_box_by_cell(vec2<u32>(cell % level.cells.x, cell / level.cells.x), level.size, receivers[level.offset + cell]);
+  }
+}
+
+// The thread's part of writing a level from the one before.
+fn write_level(level: PyramidLevel, previous: PyramidLevel, thread: u32) {
+  let count = cell_count(level);
+  // Turns: RECEIVER_CELLS in all.
+  for (var cell = thread; cell < count; cell += 256u) {
+    let begin = 2u * vec2<u32>(cell % level.cells.x, cell / level.cells.x);
+    let end = min(begin + 1u, previous.cells - 1u);
+    let upper = max(key_of_cell(previous, begin), key_of_cell(previous, vec2<u32>(end.x, begin.y)));
+    let lower = max(key_of_cell(previous, vec2<u32>(begin.x, end.y)), key_of_cell(previous, end));
+    receivers[level.offset + cell] = max(upper, lower);
+  }
+}
+
+// Writes the head: the sizes of the first level and of the view, the farthest key, and the box.
+fn write_head(tiles: vec2<u32>, farthest_key_offset: u32, thread: u32) {
+  let head = receiver_view.offset;
+  if (thread == 0u) {
+    receivers[head] = tiles.x;
+    receivers[head + 1u] = tiles.y;
+    receivers[head + 2u] = receiver_view.pixels.x;
+    receivers[head + 3u] = receiver_view.pixels.y;
+    receivers[head + 4u] = receivers[farthest_key_offset];
+    receivers[head + 5u] = select(1u, 0u, atomicLoad(&is_endless) != 0u);
+  }
+  if (thread < 3u) {
+    // x: the lowest coordinate along the axis. y: the highest.
+    let ends = floats_of_keys(vec3<u32>(~atomicLoad(&box_keys[thread]), atomicLoad(&box_keys[3u + thread]), 0u));
+    let is_finite_box = atomicLoad(&is_endless) == 0u;
+    receivers[head + 6u + thread] = select(0u, bitcast<u32>(ends.x), is_finite_box);
+    receivers[head + 9u + thread] = select(0u, bitcast<u32>(ends.y), is_finite_box);
+  }
+}
+
 @compute @workgroup_size(256)
 fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
-  let head = receiver_view.offset;
   let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
   if (thread < 6u) {
     atomicStore(&box_keys[thread], 0u);
@@ -131,55 +194,25 @@ fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
   if (thread == 0u) {
     extend_box(receiver_view.near_min, receiver_view.near_max);
   }
-  // The level that was written last: its cells, the pixels of a cell, and its offset.
-  var cells = tiles;
-  var size = TILE;
-  var level_offset = head + RECEIVERS_HEAD;
+  // The level that was written last.
+  var level = PyramidLevel(tiles, TILE, receiver_view.offset + RECEIVERS_HEAD);
   var is_boxed = false;
   // Turns: RECEIVER_LEVELS.
   while (true) {
-    let count = cells.x * cells.y;
+    let count = cell_count(level);
     if (!is_boxed && count <= MOST_BOXED) {
       is_boxed = true;
-      // Turns: MOST_BOXED / 256 in all.
-      for (var cell = thread; cell < count; cell += 256u) {
-        extend_box_by_cell(vec2<u32>(cell % cells.x, cell / cells.x), size, receivers[level_offset + cell]);
-      }
+      extend_box_by_level(level, thread);
     }
     if (count <= 1u) {
       break;
     }
-    let next = (cells + 1u) / 2u;
-    // Turns: RECEIVER_CELLS in all.
-    for (var cell = thread; cell < next.x * next.y; cell += 256u) {
-      let begin = 2u * vec2<u32>(cell % next.x, cell / next.x);
-      let end = min(begin + 1u, cells - 1u);
-      let upper = max(
-        receivers[level_offset + begin.y * cells.x + begin.x], receivers[level_offset + begin.y * cells.x + end.x]);
-      let lower = max(
-        receivers[level_offset + end.y * cells.x + begin.x], receivers[level_offset + end.y * cells.x + end.x]);
-      receivers[level_offset + count + cell] = max(upper, lower);
-    }
-    level_offset += count;
-    cells = next;
-    size *= 2u;
+    let next = next_level(level);
+    write_level(next, level, thread);
+    level = next;
     storageBarrier();
     workgroupBarrier();
   }
   workgroupBarrier();
-  if (thread == 0u) {
-    receivers[head] = tiles.x;
-    receivers[head + 1u] = tiles.y;
-    receivers[head + 2u] = receiver_view.pixels.x;
-    receivers[head + 3u] = receiver_view.pixels.y;
-    receivers[head + 4u] = receivers[level_offset];
-    receivers[head + 5u] = select(1u, 0u, atomicLoad(&is_endless) != 0u);
-  }
-  if (thread < 3u) {
-    // x: the lowest coordinate along the axis. y: the highest.
-    let ends = floats_of_keys(vec3<u32>(~atomicLoad(&box_keys[thread]), atomicLoad(&box_keys[3u + thread]), 0u));
-    let is_finite_box = atomicLoad(&is_endless) == 0u;
-    receivers[head + 6u + thread] = select(0u, bitcast<u32>(ends.x), is_finite_box);
-    receivers[head + 9u + thread] = select(0u, bitcast<u32>(ends.y), is_finite_box);
-  }
+  write_head(tiles, level.offset, thread);
 }

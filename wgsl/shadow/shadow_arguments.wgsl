@@ -43,9 +43,8 @@ fn draw_arguments(vertices: u32, instances: u32) -> DrawArguments {
 
 // The instances of two lists that share a range, from their counts. `all` is the count of edges or faces that each draw goes
 // over if the range overflowed. An empty list has no instances.
-fn instances_of_lists(first: u32, second: u32, capacity: u32, all: u32) -> vec2<u32> {
-  let counts = vec2<u32>(first, second);
-  if (first + second > capacity) {
+fn instances_of_lists(counts: vec2<u32>, capacity: u32, all: u32) -> vec2<u32> {
+  if (counts.x + counts.y > capacity) {
     return select(counts, vec2<u32>(all), counts != vec2<u32>(0u));
   }
   return counts;
@@ -67,9 +66,9 @@ fn write_arguments(bit: u32) {
     atomicAdd(&shadow_statistics.near_capped, 1u);
   }
   // Two instances an edge, since a side may have the weight 2.
-  let side_instances = instances_of_lists(plain, clipped, shape.side_capacity, 2u * shape.edges);
-  let near = instances_of_lists(cap_counts.x, cap_counts.y, shape.near_capacity, shape.faces);
-  let far = instances_of_lists(cap_counts.z, cap_counts.w, shape.far_capacity, shape.faces);
+  let side_instances = instances_of_lists(vec2<u32>(plain, clipped), shape.side_capacity, 2u * shape.edges);
+  let near = instances_of_lists(cap_counts.xy, shape.near_capacity, shape.faces);
+  let far = instances_of_lists(cap_counts.zw, shape.far_capacity, shape.faces);
   let is_published = shape.counting == COUNT_ZP_PLUS_2005;
   var draws = ShadowDraws();
   draws.plain = draw_arguments(4u, side_instances.x);

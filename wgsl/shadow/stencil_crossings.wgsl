@@ -119,7 +119,7 @@ fn piece_crossings(
   let capacity = shape.piece_capacity;
   if (pieces[bit] > capacity) {
     if (group.x == 0u && thread == 0u) {
-      add_to_bins(row, 0u, BINS - 1u, pieces[bit]);
+      add_to_bins(row, BinRange(0u, BINS - 1u), pieces[bit]);
     }
     return;
   }

@@ -19,7 +19,7 @@ use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::{Device, Gpu, GpuError, On as _};
 use crate::failure::Failure;
 use crate::files::{Inputs, check_ending};
-use crate::input::{PosedInput, Positions, Scene};
+use crate::input::{Done, PosedInput, Positions, Scene};
 use crate::output::{Line, Output, Progress, print, say};
 use crate::report::{self, Lines, Times, per_light};
 use crate::shadow::args::value_name;
@@ -41,7 +41,7 @@ pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    let (method, predicate, named) = way(args)?;
+    let Way { method, predicate, named } = way(args)?;
     check_ending(&args.out, "npz")?;
     let progress = Progress::start();
     let mut times = Times::default();
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         time_s: posed.time_s(),
     };
     let work = |device: &Device, times: &mut Times| job.find(device, times, args.json);
-    let (adapter, found, mut times) = posed.work((&progress, "extracting"), &times, work)?;
+    let Done { device: adapter, result: found, mut times } = posed.work((&progress, "extracting"), &times, work)?;
     let (mesh, origin) = (&scene.mesh, posed.input.origin());
     times.measure("write", || output.finish(|file| write_arrays(file, mesh, &lights, &found, origin)))?;
     drop(progress);
@@ -135,7 +135,14 @@ fn report(
 }
 
 /// Method and predicate, which must go together.
-fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), Failure> {
+struct Way {
+    method: Method,
+    predicate: Predicate,
+    /// The option that means the predicate.
+    named: PredicateArg,
+}
+
+fn way(args: &ExtractArgs) -> Result<Way, Failure> {
     let (method, usual) = match args.method {
         MethodArg::FaceMask => (Method::FaceMask, PredicateArg::Exact),
         MethodArg::PerEdge => (Method::PerEdge, PredicateArg::Plane),
@@ -151,7 +158,7 @@ fn way(args: &ExtractArgs) -> Result<(Method, Predicate, PredicateArg), Failure>
         PredicateArg::Fast => Predicate::Fast,
         PredicateArg::Plane => Predicate::Plane,
     };
-    Ok((method, predicate, named))
+    Ok(Way { method, predicate, named })
 }
 
 /// An extraction, and how it is computed.

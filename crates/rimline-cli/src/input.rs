@@ -380,6 +380,15 @@ pub(crate) fn note_idle_time(pose: &PoseArgs, is_playing: bool, displacement: Op
     }
 }
 
+/// Work that a device did.
+pub(crate) struct Done<T> {
+    /// The device's name.
+    pub(crate) device: String,
+    pub(crate) result: T,
+    /// The times until then, with those of the work.
+    pub(crate) times: Times,
+}
+
 /// A model at a time: what `extract`, `query` and `draw` read before they open a device.
 pub(crate) struct PosedInput<'a> {
     args: &'a MomentArgs,
@@ -414,14 +423,13 @@ impl<'a> PosedInput<'a> {
         self.input.scene(self.time_s(), self.displacement.is_some())
     }
 
-    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the
-    /// device's name, and the times with those of the work.
+    /// Does the work on the device that was asked for, or on the CPU where that may be and must be.
     pub(crate) fn work<T>(
         &self,
         (progress, what): (&Progress, &'static str),
         times: &Times,
         mut run: impl FnMut(&Device, &mut Times) -> Result<T, Failure>,
-    ) -> Result<(String, T, Times), Failure> {
+    ) -> Result<Done<T>, Failure> {
         progress.step("opening the device");
         let begin = Instant::now();
         let timed = |device: &Device| {
@@ -430,9 +438,9 @@ impl<'a> PosedInput<'a> {
             times.add("device", begin.elapsed().as_secs_f64() * 1e3);
             Ok((run(device, &mut times)?, times))
         };
-        let (device, (done, times)) = device::work(&self.args.device.device, self.device()?, timed)?;
+        let (device, (result, times)) = device::work(&self.args.device.device, self.device()?, timed)?;
         progress.step("writing");
-        Ok((device.name(), done, times))
+        Ok(Done { device: device.name(), result, times })
     }
 
     /// Opens the device, which must be a GPU to displace vertices.

@@ -17,7 +17,7 @@ use crate::device::{Device, Gpu, GpuError, On as _};
 use crate::extract::write_lights;
 use crate::failure::{Cause, Failure};
 use crate::files::{self, Inputs, check_ending};
-use crate::input::{PosedInput, Positions, Scene};
+use crate::input::{Done, PosedInput, Positions, Scene};
 use crate::output::{Line, Output, Progress, note, print, say};
 use crate::report::{self, Lines, Times, first_lights, per_light};
 
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
 
     asked.note_swallowed();
     let job = Job { scene: &scene, asked, displacement: posed.displacement.as_ref(), time_s: posed.time_s() };
-    let (adapter, (), mut times) = posed.work((&progress, "counting"), &times, |device, times| {
+    let Done { device: adapter, mut times, .. } = posed.work((&progress, "counting"), &times, |device, times| {
         depths.clear();
         match device {
             Device::Cpu => on_cpu(&scene, asked, &mut depths, times),

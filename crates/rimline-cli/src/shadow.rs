@@ -16,7 +16,7 @@ pub(crate) mod shadows;
 use std::time::Instant;
 
 use rimline::gpu::StageTimer;
-use rimline::{Light, ShadowCamera};
+use rimline::{Light, Origin, ShadowCamera};
 use rimline_picture::PARTS;
 
 use crate::device::{Gpu, GpuError, On as _};
@@ -60,24 +60,16 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let bodies = times.measure("topology", || props.bodies(&gpu, scene))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, false, given.map(|map| map.cameras.light()))?;
-    if from_depth.is_some() && set.camera.far.is_some() {
-        return Err(not_orthographic(if given.is_some() { "--depth" } else { "--from-depth" }));
-    }
-    given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
-    check_covered(args, &set)?;
-    from_depth.as_ref().map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))?;
+    check_set(args, from_depth.as_ref(), &set, origin)?;
     files.begin_lights(args, &inputs, set.shaded_lights.len())?;
 
     progress.step("drawing");
     let begin = Instant::now();
     let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
-    let pictures = |_| Pictures::new(&resources, &method, scene.mode, scene.volumes, set.is_in_parts());
-    let pictures = args.out.as_ref().map(pictures).transpose().on(&gpu)?;
-    let masks = args.mask.as_ref().map(|_| Masks::new(&resources, &method)).transpose().on(&gpu)?;
-    let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
-    let Some(pipelines) = pipelines else { return Ok(()) };
-    let mut casters =
-        Casters::new(&resources, pipelines, set.samples(), scene.volumes && pictures.is_some()).on(&gpu)?;
+    let drawing = Drawing::new(args, &resources, &method, &set)?;
+    let Some(pipelines) = drawing.pipelines() else { return Ok(()) };
+    let shows_volumes = scene.volumes && drawing.pictures.is_some();
+    let mut casters = Casters::new(&resources, pipelines, set.samples(), shows_volumes).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
     times.measure("topology", || casters.set_bodies(&set.bodies))?;
     let mut covered = None;
@@ -94,42 +86,12 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
             warm_up(&gpu, pipelines, &set.camera.shadow_camera(), (&set.bodies, &set.ranged()))
         })?;
     }
-    let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
-    let begin = Instant::now();
-    set.cast(&mut casters, timer.as_mut()).on(&gpu)?;
-    gpu.wait()?;
-    let all_stages = begin.elapsed().as_secs_f64() * 1e3;
-    set.count_layers(&mut casters)?;
-    if let Some(found) = casters.shadows.depths_found().on(&gpu)?
-        && let Some(step) = found.warn_if_busy(&progress)
-    {
-        progress.step(step);
-    }
-    times.add_stages(&gpu, timer.as_ref(), all_stages).on(&gpu)?;
+    cast(&mut set, &mut casters, &mut times, &progress)?;
     if args.json {
-        let drawn = (pictures.as_ref(), masks.as_ref());
-        times.measure("compile", || trial(&gpu, drawn, &set.trial(&casters)))?;
+        times.measure("compile", || drawing.trial(&gpu, &set.trial(&casters)))?;
     }
-    if let (Some(pictures), Some(output)) = (&pictures, files.picture.take()) {
-        let draw = || picture(pictures, &mut set, &mut casters, Some(&progress));
-        let picture = times.measure("picture", draw).on(&gpu)?;
-        gpu.check()?;
-        output.finish(|file| picture.write_png(file, None))?;
-    }
-    if let Some(masks) = &masks {
-        for (light, output) in files.masks.drain(..).enumerate() {
-            let draw = || mask(masks, &set.subject(&casters), set.samples_of(light));
-            let mask = times.measure("masks", draw).on(&gpu)?;
-            gpu.check()?;
-            output.finish(|file| mask.write_png(file, None))?;
-        }
-    }
-    for (light, output) in files.maps.drain(..).enumerate() {
-        if let Some(maps) = casters.shadows.saved_maps(light, origin).on(&gpu)? {
-            gpu.check()?;
-            output.finish(|file| maps.write(file))?;
-        }
-    }
+    drawing.write(&mut files, &mut set, &mut casters, &mut times, &progress)?;
+    write_maps(&mut files, &casters, origin)?;
     let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
     drop(progress);
@@ -139,6 +101,22 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         return print(&report.json(scene, &times));
     }
     say(&report.text(&files.names, scene.view.size, &times))
+}
+
+/// Refuses lights, cameras and models that do not go together with depth maps or covered faces.
+fn check_set(
+    args: &ShadowArgs,
+    from_depth: Option<&FromDepth>,
+    set: &ShadowScene<'_>,
+    origin: Origin,
+) -> Result<(), Failure> {
+    let given = from_depth.and_then(|from| from.given.as_deref());
+    if from_depth.is_some() && set.camera.far.is_some() {
+        return Err(not_orthographic(if given.is_some() { "--depth" } else { "--from-depth" }));
+    }
+    given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
+    check_covered(args, set)?;
+    from_depth.map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))
 }
 
 fn check_covered(args: &ShadowArgs, set: &ShadowScene<'_>) -> Result<(), Failure> {
@@ -169,17 +147,101 @@ fn warm_up(
     gpu.wait()
 }
 
-/// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.
-fn trial(
-    gpu: &Gpu,
-    (pictures, masks): (Option<&Pictures>, Option<&Masks>),
-    subject: &DrawInputs<'_>,
+/// Casts the shadows, and waits for them. Warns of depth maps that take long to draw.
+fn cast(
+    set: &mut ShadowScene<'_>,
+    casters: &mut Casters<'_>,
+    times: &mut Times,
+    progress: &Progress,
 ) -> Result<(), Failure> {
-    let mut encoder = gpu.encoder("trial");
-    pictures.map_or(Ok(()), |pictures| pictures.record(&mut encoder, subject, 0)).on(gpu)?;
-    masks.map_or(Ok(()), |masks| masks.record(&mut encoder, subject, 0).map(drop)).on(gpu)?;
-    gpu.submit(encoder);
-    gpu.wait()
+    let gpu = casters.gpu();
+    let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
+    let begin = Instant::now();
+    set.cast(casters, timer.as_mut()).on(gpu)?;
+    gpu.wait()?;
+    let all_stages = begin.elapsed().as_secs_f64() * 1e3;
+    set.count_layers(casters)?;
+    if let Some(found) = casters.shadows.depths_found().on(gpu)?
+        && let Some(step) = found.warn_if_busy(progress)
+    {
+        progress.step(step);
+    }
+    times.add_stages(gpu, timer.as_ref(), all_stages).on(gpu)
+}
+
+/// The pipelines and targets of what is drawn: a picture, masks, or both.
+struct Drawing {
+    pictures: Option<Pictures>,
+    masks: Option<Masks>,
+}
+
+impl Drawing {
+    fn new(
+        args: &ShadowArgs,
+        resources: &RenderResources<'_>,
+        method: &ShadowMethod,
+        set: &ShadowScene<'_>,
+    ) -> Result<Self, Failure> {
+        let scene = &args.scene;
+        let pictures = |_| Pictures::new(resources, method, scene.mode, scene.volumes, set.is_in_parts());
+        let pictures = args.out.as_ref().map(pictures).transpose().on(resources.gpu)?;
+        let masks = args.mask.as_ref().map(|_| Masks::new(resources, method)).transpose().on(resources.gpu)?;
+        Ok(Self { pictures, masks })
+    }
+
+    /// `None`: nothing is drawn.
+    fn pipelines(&self) -> Option<&VolumePipelines> {
+        let of_pictures = self.pictures.as_ref().map(|pictures| &pictures.pipelines);
+        of_pictures.or(self.masks.as_ref().map(|masks| &masks.pipelines))
+    }
+
+    /// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.
+    fn trial(&self, gpu: &Gpu, subject: &DrawInputs<'_>) -> Result<(), Failure> {
+        let Self { pictures, masks } = self;
+        let mut encoder = gpu.encoder("trial");
+        pictures.as_ref().map_or(Ok(()), |pictures| pictures.record(&mut encoder, subject, 0)).on(gpu)?;
+        masks.as_ref().map_or(Ok(()), |masks| masks.record(&mut encoder, subject, 0).map(drop)).on(gpu)?;
+        gpu.submit(encoder);
+        gpu.wait()
+    }
+
+    /// Draws and writes the picture, then the masks.
+    fn write(
+        &self,
+        files: &mut ResultFiles,
+        set: &mut ShadowScene<'_>,
+        casters: &mut Casters<'_>,
+        times: &mut Times,
+        progress: &Progress,
+    ) -> Result<(), Failure> {
+        let gpu = casters.gpu();
+        if let (Some(pictures), Some(output)) = (&self.pictures, files.picture.take()) {
+            let draw = || picture(pictures, set, casters, Some(progress));
+            let picture = times.measure("picture", draw).on(gpu)?;
+            gpu.check()?;
+            output.finish(|file| picture.write_png(file, None))?;
+        }
+        let Some(masks) = &self.masks else { return Ok(()) };
+        for (light, output) in files.masks.drain(..).enumerate() {
+            let draw = || mask(masks, &set.subject(casters), set.samples_of(light));
+            let mask = times.measure("masks", draw).on(gpu)?;
+            gpu.check()?;
+            output.finish(|file| mask.write_png(file, None))?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes the depth maps of the lights.
+fn write_maps(files: &mut ResultFiles, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
+    let gpu = casters.gpu();
+    for (light, output) in files.maps.drain(..).enumerate() {
+        if let Some(maps) = casters.shadows.saved_maps(light, origin).on(gpu)? {
+            gpu.check()?;
+            output.finish(|file| maps.write(file))?;
+        }
+    }
+    Ok(())
 }
 
 /// Draws and reads a picture of what was encoded and submitted, in parts if it has them; what was encoded is the same

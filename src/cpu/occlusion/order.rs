@@ -15,14 +15,27 @@ pub(crate) fn order(faces: &[Face], light: Light) -> Vec<usize> {
     let (low, high) = finite().fold((f64::MAX, f64::MIN), |(low, high), d| (low.min(d), high.max(d)));
     // The conversion saturates and maps NaN to 0.
     let step = |distance: f64| (STEPS * (distance - low) / (high - low)) as u32;
-    let mut keys: Vec<(u32, i32, u64, usize)> = faces
-        .iter()
-        .zip(near)
-        .enumerate()
-        .map(|(number, (face, distance))| (step(distance), size(face).saturating_neg(), mix(number as u64), number))
-        .collect();
+    let key = |(number, (face, distance)): (usize, (&Face, f64))| Key {
+        step: step(distance),
+        smallness: size(face).saturating_neg(),
+        mixed: mix(number as u64),
+        number,
+    };
+    let mut keys: Vec<Key> = faces.iter().zip(near).enumerate().map(key).collect();
     keys.sort_unstable();
-    keys.into_iter().map(|(.., number)| number).collect()
+    keys.into_iter().map(|key| key.number).collect()
+}
+
+/// Faces are sorted by these fields, in order.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    /// The step of its distance.
+    step: u32,
+    /// The negative [`size`].
+    smallness: i32,
+    /// Its index, mixed.
+    mixed: u64,
+    number: usize,
 }
 
 /// The distance of the face from the light, or a number that grows with it. The distance of the corners alone would put a

@@ -54,6 +54,15 @@ struct Occluder {
 /// The link to a child: `None` for the root, else a node and its side.
 type Link = Option<(u32, usize)>;
 
+/// A child that a face has yet to visit.
+struct Waiting {
+    link: Link,
+    /// The edges of the face that lie in planes of visited nodes, as bits.
+    edges: u8,
+    /// The part of the face that may be in it.
+    part: Clipped,
+}
+
 pub(crate) struct Tree {
     light: Light,
     root: Child,
@@ -64,9 +73,8 @@ pub(crate) struct Tree {
     cone: usize,
     max_nodes: usize,
     max_steps: usize,
-    /// Children that the current face has yet to visit, with its edges that lie in planes of visited nodes, as bits. A
-    /// field, so that it is allocated once.
-    waiting: Vec<(Link, u8, Clipped)>,
+    /// Children that the current face has yet to visit. A field, so that it is allocated once.
+    waiting: Vec<Waiting>,
     /// Open leaves that the current face is in.
     open_leaves: Vec<(Link, u8)>,
 }
@@ -116,9 +124,9 @@ impl Tree {
     fn find(&mut self, face: &Face) -> Decision {
         self.open_leaves.clear();
         self.waiting.clear();
-        self.waiting.push((None, 0, Clipped::whole(face.corners)));
+        self.waiting.push(Waiting { link: None, edges: 0, part: Clipped::whole(face.corners) });
         let (mut steps, mut is_occluded) = (0, true);
-        while let Some((link, edges, part)) = self.waiting.pop() {
+        while let Some(Waiting { link, edges, part }) = self.waiting.pop() {
             steps += 1;
             if steps > self.max_steps {
                 return Decision::Undecided;
@@ -137,7 +145,7 @@ impl Tree {
                         if (sides.contains(&sign) || sides == [0; 3])
                             && let Some(part) = part.cut(plane, sign)
                         {
-                            self.waiting.push((Some((number, child)), edges, part));
+                            self.waiting.push(Waiting { link: Some((number, child)), edges, part });
                         }
                     }
                 }

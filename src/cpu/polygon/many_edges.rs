@@ -94,6 +94,13 @@ struct Flat {
 /// The most by which the plane's points may be farther from each other than those in space. With it, all rounding errors are
 /// far below the margin.
 const MOST_SCALE: f64 = 1024.0;
+/// The ranges of an edge along both axes, with the margin.
+struct EdgeRanges {
+    sweep: [f64; 2],
+    other: [f64; 2],
+    edge: usize,
+}
+
 /// The margin, as a part of the size and the square of the scale.
 const MARGIN: f64 = 1.0 / (1 << 30) as f64;
 
@@ -146,12 +153,13 @@ impl Flat {
         let lengths =
             [0, 1].map(|axis| (0..self.edges.len()).map(|e| range(e, axis)[1] - range(e, axis)[0]).sum::<f64>());
         let [sweep, other] = if lengths[0] <= lengths[1] { [0, 1] } else { [1, 0] };
-        let mut ranges: Vec<([f64; 2], [f64; 2], usize)> =
-            (0..self.edges.len()).map(|edge| (range(edge, sweep), range(edge, other), edge)).collect();
-        ranges.sort_unstable_by(|one, other| one.0[0].total_cmp(&other.0[0]));
-        ranges.iter().enumerate().any(|(at, &([_, end], [low, high], e))| {
-            let beside = ranges[at + 1..].iter().take_while(|range| range.0[0] <= end);
-            let mut close = beside.filter(|range| range.1[0] <= high && low <= range.1[1]).map(|range| range.2);
+        let ranges = |edge: usize| EdgeRanges { sweep: range(edge, sweep), other: range(edge, other), edge };
+        let mut ranges: Vec<EdgeRanges> = (0..self.edges.len()).map(ranges).collect();
+        ranges.sort_unstable_by(|one, other| one.sweep[0].total_cmp(&other.sweep[0]));
+        ranges.iter().enumerate().any(|(at, &EdgeRanges { sweep: [_, end], other: [low, high], edge: e })| {
+            let beside = ranges[at + 1..].iter().take_while(|range| range.sweep[0] <= end);
+            let mut close =
+                beside.filter(|range| range.other[0] <= high && low <= range.other[1]).map(|range| range.edge);
             close.any(|f| !self.are_apart(e, f) && !self.are_apart(f, e) && found(e.min(f), e.max(f)))
         })
     }

@@ -42,7 +42,19 @@ pub(super) struct PoseLayout {
 type Bound = [Range<u64>; 5];
 
 /// A chunk of an instance, with its bytes.
-type InstanceChunk = (usize, DeformChunk, Bound);
+struct InstanceChunk {
+    instance: usize,
+    record: DeformChunk,
+    bound: Bound,
+}
+
+/// The chunks of a dispatch, while more may be added.
+struct Gathered {
+    workgroups: u64,
+    /// The bytes around those of all chunks.
+    bound: Bound,
+    chunks: Vec<InstanceChunk>,
+}
 
 /// A dispatch of the deform stage.
 #[derive(Debug)]
@@ -135,8 +147,7 @@ impl ModelData {
 
     /// Adds the dispatches over all instances, in order.
     fn plan(&mut self, model: &Model, geometries: &[Vec<GeometryChunk>], split: &DispatchLimits) {
-        // For each dispatch its workgroups, the bytes that it binds, and its chunks.
-        let mut dispatches: Vec<(u64, Bound, Vec<InstanceChunk>)> = Vec::new();
+        let mut dispatches: Vec<Gathered> = Vec::new();
         for (index, (instance, pose)) in model.instances().iter().zip(&self.layouts).enumerate() {
             for chunk in &geometries[instance.geometry()] {
                 let begin = pose.positions + 12 * chunk.vertices.start as u64;
@@ -153,25 +164,27 @@ impl ModelData {
                 let [rest, morph, skin, sources] = chunk.arrays.clone();
                 let bound = [rest, morph, skin, sources, positions];
                 let added = u64::from(record.count.div_ceil(WORKGROUP));
-                if let Some((workgroups, of_all, chunks)) = dispatches.last_mut() {
+                if let Some(last) = dispatches.last_mut() {
                     let union = |array: usize| {
-                        let (a, b): (&Range<u64>, &Range<u64>) = (&of_all[array], &bound[array]);
+                        let (a, b): (&Range<u64>, &Range<u64>) = (&last.bound[array], &bound[array]);
                         a.start.min(b.start)..a.end.max(b.end)
                     };
                     let whole: Bound = std::array::from_fn(union);
                     let fits = whole.iter().all(|range| range.end - range.start <= split.binding);
-                    if fits && *workgroups + added <= split.workgroups {
-                        (*workgroups, *of_all) = (*workgroups + added, whole);
-                        chunks.push((index, record, bound));
+                    if fits && last.workgroups + added <= split.workgroups {
+                        (last.workgroups, last.bound) = (last.workgroups + added, whole);
+                        last.chunks.push(InstanceChunk { instance: index, record, bound });
                         continue;
                     }
                 }
-                dispatches.push((added, bound.clone(), vec![(index, record, bound)]));
+                let of_all = bound.clone();
+                let chunks = vec![InstanceChunk { instance: index, record, bound }];
+                dispatches.push(Gathered { workgroups: added, bound: of_all, chunks });
             }
         }
-        for (workgroups, bound, chunks) in dispatches {
+        for Gathered { workgroups, bound, chunks } in dispatches {
             let first = self.workgroups.len();
-            for (instance, record, of_chunk) in chunks {
+            for InstanceChunk { instance, record, bound: of_chunk } in chunks {
                 let word = (CHUNK_WORDS * self.chunks.len() as u64) as u32;
                 let [rest, morph, skin, sources, positions] =
                     [0, 1, 2, 3, 4].map(|array: usize| ((of_chunk[array].start - bound[array].start) / 4) as u32);

@@ -11,7 +11,7 @@ use super::options::{DepthCubeMaps, DepthMapMethod, DepthMapOptions};
 use super::pipelines::DepthMapPipelines;
 use super::recording::Inputs;
 use super::texture::{check_objects, check_texture, written_texture};
-use super::volumes::{DepthMapVolumes, MAX_CELLS};
+use super::volumes::{DepthMapVolumes, MAX_CELLS, Maps};
 use crate::ShadowCamera;
 use crate::gpu::common::bindings::{texture, uniform};
 use crate::gpu::common::dispatch_limits::WORKGROUP;
@@ -127,7 +127,8 @@ impl DepthMapCube {
         }
         let texels = u64::from(size[0]) * u64::from(size[1]);
         let texture = Allocation { label: "cube of depth maps", bytes: 4 * texels };
-        let volumes = DepthMapVolumes::with(pipelines, [side; 2], (6, &[texture]), options)?;
+        let maps = Maps { size: [side; 2], faces: 6, textures: &[texture] };
+        let volumes = DepthMapVolumes::with(pipelines, &maps, options)?;
         let view = written_texture(device, texture.label, size, wgpu::TextureFormat::R32Float)?;
         // Stand-ins for missing maps have one texel.
         let nothing = written_texture(device, "no depth map", [1, 1], wgpu::TextureFormat::R32Float)?;

@@ -73,12 +73,8 @@ struct Buffers<B> {
 }
 
 impl<B> Buffers<B> {
-    fn plan(
-        shape: &DepthMapShape,
-        detector: Option<&Detector>,
-        contours: Option<&ContourShape>,
-        make: &mut impl FnMut(Wanted<'static>) -> B,
-    ) -> Self {
+    fn plan(plan: &Plan, make: &mut impl FnMut(Wanted<'static>) -> B) -> Self {
+        let Plan { shape, detector, contours } = plan;
         let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, shape.blocks) };
         let words = (u64::from(blocks) * (1 + BLOCK * (1 + STRIP[1]))).max(1);
         Self {
@@ -87,9 +83,101 @@ impl<B> Buffers<B> {
                 cells: make(Wanted::new("depth cells", 4 + 4 * u64::from(listed))),
                 draws: make(Wanted::new("draws of depth cells", 16).indirect()),
             },
-            edges: detector.map(|detector| detector.buffers(make)),
-            contours: contours.map(|contours| ContourBuffers::plan(shape.size, contours, make)),
+            edges: detector.as_ref().map(|detector| detector.buffers(make)),
+            contours: contours.as_ref().map(|contours| ContourBuffers::plan(shape.size, contours, make)),
         }
+    }
+}
+
+/// The maps of volumes: one, or the six of a cube.
+pub(super) struct Maps<'a> {
+    pub(super) size: [u32; 2],
+    pub(super) faces: u32,
+    /// Textures that the caller allocates beside the buffers.
+    pub(super) textures: &'a [Allocation],
+}
+
+impl Maps<'_> {
+    /// Cells of a map across and down. A cube has no border.
+    fn cells_along(&self) -> [u64; 2] {
+        self.size.map(|side| if self.faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 })
+    }
+
+    /// The number of cells of all maps. Refuses sizes with no texels or too many cells.
+    fn cells(&self) -> Result<u32, DepthMapError> {
+        let count = self.cells_along().into_iter().fold(u64::from(self.faces), u64::saturating_mul);
+        if self.size.contains(&0) || count > MAX_CELLS {
+            return Err(DepthMapError::Size(self.size[0], self.size[1]));
+        }
+        Ok(count as u32)
+    }
+
+    /// The number of blocks of cells of all maps.
+    fn blocks(&self) -> u32 {
+        let [across, down] = self.cells_along();
+        let strips = across.div_ceil(STRIP[0]) * down.div_ceil(STRIP[1]) * u64::from(self.faces);
+        strips.div_ceil(BLOCK) as u32
+    }
+}
+
+/// The parameters that all buffers and stages follow from.
+struct Plan {
+    shape: DepthMapShape,
+    detector: Option<Detector>,
+    contours: Option<ContourShape>,
+}
+
+impl Plan {
+    fn new(
+        pipelines: &DepthMapPipelines,
+        maps: &Maps<'_>,
+        options: &DepthMapOptions,
+        limits: &DispatchLimits,
+    ) -> Result<Self, DepthMapError> {
+        let cells = maps.cells()?;
+        options.check()?;
+        let contours = contour_shape(pipelines, maps.size, options)?;
+        let bits = pipelines.bits().len() as u32;
+        let detector = Detector::new(options.method, bits, maps.faces, maps.size);
+        // If the list overflows, draws can decide cells by a threshold alone; otherwise they draw every cell.
+        let threshold = match options.method {
+            DepthMapMethod::Differences { threshold, .. } | DepthMapMethod::Contours { threshold, .. } => {
+                Some(threshold).filter(|_| detector.is_none())
+            }
+            _ => None,
+        };
+        let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
+        let cell_capacity = options.capacity.unwrap_or(cells).min(cells).min(fitting);
+        let shape = DepthMapShape {
+            size: maps.size,
+            cells,
+            blocks: maps.blocks(),
+            capacity: contours.as_ref().map_or(cell_capacity, |contours| contours.capacity),
+            every_cell: u32::from(threshold.is_none()),
+            threshold: threshold_bits(threshold.unwrap_or(0.0)),
+            is_reversed: 0,
+            faces: maps.faces,
+            has_objects: 0,
+            spread: u32::from(bits > 1),
+            unused: 0,
+        };
+        Ok(Self { shape, detector, contours })
+    }
+
+    /// Bytes of all buffers. Refuses them if they, or they and the textures, do not fit.
+    fn checked_bytes(
+        &self,
+        limits: &DispatchLimits,
+        textures: &[Allocation],
+        memory_limit: Option<u64>,
+    ) -> Result<u64, DepthMapError> {
+        let mut allocations = Vec::new();
+        Buffers::plan(self, &mut |Wanted { label, bytes, .. }| allocations.push(Allocation { label, bytes }));
+        check_bindings(&allocations, limits.binding)?;
+        let bytes = check(&allocations, limits.buffer, None)?;
+        // Textures have limits of their own.
+        check(&[&allocations[..], textures].concat(), u64::MAX, memory_limit)?;
+        Ok(bytes)
     }
 }
 
@@ -100,69 +188,24 @@ impl DepthMapVolumes {
     /// # Errors
     /// [`DepthMapError`] if the size or an option is refused, or the buffers do not fit the device.
     pub fn new(pipelines: &DepthMapPipelines, size: [u32; 2], options: DepthMapOptions) -> Result<Self, DepthMapError> {
-        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, size, (1, &[]), options))
+        let maps = Maps { size, faces: 1, textures: &[] };
+        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, &maps, options))
     }
 
-    /// Makes buffers for one map, or for the six of a cube. `textures`: what the caller allocates beside them.
+    /// Makes buffers for one map, or for the six of a cube.
     pub(super) fn with(
         pipelines: &DepthMapPipelines,
-        size: [u32; 2],
-        (faces, textures): (u32, &[Allocation]),
+        maps: &Maps<'_>,
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapError> {
         let shared = pipelines.shared();
         let device = shared.device();
-        let bits = pipelines.bits().len() as u32;
-        let DepthMapOptions { method, capacity, memory_limit, .. } = options;
-        // A cube has no border.
-        let cells_along = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
-        let count = size.map(cells_along).into_iter().fold(u64::from(faces), u64::saturating_mul);
-        if size.contains(&0) || count > MAX_CELLS {
-            return Err(DepthMapError::Size(size[0], size[1]));
-        }
-        options.check()?;
-        let contours = contour_shape(pipelines, size, &options)?;
         let limits = DispatchLimits::new(&device.limits());
-        let cells = count as u32;
-        let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
-        let [across, down] = size.map(cells_along);
-        let strips = across.div_ceil(STRIP[0]) * down.div_ceil(STRIP[1]) * u64::from(faces);
-        let blocks = strips.div_ceil(BLOCK) as u32;
-        let detector = Detector::new(method, bits, faces, size);
-        // If the list overflows, draws can decide cells by a threshold alone; otherwise they draw every cell.
-        let threshold = match method {
-            DepthMapMethod::Differences { threshold, .. } | DepthMapMethod::Contours { threshold, .. } => {
-                Some(threshold).filter(|_| detector.is_none())
-            }
-            _ => None,
-        };
-        let cell_capacity = capacity.unwrap_or(cells).min(cells).min(fitting);
-        let shape = DepthMapShape {
-            size,
-            cells,
-            blocks,
-            capacity: contours.as_ref().map_or(cell_capacity, |contours| contours.capacity),
-            every_cell: u32::from(threshold.is_none()),
-            threshold: threshold_bits(threshold.unwrap_or(0.0)),
-            is_reversed: 0,
-            faces,
-            has_objects: 0,
-            spread: u32::from(bits > 1),
-            unused: 0,
-        };
-        let mut allocations = Vec::new();
-        Buffers::plan(&shape, detector.as_ref(), contours.as_ref(), &mut |Wanted { label, bytes, .. }| {
-            allocations.push(Allocation { label, bytes });
-        });
-        check_bindings(&allocations, limits.binding)?;
-        check(&allocations, limits.buffer, None)?;
-        // Textures have limits of their own.
-        check(&[&allocations[..], textures].concat(), u64::MAX, memory_limit)?;
-        let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
+        let plan = Plan::new(pipelines, maps, &options, &limits)?;
+        let bytes = plan.checked_bytes(&limits, maps.textures, options.memory_limit)?;
         let Buffers { cells: buffers, edges: edge_buffers, contours: contour_buffers } =
-            guarded(device, bytes, || {
-                Buffers::plan(&shape, detector.as_ref(), contours.as_ref(), &mut |wanted| wanted.make(device))
-            })?;
+            guarded(device, bytes, || Buffers::plan(&plan, &mut |wanted| wanted.make(device)))?;
+        let Plan { shape, detector, contours } = plan;
         let contours = contours.zip(contour_buffers);
         let contours = contours.map(|(shape, buffers)| Contours::new(pipelines, shape, buffers)).transpose()?;
         let near = if contours.is_some() { &DEPTH_NEAR_WALLS } else { &DEPTH_NEAR };
@@ -179,7 +222,7 @@ impl DepthMapVolumes {
             shape,
             bytes,
             options,
-            bits,
+            bits: pipelines.bits().len() as u32,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
             no_objects: written_texture(device, "no objects", [1, 1], wgpu::TextureFormat::R32Uint)?,
             buffers,

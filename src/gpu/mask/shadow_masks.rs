@@ -11,9 +11,13 @@ use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_same, check_sample_shading};
 use crate::gpu::scene::frame::{EncodedView, SceneFrame};
 use crate::gpu::scene::handles::LightHandle;
+use crate::gpu::shadow::pipelines::Convention;
 
 /// Lights of a batch: one pass writes their bits.
 const BATCH: usize = 32;
+
+/// Lights whose bits fit one channel.
+const FEW: usize = 8;
 
 /// Pipelines, and a depth and stencil buffer that Rimline owns, for [`SceneFrame::write_masks`].
 ///
@@ -42,6 +46,25 @@ struct Writing {
     entry_point: &'static str,
     /// Whether the bits have several samples.
     is_sampled: bool,
+}
+
+/// The bits of a group of lights, and the pipeline that writes them into layers of the target.
+struct Bits {
+    attachment: Attachment,
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl Bits {
+    /// Records passes that write layers of the target, inside a rectangle.
+    fn write(&self, encoder: &mut wgpu::CommandEncoder, layers: &[wgpu::TextureView], rectangle: [u32; 4]) {
+        for (layer, view) in (0..).zip(layers) {
+            let mut pass = draw_into(encoder, view);
+            scissor(&mut pass, rectangle);
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, self.attachment.group.as_ref(), &[]);
+            pass.draw(0..3, layer..layer + 1);
+        }
+    }
 }
 
 /// The inputs of [`SceneFrame::write_masks`].
@@ -109,6 +132,24 @@ impl ShadowMasks {
         let made = tried(self.shared.device(), ["pipelines of masks", ""], make)?;
         self.writing.push((key, made.clone()));
         Ok(made)
+    }
+
+    /// The bits of lights that are not drawn into the target directly.
+    fn bits(&mut self, setting: &Setting, inputs: &MaskInputs<'_>) -> Result<Bits, MaskError> {
+        let (map, is_few) = (inputs.depth.texture(), inputs.lights.len() <= FEW);
+        let entry_point = match inputs.target.format() {
+            wgpu::TextureFormat::R8Unorm => "mask_share",
+            // Textures with one channel have no other bits.
+            wgpu::TextureFormat::R32Uint if !is_few => "mask_word",
+            _ => "mask_byte",
+        };
+        let size = [map.width(), map.height()];
+        let [few, many] = &mut self.bits;
+        let bits = if is_few { few } else { many };
+        let attachment = Attachment::of(bits, &self.shared, size, setting.color, setting.samples)?;
+        let target = inputs.target.format();
+        let pipeline = self.writing(Writing { target, entry_point, is_sampled: setting.samples > 1 })?;
+        Ok(Bits { attachment, pipeline })
     }
 
     /// The bind group of a depth.
@@ -192,6 +233,26 @@ impl MaskInputs<'_> {
 }
 
 impl SceneFrame {
+    /// The settings of the pipelines that draw bits.
+    fn mask_setting(&self, convention: Convention, trim: bool, inputs: &MaskInputs<'_>) -> Result<Setting, MaskError> {
+        let (map, lights) = (inputs.depth.texture(), inputs.lights.len());
+        let samples = map.sample_count();
+        let is_direct = lights == 1 && samples == 1;
+        Ok(Setting {
+            convention,
+            is_in_batches: self.count_batches > 1,
+            depth_stencil: depth_stencil(map.format(), self.device.features())?,
+            color: match lights {
+                _ if is_direct => inputs.target.format(),
+                ..=FEW => wgpu::TextureFormat::R8Unorm,
+                _ => wgpu::TextureFormat::Rgba8Unorm,
+            },
+            is_direct,
+            samples,
+            trim,
+        })
+    }
+
     /// Writes which lights are in shadow at each pixel, from the depth that the caller drew, for renderers without a
     /// stencil: a bit or a share for each light.
     ///
@@ -226,31 +287,8 @@ impl SceneFrame {
         let (size, samples) = ([map.width(), map.height()], map.sample_count());
         let bounds = lights.iter().zip(&encoded).map(|(&handle, light)| (handle, affected_pixels(camera, light, size)));
         let bounds: Vec<_> = bounds.collect();
-        let mut setting = Setting {
-            convention: *convention,
-            is_in_batches: self.count_batches > 1,
-            depth_stencil: depth_stencil(map.format(), self.device.features())?,
-            color: if lights.len() <= 8 { wgpu::TextureFormat::R8Unorm } else { wgpu::TextureFormat::Rgba8Unorm },
-            is_direct: lights.len() == 1 && samples == 1,
-            samples,
-            trim: masks.trim,
-        };
-        let mut writing = None;
-        if setting.is_direct {
-            setting.color = target.format();
-        } else {
-            let entry_point = match target.format() {
-                wgpu::TextureFormat::R8Unorm => "mask_share",
-                // Textures with one channel have no other bits.
-                wgpu::TextureFormat::R32Uint if lights.len() > 8 => "mask_word",
-                _ => "mask_byte",
-            };
-            let [few, many] = &mut masks.bits;
-            let bits = if lights.len() <= 8 { few } else { many };
-            let bits = Attachment::of(bits, &masks.shared, size, setting.color, samples)?;
-            let key = Writing { target: target.format(), entry_point, is_sampled: samples > 1 };
-            writing = Some((masks.writing(key)?, bits));
-        }
+        let setting = self.mask_setting(*convention, masks.trim, inputs)?;
+        let bits = if setting.is_direct { None } else { Some(masks.bits(&setting, inputs)?) };
         let stencil = Attachment::of(&mut masks.depth_stencil, &masks.shared, size, setting.depth_stencil, samples)?;
         let depth_group = masks.depth_group(depth)?;
         let views = masks.layers(target, layers)?;
@@ -266,7 +304,7 @@ impl SceneFrame {
         let batches = bounds.chunks(BATCH).zip(views.chunks(BATCH / inputs.lights_a_layer()?));
         let last = batches.len() - 1;
         for (number, (lights, views)) in batches.enumerate() {
-            let color = writing.as_ref().map(|(_, bits)| &bits.view).or(views.first());
+            let color = bits.as_ref().map(|bits| &bits.attachment.view).or(views.first());
             let mut pass = begin(encoder, color, &stencil.view, convention.depth, [number == 0, number == last]);
             pass.set_bind_group(0, &depth_group, &[]);
             if number == 0 {
@@ -283,13 +321,8 @@ impl SceneFrame {
                 pass.draw(0..3, bit..bit + 1);
             }
             drop(pass);
-            let Some((pipeline, bits)) = &writing else { continue };
-            for (layer, view) in (0..).zip(views) {
-                let mut pass = draw_into(encoder, view);
-                scissor(&mut pass, all);
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, bits.group.as_ref(), &[]);
-                pass.draw(0..3, layer..layer + 1);
+            if let Some(bits) = &bits {
+                bits.write(encoder, views, all);
             }
         }
         Ok(())

@@ -79,6 +79,16 @@ impl<B> Buffers<B> {
     }
 }
 
+/// The pipelines of a query.
+struct Stages {
+    boxes: Pipeline,
+    depth: Pipeline,
+    exact: Pipeline,
+    /// The arguments of the recount.
+    arguments: Pipeline,
+    recount: Pipeline,
+}
+
 impl ShadowQuery {
     /// Uploads the faces of the mesh and makes buffers on the caller's device. `pipelines` is that device, or the
     /// [`Pipelines`] that many meshes share.
@@ -129,20 +139,20 @@ impl ShadowQuery {
         Ok(query)
     }
 
-    /// The pipelines of boxes, depths, exact depths, arguments of the recount, and the recount. Where points name no face,
-    /// the inner loop has no test of it.
-    fn stages(&self, names_faces: bool, window_words: u32) -> [Pipeline; 5] {
+    /// The stages. Where points name no face, the inner loop has no test of it.
+    fn stages(&self, names_faces: bool, window_words: u32) -> Stages {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", switch(self.options.skip_by_boxes));
         let pairs = [windows, skip, ("POLYGONS", switch(self.has_polygons)), ("NAMES_FACES", switch(names_faces))];
         let most = self.pipelines.device().limits().max_compute_workgroups_per_dimension;
-        [
-            self.pipelines.compute(&SHADOW_BOXES, SHADOW_BOXES.name, &[windows]),
-            self.pipelines.compute(&SHADOW_DEPTH, SHADOW_DEPTH.name, &pairs),
-            self.pipelines.compute(&EXACT_SHADOW_DEPTH, "exact_shadow_depth", &pairs),
-            self.pipelines.compute(&DEPTH_ARGUMENTS, DEPTH_ARGUMENTS.name, &[("MOST_WORKGROUPS", f64::from(most))]),
-            self.pipelines.compute(&EXACT_SHADOW_DEPTH, "exact_shadow_depth_recount", &pairs),
-        ]
+        let most = ("MOST_WORKGROUPS", f64::from(most));
+        Stages {
+            boxes: self.pipelines.compute(&SHADOW_BOXES, SHADOW_BOXES.name, &[windows]),
+            depth: self.pipelines.compute(&SHADOW_DEPTH, SHADOW_DEPTH.name, &pairs),
+            exact: self.pipelines.compute(&EXACT_SHADOW_DEPTH, "exact_shadow_depth", &pairs),
+            arguments: self.pipelines.compute(&DEPTH_ARGUMENTS, DEPTH_ARGUMENTS.name, &[most]),
+            recount: self.pipelines.compute(&EXACT_SHADOW_DEPTH, "exact_shadow_depth_recount", &pairs),
+        }
     }
 
     /// Records the query for the first `point_count` of `points`, with the positions and lights of an extraction.
@@ -196,50 +206,77 @@ impl ShadowQuery {
         lights: &[Light],
         timer: Option<&mut StageTimer>,
     ) -> Result<(), QueryError> {
-        check_shadow_lights(lights, self.options.max_lights)?;
-        let limit = self.options.max_points;
-        if point_count > limit {
-            return Err(QueryError::TooManyPoints { count: point_count, limit });
-        }
-        let bound = positions.bind(self.vertices, &self.split)?;
-        let given: QueryPoints<'p> = points.into();
-        given.check(point_count)?;
-        let points = given.points;
-        check_timer(timer.as_deref(), self.pipelines.device())?;
-        check_alive(self.pipelines.device())?;
-        self.pipelines.check_bindable(positions.buffer)?;
-        self.pipelines.check_bindable(points.buffer).map_err(QueryError::Points)?;
+        let points: QueryPoints<'p> = points.into();
+        let bound = self.check_inputs(positions, points, point_count, lights, timer.as_deref())?;
         let pairs = u64::from(point_count) * lights.len() as u64;
         if pairs == 0 {
             self.pairs = 0;
             return Ok(());
         }
         let clusters = cluster_chunks(&self.split, self.clusters)?;
-        let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
+        let stride = points.points.stride;
+        let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), stride)
             .map_err(QueryError::Points)?;
         self.pairs = pairs;
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let batch_lights = lights.len().min(32) as u64;
         let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * batch_lights);
-        let tables = Tables::new(self, &bound, given, &chunks, &clusters, lights, range);
+        let work = Work { bound, positions, points, lights, clusters, chunks };
+        let tables = Tables::new(self, &work, range);
+        let stages = self.stages(points.on_face.is_some(), work.bound.windows.words);
+        let over_boxes = self.box_dispatches(&stages.boxes, &work, &tables);
+        let pairs = self.pair_dispatches(&stages, &work, &tables);
+        record([&stages.boxes.pass(over_boxes), &stages.depth.pass(pairs)], encoder, 0..1, timer);
+        Ok(())
+    }
 
-        let device = self.pipelines.device();
-        let [boxes, depth, exact, arguments, recount] = &self.stages(given.on_face.is_some(), bound.windows.words);
-        let over_boxes = clusters.iter().zip(&tables.whole_ranges).map(|(clusters, &whole)| {
+    /// Checks the inputs of an encode. Returns how the stages bind the positions.
+    fn check_inputs(
+        &self,
+        positions: PositionBuffer<'_>,
+        points: QueryPoints<'_>,
+        point_count: u32,
+        lights: &[Light],
+        timer: Option<&StageTimer>,
+    ) -> Result<BoundPositions, QueryError> {
+        check_shadow_lights(lights, self.options.max_lights)?;
+        let limit = self.options.max_points;
+        if point_count > limit {
+            return Err(QueryError::TooManyPoints { count: point_count, limit });
+        }
+        let bound = positions.bind(self.vertices, &self.split)?;
+        points.check(point_count)?;
+        check_timer(timer, self.pipelines.device())?;
+        check_alive(self.pipelines.device())?;
+        self.pipelines.check_bindable(positions.buffer)?;
+        self.pipelines.check_bindable(points.points.buffer).map_err(QueryError::Points)?;
+        Ok(bound)
+    }
+
+    /// The dispatches that compute boxes: one for each range of clusters.
+    fn box_dispatches(&self, boxes: &Pipeline, work: &Work<'_>, tables: &Tables) -> Vec<Dispatch> {
+        let dispatch = |(clusters, &whole): (&Range<usize>, &u32)| {
             let at = At { clusters, points: 0..0, offsets: [0, 0, whole] };
             let workgroups = Workgroups::Known([clusters.len().div_ceil(GROUP) as u32, 1]);
-            boxes.dispatch(device, workgroups, |name| self.get(name, &tables, (&bound, positions, points), &at))
-        });
+            boxes.dispatch(self.pipelines.device(), workgroups, |name| self.get(name, work, tables, &at))
+        };
+        work.clusters.iter().zip(&tables.whole_ranges).map(dispatch).collect()
+    }
+
+    /// The dispatches over pairs: four for each range of points, batch of lights and part of a range of clusters.
+    fn pair_dispatches(&self, stages: &Stages, work: &Work<'_>, tables: &Tables) -> Vec<Dispatch> {
+        let device = self.pipelines.device();
         let mut pairs = Vec::new();
-        for (points_at, chunk) in (0_u64..).zip(&chunks) {
-            for (clusters, ranges) in clusters.iter().zip(&tables.sub_ranges) {
+        for (points_at, chunk) in (0_u64..).zip(&work.chunks) {
+            for (clusters, ranges) in work.clusters.iter().zip(&tables.sub_ranges) {
                 let at = At { clusters, points: chunk.clone(), offsets: [0; 3] };
                 let bind = |pipeline: &Pipeline| {
                     let written = Workgroups::Written(self.buffers.recount_dispatch.clone(), 0);
-                    pipeline.dispatch(device, written, |name| self.get(name, &tables, (&bound, positions, points), &at))
+                    pipeline.dispatch(device, written, |name| self.get(name, work, tables, &at))
                 };
+                let Stages { depth, exact, arguments, recount, .. } = stages;
                 let [depth, exact, arguments, recount] = [depth, exact, arguments, recount].map(bind);
-                for (batch, lights) in (0_u64..).zip(lights.chunks(32)) {
+                for (batch, lights) in (0_u64..).zip(work.lights.chunks(32)) {
                     let batch_offset = batch as u32 * UniformTable::stride::<LightBatch>() as u32;
                     let chunk_offset = tables.chunk_offset(batch, points_at);
                     let all = Workgroups::Known([workgroups(chunk.len() as u64 * lights.len() as u64), 1]);
@@ -256,17 +293,11 @@ impl ShadowQuery {
                 }
             }
         }
-        record([&boxes.pass(over_boxes), &depth.pass(pairs)], encoder, 0..1, timer);
-        Ok(())
+        pairs
     }
 
-    fn get<'a>(
-        &'a self,
-        name: &str,
-        tables: &'a Tables,
-        (bound, positions, points): (&BoundPositions, PositionBuffer<'a>, PositionBuffer<'a>),
-        at: &At<'_>,
-    ) -> Option<Resource<'a>> {
+    fn get<'a>(&'a self, name: &str, work: &Work<'a>, tables: &'a Tables, at: &At<'_>) -> Option<Resource<'a>> {
+        let Work { bound, positions, points: QueryPoints { points, .. }, .. } = work;
         let Buffers { clusters, depths, undecided_pairs, recount_dispatch } = &self.buffers;
         let [batch, chunk, range] = at.offsets;
         let bytes = |clusters: usize| (clusters * size_of::<FaceCluster>()) as u64;
@@ -314,6 +345,16 @@ impl ShadowQuery {
     }
 }
 
+/// The checked inputs of an encode, and the ranges of clusters and of points that its dispatches take.
+struct Work<'a> {
+    bound: BoundPositions,
+    positions: PositionBuffer<'a>,
+    points: QueryPoints<'a>,
+    lights: &'a [Light],
+    clusters: Vec<Range<usize>>,
+    chunks: Vec<Range<u32>>,
+}
+
 /// A range of clusters and one of points, and the dynamic offsets of batch, chunk and range.
 struct At<'a> {
     clusters: &'a Range<usize>,
@@ -334,15 +375,9 @@ struct Tables {
 }
 
 impl Tables {
-    fn new(
-        query: &ShadowQuery,
-        bound: &BoundPositions,
-        QueryPoints { points, on_face }: QueryPoints<'_>,
-        chunks: &[Range<u32>],
-        clusters: &[Range<usize>],
-        lights: &[Light],
-        range: usize,
-    ) -> Self {
+    /// `range` is the largest number of clusters of a dispatch.
+    fn new(query: &ShadowQuery, work: &Work<'_>, range: usize) -> Self {
+        let Work { bound, points: QueryPoints { points, on_face }, lights, clusters, chunks, .. } = work;
         let mut batches = UniformTable::default();
         let mut chunk_table = UniformTable::default();
         for (first_light, batch) in (0..).step_by(32).zip(lights.chunks(32)) {

@@ -7,6 +7,7 @@ use bytemuck::Zeroable;
 
 use super::frame::{EncodedView, SceneFrame};
 use super::layout::Layout;
+use super::needs::Needs;
 use super::options::Measuring;
 use super::receivers::{self, ReceiverState, ViewVersion};
 use super::scene::Scene;
@@ -55,19 +56,7 @@ impl Scene {
             None => Vec::new(),
         };
         self.update_view_versions(&shadow_views, views);
-        let view_lights = volumes.as_ref().map_or_else(Vec::new, |volumes| self.view_lights(volumes, views));
-        let light_batches = structure.light_batches(&self.content);
-        let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
-        let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
-        uploads.extend(needs.iter().flat_map(|needs| self.deform_uploads(needs)));
-        if !structure.parts.is_empty() {
-            uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
-            uploads.extend(
-                volumes.iter().map(|volumes| (&volumes.buffers.of.view_lights, bytemuck::cast_slice(&view_lights[..]))),
-            );
-            uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
-        }
-        upload(self.pipelines.device(), encoder, &uploads)?;
+        self.record_uploads(encoder, &structure, volumes.as_deref(), views, needs.as_ref())?;
         let needed_states = needs.map(|needs| self.record_needs(encoder, &needs, timer.as_deref_mut())).or(deformed);
         if let Some(words) = needed_states.filter(|_| !structure.parts.is_empty()) {
             let (to, bytes) = (4 * u64::from(needed_states_offset), 4 * self.deforming.len() as u64);
@@ -77,29 +66,56 @@ impl Scene {
         if let Some(volumes) = &volumes {
             volumes.stages.record(encoder, structure.buffers.batches, timer);
         }
+        Ok(self.finish(structure, volumes, views))
+    }
+
+    /// Records the uploads of an encode: the inputs of models, the table, the lights of views and of polygons.
+    fn record_uploads(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        structure: &Structure,
+        volumes: Option<&Volumes>,
+        views: &[View<'_>],
+        needs: Option<&Needs>,
+    ) -> Result<(), ShadowError> {
+        let view_lights = volumes.map_or_else(Vec::new, |volumes| self.view_lights(volumes, views));
+        let light_batches = structure.light_batches(&self.content);
+        let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
+        let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
+        uploads.extend(needs.into_iter().flat_map(|needs| self.deform_uploads(needs)));
+        if !structure.parts.is_empty() {
+            uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
+            uploads.extend(
+                volumes.map(|volumes| (&volumes.buffers.of.view_lights, bytemuck::cast_slice(&view_lights[..]))),
+            );
+            uploads.extend(light_batches.iter().map(|(buffer, batch)| (buffer, bytemuck::bytes_of(batch))));
+        }
+        upload(self.pipelines.device(), encoder, &uploads)?;
+        Ok(())
+    }
+
+    /// Counts the encode that was recorded, and makes its result.
+    fn finish(&mut self, structure: Arc<Structure>, volumes: Option<Arc<Volumes>>, views: &[View<'_>]) -> SceneFrame {
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.content.pages.reclaim();
-        let (encodes, lights) = (Arc::clone(&self.encodes), self.content.lights.listed());
-        Ok(SceneFrame {
+        let encoded_view = |&View { camera, lights, .. }: &View<'_>| EncodedView {
+            convention: self.convention(&camera),
+            camera,
+            lights,
+        };
+        SceneFrame {
             structure,
             volumes,
-            views: views
-                .iter()
-                .map(|&View { camera, lights, .. }| EncodedView {
-                    convention: self.convention(&camera),
-                    camera,
-                    lights,
-                })
-                .collect(),
+            views: views.iter().map(encoded_view).collect(),
             has_models: !self.deforming.is_empty(),
             count_batches: self.options.stencil.count_batches,
             device: self.pipelines.device().clone(),
             scene: self.id,
-            lights,
+            lights: self.content.lights.listed(),
             occluded: self.count_occluded(),
-            encodes,
+            encodes: Arc::clone(&self.encodes),
             encode,
-        })
+        }
     }
 
     /// The cameras in the layout of the stages.

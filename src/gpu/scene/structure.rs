@@ -93,30 +93,13 @@ impl Structure {
         old: Option<&Self>,
         number: u32,
     ) -> Result<Self, ShadowError> {
-        let Inputs { pipelines, content: Content { casters, lights, pages, .. }, options, room, .. } = *inputs;
+        let Inputs { pipelines, content: Content { casters, lights, pages, .. }, options, .. } = *inputs;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let batches = table.batches;
-        let [_, choices] = choice_bytes(options, room.has_receivers(), [table.casters, 32 * batches, room.views]);
-        let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
-        if table_bytes > limits.binding {
-            let limit = limits.binding;
-            return Err(DeviceError::BindingTooLarge { what: "the scene table", bytes: table_bytes, limit }.into());
-        }
+        let table_bytes = table_bytes(inputs, table, &limits)?;
         let exclusions = caller_exclusions(&layout, table, casters);
         let exclusion_bytes: u64 = exclusions.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
-        let shared = SceneDispatch {
-            casters: table.casters as u32,
-            batches: batches as u32,
-            lights_offset: table.lights_offset() as u32,
-            ranges_offset: table.ranges_offset() as u32,
-            structure: number,
-            uses_cache: u32::from(!options.measuring.has(Measuring::CACHED_BITS)),
-            occluders_offset: layout.occluders.offset as u32,
-            occluders: layout.occluders.count as u32,
-            world_lights_offset: layout.occluders.lights_offset as u32,
-            ..SceneDispatch::zeroed()
-        };
+        let shared = shared_dispatch(&layout, table, options, number);
         let sizes_of = |group: &Group, batch| GroupSizes::new(group, used_bits(lights, batch), options, &limits);
         let (sizes, dispatches) = plan(&shared, &layout.groups, sizes_of);
         let needed_states_offset = sizes.work as u32;
@@ -132,22 +115,7 @@ impl Structure {
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let upload = || exclusions.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>();
         let exclusions = guarded(device, exclusion_bytes, upload)?;
-        let (mut uniforms, mut shapes) = (UniformTable::default(), UniformTable::default());
-        let mut parts = Vec::with_capacity(dispatches.len());
-        for (((dispatch, &sizes), buffers), exclusions) in
-            dispatches.into_iter().zip(&sizes.groups).zip(&buffers.groups).zip(exclusions)
-        {
-            let (group, batch) = (parts.len() / batches, parts.len() % batches);
-            let offset = uniforms.push(&dispatch);
-            let shape = shapes.push(&DrawShape {
-                lights: 32,
-                capacity: sizes.capacity,
-                edges: CHUNK * dispatch.edge_chunks,
-                vertices_per_edge: VERTICES_PER_EDGE,
-            });
-            let buffers = buffers.clone();
-            parts.push(GroupBatch { group, batch, sizes, buffers, exclusions, dispatch, offset, shape });
-        }
+        let Parts { parts, uniforms, shapes } = Parts::new(dispatches, &sizes, &buffers.groups, exclusions);
         let topology = |group: &Group| Some(group.source.topology(pages.get(group.source.page)?));
         let topology: Vec<_> = layout.groups.iter().filter_map(topology).collect();
         Ok(Self {
@@ -203,6 +171,70 @@ fn position_buffers(topology: &[GroupTopology]) -> Vec<wgpu::Buffer> {
     buffers.sort_unstable();
     buffers.dedup();
     buffers
+}
+
+/// All groups and batches, with their uniforms.
+#[derive(Default)]
+struct Parts {
+    parts: Vec<GroupBatch>,
+    uniforms: UniformTable,
+    shapes: UniformTable,
+}
+
+impl Parts {
+    /// All lists have an element for each group and batch, batch after batch in each group.
+    fn new(
+        dispatches: Vec<SceneDispatch>,
+        sizes: &Sizes,
+        buffers: &[GroupBuffers],
+        exclusions: Vec<Option<wgpu::Buffer>>,
+    ) -> Self {
+        let mut all = Self::default();
+        for (((dispatch, &sizes), buffers), exclusions) in
+            dispatches.into_iter().zip(&sizes.groups).zip(buffers).zip(exclusions)
+        {
+            let batches = dispatch.batches as usize;
+            let (group, batch) = (all.parts.len() / batches, all.parts.len() % batches);
+            let offset = all.uniforms.push(&dispatch);
+            let shape = all.shapes.push(&DrawShape {
+                lights: 32,
+                capacity: sizes.capacity,
+                edges: CHUNK * dispatch.edge_chunks,
+                vertices_per_edge: VERTICES_PER_EDGE,
+            });
+            let buffers = buffers.clone();
+            all.parts.push(GroupBatch { group, batch, sizes, buffers, exclusions, dispatch, offset, shape });
+        }
+        all
+    }
+}
+
+/// Bytes of the scene table with the choices. Refuses more than one binding.
+fn table_bytes(inputs: &Inputs<'_>, table: &Table, limits: &DispatchLimits) -> Result<u64, ShadowError> {
+    let counts = [table.casters, 32 * table.batches, inputs.room.views];
+    let [_, choices] = choice_bytes(inputs.options, inputs.room.has_receivers(), counts);
+    let bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
+    if bytes > limits.binding {
+        let limit = limits.binding;
+        return Err(DeviceError::BindingTooLarge { what: "the scene table", bytes, limit }.into());
+    }
+    Ok(bytes)
+}
+
+/// The fields that the uniforms of all groups and batches share.
+fn shared_dispatch(layout: &Layout, table: &Table, options: &SceneOptions, number: u32) -> SceneDispatch {
+    SceneDispatch {
+        casters: table.casters as u32,
+        batches: table.batches as u32,
+        lights_offset: table.lights_offset() as u32,
+        ranges_offset: table.ranges_offset() as u32,
+        structure: number,
+        uses_cache: u32::from(!options.measuring.has(Measuring::CACHED_BITS)),
+        occluders_offset: layout.occluders.offset as u32,
+        occluders: layout.occluders.count as u32,
+        world_lights_offset: layout.occluders.lights_offset as u32,
+        ..SceneDispatch::zeroed()
+    }
 }
 
 /// For each group and batch the masks of faces that callers exclude, by slots. `None`: there are none.

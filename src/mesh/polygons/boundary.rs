@@ -1,10 +1,19 @@
 //! Boundaries: the edges of a polygon that remain when those that it walks both ways have cancelled.
 
+/// An edge. Edges are sorted by their fields, in order.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct SortedEdge {
+    /// The lower vertex first.
+    vertices: [u32; 2],
+    /// Whether that reversed it.
+    is_reversed: bool,
+    index: u32,
+}
+
 /// Finds boundaries. It reuses its memory from one polygon to the next.
 #[derive(Default)]
 pub(super) struct Walker {
-    /// Edges with their lower vertex first, whether that reversed them, and their index.
-    sorted: Vec<([u32; 2], bool, u32)>,
+    sorted: Vec<SortedEdge>,
     is_cancelled: Vec<bool>,
 }
 
@@ -19,20 +28,23 @@ impl Walker {
         }
         let edges = (0..).zip(&boundary[first..]);
         self.sorted.clear();
-        self.sorted.extend(edges.map(|(index, &[a, b])| ([a.min(b), a.max(b)], a > b, index)));
+        let sorted = |(index, &[a, b]): (u32, &[u32; 2])| {
+            let vertices = [a.min(b), a.max(b)];
+            SortedEdge { vertices, is_reversed: a > b, index }
+        };
+        self.sorted.extend(edges.map(sorted));
         self.sorted.sort_unstable();
-        if self.sorted.windows(2).all(|pair| pair[0].0 != pair[1].0) {
+        if self.sorted.windows(2).all(|pair| pair[0].vertices != pair[1].vertices) {
             return;
         }
         self.is_cancelled.clear();
         self.is_cancelled.resize(self.sorted.len(), false);
-        for edges_of_pair in self.sorted.chunk_by(|p, q| p.0 == q.0) {
+        for edges_of_pair in self.sorted.chunk_by(|p, q| p.vertices == q.vertices) {
             // Edges of one direction come before those of the other.
-            let (forward, backward) =
-                edges_of_pair.split_at(edges_of_pair.partition_point(|&(_, is_reversed, _)| !is_reversed));
-            for (&(.., one), &(.., other)) in forward.iter().zip(backward) {
-                self.is_cancelled[one as usize] = true;
-                self.is_cancelled[other as usize] = true;
+            let (forward, backward) = edges_of_pair.split_at(edges_of_pair.partition_point(|edge| !edge.is_reversed));
+            for (one, other) in forward.iter().zip(backward) {
+                self.is_cancelled[one.index as usize] = true;
+                self.is_cancelled[other.index as usize] = true;
             }
         }
         let mut end = first;

@@ -48,7 +48,7 @@ impl PolygonLoops<'_> {
     /// # Errors
     /// The errors of [`Self::triangulate`].
     pub fn triangulate_with_polygons(self, positions: &[[f32; 3]], weld: Weld) -> Result<PolygonTriangles, MeshError> {
-        let (polygons, triangles, counts) = Polygons::welded(positions, self, weld)?;
+        let Welded { polygons, triangles, counts } = Polygons::welded(positions, self, weld)?;
         let (faces, polygons) = polygons.surface(triangles);
         if faces.len() > MAX_FACES {
             return Err(MeshError::TooManyFaces { faces: faces.len() });
@@ -89,13 +89,16 @@ pub struct Polygons {
     triangle_starts: Vec<u32>,
 }
 
+/// Welded polygons.
+pub(super) struct Welded {
+    pub(super) polygons: Polygons,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) counts: WeldCounts,
+}
+
 impl Polygons {
     /// Checks polygons, welds their vertices and makes polygons of them, with their triangles.
-    pub(super) fn welded(
-        positions: &[[f32; 3]],
-        given: PolygonLoops<'_>,
-        weld: Weld,
-    ) -> Result<(Self, Vec<[u32; 3]>, WeldCounts), MeshError> {
+    pub(super) fn welded(positions: &[[f32; 3]], given: PolygonLoops<'_>, weld: Weld) -> Result<Welded, MeshError> {
         // Welding needs indices of 32 bits, so the number of vertices is checked first.
         check::check(positions.len(), given)?;
         let (groups, mut counts) = weld::weld_positions(positions, weld);
@@ -103,7 +106,7 @@ impl Polygons {
         if counts.after < counts.before {
             counts.collapsed = polygons.collapsed(given);
         }
-        Ok((polygons, triangles, counts))
+        Ok(Welded { polygons, triangles, counts })
     }
 
     /// Renames the corners of polygons that passed [`check::check`], and triangulates them at `positions`. The triangles

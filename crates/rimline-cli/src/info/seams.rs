@@ -96,23 +96,34 @@ fn tolerance(positions: &[[f32; 3]]) -> Option<f32> {
     (largest > 0.0 && tolerance > 0.0).then_some(tolerance)
 }
 
+/// A boundary edge between groups of vertices that are near each other. Edges are sorted by their fields, in order.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct KeyedEdge {
+    /// The lower group first.
+    groups: [u32; 2],
+    /// Whether the edge begins in the lower group.
+    is_forward: bool,
+    edge: usize,
+}
+
 /// How many boundary edges meet another of the opposite way once vertices so near are one, and how far their ends are apart.
 fn pairs(positions: &[[f32; 3]], edges: &[[u32; 2]], distance: f32) -> Option<(usize, f64)> {
     let ends: Vec<[f32; 3]> = edges.iter().flatten().map(|&v| positions[v as usize]).collect();
     let each: Vec<[u32; 3]> = (0..ends.len() as u32).map(|v| [v; 3]).collect();
     let groups = Mesh::new(&ends, &each, Weld::Distance(WeldDistance::new(distance).ok()?)).ok()?;
     let group = |end: usize| groups.faces()[end][0];
-    let mut keyed: Vec<([u32; 2], bool, usize)> = (0..edges.len())
-        .map(|edge| (group(2 * edge), group(2 * edge + 1), edge))
-        .filter(|(a, b, _)| a != b)
-        .map(|(a, b, edge)| ([a.min(b), a.max(b)], a < b, edge))
-        .collect();
+    let keyed = |edge: usize| {
+        let (a, b) = (group(2 * edge), group(2 * edge + 1));
+        (a != b).then(|| KeyedEdge { groups: [a.min(b), a.max(b)], is_forward: a < b, edge })
+    };
+    let mut keyed: Vec<KeyedEdge> = (0..edges.len()).filter_map(keyed).collect();
     keyed.sort_unstable();
     let apart = |a: [f32; 3], b: [f32; 3]| double(a).distance(double(b));
     let (mut count, mut gap) = (0, 0.0_f64);
-    for run in keyed.chunk_by(|p, q| p.0 == q.0) {
-        let (backward, forward) = run.split_at(run.partition_point(|&(_, is_forward, _)| !is_forward));
-        for (&(.., one), &(.., other)) in forward.iter().zip(backward) {
+    for run in keyed.chunk_by(|p, q| p.groups == q.groups) {
+        let (backward, forward) = run.split_at(run.partition_point(|keyed| !keyed.is_forward));
+        for (one, other) in forward.iter().zip(backward) {
+            let (one, other) = (one.edge, other.edge);
             count += 2;
             gap = gap.max(apart(ends[2 * one], ends[2 * other + 1])).max(apart(ends[2 * one + 1], ends[2 * other]));
         }

@@ -22,10 +22,18 @@ pub(crate) struct Casters<'a> {
     pub(crate) shadows: Box<dyn Shadows + 'a>,
     /// The surface of each body, once it was bound.
     pub(super) surfaces: Vec<Surface>,
-    /// Where volumes are shown, the silhouettes of each body by itself: of all its faces, or without covered faces of those
-    /// that cast for a light. Each with that light and the number of its body.
-    shown: Option<Vec<(Option<usize>, usize, Extracted)>>,
+    /// Where volumes are shown, the silhouettes of each body by itself.
+    shown: Option<Vec<Shown>>,
     max_lights: usize,
+}
+
+/// Silhouettes of a body whose volumes are shown.
+struct Shown {
+    /// The light for which they are without covered faces. `None`: they are of all faces, for all lights.
+    light: Option<usize>,
+    /// The number of the body.
+    body: usize,
+    extracted: Extracted,
 }
 
 /// Casters whose shadows are drawn with these pipelines.
@@ -65,8 +73,9 @@ impl<'a> Casters<'a> {
         self.shadows.set_bodies(bodies)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         for (number, body) in bodies.iter().enumerate() {
-            if !shown.get(number).is_some_and(|(.., old)| old.is_of(body)) {
-                put(shown, number, (None, number, Extracted::new(gpu, &body.mesh()?, body, self.max_lights)?));
+            if !shown.get(number).is_some_and(|old| old.extracted.is_of(body)) {
+                let extracted = Extracted::new(gpu, &body.mesh()?, body, self.max_lights)?;
+                put(shown, number, Shown { light: None, body: number, extracted });
             }
         }
         Ok(())
@@ -81,7 +90,8 @@ impl<'a> Casters<'a> {
         for (number, body) in bodies.iter().enumerate() {
             for light in 0..covered.found.len() {
                 if let Some(mesh) = covered.casting(bodies, number, light)? {
-                    shown.push((Some(light), number, Extracted::new(gpu, &mesh, body, self.max_lights)?));
+                    let extracted = Extracted::new(gpu, &mesh, body, self.max_lights)?;
+                    shown.push(Shown { light: Some(light), body: number, extracted });
                 }
             }
         }
@@ -95,9 +105,9 @@ impl<'a> Casters<'a> {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         self.shadows.encode(encoder, inputs, timer)?;
-        for (_, number, shown) in self.shown.iter_mut().flatten() {
-            if let Some(body) = inputs.bodies.get(*number) {
-                shown.encode(encoder, body, inputs.lights, None)?;
+        for shown in self.shown.iter_mut().flatten() {
+            if let Some(body) = inputs.bodies.get(shown.body) {
+                shown.extracted.encode(encoder, body, inputs.lights, None)?;
             }
         }
         Ok(())
@@ -114,8 +124,8 @@ impl<'a> Casters<'a> {
 
     /// The silhouettes whose volumes are shown for a light.
     pub(super) fn shown(&self, light: usize) -> impl Iterator<Item = &Extraction> {
-        let of_light = self.shown.iter().flatten().filter(move |(of, ..)| of.is_none_or(|of| of == light));
-        of_light.filter_map(|(.., shown)| shown.extraction.as_ref())
+        let of_light = self.shown.iter().flatten().filter(move |shown| shown.light.is_none_or(|of| of == light));
+        of_light.filter_map(|shown| shown.extracted.extraction.as_ref())
     }
 }
 

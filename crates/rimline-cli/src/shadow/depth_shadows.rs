@@ -119,7 +119,7 @@ impl Shadows for DepthShadows<'_> {
 
     fn depths_found(&self) -> Result<Option<DepthsFound>, GpuError> {
         let found = |maps: &LightMaps| {
-            let (capacity, cells, _) = maps.rebuilt();
+            let Rebuilt { capacity, cells, .. } = maps.rebuilt();
             Ok::<_, GpuError>(DepthFound { maps: maps.views.len(), listed: self.gpu.read_first(cells)?, capacity })
         };
         let lights = self.lights.iter().map(found).collect::<Result<_, _>>()?;
@@ -128,8 +128,8 @@ impl Shadows for DepthShadows<'_> {
 
     fn shown_maps(&self, light: usize) -> Option<ShownDepths<'_>> {
         let maps = self.lights.get(light)?;
-        let (_, cells, texture) = maps.rebuilt();
-        Some((&maps.shown, cells, texture?))
+        let Rebuilt { cells, texture, .. } = maps.rebuilt();
+        Some(ShownDepths { shown: &maps.shown, cells, texture: texture? })
     }
 
     fn saved_maps(&self, light: usize, origin: Origin) -> Result<Option<DepthMapArrays>, GpuError> {
@@ -166,13 +166,30 @@ fn draw_map(
 struct LightMaps {
     maps: Maps,
     views: Vec<wgpu::TextureView>,
-    /// Distances that maps are converted from, and what converts them: one for each map, or none if the maps are depths.
-    distances: Vec<(wgpu::TextureView, DepthMapConversion, DepthMetric)>,
+    /// One for each map, or none if the maps are depths.
+    distances: Vec<Distances>,
     objects: Option<wgpu::TextureView>,
     /// Cameras with which the maps were encoded.
     cameras: LightCameras,
     frame: Option<DepthMapFrame>,
     shown: ShownMaps,
+}
+
+/// Distances that a map is converted from, and what converts them.
+struct Distances {
+    texture: wgpu::TextureView,
+    conversion: DepthMapConversion,
+    metric: DepthMetric,
+}
+
+/// The shadows that were rebuilt from maps.
+struct Rebuilt<'a> {
+    /// The cells that the list has room for.
+    capacity: u32,
+    /// The list.
+    cells: &'a wgpu::Buffer,
+    /// One map, or six in one.
+    texture: Option<&'a wgpu::TextureView>,
 }
 
 enum Maps {
@@ -203,8 +220,8 @@ impl LightMaps {
         if options.metric != DepthMetric::Device {
             for view in &mut views {
                 let conversion = DepthMapConversion::new(&gpu.pipelines, size)?;
-                let given = std::mem::replace(view, conversion.texture().clone());
-                distances.push((given, conversion, options.metric));
+                let texture = std::mem::replace(view, conversion.texture().clone());
+                distances.push(Distances { texture, conversion, metric: options.metric });
             }
         }
         let (cameras, shown) = (cameras.clone(), ShownMaps::new(gpu, from.has_walls()));
@@ -220,8 +237,8 @@ impl LightMaps {
         eye: &ShadowCamera,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        for ((given, conversion, metric), light) in self.distances.iter().zip(&cameras.0) {
-            let map = DepthMap { texture: given, light: *light, objects: None };
+        for (Distances { texture, conversion, metric }, light) in self.distances.iter().zip(&cameras.0) {
+            let map = DepthMap { texture, light: *light, objects: None };
             conversion.encode_timed(encoder, &map, *metric, timer.as_deref_mut())?;
         }
         let mut views = self.views.iter();
@@ -240,18 +257,21 @@ impl LightMaps {
             // There are as many cameras as when they were made.
             _ => return Err(DepthMapError::StaleFrame.into()),
         };
-        let (capacity, ..) = self.rebuilt();
+        let capacity = self.rebuilt().capacity;
         self.shown.encode(gpu, encoder, (cameras, size), eye, (frame.draw_arguments(), capacity));
         self.cameras = cameras.clone();
         self.frame = Some(frame);
         Ok(())
     }
 
-    /// The cells that the list has room for, the list, and one map or six in one.
-    fn rebuilt(&self) -> (u32, &wgpu::Buffer, Option<&wgpu::TextureView>) {
+    fn rebuilt(&self) -> Rebuilt<'_> {
         match &self.maps {
-            Maps::One(volumes) => (volumes.capacity(), volumes.cells(), self.views.first()),
-            Maps::Cube(cube) => (cube.capacity(), cube.cells(), Some(cube.texture())),
+            Maps::One(volumes) => {
+                Rebuilt { capacity: volumes.capacity(), cells: volumes.cells(), texture: self.views.first() }
+            }
+            Maps::Cube(cube) => {
+                Rebuilt { capacity: cube.capacity(), cells: cube.cells(), texture: Some(cube.texture()) }
+            }
         }
     }
 

@@ -206,8 +206,14 @@ fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, light_position: Option<
     DepthView { whole: whole.as_mat4().to_cols_array_2d(), far: far.map(|column| column.as_vec4().to_array()) }
 }
 
-/// A light's maps as they are shown, the list of cells, and one map or six in one.
-pub(crate) type ShownDepths<'a> = (&'a ShownMaps, &'a wgpu::Buffer, &'a wgpu::TextureView);
+/// A light's maps as they are shown.
+pub(crate) struct ShownDepths<'a> {
+    pub(super) shown: &'a ShownMaps,
+    /// The list of cells.
+    pub(super) cells: &'a wgpu::Buffer,
+    /// One map, or six in one.
+    pub(super) texture: &'a wgpu::TextureView,
+}
 
 #[cfg(test)]
 mod tests {

@@ -10,6 +10,7 @@ use rimline_picture::{
 use wgpu::{DepthBiasState, PrimitiveTopology, TextureFormat, TextureUsages};
 
 use super::casters::Casters;
+use super::light_maps::ShownDepths;
 use super::shadows::{RenderResources, ShadowMethod, VolumePipelines};
 use crate::device::GpuError;
 
@@ -214,7 +215,7 @@ impl MapOverlay {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, casters: &Casters<'_>, light: usize) {
-        let Some((shown, cells, texture)) = casters.shadows.shown_maps(light) else { return };
+        let Some(ShownDepths { shown, cells, texture }) = casters.shadows.shown_maps(light) else { return };
         let bound =
             [shown.views.as_entire_binding(), cells.as_entire_binding(), wgpu::BindingResource::TextureView(texture)];
         let resources = &casters.resources.shared;
