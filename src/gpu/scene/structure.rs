@@ -115,7 +115,7 @@ impl Structure {
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let upload = || exclusions.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>();
         let exclusions = guarded(device, exclusion_bytes, upload)?;
-        let Parts { parts, uniforms, shapes } = Parts::new(dispatches, &sizes, &buffers.groups, exclusions);
+        let Bound { parts, uniforms, shapes } = Bound::new(dispatches, &sizes, &buffers.groups, exclusions);
         let topology = |group: &Group| Some(group.source.topology(pages.get(group.source.page)?));
         let topology: Vec<_> = layout.groups.iter().filter_map(topology).collect();
         Ok(Self {
@@ -175,13 +175,13 @@ fn position_buffers(topology: &[GroupTopology]) -> Vec<wgpu::Buffer> {
 
 /// All groups and batches, with their uniforms.
 #[derive(Default)]
-struct Parts {
+struct Bound {
     parts: Vec<GroupBatch>,
     uniforms: UniformTable,
     shapes: UniformTable,
 }
 
-impl Parts {
+impl Bound {
     /// All lists have an element for each group and batch, batch after batch in each group.
     fn new(
         dispatches: Vec<SceneDispatch>,

@@ -256,8 +256,11 @@ fn is_in_view(stage: &Stage) -> bool {
     widget.is_some_and(|widget| widget.rect.top() >= 0.0 && widget.rect.bottom() <= SIZE[1] as f32)
 }
 
+/// Whether a light is other than before.
+type IsChanged = fn(&Lamp) -> bool;
+
 /// Boxes that give a light something more.
-const GIVEN: [(&str, fn(&Lamp) -> bool); 3] = [
+const GIVEN: [(&str, IsChanged); 3] = [
     ("range", |lamp| lamp.range.is_some()),
     ("radius", |lamp| lamp.radius.is_some()),
     ("spot", |lamp| lamp.cone.is_some()),

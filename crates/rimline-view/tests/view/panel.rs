@@ -13,7 +13,7 @@ use rimline_view::{
 
 use crate::support::{Outcome, handle, hold, say, viewer};
 
-pub(crate) const TESTS: [Test; 11] = [
+pub(crate) const TESTS: [Test; 12] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
     ("the pointer drags a light on the picture", the_pointer_drags_a_light),
     ("what the pointer does within one frame has its order", a_frame_of_many_events),
@@ -77,7 +77,7 @@ impl Stage {
 
     /// Pixels of the window's part with the picture.
     fn pixels(&self) -> Result<Vec<u8>, String> {
-        let all = texels(&Device::shared()?, self.target.texture(), 0)?;
+        let all = texels(&*Device::shared()?, self.target.texture(), 0)?;
         let [width, height] = self.viewer.size().map(|side| side as usize);
         let rows = all.chunks_exact(4 * SIZE[0] as usize).take(height);
         Ok(rows.flat_map(|row| &row[..4 * width]).copied().collect())
