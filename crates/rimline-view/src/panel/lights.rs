@@ -51,12 +51,7 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer) {
 fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
     let extent = bounds.extent();
     match &mut lamp.kind {
-        LampKind::Point(at) => {
-            numbers(ui, "at", at, 0.01 * extent);
-            if let Some((axis, _)) = &mut lamp.cone {
-                direction(ui, "aim", axis);
-            }
-        }
+        LampKind::Point(at) => numbers(ui, "at", at, 0.01 * extent),
         LampKind::Sun(towards) => direction(ui, "from", towards),
     }
     ui.horizontal_wrapped(|ui| {
@@ -78,6 +73,10 @@ fn edit(ui: &mut egui::Ui, lamp: &mut Lamp, bounds: &Bounds) {
             }
         }
     });
+    // Last: a row above the box "spot" would take the keyboard from it as it comes.
+    if let (LampKind::Point(_), Some((axis, _))) = (&lamp.kind, &mut lamp.cone) {
+        direction(ui, "aim", axis);
+    }
 }
 
 /// A length that there may be, `usual` at first.

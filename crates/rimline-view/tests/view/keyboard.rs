@@ -295,10 +295,7 @@ fn tab_reaches_everything() -> Outcome {
     tab_to(&mut stage, Role::SpinButton, None)?;
     press(&mut stage, Key::ArrowUp);
     hold(cone(&stage)?.1 > angle, "the angle of the spot stays")?;
-    // After the last widget comes the first: where the light is, then its aim.
-    for _ in 0..4 {
-        tab_to(&mut stage, Role::SpinButton, None)?;
-    }
+    tab_to(&mut stage, Role::SpinButton, None)?;
     enter(&mut stage, "0.5");
     hold(cone(&stage)?.0 != axis, "the aim of the spot stays")?;
 
