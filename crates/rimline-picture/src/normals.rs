@@ -123,7 +123,7 @@ fn fold(normal: Vec3) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     fn unfold(word: u32) -> Vec3 {
@@ -143,7 +143,7 @@ mod tests {
     }
 
     /// A fan around its tip at this height over a ring of radius 1.
-    fn fan(sides: u32, height: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    pub(crate) fn fan(sides: u32, height: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         let ring = (0..sides).map(|side| (side as f32 * std::f32::consts::TAU / sides as f32).sin_cos());
         let positions = std::iter::once([0.0, height, 0.0]).chain(ring.map(|(x, z)| [x, 0.0, z]));
         (positions.collect(), (0..sides).map(|side| [0, side + 1, (side + 1) % sides + 1]).collect())

@@ -185,18 +185,12 @@ impl NormalPipeline {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The sides of a cone of this height.
-    fn cone(sides: u32, height: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-        let ring = (0..sides).map(|side| (side as f32 * std::f32::consts::TAU / sides as f32).sin_cos());
-        let positions = std::iter::once([0.0, height, 0.0]).chain(ring.map(|(x, z)| [x, 0.0, z]));
-        (positions.collect(), (0..sides).map(|side| [0, side + 1, (side + 1) % sides + 1]).collect())
-    }
+    use crate::normals::tests::fan;
 
     #[test]
     fn the_tip_of_a_cone_takes_no_more_memory_than_there_may_be() {
         const SIDES: u32 = 60;
-        let (positions, faces) = cone(SIDES, 10.0);
+        let (positions, faces) = fan(SIDES, 10.0);
         // A third of the sides for each of them at the tip; below, corners of a ring vertex share two.
         let whole = Smoothing::of(&positions, &faces);
         assert!(whole.faces.len() > (SIDES * SIDES / 4) as usize, "{}", whole.faces.len());
@@ -211,7 +205,7 @@ mod tests {
     #[test]
     fn a_large_fan_has_few_groups_at_its_tip() {
         const SIDES: u32 = 200_000;
-        let (positions, faces) = cone(SIDES, 0.0);
+        let (positions, faces) = fan(SIDES, 0.0);
         let fan = Smoothing::of(&positions, &faces);
         // All share one at the tip, and two each at the ring.
         assert_eq!(fan.faces.len(), 3 * SIDES as usize);

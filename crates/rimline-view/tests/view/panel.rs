@@ -13,12 +13,11 @@ use rimline_view::{
 
 use crate::support::{Outcome, handle, hold, say, viewer};
 
-pub(crate) const TESTS: [Test; 12] = [
+pub(crate) const TESTS: [Test; 11] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
     ("the pointer drags a light on the picture", the_pointer_drags_a_light),
     ("what the pointer does within one frame has its order", a_frame_of_many_events),
     ("the wheel with Shift moves what is seen as far as it scrolls, at every scale", scrolled_sideways),
-    ("keys do what the list says", keys),
     ("a bad file gives a message and the viewer goes on", a_bad_file),
     ("a key that is held acts once, or step by step", held_keys),
     ("Escape closes a menu and not the window", escape_in_a_menu),
@@ -214,24 +213,6 @@ fn a_frame_of_many_events() -> Outcome {
     let on_panel = pos2(SIZE[0] as f32 - 20.0, 300.0);
     stage.run(vec![moved(on_panel), button(on_panel, true), moved(past), button(past, false)]);
     hold(stage.viewer.orbit == orbit && !stage.viewer.is_dragging(), "the panel turns the camera")
-}
-
-fn keys() -> Outcome {
-    let mut stage = Stage::new(scenes::walking_figure)?;
-    stage.settle()?;
-    for binding in &rimline_view::KEYS {
-        let modifiers = if binding.shift { Modifiers::SHIFT } else { Modifiers::NONE };
-        stage.run(vec![key(binding.key, modifiers)]);
-        hold(stage.viewer.message.as_ref().is_none_or(|message| message.tone == Tone::Note), binding.what)?;
-    }
-    let has = |request: &Request| stage.viewer.requests.contains(request);
-    hold(has(&Request::OpenFiles) && has(&Request::Screenshot { scale: 4 }), "a request is missing")?;
-    let line = stage.viewer.requests.iter().find_map(|request| match request {
-        Request::Copy(line) => Some(line.clone()),
-        _ => None,
-    });
-    let line = line.unwrap_or_default();
-    hold(line.starts_with("rimline ") && line.contains("--eye "), line)
 }
 
 fn a_bad_file() -> Outcome {
