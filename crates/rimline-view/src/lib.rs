@@ -3,8 +3,8 @@
 //! [`Viewer`] is the state, plain data that [`Event`]s change. [`Renderer`] draws it into a texture of its own, and [`Panel`] is the
 //! user interface around that texture, by egui. None of them knows windows, files, threads or clocks, so all of it runs in tests
 //! without a display, and in a browser. `desktop` (a feature, on by default) is the window: `rimline view` runs it. `web` is the
-//! page, on wasm32: `cargo xtask web` builds it. Overlays show silhouettes, volumes, caps, edges and boxes, but neither clusters of
-//! faces nor receivers, which scenes keep on the device; the counters say what they save.
+//! page, on wasm32: `cargo xtask web` builds it. Overlays show silhouettes, volumes, caps, edges, clusters and boxes, but no
+//! receivers, which are what the picture shows; the counters say what they save.
 //!
 //! ```no_run
 //! use rimline_view::{Event, Gpu, Renderer, Viewer};
@@ -23,6 +23,8 @@
 #[cfg(all(feature = "desktop", not(target_arch = "wasm32")))]
 pub mod desktop;
 mod panel;
+#[cfg(any(test, target_arch = "wasm32"))]
+mod pointer;
 mod renderer;
 pub mod scenes;
 mod state;

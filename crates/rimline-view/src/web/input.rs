@@ -1,11 +1,13 @@
 //! Events of the browser as egui has them.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 
-use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase, pos2, vec2};
+use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, pos2, vec2};
 use web_sys::{HtmlCanvasElement, KeyboardEvent, MouseEvent, PointerEvent, WheelEvent};
 
 use super::page::listen;
+use crate::pointer::{Pointer, Pointers};
 
 /// Hears events. The first tells which keys are held.
 type Hear = dyn Fn(&[Event]);
@@ -42,7 +44,7 @@ fn modifiers(alt: bool, ctrl: bool, shift: bool, meta: bool) -> Modifiers {
     Modifiers { alt, ctrl, shift, mac_cmd: meta, command: ctrl || meta }
 }
 
-/// Mice, pens and fingers. The first finger is a mouse, too.
+/// Mice, pens and fingers.
 fn pointers(canvas: &HtmlCanvasElement, hear: &Rc<Hear>) {
     let kinds = [
         ("pointerdown", TouchPhase::Start),
@@ -50,55 +52,34 @@ fn pointers(canvas: &HtmlCanvasElement, hear: &Rc<Hear>) {
         ("pointerup", TouchPhase::End),
         ("pointercancel", TouchPhase::Cancel),
     ];
+    let pointers = Rc::new(RefCell::new(Pointers::default()));
     for (kind, phase) in kinds {
-        let (heard, on) = (Rc::clone(hear), canvas.clone());
+        let (heard, on, pointers) = (Rc::clone(hear), canvas.clone(), Rc::clone(&pointers));
         listen(canvas, kind, move |event: PointerEvent| {
             if phase == TouchPhase::Start {
                 // Keys go where the pointer went down, and a drag goes on outside.
                 let _ = on.focus();
                 let _ = on.set_pointer_capture(event.pointer_id());
             }
-            heard(&of_pointer(&event, phase));
+            let events = pointers.borrow_mut().hear(&of_pointer(&event), phase);
+            heard(&events);
         });
     }
     let heard = Rc::clone(hear);
     listen(canvas, "pointerleave", move |_: PointerEvent| heard(&[Event::PointerGone]));
 }
 
-/// Numbers of buttons in events, their bits where all that are held are told, and their names.
-const BUTTONS: [(i16, u16, PointerButton); 5] = [
-    (0, 1, PointerButton::Primary),
-    (1, 4, PointerButton::Middle),
-    (2, 2, PointerButton::Secondary),
-    (3, 8, PointerButton::Extra1),
-    (4, 16, PointerButton::Extra2),
-];
-
-fn of_pointer(event: &PointerEvent, phase: TouchPhase) -> Vec<Event> {
-    let (pos, modifiers): (Pos2, _) = (pos2(event.offset_x() as f32, event.offset_y() as f32), held(event));
-    let is_touch = event.pointer_type() == "touch";
-    let mut events = vec![Event::ModifiersChanged(modifiers)];
-    // The viewer lets go also where a pen or a mouse was taken away.
-    if is_touch || phase == TouchPhase::Cancel {
-        let (device_id, id) = (egui::TouchDeviceId(0), egui::TouchId::from(event.pointer_id()));
-        events.push(Event::Touch { device_id, id, phase, pos, force: Some(event.pressure()) });
+fn of_pointer(event: &PointerEvent) -> Pointer {
+    Pointer {
+        is_touch: event.pointer_type() == "touch",
+        is_primary: event.is_primary(),
+        id: event.pointer_id(),
+        pos: pos2(event.offset_x() as f32, event.offset_y() as f32),
+        pressure: event.pressure(),
+        button: event.button(),
+        buttons: event.buttons(),
+        modifiers: held(event),
     }
-    if is_touch && !event.is_primary() {
-        return events;
-    }
-    if phase != TouchPhase::Cancel {
-        events.push(Event::PointerMoved(pos));
-        // While one button is held, others go down and up in moves.
-        let changed = BUTTONS.iter().find(|(number, ..)| *number == event.button());
-        events.extend(changed.map(|&(_, bit, button)| {
-            let pressed = event.buttons() & bit != 0;
-            Event::PointerButton { pos, button, pressed, modifiers }
-        }));
-    }
-    if phase == TouchPhase::Cancel || phase == TouchPhase::End && is_touch {
-        events.push(Event::PointerGone);
-    }
-    events
 }
 
 fn keys(canvas: &HtmlCanvasElement, hear: &Rc<Hear>) {
