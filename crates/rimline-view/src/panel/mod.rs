@@ -38,8 +38,8 @@ pub struct Panel {
     was_busy: bool,
     /// When a picture of few samples is drawn once more. Infinite: it was tried.
     refine_at: Option<f64>,
-    /// The key that went down last, and whether with Shift, until a key goes up.
-    pressed: Option<(egui::Key, bool)>,
+    /// Keys that are down, by where they are if the shell knows.
+    held: Vec<egui::Key>,
     /// The widget that had the keyboard in the last run.
     focused: Option<egui::Id>,
     deltas: egui::TexturesDelta,
@@ -70,7 +70,7 @@ impl Panel {
             last: None,
             was_busy: false,
             refine_at: None,
-            pressed: None,
+            held: Vec::new(),
             focused: None,
             deltas: egui::TexturesDelta::default(),
         }
@@ -155,12 +155,20 @@ impl Panel {
     /// Notes keys that go down and up. Returns whether this is one that was down already: not every window says so.
     fn is_repeated(&mut self, event: &egui::Event) -> bool {
         match event {
-            egui::Event::Key { key, pressed: true, modifiers, repeat, .. } => {
-                let pressed = Some((*key, modifiers.shift));
-                *repeat || std::mem::replace(&mut self.pressed, pressed) == pressed
+            egui::Event::Key { key, physical_key, pressed, repeat, .. } => {
+                let key = physical_key.unwrap_or(*key);
+                let at = self.held.iter().position(|&held| held == key);
+                match (at, *pressed) {
+                    (None, true) => self.held.push(key),
+                    (Some(_), true) => {}
+                    (Some(at), false) => _ = self.held.swap_remove(at),
+                    // It went down by another name, without Shift or with it.
+                    (None, false) => self.held.clear(),
+                }
+                *pressed && (*repeat || at.is_some())
             }
-            egui::Event::Key { .. } | egui::Event::WindowFocused(_) => {
-                self.pressed = None;
+            egui::Event::WindowFocused(_) => {
+                self.held.clear();
                 false
             }
             _ => false,

@@ -105,8 +105,10 @@ fn point(ui: &egui::Ui, viewer: &mut Viewer, response: &egui::Response, scale: f
                 viewer.handle(Event::Moved(pixel(pos)));
                 viewer.handle(Event::Released);
             }
-            // The system took the finger for a gesture of its own. No release follows.
-            egui::Event::Touch { phase: egui::TouchPhase::Cancel, .. } => viewer.handle(Event::Released),
+            // The system took the finger for a gesture of its own, or shows another window. No release may follow.
+            egui::Event::Touch { phase: egui::TouchPhase::Cancel, .. } | egui::Event::WindowFocused(false) => {
+                viewer.handle(Event::Released);
+            }
             _ => {}
         }
     }

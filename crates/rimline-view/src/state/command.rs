@@ -41,6 +41,7 @@ impl Viewer {
             (shown.non_manifold, "non-manifold edges"),
             (verb != "lines" && shown.creases, "creases"),
             (shown.exact, "faces decided exactly"),
+            (shown.clusters, "clusters"),
             (shown.boxes, "boxes"),
         ];
         let differs = differs.into_iter().filter(|(is_so, _)| *is_so).map(|(_, what)| what.to_owned());
@@ -54,9 +55,10 @@ impl Viewer {
         differs.chain(still).collect()
     }
 
-    /// The animation that the command names: that of the first model that moves.
+    /// The animation that the command names: that of the first model that moves, or else that one poses.
     fn played(&self) -> Option<usize> {
-        self.bodies.iter().find(|body| body.duration() > 0.0)?.animation
+        let moving = self.bodies.iter().find(|body| body.duration() > 0.0);
+        moving.or_else(|| self.bodies.iter().find(|body| body.animation.is_some()))?.animation
     }
 
     /// The command line that draws this view: `rimline shadow`, or without shadows `draw` or `lines`.
@@ -177,6 +179,7 @@ mod tests {
     use rimline_files::{Format, ReadOptions, Up};
 
     use super::{quoted, reading};
+    use crate::state::body::{Body, BodyError, Source};
     use crate::state::event::Event;
     use crate::state::keys::Action;
     use crate::state::viewer::Viewer;
@@ -257,6 +260,33 @@ mod tests {
         let text = &viewer.message.as_ref().expect("it was copied").text;
         assert!(text.starts_with("copied; a built-in scene has no file"), "{text}");
         assert_eq!(viewer.command().matches("FILE").count(), 1);
+    }
+
+    /// A file with an animation of one key.
+    struct Posed(rimline_files::File);
+
+    impl Source for Posed {
+        fn model(&self) -> &rimline::Model {
+            self.0.model()
+        }
+
+        fn pose(&self, _: Option<usize>, seconds: f32) -> Result<rimline::Pose, BodyError> {
+            Ok(self.0.pose(&[], seconds)?)
+        }
+
+        fn animations(&self) -> Vec<(String, f32)> {
+            vec![("bend".to_owned(), 0.0)]
+        }
+    }
+
+    #[test]
+    fn an_animation_of_one_key_is_in_the_line() {
+        let (name, file) = block("bent.glb");
+        let body = Body::new(&name, Some(name.clone()), Posed(file)).expect("a triangle");
+        let mut viewer = Viewer::new(vec![body]);
+        viewer.handle(Event::Acted(Action::StepOn));
+        assert!(viewer.command().contains(" bent.glb --animation 0 --time 0 "), "{}", viewer.command());
+        assert!(viewer.not_in_command().is_empty() && !viewer.is_animated(), "{:?}", viewer.not_in_command());
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The viewer's state, and how events change it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::{Vec2, Vec3};
 use rimline::Origin;
 use rimline::gltf::SceneCamera;
@@ -17,6 +19,9 @@ use super::options::Options;
 /// Lights that there may be at a time, and points that shine for all of them.
 pub(crate) const MAX_LAMPS: usize = 8;
 pub(crate) const MAX_SOURCES: usize = MAX_LAMPS * AREA_SAMPLES;
+
+/// The last generation of all viewers.
+static LAST: AtomicU64 = AtomicU64::new(0);
 
 /// Requests of the viewer to the shell that runs it.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,7 +159,7 @@ impl Viewer {
         self.size
     }
 
-    /// A number that changes whenever models come or go, or play something else.
+    /// A number that changes whenever models come or go, or play something else. No other viewer has it.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -213,7 +218,7 @@ impl Viewer {
     pub fn remove_body(&mut self, index: usize) {
         if index < self.bodies.len() {
             self.bodies.remove(index);
-            self.generation += 1;
+            self.change();
             self.message = None;
         }
     }
@@ -243,8 +248,13 @@ impl Viewer {
     pub fn play(&mut self, index: usize, animation: Option<usize>) {
         if let Some(body) = self.bodies.get_mut(index).filter(|body| body.animation != animation) {
             body.animation = animation;
-            self.generation += 1;
+            self.change();
         }
+    }
+
+    /// Notes that the models are others.
+    fn change(&mut self) {
+        self.generation = LAST.fetch_add(1, Ordering::Relaxed) + 1;
     }
 
     /// Does what an event asks for.
@@ -339,7 +349,7 @@ impl Viewer {
 
     /// Other models are shown: what belongs to those before ends.
     fn begin(&mut self) {
-        self.generation += 1;
+        self.change();
         self.drag = None;
         self.clock.seconds = 0.0;
         self.selected = (!self.lamps.is_empty()).then_some(0);

@@ -106,13 +106,17 @@ fn open(app: &Shared, list: Option<&web_sys::FileList>) {
     list.into_iter().for_each(|list| files::read_each(list, take.clone()));
 }
 
-/// Says so when the device is lost.
+/// Says so when the device is lost, and paints anew when a screen with other pixels shows the page, of which no event tells.
 fn watch(app: Shared) {
     let page = app.borrow().page.clone();
     page.clone().after(WATCH, move || {
         if app.borrow().renderer.gpu().is_lost() {
             page.stop("The browser took the GPU back: the device was lost. Models were never sent anywhere; load the page again.");
         } else {
+            let (size, painted) = (app.borrow().pixels().0, [app.borrow().config.width, app.borrow().config.height]);
+            if size != painted {
+                ask_for_frame(&app);
+            }
             watch(app);
         }
     });
@@ -145,12 +149,17 @@ fn wake_after(app: &Shared, seconds: Option<f64>) {
 }
 
 impl App {
-    /// Gives canvas and surface the size that the page gives the canvas, in pixels of the screen.
-    fn fit(&mut self) -> f32 {
+    /// The size that the page gives the canvas in pixels of the screen, and how many of them a point has.
+    fn pixels(&self) -> ([u32; 2], f64) {
         let scale = self.page.window.device_pixel_ratio();
         let limit = f64::from(self.renderer.gpu().device.limits().max_texture_dimension_2d);
         let pixels = |side: i32| (f64::from(side) * scale).round().clamp(1.0, limit) as u32;
-        let size = [pixels(self.canvas.client_width()), pixels(self.canvas.client_height())];
+        ([pixels(self.canvas.client_width()), pixels(self.canvas.client_height())], scale)
+    }
+
+    /// Gives that size to canvas and surface, and returns the pixels of a point.
+    fn fit(&mut self) -> f32 {
+        let (size, scale) = self.pixels();
         if [self.config.width, self.config.height] != size || self.canvas.width() != size[0] {
             [self.config.width, self.config.height] = size;
             self.canvas.set_width(size[0]);

@@ -24,10 +24,14 @@ pub(super) fn read_each(list: &FileList, take: impl Fn(&str, Result<File, FileEr
     let (beside, models): (Vec<_>, Vec<_>) =
         files.into_iter().partition(|file| has_gltf && BESIDE.contains(&&*ending(&file.name())));
     spawn_local(async move {
-        let mut buffers = BTreeMap::new();
+        // All buffers together are bounded, too.
+        let (mut buffers, mut left) = (BTreeMap::new(), f64::from(MOST));
         for file in beside.iter().filter(|file| ending(&file.name()).ends_with("bin")) {
-            match content(file).await {
-                Ok(bytes) => _ = buffers.insert(file.name(), bytes),
+            match content(file, left).await {
+                Ok(bytes) => {
+                    left -= bytes.len() as f64;
+                    buffers.insert(file.name(), bytes);
+                }
                 Err(error) => take(&file.name(), Err(error)),
             }
         }
@@ -43,16 +47,17 @@ fn ending(name: &str) -> String {
 }
 
 async fn read(file: &web_sys::File, name: &str, buffers: &BTreeMap<String, Vec<u8>>) -> Result<File, FileError> {
-    let bytes = content(file).await?;
+    let bytes = content(file, f64::from(MOST)).await?;
     let options = ReadOptions { memory_limit: u64::from(MOST), ..ReadOptions::default() };
     // The page knows names, not folders.
     let find = |path: &str| buffers.get(path.rsplit('/').next().unwrap_or(path)).cloned();
     read_slices(&bytes, Some(Path::new(name)), &find, &options)
 }
 
-async fn content(file: &web_sys::File) -> Result<Vec<u8>, FileError> {
-    if file.size() > f64::from(MOST) {
-        let reason = "it has more than 1 GiB, which is too much for a page; `rimline view` opens it";
+async fn content(file: &web_sys::File, most: f64) -> Result<Vec<u8>, FileError> {
+    if file.size() > most {
+        let who = if most < f64::from(MOST) { "it and the buffers before it have" } else { "it has" };
+        let reason = format!("{who} more than 1 GiB, which is too much for a page; `rimline view` opens it");
         return Err(io::Error::other(reason).into());
     }
     let content = JsFuture::from(file.array_buffer()).await.map_err(|error| io::Error::other(words(&error)))?;
