@@ -24,6 +24,14 @@ pub enum RenderError {
         /// Why.
         why: String,
     },
+    /// Overlays of a model's edges cannot be drawn. The picture without them can.
+    #[error("overlays of {name}: {why}")]
+    Overlays {
+        /// Its name.
+        name: String,
+        /// Why.
+        why: String,
+    },
     /// The device fails.
     #[error(transparent)]
     Device(#[from] DeviceError),
@@ -64,6 +72,10 @@ pub enum RenderError {
 impl RenderError {
     pub(super) fn body(index: usize, name: &str, why: &dyn ToString) -> Self {
         Self::Body { index, name: name.to_owned(), why: why.to_string() }
+    }
+
+    pub(super) fn overlays(name: &str, why: &dyn ToString) -> Self {
+        Self::Overlays { name: name.to_owned(), why: why.to_string() }
     }
 
     pub(super) fn refused([width, height]: [u32; 2], why: String) -> Self {

@@ -121,21 +121,25 @@ impl Renderer {
         self.draw_with(viewer, viewer.options.samples)
     }
 
-    /// Draws like [`Self::draw`]. A model that fails is taken out, and every failure becomes the viewer's message. Returns
-    /// whether there is a new picture.
+    /// Draws like [`Self::draw`]. A model that fails is taken out, overlays that fail are switched off, and every failure
+    /// becomes the viewer's message. A lost device changes nothing of the viewer. Returns whether there is a new picture.
     pub fn show(&mut self, viewer: &mut Viewer) -> bool {
         loop {
             match self.draw(viewer) {
                 Ok(is_drawn) => return is_drawn,
+                // Another device may have no such error.
+                Err(_) if self.gpu.is_lost() => return false,
                 Err(error) => {
-                    let index = if let RenderError::Body { index, .. } = error { Some(index) } else { None };
-                    if let Some(index) = index {
-                        viewer.remove_body(index);
+                    match &error {
+                        RenderError::Body { index, .. } => viewer.remove_body(*index),
+                        RenderError::Overlays { .. } => {
+                            viewer.options.overlays = viewer.options.overlays.without_edges();
+                        }
+                        // The same state would fail again.
+                        _ => self.drawn = Some(Drawn::of(viewer)),
                     }
                     viewer.message = Some(Message::new(Tone::Error, error.to_string()));
-                    if index.is_none() {
-                        // The same state would fail again.
-                        self.drawn = Some(Drawn::of(viewer));
+                    if !self.is_stale(viewer) {
                         return false;
                     }
                 }
@@ -165,16 +169,19 @@ impl Renderer {
 
     fn draw_with(&mut self, viewer: &Viewer, samples: u32) -> Result<(), RenderError> {
         let size = viewer.size();
-        if self.canvas.as_ref().is_none_or(|canvas| canvas.size != size || canvas.format.samples != samples) {
-            self.canvas = Some(Canvas::new(&self.resources, size, samples)?);
-        }
-        let Some(canvas) = self.canvas.take() else { return Ok(()) };
+        let is_fit = |canvas: &mut Canvas| canvas.size == size && canvas.format.samples == samples;
+        let (canvas, is_new) = match self.canvas.take_if(is_fit) {
+            Some(canvas) => (canvas, false),
+            None => (Canvas::new(&self.resources, size, samples)?, true),
+        };
         let mut encoder = self.gpu.encoder("view");
         let recorded = self.record(&mut encoder, viewer, &canvas);
         self.counters.bytes = canvas.bytes() + self.models.as_ref().map_or(0, Models::bytes);
         let report = self.gpu.device.generate_allocator_report();
         self.counters.device_bytes = report.map(|report| report.total_allocated_bytes);
-        self.canvas = Some(canvas);
+        if recorded.is_ok() || !is_new {
+            self.canvas = Some(canvas);
+        }
         let frame = recorded?;
         self.gpu.queue.submit([encoder.finish()]);
         let timer = self.timer.as_ref().filter(|_| viewer.options.timing);
@@ -266,7 +273,8 @@ impl Renderer {
             ambient(encoder, models);
             Receivers { depth: &canvas.depth, sky_receives: false, version: None }
         });
-        let frame = models.encode(resources, encoder, View { depth, ..camera.into() }, timer.as_deref_mut())?;
+        let view_with_depth = View { depth, ..camera.into() };
+        let frame = models.encode(resources, encoder, view_with_depth, timer.as_deref_mut(), viewer)?;
         if depth.is_none() {
             ambient(encoder, models);
         }

@@ -38,8 +38,9 @@ pub(super) struct Models {
     pub(super) made: Made,
     scene: Scene,
     placed: Vec<Placed>,
-    /// The surface of each model, as of the last encode.
+    /// The surface of each model, as of the last encode, and the bytes of its slots.
     pub(super) surfaces: Vec<Surface>,
+    slot_bytes: u64,
     /// The frame of the last encode, unless surfaces are to be made anew.
     frame: Option<SceneFrame>,
     /// The points that shine, in the order of the viewer's.
@@ -88,7 +89,7 @@ impl Models {
         };
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
         let (placed, surfaces, lights) = (Vec::new(), Vec::new(), Vec::new());
-        let mut models = Self { made, scene, placed, surfaces, frame: None, lights };
+        let mut models = Self { made, scene, placed, surfaces, slot_bytes: 0, frame: None, lights };
         for (index, body) in viewer.bodies.iter().enumerate() {
             let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error);
             let pose = body.pose(viewer.clock.seconds).map_err(|error| failed(&error))?;
@@ -180,12 +181,17 @@ impl Models {
         encoder: &mut wgpu::CommandEncoder,
         view: View<'_>,
         timer: Option<&mut StageTimer>,
+        viewer: &Viewer,
     ) -> Result<SceneFrame, RenderError> {
         let frame = self.scene.encode(encoder, FrameInputs { views: &[view], timer })?;
         if self.frame.as_ref().is_none_or(|last| !last.has_layout_of(&frame)) {
-            let placed = self.placed.iter().enumerate();
-            let surfaces = placed.map(|(number, placed)| self.surface(resources, number, placed, &frame));
-            self.surfaces = surfaces.collect::<Result<_, _>>()?;
+            let placed = self.placed.iter().zip(&viewer.bodies).enumerate();
+            let surfaces = placed.map(|(number, (placed, body))| {
+                let made = granted(&resources.factory.device, || self.surface(resources, number, placed, &frame));
+                made.map_err(|why| RenderError::body(number, &body.name, &why))?
+            });
+            let (surfaces, bytes): (Vec<_>, Vec<u64>) = surfaces.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+            (self.surfaces, self.slot_bytes) = (surfaces, bytes.iter().sum());
         }
         self.frame = Some(frame.clone());
         Ok(frame)
@@ -197,17 +203,18 @@ impl Models {
         number: usize,
         placed: &Placed,
         frame: &SceneFrame,
-    ) -> Result<Surface, RenderError> {
+    ) -> Result<(Surface, u64), RenderError> {
         let masks = FacingMasks::of_scene(frame, self.scene.casters(placed.handle)?.iter().copied())?;
         let slots = resources.factory.buffer("slots", bytemuck::cast_slice(&masks.slots));
         let (faces, normals, colors) = (&placed.faces, &placed.normals.buffer, placed.colors.as_ref());
         let positions = self.scene.positions(placed.handle)?.buffer;
-        Ok(Surface::new(resources, number, SurfaceBuffers { positions, faces, normals, slots: &slots, colors }, &masks))
+        let buffers = SurfaceBuffers { positions, faces, normals, slots: &slots, colors };
+        Ok((Surface::new(resources, number, buffers, &masks), slots.size()))
     }
 
     /// Bytes of the models' buffers.
     pub(super) fn bytes(&self) -> u64 {
-        self.placed.iter().map(|placed| placed.bytes).sum()
+        self.slot_bytes + self.placed.iter().map(|placed| placed.bytes).sum::<u64>()
     }
 
     /// The positions of a model in world space, packed.

@@ -10,7 +10,7 @@ use super::error::RenderError;
 use super::gpu::{Gpu, granted};
 use super::models::Models;
 use super::pipelines::Pipelines;
-use crate::state::body::{bits_of_faces, non_manifold_bits};
+use crate::state::body::{Body, bits_of_clusters, bits_of_faces, non_manifold_bits};
 use crate::state::viewer::{MAX_LAMPS, Viewer};
 
 /// Extractors of all models, for the lights and the eye.
@@ -27,11 +27,14 @@ struct Extracted {
     mesh: Mesh,
     non_manifold: wgpu::Buffer,
     exact: wgpu::Buffer,
+    /// Made when they are first shown.
+    clusters: Option<wgpu::Buffer>,
 }
 
 const BOUNDARY: [f32; 4] = [0.86, 0.12, 0.10, 1.0];
 const NON_MANIFOLD: [f32; 4] = [0.72, 0.10, 0.78, 1.0];
 const EXACT: [f32; 4] = [0.95, 0.45, 0.05, 1.0];
+const CLUSTERS: [f32; 4] = [0.05, 0.35, 0.65, 1.0];
 const CREASE: [f32; 4] = [0.12, 0.13, 0.16, 0.75];
 const SILHOUETTE: [f32; 4] = [0.04, 0.05, 0.07, 1.0];
 
@@ -39,8 +42,8 @@ impl Overlays {
     pub(super) fn new(gpu: &Gpu, viewer: &Viewer) -> Result<Self, RenderError> {
         let options = ExtractorOptions { max_lights: MAX_LAMPS + 1, ..ExtractorOptions::default() };
         let mut bodies = Vec::with_capacity(viewer.bodies.len());
-        for (index, body) in viewer.bodies.iter().enumerate() {
-            let failed = |error: &dyn ToString| RenderError::body(index, &body.name, error);
+        for body in &viewer.bodies {
+            let failed = |error: &dyn ToString| RenderError::overlays(&body.name, error);
             let pose = body.pose(viewer.clock.seconds).map_err(|error| failed(&error))?;
             let mesh = body.model().mesh(&pose).map_err(|error| failed(&error))?;
             let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| failed(&error))?;
@@ -48,7 +51,7 @@ impl Overlays {
             let marked = |label| filled(gpu.on(), label, bytemuck::cast_slice(&bits), wgpu::BufferUsages::STORAGE);
             let made = granted(&gpu.device, || ["non-manifold", "exact"].map(marked));
             let [non_manifold, exact] = made.map_err(|why| failed(&why))?;
-            bodies.push(Extracted { extractor, mesh, non_manifold, exact });
+            bodies.push(Extracted { extractor, mesh, non_manifold, exact, clusters: None });
         }
         Ok(Self { generation: viewer.generation(), bodies, extractions: Vec::new() })
     }
@@ -71,15 +74,10 @@ impl Overlays {
         let lights = sources.iter().map(|(_, source)| source.light());
         let lights: Vec<Light> = lights.chain([Light::point(camera.origin)]).collect();
         self.extractions.clear();
-        for (index, Extracted { extractor, mesh, exact, .. }) in self.bodies.iter_mut().enumerate() {
-            self.extractions.push(extractor.encode(encoder, models.positions(index)?, &lights)?);
-            if viewer.options.overlays.exact {
-                let body = &viewer.bodies[index];
-                let positions = body.positions(viewer.clock.seconds);
-                let positions = positions.map_err(|error| RenderError::body(index, &body.name, &error))?;
-                let faces = undecided_faces(&positions, mesh.faces(), &lights[..lights.len() - 1]);
-                gpu.queue.write_buffer(exact, 0, bytemuck::cast_slice(&bits_of_faces(mesh, &faces)));
-            }
+        for (index, (extracted, body)) in self.bodies.iter_mut().zip(&viewer.bodies).enumerate() {
+            let extraction = extracted.extractor.encode(encoder, models.positions(index)?, &lights);
+            self.extractions.push(extraction.map_err(|error| RenderError::overlays(&body.name, &error))?);
+            extracted.mark(gpu, viewer, body, &lights[..lights.len() - 1])?;
         }
         Ok(())
     }
@@ -121,11 +119,12 @@ impl Overlays {
             ..OutlineStyle::default()
         };
         let mut outlines = Vec::new();
-        for (extraction, body) in self.extractions.iter().zip(&self.bodies) {
+        for ((extraction, extracted), body) in self.extractions.iter().zip(&self.bodies).zip(&viewer.bodies) {
             let prepare = |number, style, marked| {
                 let of = OutlineSource::Extraction(extraction, number);
                 let depth = &canvas.depth;
-                pipelines.outlines.prepare(&OutlineInputs { of, camera, depth, style, marked })
+                let outline = pipelines.outlines.prepare(&OutlineInputs { of, camera, depth, style, marked });
+                outline.map_err(|error| RenderError::overlays(&body.name, &error))
             };
             for (number, lamp) in lamps.iter().enumerate().filter(|_| shown.light_silhouettes) {
                 let brightest = lamp.color.iter().copied().fold(1e-6, f32::max);
@@ -136,19 +135,42 @@ impl Overlays {
             }
             let is_shown = [eye.silhouette, eye.boundary, eye.crease, eye.marked].iter().any(Option::is_some);
             if is_shown {
-                outlines.push(prepare(lamps.len(), eye, eye.marked.map(|_| &body.non_manifold))?);
+                outlines.push(prepare(lamps.len(), eye, eye.marked.map(|_| &extracted.non_manifold))?);
             }
-            if shown.exact {
-                let style = OutlineStyle {
-                    width,
-                    silhouette: None,
-                    boundary: None,
-                    marked: Some(EXACT),
-                    ..OutlineStyle::default()
-                };
-                outlines.push(prepare(lamps.len(), style, Some(&body.exact))?);
+            let exact = Some(&extracted.exact).filter(|_| shown.exact);
+            let clusters = extracted.clusters.as_ref().filter(|_| shown.clusters);
+            for (color, marked) in [(EXACT, exact), (CLUSTERS, clusters)] {
+                let only = OutlineStyle { silhouette: None, boundary: None, ..OutlineStyle::default() };
+                if marked.is_some() {
+                    let style = OutlineStyle { width, marked: Some(color), ..only };
+                    outlines.push(prepare(lamps.len(), style, marked)?);
+                }
             }
         }
         Ok(outlines)
+    }
+}
+
+impl Extracted {
+    /// Finds the edges of faces that `lights` leave to exact arithmetic, and those between clusters, where they are shown.
+    fn mark(&mut self, gpu: &Gpu, viewer: &Viewer, body: &Body, lights: &[Light]) -> Result<(), RenderError> {
+        let shown = viewer.options.overlays;
+        let needs_clusters = shown.clusters && self.clusters.is_none();
+        if !shown.exact && !needs_clusters {
+            return Ok(());
+        }
+        let failed = |error: &dyn ToString| RenderError::overlays(&body.name, error);
+        let positions = body.positions(viewer.clock.seconds).map_err(|error| failed(&error))?;
+        if shown.exact {
+            let faces = undecided_faces(&positions, self.mesh.faces(), lights);
+            gpu.queue.write_buffer(&self.exact, 0, bytemuck::cast_slice(&bits_of_faces(&self.mesh, &faces)));
+        }
+        if needs_clusters {
+            let bits = bits_of_clusters(&self.mesh, &positions);
+            let usage = wgpu::BufferUsages::STORAGE;
+            let made = granted(&gpu.device, || filled(gpu.on(), "clusters", bytemuck::cast_slice(&bits), usage));
+            self.clusters = Some(made.map_err(|why| failed(&why))?);
+        }
+        Ok(())
     }
 }

@@ -5,7 +5,8 @@ use std::fmt::{self, Debug, Formatter};
 
 use rimline::cpu::{Threads, deform};
 use rimline::gltf::{Asset, Colors, GltfError, SceneCamera, SceneLight};
-use rimline::mesh::{EdgeKind, MeshDiagnostics};
+use rimline::internals::clusters::{CLUSTER_FACES, Clusters};
+use rimline::mesh::{Edge, EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError, Model, ModelError, Pose};
 use rimline_files::{File, FileError};
 use rimline_picture::Bounds;
@@ -290,24 +291,31 @@ pub(crate) fn non_manifold_bits(mesh: &Mesh) -> Vec<u32> {
     for &vertices in mesh.edges().vertices() {
         *records.entry(undirected(vertices)).or_default() += 1;
     }
-    let mut bits = vec![0_u32; mesh.edges().len().div_ceil(32).max(1)];
-    for (number, edge) in mesh.edges().iter().enumerate() {
-        let is_shared = records.get(&undirected(edge.vertices)).is_some_and(|&count| count > 1);
-        if is_shared || edge.kind == EdgeKind::Inconsistent {
-            bits[number / 32] |= 1 << (number % 32);
-        }
-    }
-    bits
+    let is_shared = |edge: &Edge| records.get(&undirected(edge.vertices)).is_some_and(|&count| count > 1);
+    edge_bits(mesh, |edge| is_shared(edge) || edge.kind == EdgeKind::Inconsistent)
 }
 
 /// A bit for each edge record, in words, for edges of these faces.
 pub(crate) fn bits_of_faces(mesh: &Mesh, faces: &[bool]) -> Vec<u32> {
+    let is_of = |face: u32| faces.get(face as usize).is_some_and(|&is_marked| is_marked);
+    edge_bits(mesh, |edge| is_of(edge.face_0) || edge.face_1.is_some_and(is_of))
+}
+
+/// A bit for each edge record, in words, for edges between faces of two clusters: those of the mesh at these positions.
+pub(crate) fn bits_of_clusters(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<u32> {
+    let clusters = Clusters::new(mesh, positions, Threads::new(1));
+    let mut of_faces = vec![0; mesh.faces().len()];
+    for (slot, &face) in clusters.faces().iter().enumerate() {
+        of_faces[face as usize] = slot / CLUSTER_FACES;
+    }
+    edge_bits(mesh, |edge| edge.face_1.is_some_and(|other| of_faces[other as usize] != of_faces[edge.face_0 as usize]))
+}
+
+/// A bit for each edge record, in words.
+fn edge_bits(mesh: &Mesh, is_marked: impl Fn(&Edge) -> bool) -> Vec<u32> {
     let mut bits = vec![0_u32; mesh.edges().len().div_ceil(32).max(1)];
     for (number, edge) in mesh.edges().iter().enumerate() {
-        let is_of = |face: u32| faces.get(face as usize).is_some_and(|&is_marked| is_marked);
-        if is_of(edge.face_0) || edge.face_1.is_some_and(is_of) {
-            bits[number / 32] |= 1 << (number % 32);
-        }
+        bits[number / 32] |= u32::from(is_marked(&edge)) << (number % 32);
     }
     bits
 }

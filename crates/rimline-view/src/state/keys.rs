@@ -42,6 +42,7 @@ pub enum Action {
     NonManifold,
     Creases,
     Exact,
+    Clusters,
     Boxes,
     Ground,
     Shadows,
@@ -89,7 +90,7 @@ const fn shift(key: egui::Key, action: Action, what: &'static str) -> KeyBinding
 
 /// All keys. W, A, S, D, Q and E fly besides while they are held. Tab, which is none of them, moves the keyboard on to the next
 /// widget of the panel, until Escape: so everything there needs no pointer.
-pub const KEYS: [KeyBinding; 48] = {
+pub const KEYS: [KeyBinding; 49] = {
     use egui::Key as K;
     [
         key(K::F1, Action::Help, "this list; ? too"),
@@ -130,6 +131,7 @@ pub const KEYS: [KeyBinding; 48] = {
         key(K::Num7, Action::Creases, "creases"),
         key(K::Num8, Action::Exact, "faces decided in exact arithmetic"),
         key(K::Num9, Action::Boxes, "boxes"),
+        key(K::Num0, Action::Clusters, "clusters of faces"),
         key(K::G, Action::Ground, "ground"),
         key(K::H, Action::Shadows, "shadows"),
         key(K::F, Action::Smooth, "smooth or flat faces"),

@@ -6,8 +6,8 @@ use rimline_picture::Mode;
 
 use super::keys::Action;
 
-/// Overlays of the picture. Clusters of faces and the depths of receivers have none: scenes keep both on the device and give no
-/// access to them. The counters say how much work they save.
+/// Overlays of the picture. Receivers have none: they are what the picture shows, as the device keeps its depth. The counters
+/// say how much work they save.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct Overlays {
@@ -27,6 +27,9 @@ pub struct Overlays {
     pub creases: bool,
     /// Edges of faces whose side some light leaves to exact arithmetic.
     pub exact: bool,
+    /// Edges between clusters: the faces that the library decides whole, where a model cannot deform. Models of the viewer may,
+    /// so its own scene has none. They are those of the pose that the overlay was switched on in.
+    pub clusters: bool,
     /// The boxes of the models.
     pub boxes: bool,
 }
@@ -34,8 +37,12 @@ pub struct Overlays {
 impl Overlays {
     /// Whether any of them needs an extraction of its own.
     pub fn needs_edges(&self) -> bool {
-        let Self { silhouettes, light_silhouettes, volumes, boundary, non_manifold, creases, exact, .. } = *self;
-        silhouettes || light_silhouettes || volumes || boundary || non_manifold || creases || exact
+        *self != self.without_edges()
+    }
+
+    /// Only those that need none.
+    pub(crate) fn without_edges(self) -> Self {
+        Self { caps: self.caps, boxes: self.boxes, ..Self::default() }
     }
 }
 
@@ -112,7 +119,7 @@ impl Default for Options {
 pub(crate) type Switch = (Action, &'static str, fn(&mut Options) -> &mut bool);
 
 /// All switches, in the order of the panel.
-pub(crate) const SWITCHES: [Switch; 13] = [
+pub(crate) const SWITCHES: [Switch; 14] = [
     (Action::Silhouettes, "silhouettes", |options| &mut options.overlays.silhouettes),
     (Action::LightSilhouettes, "of the lights", |options| &mut options.overlays.light_silhouettes),
     (Action::Volumes, "volumes", |options| &mut options.overlays.volumes),
@@ -121,6 +128,7 @@ pub(crate) const SWITCHES: [Switch; 13] = [
     (Action::NonManifold, "non-manifold", |options| &mut options.overlays.non_manifold),
     (Action::Creases, "creases", |options| &mut options.overlays.creases),
     (Action::Exact, "decided exactly", |options| &mut options.overlays.exact),
+    (Action::Clusters, "clusters", |options| &mut options.overlays.clusters),
     (Action::Boxes, "boxes", |options| &mut options.overlays.boxes),
     (Action::Ground, "ground", |options| &mut options.ground),
     (Action::Shadows, "shadows", |options| &mut options.shadows),
