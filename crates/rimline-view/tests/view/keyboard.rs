@@ -17,6 +17,9 @@ pub(crate) const TESTS: [Test; 5] = [
     ("arrow keys stay within the range of a number", ranges),
 ];
 
+/// A window whose picture is small beside the panel, so that many are drawn fast.
+const NARROW: [u32; 2] = [360, SIZE[1]];
+
 /// The parts of the state that keys change.
 #[derive(Clone, Debug, PartialEq)]
 struct Seen {
@@ -111,6 +114,7 @@ fn draw(action: Action, options: &mut Options) -> bool {
         Action::NonManifold => &mut overlays.non_manifold,
         Action::Creases => &mut overlays.creases,
         Action::Exact => &mut overlays.exact,
+        Action::Clusters => &mut overlays.clusters,
         Action::Boxes => &mut overlays.boxes,
         Action::Ground => &mut options.ground,
         Action::Shadows => &mut options.shadows,
@@ -150,7 +154,7 @@ fn act(stage: &mut Stage, action: Action) -> Outcome {
 }
 
 fn each_key() -> Outcome {
-    let mut stage = Stage::new(scenes::walking_figure)?;
+    let mut stage = Stage::of_size(scenes::walking_figure, NARROW)?;
     stage.settle()?;
     let first = stage.viewer.orbit;
     // Not the camera that sees everything, which a picture of another size moves.
@@ -181,7 +185,7 @@ fn each_key() -> Outcome {
 }
 
 fn keys_move_a_light() -> Outcome {
-    let mut stage = Stage::new(scenes::still_life)?;
+    let mut stage = Stage::of_size(scenes::still_life, NARROW)?;
     stage.settle()?;
     let (orbit, bounds) = (stage.viewer.orbit, stage.viewer.bounds());
     let [right, _, forward] = orbit.axes();
@@ -200,7 +204,7 @@ fn keys_move_a_light() -> Outcome {
 }
 
 fn flying() -> Outcome {
-    let mut stage = Stage::new(scenes::still_life)?;
+    let mut stage = Stage::of_size(scenes::still_life, NARROW)?;
     stage.settle()?;
     let [right, up, forward] = stage.viewer.orbit.axes();
     for (held, towards) in
@@ -319,7 +323,7 @@ fn tab_reaches_everything() -> Outcome {
 }
 
 fn ranges() -> Outcome {
-    let mut stage = Stage::new(scenes::still_life)?;
+    let mut stage = Stage::of_size(scenes::still_life, NARROW)?;
     let extent = stage.viewer.bounds().extent();
     stage.viewer.lamps[0].range = Some(0.1 * extent);
     stage.settle()?;

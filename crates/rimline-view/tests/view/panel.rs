@@ -31,6 +31,7 @@ pub(crate) const SIZE: [u32; 2] = [900, 560];
 
 /// A viewer with a panel, and a target that stands for the window.
 pub(crate) struct Stage {
+    size: [u32; 2],
     pub(crate) viewer: Viewer,
     renderer: Renderer,
     pub(crate) panel: Panel,
@@ -42,11 +43,17 @@ pub(crate) struct Stage {
 
 impl Stage {
     pub(crate) fn new(scene: scenes::Make) -> Result<Self, String> {
-        let (viewer, renderer) = viewer(scene, SIZE)?;
+        Self::of_size(scene, SIZE)
+    }
+
+    /// With a window of this size. Pictures have one sample a pixel, so none is drawn twice.
+    pub(crate) fn of_size(scene: scenes::Make, size: [u32; 2]) -> Result<Self, String> {
+        let (mut viewer, renderer) = viewer(scene, size)?;
+        viewer.options.samples = 1;
         let format = wgpu::TextureFormat::Rgba8Unorm;
         let target = renderer.gpu().device.create_texture(&wgpu::TextureDescriptor {
             label: Some("window"),
-            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -56,38 +63,39 @@ impl Stage {
         });
         let target = target.create_view(&wgpu::TextureViewDescriptor::default());
         let panel = Panel::new(renderer.gpu(), format);
-        Ok(Self { viewer, renderer, panel, target, time: 0.0, scale: 1.0 })
+        Ok(Self { size, viewer, renderer, panel, target, time: 0.0, scale: 1.0 })
     }
 
+    /// Runs the panel, and paints nothing.
     pub(crate) fn run(&mut self, events: Vec<Heard>) -> PanelOutput {
         self.time += 0.05;
+        let size = self.size.map(|side| side as f32 / self.scale);
         let mut input = RawInput {
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(SIZE[0] as f32, SIZE[1] as f32) / self.scale)),
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size.into())),
             time: Some(self.time),
             focused: true,
             events,
             ..RawInput::default()
         };
         input.viewports.entry(egui::ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.scale);
-        let output = self.panel.run(input, &mut self.viewer, &mut self.renderer);
-        self.panel.paint(self.renderer.gpu(), &self.target, SIZE, &output);
-        output
+        self.panel.run(input, &mut self.viewer, &mut self.renderer)
     }
 
     /// Pixels of the window's part with the picture.
     fn pixels(&self) -> Result<Vec<u8>, String> {
         let all = texels(&*Device::shared()?, self.target.texture(), 0)?;
         let [width, height] = self.viewer.size().map(|side| side as usize);
-        let rows = all.chunks_exact(4 * SIZE[0] as usize).take(height);
+        let rows = all.chunks_exact(4 * self.size[0] as usize).take(height);
         Ok(rows.flat_map(|row| &row[..4 * width]).copied().collect())
     }
 
-    /// Runs until nothing is on its way, and returns what the last run asked for.
+    /// Runs until nothing is on its way, paints that, and returns what the last run asked for.
     pub(crate) fn settle(&mut self) -> Result<Duration, String> {
         for _ in 0..40 {
             let output = self.run(Vec::new());
             self.renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
             if output.repaint_after > Duration::from_secs(1) {
+                self.panel.paint(self.renderer.gpu(), &self.target, self.size, &output);
                 return Ok(output.repaint_after);
             }
         }
@@ -183,7 +191,10 @@ fn the_pointer_drags_a_light() -> Outcome {
     for events in [vec![Heard::PointerMoved(from)], vec![button(from, true)], vec![Heard::PointerMoved(to)]] {
         stage.run(events);
     }
-    hold(stage.viewer.orbit != orbit, "the camera does not turn")
+    hold(stage.viewer.orbit != orbit && stage.viewer.is_dragging(), "the camera does not turn")?;
+    // A page whose tab is left hears of no release.
+    stage.run(vec![Heard::WindowFocused(false)]);
+    hold(!stage.viewer.is_dragging(), "it drags on without the keyboard")
 }
 
 fn a_frame_of_many_events() -> Outcome {
@@ -247,6 +258,18 @@ fn held_keys() -> Outcome {
     hold(!stage.viewer.options.ground, "the ground is switched once")?;
     hold_down(&mut stage, Key::G);
     hold(stage.viewer.options.ground, "the ground is switched again after the key went up")?;
+    // Another key that is tapped meanwhile leaves it held, and so does Shift.
+    let tapped = [key(Key::F, Modifiers::NONE), release(Key::F)];
+    stage.run([key(Key::G, Modifiers::NONE)].into_iter().chain(tapped).collect());
+    stage.run(vec![key(Key::G, Modifiers::NONE), key(Key::P, Modifiers::NONE), key(Key::P, Modifiers::SHIFT)]);
+    stage.run(vec![release(Key::G), release(Key::P)]);
+    hold(!stage.viewer.options.ground && !stage.viewer.options.smooth, "a held key repeats after another was tapped")?;
+    hold(stage.viewer.requests.len() == 2, format!("a key acts anew as Shift joins it: {:?}", stage.viewer.requests))?;
+    // A key that Shift gives a name may go up without it.
+    for is_shown in [true, false] {
+        stage.run(vec![key(Key::Questionmark, Modifiers::SHIFT), release(Key::Slash)]);
+        hold(stage.viewer.shows_help == is_shown, "? opens the list of keys and closes it")?;
+    }
     // It closes the list of keys, and does not go on to close the window.
     stage.viewer.handle(Event::Acted(Action::Help));
     stage.viewer.requests.clear();
@@ -311,8 +334,8 @@ fn other_shapes() -> Outcome {
 }
 
 fn refined() -> Outcome {
-    let mut stage = Stage::new(scenes::walking_figure)?;
-    stage.viewer.clock.is_running = true;
+    let mut stage = Stage::of_size(scenes::walking_figure, [500, 300])?;
+    (stage.viewer.options.samples, stage.viewer.clock.is_running) = (4, true);
     (0..12).for_each(|_| drop(stage.run(Vec::new())));
     hold(stage.renderer.is_coarse(&stage.viewer), "a software device draws with all samples while something moves")?;
     stage.run(vec![key(Key::Space, Modifiers::NONE), release(Key::Space)]);

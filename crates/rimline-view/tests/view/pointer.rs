@@ -4,7 +4,7 @@ use egui::{
     Event as Heard, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2, pos2, vec2,
 };
 use rimline_testkit::harness::Test;
-use rimline_view::{Orbit, scenes};
+use rimline_view::{Action, Event, Orbit, scenes};
 
 use crate::panel::{SIZE, Stage};
 use crate::support::{Outcome, handle, hold};
@@ -80,6 +80,7 @@ fn scrolling_sideways() -> Outcome {
 
 fn panning() -> Outcome {
     let shift = Modifiers::SHIFT;
+    let mut stage = stage(FREE)?;
     for (button, modifiers, is_on_handle) in [
         (PointerButton::Secondary, Modifiers::NONE, false),
         (PointerButton::Middle, Modifiers::NONE, false),
@@ -87,7 +88,7 @@ fn panning() -> Outcome {
         // Only the left button takes hold of a light.
         (PointerButton::Secondary, Modifiers::NONE, true),
     ] {
-        let mut stage = stage(FREE)?;
+        stage.viewer.handle(Event::Acted(Action::ResetCamera));
         let (before, lamps, at) = (stage.viewer.orbit, stage.viewer.lamps.clone(), handle(&stage.viewer, 1)?);
         let from = if is_on_handle { pos2(at.x, at.y) } else { FREE };
         let to = from + vec2(30.0, -20.0);

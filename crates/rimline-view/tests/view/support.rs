@@ -12,9 +12,11 @@ pub(crate) fn hold(is_true: bool, what: impl Into<String>) -> Outcome {
     if is_true { Ok(()) } else { Err(what.into()) }
 }
 
+/// The shared device. Its pipelines are compiled once.
 pub(crate) fn gpu() -> Result<Gpu, String> {
     let shared = Device::shared()?;
-    Ok(Gpu::of(shared.device.clone(), shared.queue.clone(), shared.name.clone(), true))
+    let make = || Ok(Gpu::of(shared.device.clone(), shared.queue.clone(), shared.name.clone(), true));
+    Ok((*shared.kept("viewer", make)?).clone())
 }
 
 /// A viewer of a scene, and its renderer.

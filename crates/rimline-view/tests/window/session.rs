@@ -155,6 +155,8 @@ fn a_session() -> Result<(), String> {
 
 fn steps(display: &Display, folder: &Path, child: &mut Child) -> Result<(), String> {
     let window = display.window(PATIENCE)?;
+    // Few pixels are drawn fast.
+    display.resize(window, [640, 480])?;
     // Stops the animation, and takes a picture: keys are heard once the first frame is there.
     let mut number = 0;
     let mut take = |child: &mut Child| {
@@ -177,7 +179,7 @@ fn steps(display: &Display, folder: &Path, child: &mut Child) -> Result<(), Stri
     let dragged = take(child)?;
     expect(dragged != still, "dragging a light changed nothing")?;
     // Elsewhere than on a handle, dragging turns the camera.
-    display.drag([60, 600], [160, 560])?;
+    display.drag([40, 440], [140, 400])?;
     let turned = take(child)?;
     expect(turned != dragged, "dragging changed nothing")?;
     display.press(window, u32::from('3'))?;
@@ -186,7 +188,7 @@ fn steps(display: &Display, folder: &Path, child: &mut Child) -> Result<(), Stri
     // The next scene, then another size.
     display.press(window, u32::from('n'))?;
     let scene = take(child)?;
-    display.resize(window, [700, 500])?;
+    display.resize(window, [520, 400])?;
     sleep(Duration::from_millis(500));
     let small = take(child)?;
     expect(scene != volumes && small.len() < scene.len(), "another scene or size changed nothing")?;
