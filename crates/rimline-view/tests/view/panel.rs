@@ -63,6 +63,8 @@ impl Stage {
         });
         let target = target.create_view(&wgpu::TextureViewDescriptor::default());
         let panel = Panel::new(renderer.gpu(), format);
+        // A letter is drawn once, and not for each fourth of a pixel that it may begin at.
+        panel.context().all_styles_mut(|style| style.visuals.text_options.subpixel_binning = false);
         Ok(Self { size, viewer, renderer, panel, target, time: 0.0, scale: 1.0 })
     }
 
