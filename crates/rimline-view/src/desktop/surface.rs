@@ -46,8 +46,8 @@ impl Screen {
         let format = plain.or(capabilities.formats.first().copied());
         let size = window.inner_size();
         let found = || DesktopError::NoAdapter { found: gpu.name.clone() };
-        let mut config =
-            surface.get_default_config(&adapter, size.width.max(1), size.height.max(1)).ok_or_else(found)?;
+        let [width, height] = within(&gpu, [size.width, size.height]);
+        let mut config = surface.get_default_config(&adapter, width, height).ok_or_else(found)?;
         config.format = format.unwrap_or(config.format).remove_srgb_suffix();
         config.present_mode = wgpu::PresentMode::AutoVsync;
         config.desired_maximum_frame_latency = 1;
@@ -66,7 +66,7 @@ impl Screen {
     /// Takes another size. A minimised window has none.
     pub(super) fn resize(&mut self, width: u32, height: u32) {
         if width > 0 && height > 0 {
-            (self.config.width, self.config.height) = (width, height);
+            [self.config.width, self.config.height] = within(&self.gpu, [width, height]);
             self.surface.configure(&self.gpu.device, &self.config);
         }
     }
@@ -91,6 +91,12 @@ impl Screen {
             }
         }
     }
+}
+
+/// A size that surfaces of a device have: they refuse others.
+fn within(gpu: &Gpu, size: [u32; 2]) -> [u32; 2] {
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    size.map(|side| side.clamp(1, most))
 }
 
 /// An adapter that draws onto a surface: one with a name, or the one that wgpu prefers.

@@ -160,10 +160,10 @@ impl Panel {
                 let at = self.held.iter().position(|&held| held == key);
                 match (at, *pressed) {
                     (None, true) => self.held.push(key),
-                    (Some(_), true) => {}
                     (Some(at), false) => _ = self.held.swap_remove(at),
-                    // It went down by another name, without Shift or with it.
-                    (None, false) => self.held.clear(),
+                    // It may have gone down by another name, with Shift or without.
+                    (None, false) if physical_key.is_none() => self.held.clear(),
+                    (None, false) | (Some(_), true) => {}
                 }
                 *pressed && (*repeat || at.is_some())
             }

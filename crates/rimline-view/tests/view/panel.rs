@@ -272,6 +272,16 @@ fn held_keys() -> Outcome {
         stage.run(vec![key(Key::Questionmark, Modifiers::SHIFT), release(Key::Slash)]);
         hold(stage.viewer.shows_help == is_shown, "? opens the list of keys and closes it")?;
     }
+    // Where a window knows the key itself, one that went down elsewhere lets go of no other.
+    let of = |key, at, pressed| {
+        let (physical_key, modifiers) = (Some(at), Modifiers::NONE);
+        Heard::Key { key, physical_key, pressed, repeat: false, modifiers }
+    };
+    let (down, up) = (of(Key::Questionmark, Key::Slash, true), of(Key::Slash, Key::Slash, false));
+    for is_shown in [true, false] {
+        stage.run(vec![down.clone(), of(Key::X, Key::X, false), down.clone(), up.clone()]);
+        hold(stage.viewer.shows_help == is_shown, "? opens the list of keys and closes it by its key")?;
+    }
     // It closes the list of keys, and does not go on to close the window.
     stage.viewer.handle(Event::Acted(Action::Help));
     stage.viewer.requests.clear();
