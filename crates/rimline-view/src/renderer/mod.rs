@@ -12,6 +12,7 @@ mod picture;
 mod pipelines;
 mod scene;
 mod skipping;
+mod tiles;
 
 use std::future::Future;
 
@@ -297,6 +298,9 @@ impl Renderer {
         };
         pipelines.passes.record_lights(encoder, resources, attachments, &drawing)?;
         pipelines.passes.develop(encoder, resources, &canvas.targets);
+        if options.overlays.receivers {
+            pipelines.tiles(resources).draw(encoder, resources, canvas);
+        }
         if let Some(overlays) = overlays.as_ref() {
             for outline in overlays.outlines(pipelines, canvas, viewer, &camera)? {
                 outline.draw(&mut canvas.pass(encoder))?;

@@ -8,6 +8,7 @@ use wgpu::BlendState;
 use super::canvas::format;
 use super::error::RenderError;
 use super::gpu::Gpu;
+use super::tiles::Tiles;
 
 /// All pipelines for a number of samples.
 pub(super) struct Pipelines {
@@ -16,6 +17,7 @@ pub(super) struct Pipelines {
     pub(super) volumes: VolumeOverlay,
     pub(super) outlines: OutlinePipeline,
     shadows: Vec<(Counting, ShadowPipelines)>,
+    tiles: Option<Tiles>,
 }
 
 impl Pipelines {
@@ -32,6 +34,7 @@ impl Pipelines {
             volumes: VolumeOverlay::new(resources, light),
             outlines: OutlinePipeline::new(&gpu.pipelines, &outlines)?,
             shadows: Vec::new(),
+            tiles: None,
         })
     }
 
@@ -58,6 +61,12 @@ impl Pipelines {
             self.shadows.push((counting, ShadowPipelines::new(&gpu.pipelines, &format, counting)?));
         }
         Ok(())
+    }
+
+    /// The pipeline of receivers, which is made when it is first needed.
+    pub(super) fn tiles(&mut self, resources: &Resources) -> &Tiles {
+        let format = self.passes.format();
+        self.tiles.get_or_insert_with(|| Tiles::new(resources, format))
     }
 
     /// The pipelines of volumes that were prepared.

@@ -42,6 +42,7 @@ impl Viewer {
             (verb != "lines" && shown.creases, "creases"),
             (shown.exact, "faces decided exactly"),
             (shown.clusters, "clusters"),
+            (shown.receivers, "receivers"),
             (shown.boxes, "boxes"),
         ];
         let differs = differs.into_iter().filter(|(is_so, _)| *is_so).map(|(_, what)| what.to_owned());

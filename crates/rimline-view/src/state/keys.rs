@@ -43,6 +43,7 @@ pub enum Action {
     Creases,
     Exact,
     Clusters,
+    Receivers,
     Boxes,
     Ground,
     Shadows,
@@ -90,7 +91,7 @@ const fn shift(key: egui::Key, action: Action, what: &'static str) -> KeyBinding
 
 /// All keys. W, A, S, D, Q and E fly besides while they are held. Tab, which is none of them, moves the keyboard on to the next
 /// widget of the panel, until Escape: so everything there needs no pointer.
-pub const KEYS: [KeyBinding; 49] = {
+pub const KEYS: [KeyBinding; 50] = {
     use egui::Key as K;
     [
         key(K::F1, Action::Help, "this list; ? too"),
@@ -132,6 +133,7 @@ pub const KEYS: [KeyBinding; 49] = {
         key(K::Num8, Action::Exact, "faces decided in exact arithmetic"),
         key(K::Num9, Action::Boxes, "boxes"),
         key(K::Num0, Action::Clusters, "clusters of faces"),
+        key(K::Z, Action::Receivers, "depths of receivers"),
         key(K::G, Action::Ground, "ground"),
         key(K::H, Action::Shadows, "shadows"),
         key(K::F, Action::Smooth, "smooth or flat faces"),

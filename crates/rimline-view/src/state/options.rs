@@ -6,8 +6,7 @@ use rimline_picture::Mode;
 
 use super::keys::Action;
 
-/// Overlays of the picture. Receivers have none: they are what the picture shows, as the device keeps its depth. The counters
-/// say how much work they save.
+/// Overlays of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct Overlays {
@@ -30,6 +29,8 @@ pub struct Overlays {
     /// Edges between clusters: the faces that the library decides whole, where a model cannot deform. Models of the viewer may,
     /// so its own scene has none. They are those of the pose that the overlay was switched on in.
     pub clusters: bool,
+    /// The farthest receiver of each tile of 8 × 8 pixels, in bands of its distance: shadows behind it are culled by receivers.
+    pub receivers: bool,
     /// The boxes of the models.
     pub boxes: bool,
 }
@@ -42,7 +43,7 @@ impl Overlays {
 
     /// Only those that need none.
     pub(crate) fn without_edges(self) -> Self {
-        Self { caps: self.caps, boxes: self.boxes, ..Self::default() }
+        Self { caps: self.caps, receivers: self.receivers, boxes: self.boxes, ..Self::default() }
     }
 }
 
@@ -119,7 +120,7 @@ impl Default for Options {
 pub(crate) type Switch = (Action, &'static str, fn(&mut Options) -> &mut bool);
 
 /// All switches, in the order of the panel.
-pub(crate) const SWITCHES: [Switch; 14] = [
+pub(crate) const SWITCHES: [Switch; 15] = [
     (Action::Silhouettes, "silhouettes", |options| &mut options.overlays.silhouettes),
     (Action::LightSilhouettes, "of the lights", |options| &mut options.overlays.light_silhouettes),
     (Action::Volumes, "volumes", |options| &mut options.overlays.volumes),
@@ -129,6 +130,7 @@ pub(crate) const SWITCHES: [Switch; 14] = [
     (Action::Creases, "creases", |options| &mut options.overlays.creases),
     (Action::Exact, "decided exactly", |options| &mut options.overlays.exact),
     (Action::Clusters, "clusters", |options| &mut options.overlays.clusters),
+    (Action::Receivers, "receivers", |options| &mut options.overlays.receivers),
     (Action::Boxes, "boxes", |options| &mut options.overlays.boxes),
     (Action::Ground, "ground", |options| &mut options.ground),
     (Action::Shadows, "shadows", |options| &mut options.shadows),

@@ -115,6 +115,7 @@ fn draw(action: Action, options: &mut Options) -> bool {
         Action::Creases => &mut overlays.creases,
         Action::Exact => &mut overlays.exact,
         Action::Clusters => &mut overlays.clusters,
+        Action::Receivers => &mut overlays.receivers,
         Action::Boxes => &mut overlays.boxes,
         Action::Ground => &mut options.ground,
         Action::Shadows => &mut options.shadows,

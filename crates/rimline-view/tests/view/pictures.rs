@@ -293,6 +293,7 @@ fn overlays_change_the_picture() -> Outcome {
         Action::Boundary,
         Action::NonManifold,
         Action::Clusters,
+        Action::Receivers,
         Action::Ground,
         Action::Shadows,
         Action::Smooth,

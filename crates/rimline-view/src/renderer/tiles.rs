@@ -1,0 +1,62 @@
+//! Receivers over the picture, as scenes cull by them: a shadow volume is not drawn if it lies behind the farthest receivers
+//! of all tiles that it covers.
+
+use rimline_picture::{Pass, PictureFormat, Resources};
+use wgpu::BlendState;
+
+use super::canvas::Canvas;
+
+/// Bands of half an octave of distance, and nothing where no surface receives.
+const SOURCE: &str = "
+@group(1) @binding(0) var depths: DEPTHS;
+
+@fragment fn receivers_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  let first = vec2<i32>(at.xy) & vec2<i32>(-8);
+  let end = min(first + vec2<i32>(8), vec2<i32>(textureDimensions(depths)));
+  var farthest = 2.0;
+  // Turns: 8.
+  for (var y = first.y; y < end.y; y++) {
+    // Turns: 8.
+    for (var x = first.x; x < end.x; x++) {
+      // Turns: SAMPLES.
+      for (var number = 0; number < SAMPLES; number++) {
+        let depth = textureLoad(depths, vec2<i32>(x, y), number);
+        farthest = select(farthest, min(farthest, depth), depth > 0.0);
+      }
+    }
+  }
+  if (farthest > 1.0) {
+    discard;
+  }
+  // Reversed depth is near / distance.
+  let distance = frame.view_projection[3].z / farthest;
+  return vec4<f32>(mix(vec3<f32>(0.1, 0.3, 0.75), vec3<f32>(0.95, 0.75, 0.25), fract(2.0 * log2(distance))), 0.45);
+}
+";
+
+/// Draws the farthest receiver of each tile of 8 × 8 pixels.
+pub(super) struct Tiles {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl Tiles {
+    /// On pictures of a format.
+    pub(super) fn new(resources: &Resources, format: PictureFormat) -> Self {
+        let multisampled = format.samples > 1;
+        let texture = if multisampled { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
+        let source = SOURCE.replace("DEPTHS", texture).replace("SAMPLES", &format.samples.to_string());
+        let (sample_type, view_dimension) = (wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2);
+        let layout =
+            resources.factory.layout(&[wgpu::BindingType::Texture { sample_type, view_dimension, multisampled }]);
+        let groups = [&layout];
+        let pass = Pass::over("receivers", &source, &groups, format.picture());
+        let pipeline = resources.factory.pipeline(&Pass { blend: Some(BlendState::ALPHA_BLENDING), ..pass });
+        Self { layout, pipeline }
+    }
+
+    pub(super) fn draw(&self, encoder: &mut wgpu::CommandEncoder, resources: &Resources, canvas: &Canvas) {
+        let group = resources.factory.group(&self.layout, &[wgpu::BindingResource::TextureView(&canvas.depth)]);
+        resources.factory.draw(&mut canvas.pass(encoder), &self.pipeline, &[&group], 3);
+    }
+}
