@@ -1,8 +1,5 @@
 //! Pictures: shadows are where rays say, switches change nothing or what they are for, and nothing is drawn twice.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use glam::{Vec2, Vec3};
 use rimline::Light;
 use rimline::cpu::{Threads, shadow_depth};
@@ -10,13 +7,13 @@ use rimline::gltf::{CameraProjection, SceneCamera};
 use rimline_files::{ReadOptions, read_bytes};
 use rimline_testkit::harness::Test;
 use rimline_view::{
-    Action, Body, BodyError, Counting, Event, Gpu, LampKind, Mode, Modifiers, Overlays, Picture, Renderer, Skipping,
-    Source, Viewer, scenes,
+    Action, Body, BodyError, Counting, Event, LampKind, Mode, Modifiers, Picture, Renderer, Skipping, Source, Viewer,
+    scenes,
 };
 
-use crate::support::{Outcome, drag, finish, gpu, handle, hold, on_ground, picture, say, viewer};
+use crate::support::{Outcome, block, drag, finish, gpu, handle, hold, on_ground, picture, rest, say, viewer};
 
-pub(crate) const TESTS: [Test; 16] = [
+pub(crate) const TESTS: [Test; 13] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
@@ -30,9 +27,6 @@ pub(crate) const TESTS: [Test; 16] = [
     ("built-in scenes are drawn in every moment", scenes_are_drawn),
     ("a screenshot has more pixels and the same picture", screenshots),
     ("lights come, go and change their kind", lights_come_and_go),
-    ("overlays that are refused are switched off, and the model and the picture stay", refused_overlays),
-    ("a device that is lost changes nothing of the viewer", lost_device),
-    ("a renderer takes viewers in turn", viewers_in_turn),
 ];
 
 /// A pixel, the point of the ground there, and counts of faces.
@@ -354,17 +348,6 @@ impl Source for Filmed {
     }
 }
 
-fn block() -> Result<rimline::Model, String> {
-    let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    let geometry = rimline::Geometry::new(positions, faces, rimline::GeometryOptions::default()).map_err(say)?;
-    rimline::Model::new(vec![geometry], vec![rimline::Instance::new(0, None)]).map_err(say)
-}
-
-fn rest() -> Result<rimline::Pose, BodyError> {
-    Ok(rimline::Pose::new(vec![rimline::InstancePose::new([glam::Affine3A::IDENTITY], Vec::new())?]))
-}
-
 fn cameras() -> Outcome {
     let model = block()?;
     let (eye, forward) = (Vec3::new(3.0, 4.0, 5.0), Vec3::new(-3.0, -3.5, -5.0).normalize());
@@ -487,64 +470,4 @@ fn lights_come_and_go() -> Outcome {
     }
     picture(&viewer, &mut renderer)?;
     hold(viewer.lamps.is_empty() && viewer.selected.is_none(), "a light is left")
-}
-
-/// A block whose next pose fails once it is told so.
-struct Failing(rimline::Model, Arc<AtomicBool>);
-
-impl Source for Failing {
-    fn model(&self) -> &rimline::Model {
-        &self.0
-    }
-
-    fn pose(&self, _: Option<usize>, _: f32) -> Result<rimline::Pose, BodyError> {
-        if self.1.swap(false, Ordering::Relaxed) { Err(BodyError::NoFaces) } else { rest() }
-    }
-}
-
-fn refused_overlays() -> Outcome {
-    let fails = Arc::new(AtomicBool::new(false));
-    let body = Body::new("block", None, Failing(block()?, Arc::clone(&fails))).map_err(say)?;
-    let (mut viewer, mut renderer) = (Viewer::new(vec![body]), Renderer::new(gpu()?).map_err(say)?);
-    viewer.handle(Event::Resized([120, 80]));
-    viewer.handle(Event::Acted(Action::Boxes));
-    let before = picture(&viewer, &mut renderer)?;
-    viewer.handle(Event::Acted(Action::Silhouettes));
-    fails.store(true, Ordering::Relaxed);
-    hold(!renderer.show(&mut viewer), "the same picture was drawn again")?;
-    let only_boxes = Overlays { boxes: true, ..Overlays::default() };
-    hold(viewer.bodies.len() == 1 && viewer.options.overlays == only_boxes, format!("{viewer:?}"))?;
-    let said = viewer.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
-    hold(said.starts_with("overlays of block: "), said)?;
-    hold(picture(&viewer, &mut renderer)? == before, "the picture is another one")?;
-    viewer.handle(Event::Acted(Action::Silhouettes));
-    viewer.handle(Event::Resized([60, 40]));
-    fails.store(true, Ordering::Relaxed);
-    hold(renderer.draw(&viewer).is_err(), "overlays are drawn without a pose")?;
-    let last = renderer.read().ok_or("the last picture is gone")?;
-    hold(finish(&renderer, last)? == before, "a picture that fails takes the place of the last one")
-}
-
-fn lost_device() -> Outcome {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
-    let options = wgpu::RequestAdapterOptions::default();
-    let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(say)?;
-    let mut renderer = Renderer::new(pollster::block_on(Gpu::open(&adapter)).map_err(say)?).map_err(say)?;
-    let mut viewer = Viewer::new(scenes::moebius().map_err(say)?);
-    viewer.handle(Event::Acted(Action::Silhouettes));
-    renderer.gpu().device.destroy();
-    renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
-    hold(renderer.gpu().is_lost(), "the device is not lost")?;
-    let overlays = viewer.options.overlays;
-    hold(!renderer.show(&mut viewer), "a lost device drew a picture")?;
-    let is_same = viewer.bodies.len() == 1 && viewer.options.overlays == overlays && viewer.message.is_none();
-    hold(is_same, format!("{viewer:?}"))
-}
-
-fn viewers_in_turn() -> Outcome {
-    let (viewer_a, mut renderer) = viewer(scenes::moebius, [120, 80])?;
-    picture(&viewer_a, &mut renderer)?;
-    let (viewer_b, mut other) = viewer(scenes::still_life, [120, 80])?;
-    let expected = picture(&viewer_b, &mut other)?;
-    hold(picture(&viewer_b, &mut renderer)? == expected, "models of one viewer are shown for another")
 }

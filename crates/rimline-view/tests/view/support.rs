@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use rimline_testkit::device::Gpu as Device;
 pub(crate) use rimline_testkit::on_gpu::text as say;
-use rimline_view::{Button, Event, Gpu, Modifiers, Picture, Renderer, Viewer, scenes};
+use rimline_view::{BodyError, Button, Event, Gpu, Modifiers, Picture, Renderer, Viewer, scenes};
 
 pub(crate) type Outcome = Result<(), String>;
 
@@ -17,6 +17,19 @@ pub(crate) fn gpu() -> Result<Gpu, String> {
     let shared = Device::shared()?;
     let make = || Ok(Gpu::of(shared.device.clone(), shared.queue.clone(), shared.name.clone(), true));
     Ok((*shared.kept("viewer", make)?).clone())
+}
+
+/// A tetrahedron.
+pub(crate) fn block() -> Result<rimline::Model, String> {
+    let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let geometry = rimline::Geometry::new(positions, faces, rimline::GeometryOptions::default()).map_err(say)?;
+    rimline::Model::new(vec![geometry], vec![rimline::Instance::new(0, None)]).map_err(say)
+}
+
+/// Its pose.
+pub(crate) fn rest() -> Result<rimline::Pose, BodyError> {
+    Ok(rimline::Pose::new(vec![rimline::InstancePose::new([glam::Affine3A::IDENTITY], Vec::new())?]))
 }
 
 /// A viewer of a scene, and its renderer.

@@ -1,0 +1,75 @@
+//! Overlays, devices and viewers that a renderer cannot go on with.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rimline_testkit::harness::Test;
+use rimline_view::{Action, Body, BodyError, Event, Gpu, Overlays, Renderer, Source, Viewer, scenes};
+
+use crate::support::{Outcome, block, finish, gpu, hold, picture, rest, say, viewer};
+
+pub(crate) const TESTS: [Test; 3] = [
+    ("overlays that are refused are switched off, and the model and the picture stay", refused_overlays),
+    ("a device that is lost changes nothing of the viewer", lost_device),
+    ("a renderer takes viewers in turn", viewers_in_turn),
+];
+
+/// A block whose next pose fails once it is told so.
+struct Failing(rimline::Model, Arc<AtomicBool>);
+
+impl Source for Failing {
+    fn model(&self) -> &rimline::Model {
+        &self.0
+    }
+
+    fn pose(&self, _: Option<usize>, _: f32) -> Result<rimline::Pose, BodyError> {
+        if self.1.swap(false, Ordering::Relaxed) { Err(BodyError::NoFaces) } else { rest() }
+    }
+}
+
+fn refused_overlays() -> Outcome {
+    let fails = Arc::new(AtomicBool::new(false));
+    let body = Body::new("block", None, Failing(block()?, Arc::clone(&fails))).map_err(say)?;
+    let (mut viewer, mut renderer) = (Viewer::new(vec![body]), Renderer::new(gpu()?).map_err(say)?);
+    viewer.handle(Event::Resized([120, 80]));
+    viewer.handle(Event::Acted(Action::Boxes));
+    let before = picture(&viewer, &mut renderer)?;
+    viewer.handle(Event::Acted(Action::Silhouettes));
+    fails.store(true, Ordering::Relaxed);
+    hold(!renderer.show(&mut viewer), "the same picture was drawn again")?;
+    let only_boxes = Overlays { boxes: true, ..Overlays::default() };
+    hold(viewer.bodies.len() == 1 && viewer.options.overlays == only_boxes, format!("{viewer:?}"))?;
+    let said = viewer.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
+    hold(said.starts_with("overlays of block: "), said)?;
+    hold(picture(&viewer, &mut renderer)? == before, "the picture is another one")?;
+    viewer.handle(Event::Acted(Action::Silhouettes));
+    viewer.handle(Event::Resized([60, 40]));
+    fails.store(true, Ordering::Relaxed);
+    hold(renderer.draw(&viewer).is_err(), "overlays are drawn without a pose")?;
+    let last = renderer.read().ok_or("the last picture is gone")?;
+    hold(finish(&renderer, last)? == before, "a picture that fails takes the place of the last one")
+}
+
+fn lost_device() -> Outcome {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
+    let options = wgpu::RequestAdapterOptions::default();
+    let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(say)?;
+    let mut renderer = Renderer::new(pollster::block_on(Gpu::open(&adapter)).map_err(say)?).map_err(say)?;
+    let mut viewer = Viewer::new(scenes::moebius().map_err(say)?);
+    viewer.handle(Event::Acted(Action::Silhouettes));
+    renderer.gpu().device.destroy();
+    renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+    hold(renderer.gpu().is_lost(), "the device is not lost")?;
+    let overlays = viewer.options.overlays;
+    hold(!renderer.show(&mut viewer), "a lost device drew a picture")?;
+    let is_same = viewer.bodies.len() == 1 && viewer.options.overlays == overlays && viewer.message.is_none();
+    hold(is_same, format!("{viewer:?}"))
+}
+
+fn viewers_in_turn() -> Outcome {
+    let (viewer_a, mut renderer) = viewer(scenes::moebius, [120, 80])?;
+    picture(&viewer_a, &mut renderer)?;
+    let (viewer_b, mut other) = viewer(scenes::still_life, [120, 80])?;
+    let expected = picture(&viewer_b, &mut other)?;
+    hold(picture(&viewer_b, &mut renderer)? == expected, "models of one viewer are shown for another")
+}
