@@ -87,8 +87,7 @@ impl Panel {
         if let Some(time) = time {
             let passed = self.last.replace(time).map_or(0.0, |last| (time - last) as f32);
             if self.was_busy {
-                self.history.truncate(HISTORY - 1);
-                self.history.push_front(passed * 1e3);
+                note(&mut self.history, passed);
             }
             viewer.handle(Event::Passed(passed.clamp(0.0, 0.25)));
         }
@@ -219,6 +218,16 @@ impl Drop for Panel {
     }
 }
 
+/// Adds the time of a frame in seconds to the milliseconds of those before. A window that was hidden meanwhile, or a page in
+/// the background, drew none.
+fn note(history: &mut VecDeque<f32>, passed: f32) {
+    const HIDDEN: f32 = 5.0;
+    if passed < HIDDEN {
+        history.truncate(HISTORY - 1);
+        history.push_front(passed * 1e3);
+    }
+}
+
 /// Lets a key do what it is for. Returns whether it is for anything.
 fn take_key(event: &egui::Event, is_repeated: bool, viewer: &mut Viewer) -> bool {
     let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { return false };
@@ -288,5 +297,19 @@ fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
                 viewer.message = None;
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_that_was_hidden_leaves_no_frame_time() {
+        let mut history = VecDeque::new();
+        [0.25, 3600.0, 0.5].into_iter().for_each(|passed| note(&mut history, passed));
+        assert_eq!(history, [500.0, 250.0]);
+        (0..2 * HISTORY).for_each(|_| note(&mut history, 0.0));
+        assert_eq!(history.len(), HISTORY);
     }
 }
