@@ -1,4 +1,4 @@
-//! What a benchmark records: casters, lights, a camera, the ground, and what moves from frame to frame.
+//! Settings, which benchmarks record: casters, lights, a camera, the ground, and how they move from frame to frame.
 
 use glam::{Mat4, Vec3, Vec4};
 use rimline::{DepthDirection, Light, Matrix3x4, Model, ModelError, Pose, ShadowCamera};

@@ -115,13 +115,13 @@ impl Masks {
     }
 }
 
-/// What a picture or a mask shows: the casters as they were encoded last, and their ground.
+/// The contents of a picture or a mask: the casters as they were encoded last, and the ground.
 #[derive(Clone, Copy)]
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters<'a>,
     /// The pipelines of the shadow volumes. `None` until [`Pictures::record`] or [`Masks::record`] gives its own.
     pub(super) pipelines: Option<&'a VolumePipelines>,
-    /// What is drawn over the light. `None` until [`Pictures::record`] gives its own, if it has one.
+    /// The overlay over the light. `None` until [`Pictures::record`] gives its own, if it has one.
     pub(super) overlay: Option<&'a Overlay>,
     /// The number of samples of all lights. A light without an area has one.
     pub(crate) samples: usize,
@@ -173,7 +173,7 @@ pub(crate) enum Overlay {
 
 pub(crate) struct MapOverlay {
     layout: wgpu::BindGroupLayout,
-    /// Of triangles, and of lines.
+    /// The pipelines of triangles and of lines.
     pipelines: [wgpu::RenderPipeline; 2],
 }
 
