@@ -4,7 +4,7 @@ use super::mask::LightMask;
 use crate::ShadowCamera;
 use crate::gpu::common::timer::StageTimer;
 
-/// The inputs of [`Scene::encode`](crate::gpu::Scene::encode). Lights and casters are the scene's own.
+/// The inputs of [`Scene::encode`](crate::gpu::Scene::encode). The lights and casters are those of the scene.
 #[derive(Debug, Default)]
 pub struct FrameInputs<'a> {
     /// The views that shadow volumes are prepared for. Without views, the encode deforms models and extracts silhouettes,
