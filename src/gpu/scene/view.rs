@@ -4,7 +4,8 @@ use super::mask::LightMask;
 use crate::ShadowCamera;
 use crate::gpu::common::timer::StageTimer;
 
-/// The inputs of [`Scene::encode`](crate::gpu::Scene::encode). The lights and casters are those of the scene.
+/// The inputs of [`Scene::encode`](crate::gpu::Scene::encode) and [`Scene::deform`](crate::gpu::Scene::deform). The lights
+/// and casters are those of the scene.
 #[derive(Debug, Default)]
 pub struct FrameInputs<'a> {
     /// The views that shadow volumes are prepared for. Without views, the encode deforms models and extracts silhouettes,
@@ -15,7 +16,7 @@ pub struct FrameInputs<'a> {
 }
 
 impl<'a> FrameInputs<'a> {
-    /// A frame without a timer.
+    /// Inputs without a timer.
     pub fn new(views: &'a [View<'a>]) -> Self {
         Self { views, ..Self::default() }
     }
