@@ -53,7 +53,7 @@ struct ShadedLight {
   axis: vec3<f32>,
   cone_scale: f32,
   cone_offset: f32,
-  // The number of its silhouettes in the extraction that is bound.
+  // The index of its lists of silhouettes in the batch of 32 lights that is bound.
   silhouettes: u32,
 }
 

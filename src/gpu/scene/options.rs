@@ -63,10 +63,11 @@ pub struct StencilCounts {
     /// of the pipelines that draw the scene: 1 to 8, and at least 2 with several [`Self::count_batches`]. The other bits do
     /// not change. Default: 8.
     pub count_bits: u32,
-    /// The number of batches in which casters are counted, one after the other. 0 means 1. A count wraps, and a shadow looks
-    /// lit, if more than 2 to the power of b, less 1, casters lie behind each other, with b [`Self::count_bits`]; with
-    /// several batches, more than 2 to the power of b − 1, less 1, casters of one batch. Each batch takes a draw of all
-    /// lists and a full-screen draw. Draw with [`ShadowPipelines::in_batches`]. Default: 1.
+    /// The number of batches in which casters are counted, one after the other. 0 means 1. A count wraps, and a shadow may
+    /// look lit, where more than 2 to the power of b, less 1, casting faces lie behind each other, with b
+    /// [`Self::count_bits`]; with several batches, more than 2 to the power of b − 1, less 1, faces of one batch. Each batch
+    /// takes a draw of all lists, and each but the first a full-screen draw. Draw several with
+    /// [`ShadowPipelines::in_batches`]. Default: 1.
     ///
     /// [`ShadowPipelines::in_batches`]: crate::gpu::ShadowPipelines::in_batches
     pub count_batches: u32,

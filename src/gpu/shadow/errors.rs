@@ -173,7 +173,7 @@ pub enum ShadowError {
     ReceiversUsage { view: usize },
     /// The device refuses to read the receivers.
     #[error(
-        "view {view}: the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
+        "view {view}: the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer"
     )]
     ReceiversRefused { view: usize, message: String },
     /// The frame has no view with this number.

@@ -44,8 +44,8 @@ pub struct ShadowFormat {
     /// dark where any bit is set. **With 8 bits, a parity in the same stencil would change counts.** Counts wrap at 2 to the
     /// power of this: with 7 bits, a point behind 128 casting faces looks lit, see
     /// [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
-    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more, and take the highest for
-    /// darkness.
+    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more. The highest of them is then
+    /// no bit of a count: it is set where earlier batches cast a shadow.
     pub count_bits: u32,
     /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
     /// that clips slivers wrongly, such as `SwiftShader`: its shadows have lone wrong pixels where volumes leave the
@@ -164,12 +164,12 @@ pub(crate) enum Polygons {
 pub(crate) enum Casters {
     /// The casters of a scene.
     Scene,
-    /// The casters of a scene, counted in batches: the highest bit of counts is set where earlier batches darken.
+    /// The casters of a scene, counted in batches: the highest bit is set where earlier batches cast a shadow.
     Batches,
 }
 
 impl Casters {
-    /// The largest count of `count_bits` bits. It is also the mask of the bits that count.
+    /// The largest count with `count_bits` bits of the stencil. It is also the mask of the bits that count.
     pub(crate) fn largest_count(self, count_bits: u32) -> u32 {
         low_bits(if self == Self::Batches { count_bits.saturating_sub(1) } else { count_bits })
     }
