@@ -13,8 +13,8 @@ pub(crate) const AZIMUTH: f64 = 33.0;
 /// The share of the picture's width or height that the model takes: a tenth is left on each side.
 const FILLED: f64 = 0.8;
 
-/// The camera of the command line, or of a file if `args` has one. If the eye is not given, it is where the picture holds all
-/// `points`, in the direction of `--view`, else `elevation` degrees above the horizon.
+/// The camera of the command line, or of a file if `args` has one. Its picture holds all `points`, unless a file or `--eye` with
+/// perspective gives the eye. Without `--eye` and `--view` it looks from `elevation` degrees above the horizon.
 pub(crate) fn camera(
     args: &PlacedView,
     elevation: f64,
@@ -89,7 +89,7 @@ struct View {
 
 impl View {
     fn new(forward: DVec3, up: Option<DVec3>, scale: [f64; 2]) -> Self {
-        // Straight up or down, the right of the picture is +X, unless a direction is given that is up.
+        // For a view straight up or down, the right of the picture is +X, unless `up` is given.
         let right = forward.cross(up.unwrap_or(DVec3::Y)).try_normalize();
         let right = right.filter(|_| up.is_some() || forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
         let up = right.cross(forward);
@@ -126,9 +126,9 @@ impl View {
         self.camera(eye.as_vec3(), [scale * aspect, scale], 0.5 * room, Some(depth + 2.0 * room))
     }
 
-    /// The nearest eye from which the picture holds all points, in its middle unless the target `is_given`. No point is nearer
-    /// to the eye than `least`, measured forward. Returns the offset from the target to the point that it looks at, and its
-    /// distance from that point.
+    /// The nearest eye from which the picture holds all points, in its middle unless the target `is_given`. No point is
+    /// nearer to the eye than `least`, measured forward. Returns the offset from the target to the point that it looks at,
+    /// and its distance from that point.
     fn fit(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, least: f64) -> (DVec3, f64) {
         // An eye at (x, y) a distance d before the target sees (a, b, z) where |a − x| s ≤ FILLED (z + d) and the like for
         // b: each side of the picture bounds d + x s / FILLED or d − x s / FILLED from below by its outermost point.
@@ -164,8 +164,8 @@ pub(crate) fn elevation(usual: f64, bounds: &Bounds) -> f64 {
 const DIRECTIONS: u32 = 128;
 
 /// Finds, for each of [`directions`], the point that lies farthest that way from `centre`. These points are few, have no
-/// order, and have the same bounds as all points. Others may lie outside of their hull: on a ball by a hundredth of its size,
-/// at the tip of a flat cone by a ninth.
+/// order, and have the same bounds as all points. Others may lie outside of their hull: on a ball by a hundredth of its
+/// size, at the tip of a flat cone by a ninth.
 pub(crate) fn outermost(points: &[[f32; 3]], centre: Vec3) -> Vec<[f32; 3]> {
     let centre = centre.as_dvec3();
     let directions: Vec<DVec3> = directions().collect();

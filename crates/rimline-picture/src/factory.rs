@@ -105,8 +105,8 @@ impl<'a> Pass<'a> {
         Self { vertex: "cover", ..Self::new(name, source, groups, format) }
     }
 
-    /// The pipeline. `prelude` is WGSL before the pass's own: with [`COMMON`] for [`Self::over`], and group 0 if `frame` is its
-    /// layout.
+    /// The pipeline. `prelude` is the WGSL before the pass's own: with [`COMMON`] for [`Self::over`], and with group 0 if
+    /// `frame` is its layout.
     pub fn pipeline(
         &self,
         device: &wgpu::Device,

@@ -102,8 +102,8 @@ impl Renderer {
         self.canvas.as_ref().is_some_and(|canvas| canvas.quality != self.full(viewer.options.samples))
     }
 
-    /// How many pixels of the window a pixel of [`Self::texture`] is wide and high: 2 in large pictures that [`Self::draw`] made
-    /// on software devices, else 1.
+    /// How many pixels of the window a pixel of [`Self::texture`] is wide and high: 2 in large pictures that [`Self::draw`]
+    /// made on software devices, else 1.
     pub fn step(&self) -> u32 {
         self.canvas.as_ref().map_or(1, |canvas| canvas.quality.step)
     }
@@ -131,8 +131,8 @@ impl Renderer {
         self.draw_with(viewer, self.full(viewer.options.samples))
     }
 
-    /// The quality of [`Self::refine`]: all pixels, with so many samples each. OpenGL has one, since with wgpu 30 shaders there
-    /// cannot read a depth of several samples.
+    /// All pixels, with so many samples each. OpenGL has one, since with wgpu 30 shaders there cannot read a depth of several
+    /// samples.
     fn full(&self, samples: u32) -> Quality {
         let is_opengl = self.gpu.device.adapter_info().backend == wgpu::Backend::Gl;
         Quality { samples: if is_opengl { 1 } else { samples }, step: 1 }
