@@ -396,8 +396,8 @@ shared_structs! {
         bins_per_key: f32;
     }
 
-    /// Statistics of an encode of shadow volumes. A pair is a caster and a light in one view. A list is one of a group of casters
-    /// and a light in one view; a group has one page of topology and one source of positions.
+    /// Statistics of an encode of shadow volumes. A pair is a caster and a light in one view. A list is for a group of
+    /// casters and a light in one view. A group has one page of topology and one source of positions.
     struct ShadowStatistics {
         /// Pairs whose light is relevant to the caster, but of which nothing is drawn: the caster is out of range or has no
         /// finite face, or its shadow is out of sight or falls on no receiver.

@@ -13,8 +13,8 @@ pub(crate) const AZIMUTH: f64 = 33.0;
 /// The share of the picture's width or height that the model takes: a tenth is left on each side.
 const FILLED: f64 = 0.8;
 
-/// The camera of the command line, or of a file if `args` has one. Its picture holds all `points`, unless a file or `--eye` with
-/// perspective gives the eye. Without `--eye` and `--view` it looks from `elevation` degrees above the horizon.
+/// The camera of the command line, or of a file if `args` has one. Its picture holds all `points`, unless a file or `--eye`
+/// with perspective gives the eye. Without `--eye` and `--view` it looks from `elevation` degrees above the horizon.
 pub(crate) fn camera(
     args: &PlacedView,
     elevation: f64,
