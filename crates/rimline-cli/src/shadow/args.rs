@@ -351,8 +351,8 @@ triangles in, null with contours), walls (with their flaps; null but with contou
 room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one \
 for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
-overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
-pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
+overflowed_caps are null where there are several files), totals (of all files: skipped and every_face count pairs of \
+instance and light, capped lights, once for each group of instances that are drawn together, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
 left out), milliseconds \
 (by stage, null where only their sum is known), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
 stages).";

@@ -1,4 +1,5 @@
-//! Draws the viewer's state into a texture: models, ground and shadows by the stencil, a pass for each light.
+//! Draws the viewer's state into a texture: models and ground in ambient light, then for each light the count of its shadow
+//! volumes in the stencil and the surfaces that it lights.
 
 mod canvas;
 mod counters;
@@ -34,12 +35,12 @@ use picture::Copy;
 use pipelines::Pipelines;
 use scene::SeenScene;
 
-/// Draws the state of a viewer into a texture of its own. Nothing waits for the device.
+/// Draws the state of a viewer into a texture that it owns. No method waits for the device.
 pub struct Renderer {
     gpu: Gpu,
     resources: Resources,
     normals: NormalPipeline,
-    /// By the number of samples.
+    /// One for each number of samples a pixel that was drawn with.
     pipelines: Vec<Pipelines>,
     models: Option<Models>,
     overlays: Option<Overlays>,
@@ -52,7 +53,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Makes what all pictures share.
+    /// A renderer without models: the first picture makes them.
     ///
     /// # Errors
     /// [`RenderError`] if the device lacks what shadows need.
@@ -85,29 +86,30 @@ impl Renderer {
         self.canvas.as_ref().map(|canvas| &canvas.picture)
     }
 
-    /// The number of pictures that were drawn.
+    /// How many pictures [`Self::texture`] has had. Screenshots are not among them.
     pub fn pictures(&self) -> u64 {
         self.pictures
     }
 
-    /// Whether the picture is not of this state: something changed since it was drawn.
+    /// Whether the picture is not of this state: something changed since it was drawn, or since [`Self::show`] failed to
+    /// draw it.
     pub fn is_stale(&self, viewer: &Viewer) -> bool {
         self.drawn.as_ref() != Some(&Drawn::of(viewer))
     }
 
-    /// Whether [`Self::refine`] makes a smoother picture: the last one was drawn in a hurry.
+    /// Whether the last picture has fewer pixels or samples than [`Self::refine`] draws with these options.
     pub fn is_coarse(&self, viewer: &Viewer) -> bool {
         self.canvas.as_ref().is_some_and(|canvas| canvas.quality != self.full(viewer.options.samples))
     }
 
-    /// How many pixels of the window a pixel of [`Self::texture`] is wide and high: 2 in large pictures of software devices while
-    /// something moves, else 1.
+    /// How many pixels of the window a pixel of [`Self::texture`] is wide and high: 2 in large pictures that [`Self::draw`]
+    /// made on software devices, else 1.
     pub fn step(&self) -> u32 {
         self.canvas.as_ref().map_or(1, |canvas| canvas.quality.step)
     }
 
-    /// Draws the state, if the picture is not of it already: on software devices with one sample a pixel and fewer pixels, else
-    /// with all that the options say. Returns whether it did.
+    /// Draws the state, unless the picture is of it already: on software devices with one sample a pixel, and large pictures
+    /// with fewer pixels; else with as many samples as the options ask for. Returns whether it drew.
     ///
     /// # Errors
     /// [`RenderError`]. The picture before stays.
@@ -120,7 +122,8 @@ impl Renderer {
         self.draw_with(viewer, quality).map(|()| true)
     }
 
-    /// Draws the state once more with all pixels and samples, for what stays as it is.
+    /// Draws the state with all pixels and as many samples as the options ask for, on every device. It is slow on software
+    /// devices: call it when the state has stayed the same for a while.
     ///
     /// # Errors
     /// [`RenderError`]. The picture before stays.
@@ -128,14 +131,15 @@ impl Renderer {
         self.draw_with(viewer, self.full(viewer.options.samples))
     }
 
-    /// All pixels, with these samples each. With wgpu 30, OpenGL has no depth of several samples that shaders read.
+    /// All pixels, with so many samples each. OpenGL has one, since with wgpu 30 shaders there cannot read a depth of several
+    /// samples.
     fn full(&self, samples: u32) -> Quality {
         let is_opengl = self.gpu.device.adapter_info().backend == wgpu::Backend::Gl;
         Quality { samples: if is_opengl { 1 } else { samples }, step: 1 }
     }
 
-    /// Draws like [`Self::draw`]. A model that fails is taken out, and every failure becomes the viewer's message. Returns
-    /// whether there is a new picture.
+    /// Draws like [`Self::draw`]. A model that fails is removed from the viewer, whose message becomes the last failure.
+    /// Returns whether there is a new picture.
     pub fn show(&mut self, viewer: &mut Viewer) -> bool {
         loop {
             match self.draw(viewer) {
@@ -147,7 +151,7 @@ impl Renderer {
                     }
                     viewer.message = Some(Message::new(Tone::Error, error.to_string()));
                     if index.is_none() {
-                        // The same state would fail again.
+                        // The same state would fail again, so it does not count as stale.
                         self.drawn = Some(Drawn::of(viewer));
                         return false;
                     }
@@ -156,17 +160,18 @@ impl Renderer {
         }
     }
 
-    /// Takes numbers of earlier frames that have arrived. Returns whether some did.
+    /// Puts numbers of earlier frames that the device has given by now into [`Self::counters`]. Returns whether there were
+    /// any.
     pub fn poll(&mut self) -> bool {
         self.readings.poll(&self.gpu, &mut self.counters)
     }
 
-    /// Whether numbers are on their way, for which [`Self::poll`] is to be called.
+    /// Whether the device has yet to give numbers of a frame: call [`Self::poll`] until it has.
     pub fn is_waiting(&self) -> bool {
         self.readings.are_pending()
     }
 
-    /// Numbers of an earlier frame.
+    /// Numbers of the last frame that was read back.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
@@ -178,16 +183,18 @@ impl Renderer {
 
     fn draw_with(&mut self, viewer: &Viewer, quality: Quality) -> Result<(), RenderError> {
         let size = viewer.size();
-        if self.canvas.as_ref().is_none_or(|canvas| !canvas.is_for(size, quality)) {
-            self.canvas = Some(Canvas::new(&self.resources, size, quality)?);
-        }
-        let Some(canvas) = self.canvas.take() else { return Ok(()) };
+        let last = self.canvas.take_if(|canvas| canvas.is_for(size, quality));
+        let is_last = last.is_some();
+        let canvas = if let Some(last) = last { last } else { Canvas::new(&self.resources, size, quality)? };
         let mut encoder = self.gpu.encoder("view");
         let recorded = self.record(&mut encoder, viewer, &canvas);
         self.counters.bytes = canvas.bytes() + self.models.as_ref().map_or(0, Models::bytes);
         let report = self.gpu.device.generate_allocator_report();
         self.counters.device_bytes = report.map(|report| report.total_allocated_bytes);
-        self.canvas = Some(canvas);
+        // After a failure the canvas of the last picture stays. A new one would have no picture.
+        if is_last || recorded.is_ok() {
+            self.canvas = Some(canvas);
+        }
         let frame = recorded?;
         self.gpu.queue.submit([encoder.finish()]);
         let timer = self.timer.as_ref().filter(|_| viewer.options.timing);
@@ -200,8 +207,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws the state into a picture of its own with four samples a pixel, so many times as large each way. The future waits
-    /// for the device, which somebody must poll.
+    /// Draws the state into another picture, `scale` times as wide and as high, with four samples a pixel, or one
+    /// on OpenGL. The caller must poll the device until the future is ready.
     ///
     /// # Errors
     /// [`RenderError`], also if the device has no textures of that size.
@@ -221,7 +228,7 @@ impl Renderer {
         Ok(read(&self.gpu, copy))
     }
 
-    /// Reads the last picture. The future waits for the device, which somebody must poll. `None`: none was drawn.
+    /// Reads the last picture. The caller must poll the device until the future is ready. `None`: none was drawn.
     pub fn read(&self) -> Option<impl Future<Output = Result<Picture, RenderError>> + use<>> {
         let canvas = self.canvas.as_ref()?;
         let mut encoder = self.gpu.encoder("read");
@@ -231,7 +238,7 @@ impl Renderer {
         Some(read(&self.gpu, copy))
     }
 
-    /// Records everything of a picture.
+    /// Records the picture of a state onto a canvas. The frame has the counts of what was encoded.
     fn record(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -274,7 +281,8 @@ impl Renderer {
             let seen = Drawing::of_receivers(resources, pipelines, models, has_ground);
             pipelines.passes.record_receivers(encoder, resources, attachments, &seen);
         };
-        // Where the surfaces are as in the last frame, their depth is drawn first and tells which shadows fall on something.
+        // If the buffers of the last encode's surfaces are still right, the surfaces are drawn first: their depth lets the
+        // encode leave out shadows that fall on nothing.
         let depth = (options.shadows && options.skipping.receivers && models.has_surfaces()).then(|| {
             ambient(encoder, models);
             Receivers { depth: &canvas.depth, sky_receives: false, version: None }
