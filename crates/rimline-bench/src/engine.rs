@@ -37,7 +37,7 @@ impl Rounds {
     }
 }
 
-/// Runs all contenders in turn, up to three times to warm up and then counted, every other round backwards, so that none
+/// Runs all contenders in turn, up to three times, and no more often than counted, to warm up and then counted, every other round backwards, so that none
 /// always follows the same. Returns the samples of each.
 pub fn interleave(
     rounds: Rounds,
@@ -51,7 +51,7 @@ pub fn interleave(
     for index in 0..count {
         // The first run compiles and allocates; a later one is what a round will take.
         let mut last = Duration::ZERO;
-        for _ in 0..3 {
+        for _ in 0..rounds.most.clamp(1, 3) {
             let begin = Instant::now();
             run(index)?;
             last = begin.elapsed();
@@ -137,6 +137,9 @@ mod tests {
         let samples = interleave(rounds, vec![contender('a'), contender('b')], &()).expect("none fails");
         assert_eq!(samples.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3]);
         assert_eq!(order.take(), "aaabbbabbaab");
+        let once = Rounds { least: 1, most: 1, ..rounds };
+        interleave(once, vec![contender('a'), contender('b')], &()).expect("none fails");
+        assert_eq!(order.take(), "abab");
         let host = StopsAt(Cell::new(7));
         let stopped = interleave(rounds, vec![contender('a'), contender('b')], &host);
         assert!(matches!(stopped, Err(Error::Stopped)));
