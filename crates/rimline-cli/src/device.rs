@@ -31,7 +31,7 @@ pub(crate) enum Wanted {
 
 impl From<&str> for Wanted {
     fn from(text: &str) -> Self {
-        // Of names, too, letters may be of either case.
+        // Letters may be of either case, as in names.
         match &*text.to_lowercase() {
             "auto" => Self::Auto,
             "gpu" => Self::Gpu,

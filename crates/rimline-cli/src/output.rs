@@ -137,7 +137,7 @@ impl Output {
         self,
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        self.fill(write)?.place()
+        self.fill(write)?.finish()
     }
 
     /// Lets `write` fill the file, for results that take their places together.
@@ -169,13 +169,13 @@ pub(crate) struct Filled(Output);
 
 impl Filled {
     /// Puts results in their places together. Pipes and devices come first, because a rename hardly fails.
-    pub(crate) fn place_all(mut files: Vec<Self>) -> Result<(), Failure> {
+    pub(crate) fn finish_all(mut files: Vec<Self>) -> Result<(), Failure> {
         files.sort_by_key(|Self(output)| matches!(output.destination, Destination::Beside { .. }));
-        files.into_iter().try_for_each(Self::place)
+        files.into_iter().try_for_each(Self::finish)
     }
 
-    fn place(mut self) -> Result<(), Failure> {
-        let place = |destination: &mut Destination| -> io::Result<()> {
+    fn finish(mut self) -> Result<(), Failure> {
+        let finish = |destination: &mut Destination| -> io::Result<()> {
             match destination {
                 Destination::Beside { temporary, target } => {
                     signals::complete(temporary, || std::fs::rename(&*temporary, target))?;
@@ -192,8 +192,8 @@ impl Filled {
             }
             Ok(())
         };
-        let placed = place(&mut self.0.destination);
-        placed.map_err(Failure::output(&self.0.name))
+        let finished = finish(&mut self.0.destination);
+        finished.map_err(Failure::output(&self.0.name))
     }
 }
 

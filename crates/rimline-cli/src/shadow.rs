@@ -94,7 +94,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     write_maps(&mut files, &casters, origin)?;
     let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
-    Filled::place_all(std::mem::take(&mut files.filled))?;
+    Filled::finish_all(std::mem::take(&mut files.filled))?;
     drop(progress);
     warn_of_limits(report.all);
     set.warn_of_depth(&gpu);

@@ -32,7 +32,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<(), Failure> {
         pages.push(page(folder, subcommand.clone(), &name)?);
     }
     let count = pages.len();
-    Filled::place_all(pages)?;
+    Filled::finish_all(pages)?;
     say(&format!(
         "wrote {count} pages into {}; `man {}` shows one\n",
         Line(folder.display()),

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn half_planes_are_told_exactly() {
+    fn half_planes_are_decided_exactly() {
         const FAR: f32 = (1_u64 << 40) as f32;
         // The line passes the origin by so little that `f64` puts it on the line.
         let line = [[FAR, FAR, 0.0], [1.0 + 8.0 * f32::EPSILON, 1.0, 0.0]];

@@ -56,7 +56,7 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
         maker.scene(scene)?;
     }
     // Files are never written over, so after a failure the same command must find none.
-    Filled::place_all(maker.made)?;
+    Filled::finish_all(maker.made)?;
     progress.aside(|| say(&maker.said))
 }
 
