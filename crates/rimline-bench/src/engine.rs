@@ -37,8 +37,8 @@ impl Rounds {
     }
 }
 
-/// Runs all contenders in turn, up to three times, and no more often than counted, to warm up and then counted, every other round backwards, so that none
-/// always follows the same. Returns the samples of each.
+/// Runs all contenders in turn, every other round backwards, so that none always follows the same. Before the counted rounds
+/// each warms up, three times at most, and no more often than it is counted. Returns the samples of each.
 pub fn interleave(
     rounds: Rounds,
     mut contenders: Vec<Contender<'_>>,

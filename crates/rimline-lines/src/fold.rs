@@ -47,7 +47,7 @@ impl Fold {
 
 /// Whether two points are in one half-plane that an edge bounds, exactly. Points in line with the edge are in none.
 pub(crate) fn is_same_half_plane([a, b]: [[f32; 3]; 2], one: [f32; 3], other: [f32; 3]) -> bool {
-    // In one plane, the normals are the same or opposite. If the same, those of one face and of the other one turned are apart.
+    // In one plane the normals are the same or opposite. With the second one turned, the same are opposite.
     face_value(a, b, one, other).sign() == 0
         && Crease::RIGHT_ANGLE.is_between(once([a, b, one]), once([a, b, other]), true)
 }
