@@ -39,8 +39,9 @@ impl Rounds {
     }
 }
 
-/// Runs each contender up to three times to warm up, then all of them in turn in each round. Every other round goes
-/// backwards, so that no contender always follows the same one. Returns the samples of each contender, one a round.
+/// Runs each contender to warm up, three times at most and no more often than it is counted, then all of them in turn in each
+/// round. Every other round goes backwards, so that no contender always follows the same one. Returns the samples of each
+/// contender, one a round.
 pub fn interleave(
     rounds: Rounds,
     mut contenders: Vec<Contender<'_>>,
@@ -53,7 +54,7 @@ pub fn interleave(
     for index in 0..count {
         // The first run compiles and allocates; a later one is what a round will take.
         let mut last = Duration::ZERO;
-        for _ in 0..3 {
+        for _ in 0..rounds.most.clamp(1, 3) {
             let begin = Instant::now();
             run(index)?;
             last = begin.elapsed();
@@ -140,6 +141,9 @@ mod tests {
         let samples = interleave(rounds, vec![contender('a'), contender('b')], &()).expect("none fails");
         assert_eq!(samples.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3]);
         assert_eq!(order.take(), "aaabbbabbaab");
+        let once = Rounds { least: 1, most: 1, ..rounds };
+        interleave(once, vec![contender('a'), contender('b')], &()).expect("none fails");
+        assert_eq!(order.take(), "abab");
         let host = StopsAt(Cell::new(7));
         let stopped = interleave(rounds, vec![contender('a'), contender('b')], &host);
         assert!(matches!(stopped, Err(Error::Stopped)));

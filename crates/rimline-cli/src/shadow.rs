@@ -24,7 +24,7 @@ use crate::failure::Failure;
 use crate::files::Inputs;
 use crate::image::Picture;
 use crate::input::{Input, note_idle_time, settle};
-use crate::output::{Progress, print, say};
+use crate::output::{Filled, Output, Progress, print, say};
 use crate::report::Times;
 use args::{ShadowArgs, not_orthographic};
 use casters::Casters;
@@ -94,6 +94,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     write_maps(&mut files, &casters, origin)?;
     let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
     gpu.check()?;
+    Filled::finish_all(std::mem::take(&mut files.filled))?;
     drop(progress);
     warn_of_limits(report.all);
     set.warn_of_depth(&gpu);
@@ -205,7 +206,7 @@ impl Drawing {
         gpu.wait()
     }
 
-    /// Draws and writes the picture, then the masks.
+    /// Draws the picture, then the masks, and fills their files.
     fn write(
         &self,
         files: &mut ResultFiles,
@@ -219,26 +220,26 @@ impl Drawing {
             let draw = || picture(pictures, set, casters, Some(progress));
             let picture = times.measure("picture", draw).on(gpu)?;
             gpu.check()?;
-            output.finish(|file| picture.write_png(file, None))?;
+            files.filled.push(output.fill(|file| picture.write_png(file, None))?);
         }
         let Some(masks) = &self.masks else { return Ok(()) };
-        for (light, output) in files.masks.drain(..).enumerate() {
+        for (light, file) in files.masks.drain(..).enumerate() {
             let draw = || mask(masks, &set.subject(casters), set.samples_of(light));
             let mask = times.measure("masks", draw).on(gpu)?;
             gpu.check()?;
-            output.finish(|file| mask.write_png(file, None))?;
+            files.filled.push(Output::create(&file)?.fill(|to| mask.write_png(to, None))?);
         }
         Ok(())
     }
 }
 
-/// Writes the depth maps of the lights.
+/// Fills the files of the lights' depth maps.
 fn write_maps(files: &mut ResultFiles, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
     let gpu = casters.gpu();
-    for (light, output) in files.maps.drain(..).enumerate() {
+    for (light, file) in files.maps.drain(..).enumerate() {
         if let Some(maps) = casters.shadows.saved_maps(light, origin).on(gpu)? {
             gpu.check()?;
-            output.finish(|file| maps.write(file))?;
+            files.filled.push(Output::create(&file)?.fill(|to| maps.write(to))?);
         }
     }
     Ok(())

@@ -19,6 +19,8 @@ use scenes::SkipScene;
 /// Frames before one is counted, so that what does not change was computed before.
 const SETTLED: usize = 2;
 
+const DEFORM: Metric = Metric::Time("deform");
+
 /// Levels of skipping: names in the data and for people, and the work that is done without them. Clusters have an option
 /// of their own.
 const LEVELS: [(&str, &str, &[Measuring]); 7] = [
@@ -126,6 +128,8 @@ pub(crate) fn measure(
     });
     let entries = compare(rounds, contenders.collect(), host)?.into_iter().zip(&counts).map(|(entry, counted)| {
         let (counted, fragments) = counted;
+        // Not known where all stages have one time.
+        let entry = if entry.values(DEFORM).is_empty() { entry.with(DEFORM, []) } else { entry };
         let entry = COUNTERS.iter().fold(entry, |entry, (name, of)| entry.with_count(name, of(counted) as usize));
         fragments.iter().fold(entry, |entry, &found| entry.with_count("fragments", found as usize))
     });

@@ -308,6 +308,16 @@ impl ShadowArgs {
                 return Err(not_orthographic(option));
             }
         }
+        for (option, prefix) in [("--mask", &self.mask), ("--save-depth", &self.save_depth)] {
+            let given = prefix.as_ref().map(|prefix| prefix.to_string_lossy());
+            if let Some(folder) = given.filter(|prefix| prefix.ends_with(std::path::is_separator)) {
+                // The names would begin with a dot, so hardly anyone would see the files.
+                return Err(Failure::usage(format!(
+                    "{option} is the beginning of files' names, and {folder} is the name of a folder; give one such as \
+                     {folder}light"
+                )));
+            }
+        }
         for (option, is_given) in [
             ("--hide-covered", self.hide_covered),
             ("--depth", self.depth.is_some()),

@@ -21,7 +21,7 @@ use crate::device::{GpuError, describe};
 use crate::failure::Failure;
 use crate::files::{Inputs, check_ending, is_same_file};
 use crate::image::wrote;
-use crate::output::{Line, Output};
+use crate::output::{Filled, Line, Output};
 use crate::report::{self, Lines, Times};
 use crate::spec::{LightSpec, ShadedLightSpec};
 
@@ -209,8 +209,11 @@ impl<'a> Report<'a> {
 /// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
     pub(super) picture: Option<Output>,
-    pub(super) masks: Vec<Output>,
-    pub(super) maps: Vec<Output>,
+    /// Not open: a process may have a thousand files open, and there may be as many lights.
+    pub(super) masks: Vec<PathBuf>,
+    pub(super) maps: Vec<PathBuf>,
+    /// Those that are complete. They take their places together.
+    pub(super) filled: Vec<Filled>,
     /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
 }
@@ -227,14 +230,14 @@ impl ResultFiles {
         // There is a first light in any case; how many there are is known later.
         for first in of_lights(args, 1).into_iter().flatten() {
             inputs.spare(&first)?;
-            drop(Output::create(&first)?);
+            Output::check(&first)?;
         }
         let picture = args.out.as_deref().map(Output::create).transpose()?;
         let names = [args.out.iter().cloned().collect(), Vec::new()];
-        Ok(Self { picture, masks: Vec::new(), maps: Vec::new(), names })
+        Ok(Self { picture, masks: Vec::new(), maps: Vec::new(), filled: Vec::new(), names })
     }
 
-    /// Begins those of all lights.
+    /// Tries those of all lights.
     pub(super) fn begin_lights(&mut self, args: &ShadowArgs, inputs: &Inputs, lights: usize) -> Result<(), Failure> {
         let files = of_lights(args, lights);
         let is_any = |out: &&Path| files.iter().flatten().any(|file| is_same_file(out, file));
@@ -245,10 +248,11 @@ impl ResultFiles {
             )));
         }
         files.iter().flatten().try_for_each(|file| inputs.spare(file))?;
-        for ((outputs, names), files) in [&mut self.masks, &mut self.maps].into_iter().zip(&mut self.names).zip(files) {
-            *outputs = files.iter().map(|file| Output::create(file)).collect::<Result<_, _>>()?;
-            names.extend(files);
+        files.iter().flatten().try_for_each(|file| Output::check(file))?;
+        for (names, files) in self.names.iter_mut().zip(&files) {
+            names.extend_from_slice(files);
         }
+        [self.masks, self.maps] = files;
         Ok(())
     }
 }
