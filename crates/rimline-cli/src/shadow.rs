@@ -72,13 +72,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut casters = Casters::new(&resources, pipelines, set.samples(), shows_volumes).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
     times.measure("topology", || casters.set_bodies(&set.bodies))?;
-    let mut covered = None;
-    if args.hide_covered {
-        progress.step("looking for covered faces");
-        let found = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
-        casters.leave_out(&set.bodies, &found)?;
-        covered = Some(found);
-    }
+    let covered = args.hide_covered.then(|| leave_out_covered(&set, &mut casters, &mut times, &progress)).transpose()?;
     progress.step("drawing");
     // Times are for those who ask for them; all others would wait for the work twice.
     if args.json {
@@ -126,6 +120,19 @@ fn check_covered(args: &ShadowArgs, set: &ShadowScene<'_>) -> Result<(), Failure
          without --polygons, or leave out --hide-covered",
         body.input.file.display()
     )))
+}
+
+/// Finds the covered faces, which then cast no shadows.
+fn leave_out_covered(
+    set: &ShadowScene<'_>,
+    casters: &mut Casters<'_>,
+    times: &mut Times,
+    progress: &Progress,
+) -> Result<CoveredFaces, Failure> {
+    progress.step("looking for covered faces");
+    let found = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
+    casters.leave_out(&set.bodies, &found)?;
+    Ok(found)
 }
 
 /// Runs the stages of extraction and shadow volumes with a triangle, so that shaders are compiled before stages are timed.
