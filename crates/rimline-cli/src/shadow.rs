@@ -72,7 +72,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut casters = Casters::new(&resources, pipelines, set.samples(), shows_volumes).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
     times.measure("topology", || casters.set_bodies(&set.bodies))?;
-    let covered = args.hide_covered.then(|| leave_out_covered(&set, &mut casters, &mut times, &progress)).transpose()?;
+    let covered =
+        args.hide_covered.then(|| leave_out_covered(&set, &mut casters, &mut times, &progress)).transpose()?;
     progress.step("drawing");
     // Times are for those who ask for them; all others would wait for the work twice.
     if args.json {
