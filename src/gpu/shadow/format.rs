@@ -200,8 +200,6 @@ pub(super) struct Drawn {
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
     pub(super) drawn: Drawn,
-    /// The part of each trimmed polygon, or 0.
-    pub(super) part: u32,
     pub(super) casters: Casters,
     pub(super) format: ShadowFormat,
 }

@@ -24,7 +24,7 @@ pub use gpu::Gpu;
 pub use picture::Picture;
 
 use crate::state::viewer::{MAX_SOURCES, Message, Tone, Viewer};
-use canvas::Canvas;
+use canvas::{Canvas, Quality};
 use counters::Readings;
 use drawing::Drawing;
 use drawn::Drawn;
@@ -97,11 +97,17 @@ impl Renderer {
 
     /// Whether [`Self::refine`] makes a smoother picture: the last one was drawn in a hurry.
     pub fn is_coarse(&self, viewer: &Viewer) -> bool {
-        self.canvas.as_ref().is_some_and(|canvas| canvas.format.samples < viewer.options.samples)
+        self.canvas.as_ref().is_some_and(|canvas| canvas.quality != self.full(viewer.options.samples))
     }
 
-    /// Draws the state, if the picture is not of it already: with one sample a pixel on software devices, else with as many as
-    /// the options say. Returns whether it did.
+    /// How many pixels of the window a pixel of [`Self::texture`] is wide and high: 2 in large pictures of software devices while
+    /// something moves, else 1.
+    pub fn step(&self) -> u32 {
+        self.canvas.as_ref().map_or(1, |canvas| canvas.quality.step)
+    }
+
+    /// Draws the state, if the picture is not of it already: on software devices with one sample a pixel and fewer pixels, else
+    /// with all that the options say. Returns whether it did.
     ///
     /// # Errors
     /// [`RenderError`]. The picture before stays.
@@ -109,16 +115,23 @@ impl Renderer {
         if !self.is_stale(viewer) {
             return Ok(false);
         }
-        let samples = if self.gpu.is_software { 1 } else { viewer.options.samples };
-        self.draw_with(viewer, samples).map(|()| true)
+        let quality =
+            if self.gpu.is_software { Quality::hurried(viewer.size()) } else { self.full(viewer.options.samples) };
+        self.draw_with(viewer, quality).map(|()| true)
     }
 
-    /// Draws the state once more with all samples, for what stays as it is.
+    /// Draws the state once more with all pixels and samples, for what stays as it is.
     ///
     /// # Errors
     /// [`RenderError`]. The picture before stays.
     pub fn refine(&mut self, viewer: &Viewer) -> Result<(), RenderError> {
-        self.draw_with(viewer, viewer.options.samples)
+        self.draw_with(viewer, self.full(viewer.options.samples))
+    }
+
+    /// All pixels, with these samples each. With wgpu 30, OpenGL has no depth of several samples that shaders read.
+    fn full(&self, samples: u32) -> Quality {
+        let is_opengl = self.gpu.device.adapter_info().backend == wgpu::Backend::Gl;
+        Quality { samples: if is_opengl { 1 } else { samples }, step: 1 }
     }
 
     /// Draws like [`Self::draw`]. A model that fails is taken out, and every failure becomes the viewer's message. Returns
@@ -163,10 +176,10 @@ impl Renderer {
         self.timer.is_some()
     }
 
-    fn draw_with(&mut self, viewer: &Viewer, samples: u32) -> Result<(), RenderError> {
+    fn draw_with(&mut self, viewer: &Viewer, quality: Quality) -> Result<(), RenderError> {
         let size = viewer.size();
-        if self.canvas.as_ref().is_none_or(|canvas| canvas.size != size || canvas.format.samples != samples) {
-            self.canvas = Some(Canvas::new(&self.resources, size, samples)?);
+        if self.canvas.as_ref().is_none_or(|canvas| !canvas.is_for(size, quality)) {
+            self.canvas = Some(Canvas::new(&self.resources, size, quality)?);
         }
         let Some(canvas) = self.canvas.take() else { return Ok(()) };
         let mut encoder = self.gpu.encoder("view");
@@ -198,7 +211,7 @@ impl Renderer {
         scale: u32,
     ) -> Result<impl Future<Output = Result<Picture, RenderError>> + use<>, RenderError> {
         let size = viewer.size().map(|side| side.saturating_mul(scale));
-        let canvas = Canvas::new(&self.resources, size, 4)?;
+        let canvas = Canvas::new(&self.resources, size, self.full(4))?;
         let copy = gpu::granted(&self.gpu.device, || Copy::new(&self.gpu.device, size));
         let copy = copy.map_err(|why| RenderError::refused(size, why))?;
         let mut encoder = self.gpu.encoder("screenshot");
