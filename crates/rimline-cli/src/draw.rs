@@ -147,7 +147,7 @@ struct DrawnFaces {
 }
 
 impl DrawnFaces {
-    /// Those with finite positions.
+    /// The faces with finite positions.
     fn of(args: &DrawArgs, posed: &PosedInput<'_>, scene: &Scene<'_>, world: &[[f32; 3]]) -> Self {
         let is_drawn = |face: &[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
         let faces = scene.mesh.faces();

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::args::{ShadowArgs, ShadowSceneArgs, method_name};
 use super::casters::Casters;
-use super::casting::CoveredFaces;
+use super::casting::Occlusion;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::shadow_scene::ShadowScene;
 use super::shadows::{Found, each};
@@ -32,7 +32,7 @@ pub(super) struct Report<'a> {
     /// For each file.
     found: Vec<Found>,
     pub(super) all: ShadowStatistics,
-    covered: Option<&'a CoveredFaces>,
+    occlusion: Option<&'a Occlusion>,
     left_out: usize,
     depth: Option<DepthsFound>,
 }
@@ -42,7 +42,7 @@ impl<'a> Report<'a> {
     pub(super) fn read(
         set: &'a ShadowScene<'_>,
         casters: &Casters<'_>,
-        covered: Option<&'a CoveredFaces>,
+        occlusion: Option<&'a Occlusion>,
     ) -> Result<Self, GpuError> {
         let Casters { shadows, .. } = casters;
         Ok(Self {
@@ -50,7 +50,7 @@ impl<'a> Report<'a> {
             adapter: describe(&casters.gpu().info),
             found: shadows.found()?,
             all: shadows.statistics()?,
-            covered,
+            occlusion,
             left_out: shadows.left_out(),
             depth: shadows.depths_found()?,
         })
@@ -103,8 +103,8 @@ impl<'a> Report<'a> {
             "color": light.color,
             "casters": self.files().map(caster).collect::<Vec<_>>(),
         });
-        if let Some(covered) = self.covered.and_then(|covered| covered.found.get(number)) {
-            value["covered"] = occlusion_json(covered.statistics());
+        if let Some(occluded) = self.occlusion.and_then(|occlusion| occlusion.found.get(number)) {
+            value["covered"] = occlusion_json(occluded.statistics());
         }
         if let Some(found) = &self.depth {
             value["depth_map"] = depth_map_json(found, light, samples);
@@ -141,7 +141,7 @@ impl<'a> Report<'a> {
             "undecided_pairs": extraction.map(|all| all.undecided_pairs),
             "overflowed_lists": extraction.map(|all| all.overflowed_lists),
         });
-        if self.covered.is_some() {
+        if self.occlusion.is_some() {
             totals["covered_faces"] = self.left_out.into();
         }
         totals
@@ -177,8 +177,8 @@ impl<'a> Report<'a> {
             }
             lines.line("depth map", value);
         }
-        for covered in self.covered.iter().flat_map(|covered| &covered.found) {
-            let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = covered.statistics();
+        for found in self.occlusion.iter().flat_map(|occlusion| &occlusion.found) {
+            let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = found.statistics();
             let value = format!(
                 "{occluded} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} \
                  before, {sides_left} after"
