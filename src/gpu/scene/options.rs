@@ -30,8 +30,12 @@ pub struct SceneOptions {
     pub measuring: Measuring,
 }
 
-/// Room for the entries of lists. After an overflow a stage or draw processes all edges or faces, so nothing is lost, except
-/// for [`Self::pieces`].
+/// Room for the entries of lists. After an overflow a stage or draw processes all edges or faces, so nothing is lost,
+/// except for [`Self::pieces`].
+///
+/// A polygon is twisted if its loops cross themselves as seen from a light. It is then drawn in pieces of 36 bytes
+/// each: 6 of a quadrilateral, and at most n(n − 2) of a polygon with n edges. By default 131,072 twisted
+/// quadrilaterals lose none with one light, and 4,096 with 32 lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacities {
     /// Entries of the edge list of each light, in each group of casters. `None`: all boundary and inconsistent edges, and a
@@ -43,12 +47,11 @@ pub struct Capacities {
     /// Entries of the list of near caps, and of that of other caps, of each light, in each group of casters. `None`: every
     /// face if every face may have a cap, else a share.
     pub caps: Option<u32>,
-    /// Pieces of twisted polygons of each light, in each caster of polygons, of 36 bytes each; a polygon with n edges
-    /// has at most n(n − 2), and the capacity is never larger than that, or than one binding. Default: `None`, the
-    /// lights of a batch share 1,048,576 and each has one more for each sixteenth edge, so 131,072 twisted
-    /// quadrilaterals lose none with one light, and 4,096 with 32 lights. **Pieces without room are not drawn, and
-    /// shadows are wrong.** If [`ShadowStatistics::lost_pieces`] is not 0, give [`ShadowStatistics::most_pieces`] to
-    /// [`Scene::set_capacities`](crate::gpu::Scene::set_capacities): it loses none.
+    /// Pieces of twisted polygons of each light, in each caster of polygons: never more than there can be, or than fit
+    /// one binding. Default: `None`, the lights of a batch share 1,048,576, and each has one more for each sixteenth
+    /// edge. **Pieces without room are not drawn, and shadows are wrong.** If [`ShadowStatistics::lost_pieces`] is not
+    /// 0, give [`ShadowStatistics::most_pieces`] to [`Scene::set_capacities`](crate::gpu::Scene::set_capacities): it
+    /// loses none.
     ///
     /// [`ShadowStatistics::lost_pieces`]: crate::gpu::ShadowStatistics::lost_pieces
     /// [`ShadowStatistics::most_pieces`]: crate::gpu::ShadowStatistics::most_pieces

@@ -36,11 +36,10 @@ pub struct ShadowFormat {
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
     /// How many low bits of the stencil hold counts: 1 to 8, by default 8; volumes of meshes do not write the others.
-    /// Take fewer if the stencil holds something else, too, such as the parities of depth maps
-    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes)), which **with 8
-    /// bits would change counts**; a surface is then dark where any bit is set. Counts wrap at 2 to the power of this:
-    /// with 7 bits, a point behind 128 casting faces looks lit, see
-    /// [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
+    /// Take fewer if the stencil holds something else, too, such as the parities of
+    /// [`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes): **beside 8 bits
+    /// they would change counts.** Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces
+    /// looks lit, see [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
     /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more, and take the highest
     /// for darkness.
     pub count_bits: u32,
