@@ -22,10 +22,10 @@ pub struct Light {
     pub xyz: [f32; 3],
     /// The homogeneous weight.
     pub w: f32,
-    /// How far the light reaches, in world space: Bergeron's sphere of influence (1986). It must be
-    /// positive. Every constructor sets it to infinity, which means no limit. It changes no facing or silhouette bit. A
-    /// caster farther away throws no shadow volume; see also [`crate::gpu::SceneOptions::end_at_range`]. It has no
-    /// meaning where `w` is 0.
+    /// How far the light reaches, in world space: a positive number, which every constructor sets to infinity, no
+    /// limit. A caster farther away throws no shadow volume (Bergeron's sphere of influence, 1986); see also
+    /// [`crate::gpu::SceneOptions::end_at_range`]. It changes no facing or silhouette bit. It has no meaning where `w`
+    /// is 0.
     pub range: f32,
     /// The cone of a spot light, whose apex is the light, in world space. Nothing outside of it is lit, so a caster outside
     /// throws no shadow volume in a scene. It changes no facing or silhouette bit. It has no meaning where `w` is 0.

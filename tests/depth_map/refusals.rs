@@ -436,13 +436,13 @@ fn made() -> Result<(), String> {
         refused([
             refusal("map 1", encode([&fixed, &large]), size("map 1 of the merge")),
             refusal("map 0", encode([&large, &fixed]), size("map 0 of the merge")),
-            refusal("its own", encode([merge.texture(), &fixed]), is(DepthMapError::OwnResult)),
+            refusal("its own", encode([merge.texture(), &fixed]), is(DepthMapError::MapIsResult)),
             refusal("the same twice", encode([&fixed; 2]), Expected::Taken),
         ])?;
         let mut encode = |texture, light, metric| conversion.encode(encoder, &DepthMap::new(texture, light), metric);
         refused([
             refusal("size", encode(&large, light, ray), size("the map")),
-            refusal("own", encode(conversion.texture(), light, ray), is(DepthMapError::OwnResult)),
+            refusal("own", encode(conversion.texture(), light, ray), is(DepthMapError::MapIsResult)),
             refusal("format", encode(&depth, light, axis), is(format)),
             refusal("light", encode(&right, singular(light), axis), of_light()),
             refusal("light of depths", encode(&right, singular(light), device), of_light()),

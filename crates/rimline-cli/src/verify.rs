@@ -68,8 +68,8 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let path = entry.map_err(unreadable)?.path();
         let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
         // Names that begin with a dot are files in the making.
-        let is_hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if is_archive && !is_hidden {
+        let is_unfinished = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if is_archive && !is_unfinished {
             files.push(path);
         }
     }

@@ -203,7 +203,7 @@ impl WrittenMap {
     /// Refuses a map that cannot be read. Returns its format.
     fn check(&self, map: &wgpu::TextureView, name: &str) -> Result<wgpu::TextureFormat, DepthMapError> {
         let format = check_texture(map.texture(), self.shape.size, name)?;
-        if map.texture() == self.view.texture() { Err(DepthMapError::OwnResult) } else { Ok(format) }
+        if map.texture() == self.view.texture() { Err(DepthMapError::MapIsResult) } else { Ok(format) }
     }
 
     /// Records the stage. `textures`: those that it reads, and the map that it writes, by name. `metric`: that of the map,

@@ -79,14 +79,13 @@ pub struct MaskInputs<'a> {
     pub view: usize,
     /// The lights, in the order of their bits.
     pub lights: &'a [LightHandle],
-    /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level 0 of
-    /// as many layers as the lights need:
+    /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level
+    /// 0 of as many layers as the lights need:
     ///
-    /// * `R8Uint`, `R32Uint`: a bit a light, 8 or 32 of them in a layer. Light `i` is bit `i mod 8` of layer `i div 8`,
-    ///   or bit `i mod 32` of layer `i div 32`. It is 1 if the light is in shadow. Other bits are 0. With several
-    ///   samples, sample 0 counts.
-    /// * `R8Unorm`: a layer a light, the share of the samples of a pixel that are in shadow: 0 or 1, or antialiased if the
-    ///   depth has several samples.
+    /// * `R8Uint`, `R32Uint`: bit `i mod 8` of layer `i div 8`, or bit `i mod 32` of layer `i div 32`, is 1 if light
+    ///   `i` is in shadow, by sample 0 of the depth; other bits are 0.
+    /// * `R8Unorm`: a layer a light, the share of the samples of a pixel that are in shadow: 0 or 1, or antialiased if
+    ///   the depth has several samples.
     pub target: &'a wgpu::Texture,
 }
 

@@ -6,12 +6,12 @@ mod walk;
 use std::cell::RefCell;
 
 use rimline::gpu::{Measuring, SceneOptions};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::casters::Devices;
 use crate::engine::{Contender, Metric, Rounds, Sample, times};
 use crate::gpu::{Stopwatch, beside_draws};
-use crate::record::{Counted, DEPTH, Drawn, FragmentCounter, STENCIL, SceneRecorder, Surfaces, Until};
+use crate::record::{Counted, DEPTH, Drawn, FragmentCounter, STENCIL, SceneRecorder, Setting, Surfaces, Until};
 use crate::row::{Row, Section, Variant, compare};
 use crate::{Error, Host};
 use scenes::SkipScene;
@@ -139,16 +139,20 @@ pub(crate) fn measure(
         scene: scene.name.to_owned(),
         title: scene.title(casters),
         group: scene.name.to_owned(),
-        facts: vec![
-            ("view", json!(scene.view)),
-            ("casters", json!(setting.casters.count())),
-            ("faces", json!(setting.casters.faces())),
-            ("lights", json!(setting.lights.len())),
-            ("pairs_in_range", json!(setting.pairs_in_range)),
-            ("size", json!(size)),
-        ],
+        facts: facts(&scene, &setting, size),
         entries,
     })
+}
+
+fn facts(scene: &SkipScene, setting: &Setting, size: u32) -> Vec<(&'static str, Value)> {
+    vec![
+        ("view", json!(scene.view)),
+        ("casters", json!(setting.casters.count())),
+        ("faces", json!(setting.casters.faces())),
+        ("lights", json!(setting.lights.len())),
+        ("pairs_in_range", json!(setting.pairs_in_range)),
+        ("size", json!(size)),
+    ]
 }
 
 /// Times the stages, on a device on which nothing is drawn.

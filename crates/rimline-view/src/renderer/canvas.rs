@@ -18,7 +18,7 @@ pub(super) struct Quality {
 const MOST_HURRIED: u64 = 1 << 18;
 
 impl Quality {
-    /// What software devices have time for while something moves.
+    /// The quality that software devices have time for while something moves.
     pub(super) fn hurried([width, height]: [u32; 2]) -> Self {
         let pixels = u64::from(width) * u64::from(height);
         Self { samples: 1, step: if pixels > MOST_HURRIED { 2 } else { 1 } }

@@ -238,14 +238,9 @@ impl Renderer {
         Some(read(&self.gpu, copy))
     }
 
-    /// Records the picture of a state onto a canvas. The frame has the counts of what was encoded.
-    fn record(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        viewer: &Viewer,
-        canvas: &Canvas,
-    ) -> Result<SceneFrame, RenderError> {
-        let (gpu, samples, options) = (&self.gpu, canvas.format.samples, &viewer.options);
+    /// Makes models, overlays and pipelines, unless there are those of this state.
+    fn make(&mut self, viewer: &Viewer, samples: u32) -> Result<(), RenderError> {
+        let (gpu, options) = (&self.gpu, &viewer.options);
         if self.models.as_ref().is_none_or(|models| models.made != Made::of(viewer)) {
             self.models = None;
             self.models = Some(Models::new(gpu, &self.resources, &self.normals, viewer)?);
@@ -258,13 +253,25 @@ impl Renderer {
         if !self.pipelines.iter().any(|pipelines| pipelines.samples() == samples) {
             self.pipelines.push(Pipelines::new(gpu, &self.resources, samples)?);
         }
+        let mode = if options.shadows { options.mode } else { Mode::Additive };
+        let pipelines = self.pipelines.iter_mut().find(|pipelines| pipelines.samples() == samples);
+        pipelines.map_or(Ok(()), |pipelines| pipelines.prepare(gpu, &self.resources, options.counting, mode))
+    }
+
+    /// Records the picture of a state onto a canvas. The frame has the counts of what was encoded.
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        viewer: &Viewer,
+        canvas: &Canvas,
+    ) -> Result<SceneFrame, RenderError> {
+        self.make(viewer, canvas.format.samples)?;
+        let (gpu, options) = (&self.gpu, &viewer.options);
         let Self { models: Some(models), pipelines, resources, normals, timer, overlays, .. } = self else {
             unreachable!("the models were made above");
         };
-        let pipelines = pipelines.iter_mut().find(|pipelines| pipelines.samples() == samples);
+        let pipelines = pipelines.iter().find(|pipelines| pipelines.samples() == canvas.format.samples);
         let Some(pipelines) = pipelines else { unreachable!("they were made above") };
-        let mode = if options.shadows { options.mode } else { Mode::Additive };
-        pipelines.prepare(gpu, resources, options.counting, mode)?;
 
         let seen = SeenScene::of(viewer, canvas.size);
         let view = seen.view();

@@ -136,7 +136,7 @@ fn control(svg: &str, scene: &Scene) -> Outcome {
     let (look, ink) = (scene.look([0.5; 2], 1.0, SIDE), render(svg)?);
     let is_free = |&[column, row]: &[usize; 2]| {
         let middle = [column as f64 + 4.0, row as f64];
-        look.is_covered(column, row) && near(middle, 8.0).all(|[column, row]| ink[row * SIDE + column] == 0.0)
+        look.has_face(column, row) && near(middle, 8.0).all(|[column, row]| ink[row * SIDE + column] == 0.0)
     };
     let mut free = (0..SIDE).flat_map(|row| (0..SIDE - 8).map(move |column| [column, row])).filter(is_free);
     let [x, y] = free.next().ok_or("no room for a line")?.map(|at| (at as f64 + 0.5) / PIXELS_PER_MM as f64);
