@@ -127,13 +127,14 @@ fn convex_quad(boundary: PolygonBoundary) -> Convex {
   return convex;
 }
 
-// `chunk.count` is the number of polygons.
+// `chunk.count` is the number of polygons. Workgroups lie in as many rows (y) as they need.
 @compute @workgroup_size(256)
-fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
-  if (id.x >= chunk.count) {
+fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  let polygon = 256u * groups.x * id.y + id.x;
+  if (polygon >= chunk.count) {
     return;
   }
-  let boundary = boundary_of(id.x);
+  let boundary = boundary_of(polygon);
   // The polygon walks each edge both ways. It has no triangles, so no masks, and no edge record names it.
   if (boundary.count == 0u) {
     return;
@@ -149,7 +150,7 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if ((active_bits() & ~(convex.facing | convex.back_facing)) != 0u) {
     // There is room for a record of every polygon. `polygon_turns` writes the other words.
     let record_index = atomicAdd(&undecided[RECORD_COUNT], 1u);
-    atomicStore(&undecided[record_offset(record_index) + POLYGON], id.x);
+    atomicStore(&undecided[record_offset(record_index) + POLYGON], polygon);
     // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y is the number of
     // rows. The reset wrote 1 to z.
     let workgroup = record_index / BOUNDARY_LANES;
