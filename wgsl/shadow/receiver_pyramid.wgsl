@@ -16,16 +16,17 @@
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(2) var<storage, read_write> receivers: array<u32>;
 
+// Depth is read as floats, because OpenGL loads no texels of depth textures.
 #if SAMPLES
-@group(0) @binding(1) var depth_texture: texture_depth_multisampled_2d;
+@group(0) @binding(1) var depth_texture: texture_multisampled_2d<f32>;
 
 fn sample_count() -> u32 { return textureNumSamples(depth_texture); }
-fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample); }
+fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample).x; }
 #else
-@group(0) @binding(1) var depth_texture: texture_depth_2d;
+@group(0) @binding(1) var depth_texture: texture_2d<f32>;
 
 fn sample_count() -> u32 { return 1u; }
-fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0); }
+fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0).x; }
 #endif
 
 // The key of the farthest receiver in a tile. 0: there is none.
