@@ -1,8 +1,8 @@
 //! Typed errors for input that a scene refuses.
 
 use rimline::gpu::{
-    Caster, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_BOUNDARY_EDGES, MeshHandle,
-    PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
+    Caster, CasterHandle, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_BOUNDARY_EDGES,
+    MeshHandle, PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
 };
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_testkit::IDENTITY;
@@ -21,6 +21,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("what_does_not_fit_the_memory_is_a_typed_error", memory),
     ("what_fits_a_new_scene_fits_one_that_grew", grown),
     ("removed_meshes_of_polygons_give_their_memory_back", given_back),
+    ("a_removed_mesh_takes_memory_until_the_next_encode", held),
+    ("more_views_or_groups_than_the_device_allows_are_typed_errors", too_many),
     ("buffers_that_are_destroyed_between_encodes_are_typed_errors", destroyed),
 ];
 
@@ -224,6 +226,74 @@ fn given_back() -> Result<(), String> {
     }
     let all = boxes.iter().try_for_each(|(mesh, positions)| together.add_mesh(mesh, positions).map(drop));
     refused([refusal("all at once", all, shows(&["Device(MemoryLimit"]))])
+}
+
+/// The steps of the last encode bind the page of the mesh.
+fn held() -> Result<(), String> {
+    type Begun = Result<(Scene, MeshHandle, CasterHandle), ShadowError>;
+    let gpu = &*Gpu::shared()?;
+    let set = quad_box(24);
+    let mesh = set.mesh(Weld::Position).map_err(text)?;
+    let begin = |limit: u64| -> Result<Begun, String> {
+        let mut scene = scene(gpu, Some(limit))?;
+        scene.add_light(LIGHT).map_err(text)?;
+        let of_box = match scene.add_mesh(&mesh, &set.positions) {
+            Ok(of_box) => of_box,
+            Err(error) => return Ok(Err(error)),
+        };
+        let caster = scene.insert(Caster::rigid(of_box, IDENTITY)).map_err(text)?;
+        Ok(encoded(gpu, &mut scene, 0)?.map(|()| (scene, of_box, caster)))
+    };
+    // Each step says how much it needs. A little more covers rounding to whole words.
+    let mut limit = 0;
+    let (mut scene, of_box, caster) = loop {
+        match begin(limit)? {
+            Ok(begun) => break begun,
+            Err(ShadowError::Device(DeviceError::MemoryLimit { bytes, .. })) => limit = bytes + 1000,
+            Err(error) => return Err(error.to_string()),
+        }
+    };
+    scene.remove(caster).map_err(text)?;
+    scene.remove_mesh(of_box).map_err(text)?;
+    let limit = format!("limit: {limit}");
+    refused([
+        refusal("beside it", scene.add_mesh(&mesh, &set.positions), shows(&["Device(MemoryLimit", &limit])),
+        refusal("an encode", encoded(gpu, &mut scene, 0)?, Expected::Taken),
+        refusal("in its stead", scene.add_mesh(&mesh, &set.positions), Expected::Taken),
+    ])
+}
+
+fn too_many() -> Result<(), String> {
+    let needs = |subject, needed, there| {
+        let limit = "max_compute_workgroups_per_dimension";
+        is(ShadowError::Device(DeviceError::Limit { subject, limit, needed, there }))
+    };
+    let seen = |workgroups, views| {
+        let gpu = limited(1 << 27, 1 << 28, workgroups)?;
+        let mut scene = scene(&gpu, None)?;
+        let cube = add_cube(&mut scene)?;
+        scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
+        scene.add_light(LIGHT).map_err(text)?;
+        encoded(&gpu, &mut scene, views)
+    };
+    refused([
+        refusal("without a view", seen(16, 0)?, Expected::Taken),
+        refusal("volumes", seen(16, 1)?, needs("drawing shadow volumes or outlines", 32, 16)),
+        refusal("as many views", seen(32, 32)?, Expected::Taken),
+        refusal("a view more", seen(32, 33)?, needs("an encode of so many views", 33, 32)),
+    ])?;
+    // Each caster with a buffer of its own is a group, with a uniform of 256 bytes.
+    let gpu = limited(1 << 16, 1 << 16, 65_535)?;
+    let (rest, _) = cube()?;
+    let mut scene = scene(&gpu, None)?;
+    let cube = add_cube(&mut scene)?;
+    scene.add_light(LIGHT).map_err(text)?;
+    for _ in 0..257 {
+        let positions = PositionBuffer { buffer: &gpu.storage(&rest), offset: 0, stride: 12 };
+        scene.insert(Caster::in_buffer(cube, positions)).map_err(text)?;
+    }
+    let groups = shows(&["Device(BufferTooLarge { label: \"scene dispatches\", bytes: 65792"]);
+    refused([refusal("groups", encoded(&gpu, &mut scene, 0)?, groups)])
 }
 
 /// The layout of the scene stays, and its steps bind a buffer that is gone.

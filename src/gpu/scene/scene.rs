@@ -176,7 +176,7 @@ impl Scene {
     /// The bytes of all buffers.
     pub(super) fn used(&self) -> u64 {
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
-        let last = self.last.as_ref().map_or(0, |last| last.bytes());
+        let last = self.last.as_ref().map_or(0, |last| last.bytes() + last.removed_bytes(&self.content.pages));
         last + volumes + self.deformed_bytes() + self.content.pages.bytes
     }
 

@@ -87,6 +87,12 @@ impl SizedBuffers {
             Allocation { label: "shadow draw lights", bytes: draw_bytes },
         ];
         check_bindings(&of_views, limits.binding)?;
+        // `counting_methods` has a row of workgroups for each view.
+        let (needed, there) = (sizes.views as u64, limits.workgroups);
+        if needed > there {
+            let (subject, limit) = ("an encode of so many views", "max_compute_workgroups_per_dimension");
+            return Err(DeviceError::Limit { subject, limit, needed, there });
+        }
         let account = |sizes: &VolumeSizes, tables: &[UniformTable; 2]| {
             let mut account = Account::default();
             VolumeBuffers::<()>::plan(sizes, tables, |wanted| account.note(&wanted));
