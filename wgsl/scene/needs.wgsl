@@ -64,8 +64,9 @@ fn is_needed(caster: u32) -> bool {
 }
 
 @compute @workgroup_size(64)
-fn needs(@builtin(global_invocation_id) id: vec3<u32>) {
-  if (id.x < frame.casters) {
-    needed_states[id.x] = select(1u, 2u, is_needed(id.x));
+fn needs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  let caster = 64u * groups.x * id.y + id.x;
+  if (caster < frame.casters) {
+    needed_states[caster] = select(1u, 2u, is_needed(caster));
   }
 }
