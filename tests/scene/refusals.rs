@@ -170,9 +170,13 @@ fn memory() -> Result<(), String> {
     let stencil = StencilCounts { count_batches: u32::MAX, ..StencilCounts::default() };
     let mut batches =
         Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { stencil, ..Default::default() }).map_err(text)?;
+    let without_lights = encoded(gpu, &mut batches, 1)?;
     batches.add_light(LIGHT).map_err(text)?;
     let table = shows(&["Device(BindingTooLarge { what: \"shadow draw lights\""]);
-    refused([refusal("batches of casters", encoded(gpu, &mut batches, 1)?, table)])?;
+    refused([
+        refusal("batches without lights, at once", without_lights, Expected::Taken),
+        refusal("batches of casters", encoded(gpu, &mut batches, 1)?, table),
+    ])?;
     // A mesh that one binding does not hold.
     let tight = limited(1 << 16, 1 << 20, 65_535)?;
     let shape = shapes::torus(60, 60, 1.0, 0.4);

@@ -188,7 +188,9 @@ fn shapes(sizes: &VolumeSizes) -> UniformTable {
 
 fn draw_lights(sizes: &VolumeSizes) -> UniformTable {
     let mut draws = UniformTable::default();
-    for count_batch in 0..sizes.options.stencil.count_batches {
+    // Without lights nothing bounds the batches.
+    let count_batches = if sizes.view_lights() > 0 { sizes.options.stencil.count_batches } else { 0 };
+    for count_batch in 0..count_batches {
         for view in 0..sizes.views as u32 {
             for light in 0..sizes.lights as u32 {
                 draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, count_batch });
