@@ -1,8 +1,8 @@
 //! Typed errors for input that a scene refuses.
 
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_BOUNDARY_EDGES,
-    MeshHandle, PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
+    Caster, CasterPositions, DeformError, DeformerOptions, DeviceError, ExtractorError, FrameInputs, LightMask,
+    MAX_BOUNDARY_EDGES, MeshHandle, PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
 };
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_testkit::IDENTITY;
@@ -10,9 +10,11 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
 use rimline_testkit::polygons::{PolygonSet, quad_box};
+use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::shapes;
 
+use crate::crowd::Crowd;
 use crate::random_scene::encoder;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -22,6 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("what_fits_a_new_scene_fits_one_that_grew", grown),
     ("removed_meshes_of_polygons_give_their_memory_back", given_back),
     ("a_removed_mesh_takes_memory_until_the_next_encode", held),
+    ("a_removed_model_takes_memory_until_the_next_encode", held_positions),
     ("more_views_or_groups_than_the_device_allows_are_typed_errors", too_many),
     ("buffers_that_are_destroyed_between_encodes_are_typed_errors", destroyed),
 ];
@@ -137,10 +140,14 @@ fn encoded(gpu: &Gpu, scene: &mut Scene, count: usize) -> Result<Result<(), Shad
     gpu.submit(|encoder| Ok(scene.encode(encoder, FrameInputs::new(&views(count))).map(drop)))
 }
 
+/// The error of a memory limit.
+fn beyond(limit: u64) -> Expected {
+    shows(&["Device(MemoryLimit", &format!("limit: {limit}")])
+}
+
 /// A limit refuses a page, results and views, and what fits is taken afterwards. Bindings refuse meshes and views.
 fn memory() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let beyond = |limit: u64| shows(&["Device(MemoryLimit", &format!("limit: {limit}")]);
     let (positions, mesh) = cube()?;
     // Statistics take memory without content, too.
     let none = encoded(gpu, &mut scene(gpu, Some(0))?, 0)?;
@@ -232,13 +239,28 @@ fn given_back() -> Result<(), String> {
     refused([refusal("all at once", all, shows(&["Device(MemoryLimit"]))])
 }
 
+/// What begins within as little memory as can be, and that memory. Each step says how much it needs; a little more covers
+/// rounding to whole words.
+fn begun<T>(begin: impl Fn(u64) -> Result<Result<T, ShadowError>, String>) -> Result<(T, u64), String> {
+    let mut limit = 0;
+    loop {
+        match begin(limit)? {
+            Ok(begun) => return Ok((begun, limit)),
+            Err(
+                ShadowError::Device(DeviceError::MemoryLimit { bytes, .. })
+                | ShadowError::Deform(DeformError::Device(DeviceError::MemoryLimit { bytes, .. })),
+            ) => limit = bytes + 1000,
+            Err(error) => return Err(error.to_string()),
+        }
+    }
+}
+
 /// The steps of the last encode bind the page of the mesh.
 fn held() -> Result<(), String> {
-    type Begun = Result<(Scene, MeshHandle, CasterHandle), ShadowError>;
     let gpu = &*Gpu::shared()?;
     let set = quad_box(24);
     let mesh = set.mesh(Weld::Position).map_err(text)?;
-    let begin = |limit: u64| -> Result<Begun, String> {
+    let ((mut scene, of_box, caster), limit) = begun(|limit| {
         let mut scene = scene(gpu, Some(limit))?;
         scene.add_light(LIGHT).map_err(text)?;
         let of_box = match scene.add_mesh(&mesh, &set.positions) {
@@ -247,23 +269,36 @@ fn held() -> Result<(), String> {
         };
         let caster = scene.insert(Caster::rigid(of_box, IDENTITY)).map_err(text)?;
         Ok(encoded(gpu, &mut scene, 0)?.map(|()| (scene, of_box, caster)))
-    };
-    // Each step says how much it needs. A little more covers rounding to whole words.
-    let mut limit = 0;
-    let (mut scene, of_box, caster) = loop {
-        match begin(limit)? {
-            Ok(begun) => break begun,
-            Err(ShadowError::Device(DeviceError::MemoryLimit { bytes, .. })) => limit = bytes + 1000,
-            Err(error) => return Err(error.to_string()),
-        }
-    };
+    })?;
     scene.remove(caster).map_err(text)?;
     scene.remove_mesh(of_box).map_err(text)?;
-    let limit = format!("limit: {limit}");
     refused([
-        refusal("beside it", scene.add_mesh(&mesh, &set.positions), shows(&["Device(MemoryLimit", &limit])),
+        refusal("beside it", scene.add_mesh(&mesh, &set.positions), beyond(limit)),
         refusal("an encode", encoded(gpu, &mut scene, 0)?, Expected::Taken),
         refusal("in its stead", scene.add_mesh(&mesh, &set.positions), Expected::Taken),
+    ])
+}
+
+/// And the positions of a model.
+fn held_positions() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let crowd = Crowd::new(1)?;
+    let pose = crowd.pose(&crowd.walkers(&mut Random::new(4962)))?;
+    let insert = |scene: &mut Scene| scene.insert_model(&crowd.model, &pose, DeformerOptions::default());
+    let ((mut scene, model), limit) = begun(|limit| {
+        let mut scene = scene(gpu, Some(limit))?;
+        scene.add_light(LIGHT).map_err(text)?;
+        let model = match insert(&mut scene) {
+            Ok(model) => model,
+            Err(error) => return Ok(Err(error)),
+        };
+        Ok(encoded(gpu, &mut scene, 0)?.map(|()| (scene, model)))
+    })?;
+    scene.remove_model(model).map_err(text)?;
+    refused([
+        refusal("beside it", insert(&mut scene), beyond(limit)),
+        refusal("an encode", encoded(gpu, &mut scene, 0)?, Expected::Taken),
+        refusal("in its stead", insert(&mut scene), Expected::Taken),
     ])
 }
 

@@ -161,6 +161,11 @@ impl Structure {
             .sum()
     }
 
+    /// Whether casters read positions from this buffer.
+    pub(crate) fn binds(&self, positions: &wgpu::Buffer) -> bool {
+        self.position_buffers.contains(positions)
+    }
+
     /// The first caster of a group. A group of polygons has no other.
     pub(crate) fn first_caster<'a>(&self, content: &'a Content, group: usize) -> Option<&'a CasterEntry> {
         let first = self.layout.groups.get(group)?.first;
