@@ -239,7 +239,7 @@ fn given_back() -> Result<(), String> {
     refused([refusal("all at once", all, shows(&["Device(MemoryLimit"]))])
 }
 
-/// What begins within as little memory as can be, and that memory. Each step says how much it needs; a little more covers
+/// A beginning within as little memory as can be, and that memory. Each step says how much it needs; a little more covers
 /// rounding to whole words.
 fn begun<T>(begin: impl Fn(u64) -> Result<Result<T, ShadowError>, String>) -> Result<(T, u64), String> {
     let mut limit = 0;
@@ -279,7 +279,7 @@ fn held() -> Result<(), String> {
     ])
 }
 
-/// And the positions of a model.
+/// They bind the positions of a model, too.
 fn held_positions() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let crowd = Crowd::new(1)?;

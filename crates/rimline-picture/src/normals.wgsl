@@ -21,9 +21,9 @@ struct Piece {
 
 @group(0) @binding(6) var<storage, read_write> pieces: array<Piece>;
 
-// The most faces, and corners, of a piece. src/smoothing.rs has the same.
+// The most faces, and corners, of a piece. crates/rimline-picture/src/smoothing.rs has the same.
 const PIECE: u32 = 4096u;
-// Of 16 million faces at a vertex: more than a binding of llvmpipe holds.
+// 16 million faces at a vertex are more than a binding of llvmpipe holds.
 const MOST_PIECES: u32 = 4096u;
 
 fn position(vertex: u32) -> vec3<f32> {

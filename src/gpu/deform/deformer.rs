@@ -271,8 +271,8 @@ impl Deformer {
         Ok(())
     }
 
-    /// Refuses a bind group without a displacement that has resources, and the other way round; and one that would spoil
-    /// the caller's encoder, which another encoder tells.
+    /// Refuses a bind group without a displacement that has resources, and the other way round. A bind group that would
+    /// spoil the caller's encoder is tried in another one.
     pub(crate) fn check_resources(&self, resources: Option<&wgpu::BindGroup>) -> Result<(), DeformError> {
         if self.has_resources != resources.is_some() {
             return Err(DeformError::Resources);
