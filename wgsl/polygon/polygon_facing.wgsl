@@ -127,13 +127,8 @@ fn convex_quad(boundary: PolygonBoundary) -> Convex {
   return convex;
 }
 
-// `chunk.count` is the number of polygons. Workgroups lie in as many rows (y) as they need.
-@compute @workgroup_size(256)
-fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  let polygon = 256u * groups.x * id.y + id.x;
-  if (polygon >= chunk.count) {
-    return;
-  }
+// Decides polygon `polygon`, or makes a record of it.
+fn decide_polygon(polygon: u32) {
   let boundary = boundary_of(polygon);
   // The polygon walks each edge both ways. It has no triangles, so no masks, and no edge record names it.
   if (boundary.count == 0u) {
@@ -156,6 +151,16 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_wor
     let workgroup = record_index / BOUNDARY_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);
+  }
+}
+
+// `chunk.count` is the number of polygons. An invocation takes several only where the device does not allow one for each.
+@compute @workgroup_size(256)
+fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  let row = 256u * groups.x;
+  // Turns: 1.
+  for (var polygon = row * id.y + id.x; polygon < chunk.count; polygon += row * groups.y) {
+    decide_polygon(polygon);
   }
 }
 

@@ -63,10 +63,12 @@ fn is_needed(caster: u32) -> bool {
   return false;
 }
 
+// An invocation takes several casters only where the device does not allow one for each.
 @compute @workgroup_size(64)
 fn needs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  let caster = 64u * groups.x * id.y + id.x;
-  if (caster < frame.casters) {
+  let row = 64u * groups.x;
+  // Turns: 1.
+  for (var caster = row * id.y + id.x; caster < frame.casters; caster += row * groups.y) {
     needed_states[caster] = select(1u, 2u, is_needed(caster));
   }
 }

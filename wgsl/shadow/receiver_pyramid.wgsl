@@ -51,16 +51,15 @@ fn farthest_key(tile: vec2<u32>) -> u32 {
   return key;
 }
 
-fn write_tile(index: u32) {
-  let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
-  if (index < tiles.x * tiles.y) {
-    receivers[receiver_view.offset + RECEIVERS_HEAD + index] = farthest_key(vec2<u32>(index % tiles.x, index / tiles.x));
-  }
-}
-
+// An invocation takes several tiles only where the device does not allow one for each.
 @compute @workgroup_size(64)
 fn receiver_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  write_tile(id.x + 64u * groups.x * id.y);
+  let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
+  let row = 64u * groups.x;
+  // Turns: 1.
+  for (var index = id.x + row * id.y; index < tiles.x * tiles.y; index += row * groups.y) {
+    receivers[receiver_view.offset + RECEIVERS_HEAD + index] = farthest_key(vec2<u32>(index % tiles.x, index / tiles.x));
+  }
 }
 
 // Stage `receiver_pyramid`: writes the further levels, and the head with the box around all rays from the near rectangle to

@@ -5,7 +5,7 @@ use super::errors::ExtractorError;
 use super::options::MAX_BOUNDARY_EDGES;
 use crate::Mesh;
 use crate::gpu::common::device_error::DeviceError;
-use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::wanted::Wanted;
 use crate::mesh::{Polygons, is_loop};
 use crate::turns::POLYGON_TRIANGLES;
@@ -56,7 +56,7 @@ pub(crate) struct PolygonShape {
     entries: u64,
     /// Pieces of a light that there is room for. 0: none are listed.
     pub(crate) pieces: u32,
-    /// The most workgroups of a dispatch.
+    /// The most workgroups of a dispatch over entries, or over groups of cuts.
     workgroups: u64,
 }
 
@@ -100,8 +100,7 @@ impl PolygonShape {
         let fitting = (binding / 4).saturating_sub(PIECE_COUNTS) / (PIECE_WORDS * lights.max(1) as u64);
         let shared = SHARED_PIECES / lights.max(1) as u64 + boundary_edges as u64 / 16;
         let room = capacity.map_or(shared, u64::from).min(pieces.max(1)).min(fitting);
-        let workgroups = (polygons as u64).div_ceil(WORKGROUP.into()).max(entries);
-        let workgroups = workgroups.max(room.div_ceil(GROUP_CUTS) * lights as u64);
+        let workgroups = entries.max(room.div_ceil(GROUP_CUTS) * lights as u64);
         Self { polygons, entries, pieces: u32::try_from(room).unwrap_or(u32::MAX), workgroups }
     }
 
