@@ -242,10 +242,10 @@ fn table_bytes(inputs: &Inputs<'_>, table: &Table, limits: &DispatchLimits) -> R
     Ok(bytes)
 }
 
-/// Refuses uniforms of more groups and batches than one buffer holds.
+/// Refuses uniforms of more groups and batches than one buffer holds, or offsets of 32 bits select.
 fn check_uniforms(parts: usize, limits: &DispatchLimits) -> Result<(), DeviceError> {
     let bytes = (parts * UniformTable::stride::<SceneDispatch>()) as u64;
-    check(&[Allocation { label: "scene dispatches", bytes }], limits.buffer, None).map(drop)
+    check(&[Allocation { label: "scene dispatches", bytes }], limits.buffer.min(u32::MAX.into()), None).map(drop)
 }
 
 /// The fields that the uniforms of all groups and batches share.

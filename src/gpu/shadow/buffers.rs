@@ -86,7 +86,8 @@ impl SizedBuffers {
             Allocation { label: "lights of views", bytes: view_lights * size_of::<ViewLight>() as u64 },
             Allocation { label: "shadow draw lights", bytes: draw_bytes },
         ];
-        check_bindings(&of_views, limits.binding)?;
+        // Draws select both by offsets of 32 bits.
+        check_bindings(&of_views, limits.binding.min(u32::MAX.into()))?;
         // `counting_methods` has a row of workgroups for each view.
         let (needed, there) = (sizes.views as u64, limits.workgroups);
         if needed > there {
