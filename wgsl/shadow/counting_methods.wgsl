@@ -73,6 +73,8 @@ fn is_outside_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high
   return any(outside) || outside_near;
 }
 
+const LARGEST_HEIGHT: f32 = 3.4028234663852886e38; // The largest f32.
+
 // `ShadowLight::frustum_near`, for ZP+ as published. Nothing of the caster lies before the near end of the frustum. For a
 // point light it is the distance of the caster over that of the farthest point of the near rectangle. For a light at
 // infinity it is the height of the caster over the near plane.
@@ -81,16 +83,18 @@ fn frustum_near_end(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<
     let light_position = to_camera_frame(view, light.light.xyz / light.light.w);
     let farthest = vector_length(max(abs(view.near_min - light_position), abs(view.near_max - light_position)));
     // Above 0 for lights in the box, which the paper does not treat: else nothing would be clipped at the near plane. Below
-    // 1 for casters beyond the near rectangle, of which nothing is in the frustum.
-    return clamp(scale * distance_lower_bound(light, low, high) / farthest, 0.001, 0.99);
+    // 1 for casters beyond the near rectangle, of which nothing is in the frustum. The least where overflow gives no number.
+    let share = scale * distance_lower_bound(light, low, high) / farthest;
+    let is_number = (bitcast<u32>(share) & 0x7fffffffu) <= 0x7f800000u;
+    return select(0.001, clamp(share, 0.001, 0.99), is_number);
   }
   var highest = 0.0;
   for (var index = 0u; index < 8u; index++) {
     let position = box_corner(low, high, index);
     let height = dot_3(view.near_plane.xyz, to_camera_frame(view, position)) + view.near_plane.w;
-    highest = max(
-      highest,
-      light_side(light) * height + SLACK * height_terms(view, abs(to_camera_frame(view, position))));
+    let above = light_side(light) * height + SLACK * height_terms(view, abs(to_camera_frame(view, position)));
+    // A height that overflows may be any.
+    highest = select(LARGEST_HEIGHT, max(highest, above), is_finite(vec3<f32>(above)));
   }
   return select(1.0, highest, highest > 0.0);
 }

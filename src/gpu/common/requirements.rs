@@ -24,7 +24,7 @@ impl Subject {
         [
             "extraction",
             "drawing shadow volumes or outlines",
-            "the shadow depth query",
+            "the query of occluder counts",
             "deformation",
             "volumes from depth maps",
         ][self as usize]

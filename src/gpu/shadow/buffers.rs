@@ -89,7 +89,14 @@ impl SizedBuffers {
             Allocation { label: "lights of views", bytes: view_lights * size_of::<ViewLight>() as u64 },
             Allocation { label: "shadow draw lights", bytes: draw_bytes },
         ];
-        check_bindings(&of_views, limits.binding)?;
+        // Draws select both by offsets of 32 bits.
+        check_bindings(&of_views, limits.binding.min(u32::MAX.into()))?;
+        // `counting_methods` has a row of workgroups for each view.
+        let (needed, there) = (sizes.views as u64, limits.workgroups);
+        if needed > there {
+            let (subject, limit) = ("an encode of so many views", "max_compute_workgroups_per_dimension");
+            return Err(DeviceError::Limit { subject, limit, needed, there });
+        }
         let account = |sizes: &VolumeSizes, tables: &[UniformTable; 3]| {
             let mut account = Account::default();
             VolumeBuffers::<()>::plan(sizes, tables, |wanted| account.note(&wanted));
@@ -194,7 +201,9 @@ fn polygon_parts() -> UniformTable {
 
 fn draw_lights(sizes: &VolumeSizes) -> UniformTable {
     let mut draws = UniformTable::default();
-    for count_batch in 0..sizes.options.stencil.count_batches {
+    // Without lights nothing bounds the batches.
+    let count_batches = if sizes.view_lights() > 0 { sizes.options.stencil.count_batches } else { 0 };
+    for count_batch in 0..count_batches {
         for view in 0..sizes.views as u32 {
             for light in 0..sizes.lights as u32 {
                 draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, count_batch });
