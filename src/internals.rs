@@ -87,11 +87,6 @@ pub mod depth_map {
     }
 }
 
-/// Checks of lists of lights, and the number of their batches.
-pub mod light {
-    pub use crate::light::{batches, check_lights, check_shadow_lights};
-}
-
 /// The list of stages, with their WGSL.
 #[cfg(feature = "gpu")]
 pub mod stages {
@@ -107,24 +102,6 @@ pub mod displace {
     /// The WGSL of the deform stage with this displacement. The caller's source comes first, so its line numbers hold.
     pub fn deform_wgsl(displacement: &Displacement) -> String {
         displacement.deform_wgsl()
-    }
-}
-
-/// The influences of one vertex.
-pub mod model {
-    use std::ops::Range;
-
-    use crate::Influences;
-
-    /// The range of vertex `v`'s entries in [`Influences::joints`] and [`Influences::weights`]. It is empty past the
-    /// last vertex.
-    pub fn influence_range(influences: &Influences, v: usize) -> Range<usize> {
-        influences.range(v)
-    }
-
-    /// The largest number of entries of a vertex.
-    pub fn most_per_vertex(influences: &Influences) -> usize {
-        influences.most_per_vertex()
     }
 }
 

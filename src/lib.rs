@@ -139,7 +139,7 @@ mod turns;
 pub use area::{AreaLight, AreaShape};
 #[cfg(feature = "gpu")]
 pub use displace::{DisplaceError, Displacement};
-pub use light::{Cone, Light, LightError, MAX_LIGHTS};
+pub use light::{Cone, Light, LightError, MAX_LIGHTS, check_lights, check_shadow_lights};
 pub use mesh::{Mesh, MeshError};
 pub use method::Predicate;
 pub use model::{

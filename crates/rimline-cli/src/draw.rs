@@ -6,14 +6,13 @@ mod outline_picture;
 use std::thread::ScopedJoinHandle;
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
-use rimline::internals::cpu::is_finite;
 use rimline::{Mesh, MeshError, wgpu};
 use rimline_picture::{Bounds, Camera, corner_normals};
 use serde_json::json;
 
 use crate::args::DrawArgs;
 use crate::camera::{camera, elevation};
-use crate::coincident::{Coincident, corners};
+use crate::coincident::{Coincident, corners, is_finite};
 use crate::coordinates::add_origin;
 use crate::device::{self, Gpu, GpuError, On as _, Wanted};
 use crate::failure::{DRAW_ON_CPU, Failure, NO_AREA, NO_FINITE_FACE};
@@ -92,7 +91,7 @@ fn draw(
         let world = positions.read(gpu, &scene.shape).on(gpu)?;
 
         progress.step("drawing");
-        let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
+        let is_drawn = |face: &&[u32; 3]| is_finite(&world, face);
         let mut faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
         let colors = if args.plain { None } else { posed.input.corner_colors(&scene.shape) };
         let mut colors = colors.map(|colors| {

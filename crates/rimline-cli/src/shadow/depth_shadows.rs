@@ -3,12 +3,11 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::StageTimer;
 use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
     DepthMapVolumes, DepthMetric, MeshDepth,
 };
-use rimline::internals::layout::ShadowStatistics;
+use rimline::gpu::{ShadowStatistics, StageTimer};
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 use rimline_files::npz::{DepthMapArrays, Depths};
 use rimline_picture::{FacingMasks, plain_texture, view};

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use rimline::cpu::OcclusionStatistics;
-use rimline::internals::layout::ShadowStatistics;
+use rimline::gpu::ShadowStatistics;
 use rimline::{MAX_LIGHTS, Origin};
 use rimline_picture::ShadedLight;
 use serde_json::{Value, json};
