@@ -38,17 +38,6 @@ pub mod shadow {
     }
 }
 
-/// The choice of an [`Origin`](crate::Origin).
-pub mod origin {
-    pub use crate::origin::{bounds, smallest};
-}
-
-/// Welding of colours.
-#[cfg(feature = "gltf")]
-pub mod colors {
-    pub use crate::gltf::colors::{split, welded};
-}
-
 /// Internals of depth maps: the decision on near caps before the map is read, the input of draws, and the error of converted
 /// distances.
 #[cfg(feature = "depth-map")]
