@@ -153,10 +153,8 @@ pub mod cpu {
     pub use crate::cpu::extract::per_edge::per_edge;
     pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
-    pub use crate::cpu::polygon::orientation::Orientation;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
-    pub use crate::cpu::polygon::polygon_pairs::Boundary;
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::*;
