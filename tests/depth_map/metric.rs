@@ -17,8 +17,8 @@ use crate::distances::Measured;
 use crate::maps::maps;
 use crate::parity::device_depth;
 use crate::picture::{Maps, REVERSED, STANDARD, Target, look};
-use crate::scene::{Eye, Rays, vector};
 use crate::stages::camera;
+use rimline_testkit::frames::{Eye, Rays, vector};
 use rimline_testkit::textures::{depth_view, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[

@@ -10,6 +10,7 @@ use rimline::gpu::{DeviceError, PositionBuffer, ShadowError, ShadowFormat};
 use rimline::mesh::Weld;
 use rimline::{CameraError, Light, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::Eye;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::passes::{self, depth_pass};
@@ -19,7 +20,6 @@ use wgpu::TextureFormat;
 
 use crate::metric::aside;
 use crate::picture::{REVERSED, STANDARD, by, contours, differences, look, pipelines};
-use crate::scene::Eye;
 use crate::scene_depth::{Casters, FORMATS, SIDE, map};
 use crate::stages::camera;
 
