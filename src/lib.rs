@@ -53,7 +53,7 @@
 //! ```no_run
 //! # use rimline::{gpu::*, *};
 //! # fn f(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, frame: &SceneFrame, lights: &[LightHandle],
-//! #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), MaskError> {
+//! #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), ShadowError> {
 //! let mut masks = ShadowMasks::new(device)?; // once
 //! frame.write_masks(encoder, &mut masks, &MaskInputs { depth, view: 0, lights, target })?;
 //! # Ok(()) }
