@@ -14,7 +14,7 @@ pub struct DepthMap<'a> {
     /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel,
     /// usage `TEXTURE_BINDING`, and one of these formats: `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`,
     /// `Depth32Float`, `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold;
-    /// [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) makes such a map from distances.
+    /// [`DepthMapTexture`](crate::gpu::depth_map::DepthMapTexture) is such a map of distances, or of two maps.
     ///
     /// Row 0 is at the top, where y is 1 in clip space. NaN and depths at the far end or beyond cast nothing; the far end is
     /// 0 with reversed depth, else 1. Depths before the near end count as depths at the near end.
@@ -165,7 +165,7 @@ pub struct DepthMapOptions {
     /// The boundary moves by four of its steps. Set it for a map of `R32Float` that was copied or merged from
     /// `Depth16Unorm`, which has specks of shadow otherwise.
     pub rounded_to: Option<wgpu::TextureFormat>,
-    /// The quantity that [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) converted the map from. Default:
+    /// The quantity that [`DepthMapTexture`](crate::gpu::depth_map::DepthMapTexture) converted the map from. Default:
     /// [`DepthMetric::Device`], not converted. The boundary moves by the error of the conversion. Set it for a map converted
     /// from distances, which may have specks of shadow otherwise, with reversed depth above all near the far plane.
     pub metric: DepthMetric,
