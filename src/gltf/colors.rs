@@ -104,3 +104,22 @@ impl Colors {
         [&self.faces, &self.vertices].into_iter().flatten().map(|colors| 12 * colors.capacity() as u64).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::GeometryOptions;
+
+    #[test]
+    fn colours_that_are_missing_are_white() {
+        let (red, faces) = ([1.0, 0.0, 0.0], [[0, 1, 2]]);
+        let positions = vec![[0.0; 3], [0.0; 3], [1.0; 3]];
+        let given = Colors { faces: None, vertices: Some(vec![red]) };
+        let mut split = given.clone();
+        split.split_seams(&positions, faces.iter().map(<[u32; 3]>::as_slice));
+        let mean = (2.0_f64 / 3.0) as f32;
+        assert_eq!(split, Colors { faces: Some(vec![[1.0, mean, mean]]), vertices: None });
+        let geometry = Geometry::new(positions, faces.to_vec(), GeometryOptions::default()).expect("a face");
+        assert_eq!(given.welded(&faces, &geometry).vertices, Some(vec![red, WHITE, WHITE]));
+    }
+}
