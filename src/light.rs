@@ -163,6 +163,7 @@ pub enum LightError {
 }
 
 /// Checks a list of lights: at most `limit` of them, all finite, none all zeros, ranges positive, cones with a direction.
+/// Extraction refuses the same; a tool may check what it read before any work.
 ///
 /// # Errors
 /// The first [`LightError`] found.
@@ -190,7 +191,8 @@ pub fn check_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
     Ok(())
 }
 
-/// Checks a list of lights for shadows: as [`check_lights`], and none with a negative weight.
+/// Checks a list of lights for shadows: as [`check_lights`], and none with a negative weight. Scenes and queries refuse the
+/// same.
 ///
 /// # Errors
 /// The first [`LightError`] found.
@@ -213,7 +215,7 @@ pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
 }
 
 /// The number of batches that `lights` lights take: ⌈lights / 32⌉.
-pub const fn batches(lights: usize) -> usize {
+pub(crate) const fn batches(lights: usize) -> usize {
     lights.div_ceil(32)
 }
 

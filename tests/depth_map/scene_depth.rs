@@ -7,6 +7,7 @@ use rimline::gpu::{Caster, CasterHandle, FrameInputs, LightMask, PositionBuffer,
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{DepthDirection, Light, Matrix3x4, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Eye, Rays, vector};
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
@@ -18,7 +19,6 @@ use wgpu::TextureFormat;
 use crate::metric::bits;
 use crate::parity::{device_depth, middle};
 use crate::picture::look;
-use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("the_depth_of_a_scene_is_that_of_its_meshes_and_of_rays", equal),

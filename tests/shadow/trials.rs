@@ -6,12 +6,12 @@ use rimline::Counting;
 use rimline::gpu::Measuring;
 use rimline::internals::layout::ShadowLight;
 
-use crate::classes::{CLASSES, Class};
 use crate::compare::{Compared, Wrong};
 use crate::rays::{self, Truth};
 use crate::render::{Counted, Placing, Renderer};
-use crate::scene::{CENTRE, Frame, SAMPLES};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::{CLASSES, Class};
+use rimline_testkit::frames::{CENTRE, Frame, SAMPLES};
 pub(crate) use rimline_testkit::harness::Test;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};

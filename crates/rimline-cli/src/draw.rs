@@ -6,14 +6,13 @@ mod outline_picture;
 use std::thread::ScopedJoinHandle;
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
-use rimline::internals::cpu::is_finite;
 use rimline::{Mesh, MeshError, wgpu};
 use rimline_picture::{Bounds, Camera, corner_normals};
 use serde_json::json;
 
 use crate::args::DrawArgs;
 use crate::camera::{camera, elevation};
-use crate::coincident::{Coincident, corners};
+use crate::coincident::{Coincident, corners, is_finite};
 use crate::coordinates::add_origin;
 use crate::device::{self, Gpu, GpuError, On as _, Wanted};
 use crate::failure::{DRAW_ON_CPU, Failure, NO_AREA, NO_FINITE_FACE};
@@ -149,7 +148,7 @@ struct DrawnFaces {
 impl DrawnFaces {
     /// The faces with finite positions.
     fn of(args: &DrawArgs, posed: &PosedInput<'_>, scene: &Scene<'_>, world: &[[f32; 3]]) -> Self {
-        let is_drawn = |face: &[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
+        let is_drawn = |face: &[u32; 3]| is_finite(world, face);
         let faces = scene.mesh.faces();
         let colors = if args.plain { None } else { posed.input.corner_colors(&scene.shape) };
         let colors = colors.map(|colors| {

@@ -5,7 +5,7 @@ mod folder;
 
 use std::path::Path;
 
-use rimline::internals::layout::ShadowStatistics;
+use rimline::gpu::ShadowStatistics;
 use serde_json::json;
 
 use crate::camera::swept;

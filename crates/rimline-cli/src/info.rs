@@ -5,8 +5,8 @@ mod seams;
 
 use std::fmt::{Display, Write as _};
 
+use rimline::cpu::{Boundary, Orientation};
 use rimline::gltf::{AnimationInfo, Asset, SceneLight, SceneLightKind, SkippedPrimitives};
-use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::mesh::EdgeCounts;
 use rimline::{Light, Mesh, Origin};
 use rimline_files::Polygons;
@@ -334,7 +334,7 @@ impl PolygonReport {
             };
             report.nonplanar += usize::from(!boundary.is_planar());
             for (counts, light) in report.seen.iter_mut().zip(lights) {
-                let (found, _) = boundary.orientation(light.to_array());
+                let found = boundary.orientation(*light);
                 counts.iter_mut().zip(SEEN).for_each(|(count, (way, ..))| *count += usize::from(found == way));
             }
         }

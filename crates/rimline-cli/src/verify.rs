@@ -8,8 +8,7 @@ use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 
 use rimline::gltf::LoadOptions;
-use rimline::internals::light::check_lights;
-use rimline::{Light, MAX_LIGHTS, Mesh};
+use rimline::{Light, MAX_LIGHTS, Mesh, check_lights};
 use rimline_files::FileError;
 use rimline_files::npz::{self, Arrays, Difference};
 use rimline_models::check::{Bits, Case, Report as DeviceReport, Row, cases};

@@ -19,7 +19,7 @@ pub struct DepthMap<'a> {
     /// A view of one layer, of its depth aspect or its only one: one mip level, one sample a texel, usage
     /// `TEXTURE_BINDING`. Its format is `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`, `Depth32Float`,
     /// `Depth32FloatStencil8`, or `R32Float` with the depths that these would hold
-    /// ([`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) makes such a map from distances). Row 0 is at
+    /// ([`DepthMapTexture`](crate::gpu::depth_map::DepthMapTexture) is such a map of distances, or of two maps). Row 0 is at
     /// the top, where y is 1 in clip space. NaN and depths at the far end or beyond cast nothing (the far end is 0 with
     /// reversed depth, else 1), and depths before the near end count as depths at it.
     pub texture: &'a wgpu::TextureView,
@@ -158,7 +158,7 @@ pub struct DepthMapOptions {
     /// The boundary moves by four of its steps. Set it for a map of `R32Float` that was copied or merged from
     /// `Depth16Unorm`, which has specks of shadow otherwise.
     pub rounded_to: Option<wgpu::TextureFormat>,
-    /// The quantity that [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) converted the map from. Default:
+    /// The quantity that [`DepthMapTexture`](crate::gpu::depth_map::DepthMapTexture) converted the map from. Default:
     /// [`DepthMetric::Device`], not converted. The boundary moves by the error of the conversion. Set it for a map converted
     /// from distances, which may have specks of shadow otherwise, with reversed depth above all near the far plane.
     pub metric: DepthMetric,

@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 
 use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
-use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
-use rimline::internals::cpu::is_finite;
-use rimline::internals::layout::ExtractionStatistics;
+use rimline::gpu::{
+    Extraction, ExtractionStatistics, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer,
+};
 use rimline::mesh::MAX_FACES;
 use rimline::{Displacement, Geometry, Light, Mesh, MeshError, Predicate, ShadowCamera, wgpu};
 use rimline_picture::FacingMasks;
 
+use crate::coincident::is_finite;
 use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
 use crate::input::{Input, Positions, Shape};
@@ -265,7 +266,7 @@ impl<'a> PosedModel<'a> {
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.
     pub(crate) fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
-        let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(self.world[v as usize]));
+        let is_drawn = |face: &&[u32; 3]| is_finite(&self.world, face);
         let mut is_used = vec![false; self.world.len()];
         for &v in self.faces.iter().filter(is_drawn).flatten() {
             is_used[v as usize] = true;

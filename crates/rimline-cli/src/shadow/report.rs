@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use rimline::cpu::OcclusionStatistics;
-use rimline::internals::layout::ShadowStatistics;
+use rimline::gpu::ShadowStatistics;
 use rimline::{MAX_LIGHTS, Origin};
 use rimline_picture::ShadedLight;
 use serde_json::{Value, json};

@@ -6,10 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rimline::cpu::OccludedFaces;
 use rimline::gpu::{
-    Capacities, Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions,
-    ShadowError, StageTimer,
+    Capacities, Caster, CasterHandle, ExtractionStatistics, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame,
+    SceneOptions, ShadowError, ShadowStatistics, StageTimer,
 };
-use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::{Counting, Light, wgpu};
 use rimline_picture::FacingMasks;

@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
 use rimline::gpu::depth_map::DepthMapPipelines;
-use rimline::gpu::{SceneOptions, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use};
-use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::gpu::{
+    ExtractionStatistics, SceneOptions, ShadowFormat, ShadowPipelines, ShadowStatistics, StageTimer, StencilCounts, Use,
+};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::wgpu::{self, TextureFormat};
 use rimline::{Counting, Light, Origin};
