@@ -71,7 +71,7 @@ impl DepthMapTexture {
             let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
             let shape = DepthMapShape { size, blocks, faces: 1, ..DepthMapShape::zeroed() };
             let [merge, convert] = [&DEPTH_MERGE, &DEPTH_METRIC].map(|stage| shared.compute(stage, stage.name, &[]));
-            Ok(Self { merge, convert, shape, view, shared })
+            Ok(Self { shared, merge, convert, shape, view })
         })
     }
 
